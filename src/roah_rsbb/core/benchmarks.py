@@ -1,0 +1,100 @@
+"""What the box knows of each benchmark code by itself, and the types that a configuration is made of.
+
+The configuration files say what a benchmark is called, how long it takes and what the referee scores;
+which codes exist and how a run of each is driven is in the programs, hence here (benchmarks, the table).
+"""
+
+import enum
+from dataclasses import dataclass, field
+from typing import Dict, Tuple
+
+
+class Kind(enum.Enum):
+    """Who drives a run of the benchmark."""
+
+    TASK = "task"  # scored by the referee
+    FUNCTIONALITY = "functionality"  # driven by a benchmarking module: goals, manual operations, score
+    REFEREE_ONLY = "referee only"  # all active robots at once, nothing is sent but the state
+
+
+KINDS: Dict[str, Kind] = {
+    "HGTKMH": Kind.TASK,
+    "HWV": Kind.TASK,
+    "HCFGAC": Kind.TASK,
+    "HOPF": Kind.FUNCTIONALITY,
+    "HNF": Kind.FUNCTIONALITY,
+    "HSUF": Kind.REFEREE_ONLY,
+    "HPPF": Kind.FUNCTIONALITY,
+    "HPFF": Kind.FUNCTIONALITY,
+    "HGMF": Kind.FUNCTIONALITY,
+    "HOMF": Kind.FUNCTIONALITY,
+    "STB": Kind.FUNCTIONALITY,
+}
+
+# In the schedule this stands for every active robot. No team may be called so.
+ALL_TEAMS = "ALL"
+
+
+class ScoreKind(enum.IntEnum):
+    """What values a scoring item takes; the numbers are those of `ZoneScoreGroup` (ROS interface)."""
+
+    BOOL = 0
+    UINT = 1
+
+
+@dataclass(frozen=True)
+class ScoringItem:
+    """One line of the referee's score sheet; `group` and `desc` together are its identity."""
+
+    group: str
+    desc: str
+    kind: ScoreKind
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """One benchmark of the benchmarks file.
+
+    `timeout` (s) ends a goal, and the next one follows; `total_timeout` (s) ends the run. Both count
+    from *start*. A task benchmark has no goals: both are the same unless the file says otherwise.
+    """
+
+    code: str
+    name: str
+    desc: str
+    timeout: float
+    total_timeout: float
+    scoring: Tuple[ScoringItem, ...]
+
+    @property
+    def kind(self) -> Kind:
+        """Who drives a run of this benchmark."""
+        return KINDS[self.code]
+
+
+@dataclass(frozen=True)
+class Event:
+    """One line of a zone's schedule. `team` is `ALL_TEAMS` for a referee-only benchmark."""
+
+    benchmark: Benchmark
+    team: str
+    round: int
+    run: int
+    scheduled: float  # UTC, seconds since 1970
+
+
+@dataclass(frozen=True)
+class ZonePlan:
+    """A zone and its events in the order of their scheduled times; equal times keep the file's order."""
+
+    name: str
+    events: Tuple[Event, ...]
+
+
+@dataclass(frozen=True)
+class Config:
+    """What the three configuration files say. Passwords never show in its `repr`."""
+
+    benchmarks: Dict[str, Benchmark]  # by code
+    passwords: Dict[str, str] = field(repr=False)  # by team
+    zones: Tuple[ZonePlan, ...]
