@@ -1,0 +1,260 @@
+"""The box: all zones, all robots, what the beacon says; the one place where events come in.
+
+Every public method that takes an event takes `now` too, and leaves its effects for `take_effects`. A
+command of the referee that makes no sense raises `Refused` and changes nothing.
+"""
+
+from typing import Callable, Dict, List, Optional
+
+from roah_rsbb.core import effects
+from roah_rsbb.core.benchmarks import Config
+from roah_rsbb.core.clock import ClockWatch, Now, WireTime
+from roah_rsbb.core.commands import COMMANDS, NO_RUN, robot_to_connect
+from roah_rsbb.core.device_commands import NO_WISHES, Wishes
+from roah_rsbb.core.effects import Effect, Level
+from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, RobotReport, TabletState
+from roah_rsbb.core.refused import Refused, did_you_mean
+from roah_rsbb.core.robots import ActiveRobot, ActiveRobots, RobotId
+from roah_rsbb.core.run import Entry, Run, Surroundings
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.watches import Watches
+from roah_rsbb.core.zone import Zone
+
+# So many ports in a row that cannot be opened mean that no port can.
+MAX_PORTS_TRIED = 20
+LAST_PORT = 65535
+
+
+class Box:
+    """The referee, scoring and benchmarking box, without its sockets, clocks and files."""
+
+    def __init__(
+        self,
+        config: Config,
+        settings: Settings,
+        beacon_size: Callable[[Beacon], int],
+        last_port: Optional[int] = None,
+    ) -> None:
+        """`beacon_size`: bytes of the datagram that carries a beacon. `last_port`: the highest private port
+        that this competition ever used, from the record; None: none yet."""
+        self.settings = settings
+        self.robots = ActiveRobots(settings.robot_timeout)
+        self.zones: Dict[str, Zone] = {plan.name: Zone(plan) for plan in config.zones}
+        self.devices = DevicesState()
+        self.tablet = TabletState()
+        self.tablet_heard: Optional[Now] = None
+        self.watches = Watches(settings.listen_duration)
+        self._clock = ClockWatch()
+        self._beacon_size = beacon_size
+        self._last_port = max(settings.rsbb_port, last_port or 0)
+        self._effects: List[Effect] = []
+        self._ports_tried: Dict[str, int] = {}  # by zone, of the run being connected
+        self._left_over: Dict[RobotId, Wishes] = {}
+
+    # -- driving ------------------------------------------------------------------------------------
+
+    def take_effects(self) -> List[Effect]:
+        """What is to be done since the last call, in this order."""
+        taken, self._effects = self._effects, []
+        return taken
+
+    def deadline(self) -> Optional[float]:
+        """Monotonic time (s) at which `tick` must be called at the latest; None: nothing is due."""
+        times = [t for t in (run.deadline() for run in self.runs()) if t is not None]
+        return min(times, default=None)
+
+    def tick(self, now: Now) -> None:
+        """Do what is due by now. Every other event does this first, so that time-outs come in order."""
+        self.watches.start(now)
+        step = self._clock.look(now)
+        if step:
+            self.robots.restart_skews()
+            for run in self.runs():
+                run.link.restart_skew()
+            self._notice(Level.WARNING, self.watches.clock_stepped(now, step))
+        for run in self.runs():
+            run.tick(now)
+
+    # -- looking ------------------------------------------------------------------------------------
+
+    def runs(self) -> List[Run]:
+        """All runs, in the order of the zones."""
+        return [zone.run for zone in self.zones.values() if zone.run is not None]
+
+    def run_of(self, robot_id: RobotId) -> Optional[Run]:
+        """The run that a robot is in; a robot is in one at most in the whole box."""
+        return next((run for run in self.runs() if run.robot == robot_id), None)
+
+    def run_at(self, port: int) -> Optional[Run]:
+        """The run whose private channel has this port."""
+        return next((run for run in self.runs() if run.port == port), None)
+
+    def listening_left(self, now: Now) -> float:
+        """For how many seconds the box still only listens (wire protocol, Timing); 0.0: it transmits."""
+        return self.watches.listening_left(now)
+
+    def beacon(self) -> Beacon:
+        """What the beacon says now."""
+        robots = tuple(BenchmarkingRobot(r.robot.team, r.robot.robot, r.port) for r in self.runs())
+        return Beacon(robots, self.devices, self.tablet)
+
+    def reasons_off(self, now: Now, zone: Zone, command: str) -> List[str]:
+        """Every reason why a command to a zone would be refused now; empty: it is allowed."""
+        return COMMANDS[command].reasons_off(self, zone, now)
+
+    def capacity_off(self, robot: Optional[ActiveRobot]) -> List[str]:
+        """Why there is no room for one more run: ports, or the size of the beacon that lists it."""
+        reasons: List[str] = []
+        if self._last_port >= LAST_PORT:
+            reasons.append("All UDP ports above rsbb_port are used up: restart the competition with a lower rsbb_port")
+        if robot is not None:
+            beacon = self.beacon()
+            entry = BenchmarkingRobot(robot.id.team, robot.id.robot, self._last_port + 1)
+            size = self._beacon_size(beacon._replace(robots=(*beacon.robots, entry)))
+            if size > self.settings.max_datagram:
+                reasons.append(
+                    f"The beacon would have {size} bytes with one more robot, and robots may read only "
+                    f"{self.settings.max_datagram}: end another run first, or raise max_datagram if all robots "
+                    "are known to read more"
+                )
+        return reasons
+
+    # -- the referee --------------------------------------------------------------------------------
+
+    def command(self, now: Now, zone_name: str, command: str) -> None:
+        """Carry out connect, disconnect, start, stop, previous or next; raises `Refused`."""
+        self.tick(now)
+        zone = self.zone(zone_name)
+        reasons = self.reasons_off(now, zone, command)
+        if reasons:
+            raise Refused(reasons)
+        COMMANDS[command].execute(self, zone, now)
+
+    def set_score(self, now: Now, zone_name: str, group: str, desc: str, value: int) -> None:
+        """Mark a scoring item of the run in a zone; raises `Refused`."""
+        self.tick(now)
+        zone = self.zone(zone_name)
+        if zone.run is None:
+            raise Refused([NO_RUN])
+        zone.run.set_score(now, group, desc, value)
+
+    def zone(self, name: str) -> Zone:
+        """The zone of that name; raises `Refused` with the names that there are."""
+        zone = self.zones.get(name)
+        if zone is None:
+            raise Refused([f"no zone '{name}'{did_you_mean(name, self.zones)}"])
+        return zone
+
+    def connect(self, now: Now, zone: Zone) -> None:
+        """Begin a run in a zone whose *connect* is allowed."""
+        robot = robot_to_connect(self, zone, now)
+        assert robot is not None, "connect was checked before"
+        self._ports_tried[zone.name] = 0
+        self._open_run(now, zone, robot)
+
+    def leave(self, now: Now, zone: Zone) -> None:
+        """Disconnect the run in a zone."""
+        run = zone.run
+        assert run is not None, "disconnect was checked before"
+        self._left_over[run.robot] = run.devices.wishes
+        run.close(now)
+        zone.leave(self.settings.auto_next)
+        self._emit(effects.SendBeacon())
+
+    def _open_run(self, now: Now, zone: Zone, robot: ActiveRobot) -> None:
+        self._last_port += 1
+        left_over = self._left_over.get(robot.id, NO_WISHES)
+        entry = Entry(zone.name, zone.event, robot.id, self._last_port, left_over)
+        self._emit(effects.PortTaken(entry.port))
+        self._emit(effects.OpenChannel(entry.port, robot.id.team, robot.id.robot, robot.host))
+        zone.run = Run(entry, self.settings, Surroundings(self._emit, self._show_map), now)
+        self._emit(effects.SendBeacon())
+
+    # -- the network --------------------------------------------------------------------------------
+
+    def on_channel_failed(self, now: Now, port: int, error: str) -> None:
+        """The channel on `port` could not be opened: take the next port, or give the run up."""
+        run = self.run_at(port)
+        if run is None:
+            return
+        zone = self.zones[run.zone]
+        self._notice(Level.WARNING, f"UDP port {port} cannot be used for the private channel: {error}", zone.name)
+        run.close(now)
+        zone.run = None
+        self._ports_tried[zone.name] += 1
+        robot = self.robots.find(run.robot)
+        if robot is None or self._ports_tried[zone.name] >= MAX_PORTS_TRIED or self._last_port >= LAST_PORT:
+            self._notice(Level.ERROR, "No private channel could be opened: the run was not begun", zone.name)
+            self._emit(effects.SendBeacon())
+            return
+        self._open_run(now, zone, robot)
+
+    def on_robot_beacon(self, now: Now, host: str, team: str, robot: str, time: WireTime) -> None:
+        """A RobotBeacon arrived from `host`."""
+        self.tick(now)
+        robot_id = RobotId(team, robot)
+        known = self.robots.find(robot_id)
+        heard = self.robots.hear(now, robot_id, host, time)
+        text = None
+        if heard is None:
+            text = self.watches.not_listed(now, host)
+        elif known is None:
+            self._notice(Level.INFO, f"Robot {robot_id} is active at {host}")
+        elif heard.has_rival(now):
+            text = self.watches.rivals(now, robot_id, heard.host, heard.rival or "")
+        if text:
+            self._notice(Level.WARNING, text)
+
+    def on_robot_report(self, now: Now, port: int, host: str, report: RobotReport) -> None:
+        """A RobotState arrived on the private channel `port` from `host`."""
+        self.tick(now)
+        run = self.run_at(port)
+        if run is not None and run.on_report(now, host, report):
+            self.robots.hear(now, run.robot, host, report.time, certain=True)
+
+    def on_unreadable(self, now: Now, port: int, host: str, cause: str) -> None:
+        """A datagram that could not be read arrived on the private channel `port`."""
+        run = self.run_at(port)
+        if run is not None:
+            run.link.on_bad_datagram(now, host, cause)
+
+    def on_foreign_box(self, now: Now, host: str) -> None:
+        """Another box's beacon (or state on a private channel) arrived from `host`."""
+        self.tick(now)
+        if self.listening_left(now) > 0:
+            self._emit(effects.GiveUp(
+                f"Another RSBB is running at {host}: stop that one, or give this one another rsbb_host or rsbb_port"
+            ))
+            return
+        text = self.watches.foreign_box(now, host)
+        if text:
+            self._notice(Level.ERROR, text)
+
+    def on_tablet(self, now: Now, tablet: TabletState) -> None:
+        """A TabletBeacon arrived; which view it shows is not its to say."""
+        self.tick(now)
+        self.tablet_heard = now
+        self._set_tablet(tablet._replace(display_map=self.tablet.display_map))
+
+    def on_devices(self, now: Now, devices: DevicesState) -> None:
+        """The devices told their state."""
+        self.tick(now)
+        if devices != self.devices:
+            self.devices = devices
+            self._emit(effects.SendBeacon())
+
+    def _show_map(self, display_map: bool) -> None:
+        self._set_tablet(self.tablet._replace(display_map=display_map))
+
+    def _set_tablet(self, tablet: TabletState) -> None:
+        if tablet != self.tablet:
+            self.tablet = tablet
+            self._emit(effects.SendBeacon())
+
+    # -- shared -------------------------------------------------------------------------------------
+
+    def _emit(self, effect: Effect) -> None:
+        self._effects.append(effect)
+
+    def _notice(self, level: Level, text: str, zone: str = "") -> None:
+        self._emit(effects.Notice(level, text, zone))

@@ -1,0 +1,55 @@
+"""Time as the core is told it: two clocks, and a watch on the steps of one of them.
+
+Durations use the monotonic clock; what is shown, logged or sent is UTC (architecture, rule 4). The
+core never asks a clock: every method that needs the time takes a `Now`.
+"""
+
+import time
+from typing import NamedTuple, Optional, Tuple
+
+# A wire time: whole seconds and nanoseconds since 1970, UTC. Both may be any int64, also negative.
+WireTime = Tuple[int, int]
+
+# The offset between both clocks moves by this much in one look only if UTC was set by somebody:
+# NTP slews by at most 0.5 ms a second.
+STEP_S = 0.05
+
+
+class Now(NamedTuple):
+    """One moment on both clocks, in seconds."""
+
+    mono: float
+    utc: float
+
+    def later(self, seconds: float) -> "Now":
+        """The moment `seconds` after this one, if nobody sets a clock in between."""
+        return Now(self.mono + seconds, self.utc + seconds)
+
+
+def wire_ns(wire_time: WireTime) -> int:
+    """A wire time as nanoseconds, exactly; any int64 pair is allowed."""
+    return wire_time[0] * 1_000_000_000 + wire_time[1]
+
+
+def wire_seconds(wire_time: WireTime) -> float:
+    """A wire time as seconds, with a float's precision (a quarter of a microsecond today)."""
+    return wire_ns(wire_time) / 1e9
+
+
+def clock_text(utc: float) -> str:
+    """A UTC time for the referee's eyes, e.g. ``14:03:59Z``."""
+    return time.strftime("%H:%M:%SZ", time.gmtime(utc))
+
+
+class ClockWatch:
+    """Notices when the box's own UTC clock is stepped, by comparing it with the monotonic one."""
+
+    def __init__(self) -> None:
+        self._offset: Optional[float] = None
+
+    def look(self, now: Now) -> float:
+        """Return by how many seconds UTC was stepped since the last look (0.0: it was not)."""
+        offset = now.utc - now.mono
+        step = 0.0 if self._offset is None else offset - self._offset
+        self._offset = offset
+        return step if abs(step) > STEP_S else 0.0

@@ -1,0 +1,141 @@
+"""The referee's commands: for each, every reason why it is refused now, and what it does.
+
+The same reasons that switch a panel's button off refuse the command itself, because the state may have
+changed since the panel was drawn.
+"""
+
+from typing import TYPE_CHECKING, Callable, Dict, List, NamedTuple, Optional
+
+from roah_rsbb.core.benchmarks import Kind
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.robots import ActiveRobot
+from roah_rsbb.core.run import EndReason, Phase
+from roah_rsbb.core.skew import skew_text, within
+from roah_rsbb.core.zone import Zone
+from roah_rsbb.states import RobotState
+
+if TYPE_CHECKING:  # the box holds the commands, not the other way round
+    from roah_rsbb.core.box import Box
+
+DISCONNECT_FIRST = "A run is connected: disconnect it first"
+NO_RUN = "No run is connected: press connect first"
+
+
+class Command(NamedTuple):
+    """A command to a zone."""
+
+    reasons_off: Callable[["Box", Zone, Now], List[str]]
+    execute: Callable[["Box", Zone, Now], None]
+
+
+# -- connect --------------------------------------------------------------------------------------
+
+
+def robot_to_connect(box: "Box", zone: Zone, now: Now) -> Optional[ActiveRobot]:
+    """The team's robot that *connect* would take: one that is in no run, heard just now, longest known."""
+    for robot in box.robots.of_team(now, zone.event.team):
+        if box.run_of(robot.id) is None:
+            return robot
+    return None
+
+
+def _connect_off(box: "Box", zone: Zone, now: Now) -> List[str]:
+    if zone.run is not None:
+        return ["Already connected"]
+    reasons: List[str] = []
+    listening = box.listening_left(now)
+    if listening > 0:
+        reasons.append(f"The box is still listening for another box, for {listening:.0f} s")
+    kind = zone.event.benchmark.kind
+    if kind is Kind.FUNCTIONALITY:
+        reasons.append(f"No benchmarking module for {zone.event.benchmark.code} is connected")
+    elif kind is Kind.REFEREE_ONLY:
+        reasons.append(f"{zone.event.benchmark.code} needs all robots at once, which this box does not run")
+        return reasons
+    return reasons + _robot_off(box, zone, now) + box.capacity_off(robot_to_connect(box, zone, now))
+
+
+def _robot_off(box: "Box", zone: Zone, now: Now) -> List[str]:
+    team = zone.event.team
+    robot = robot_to_connect(box, zone, now)
+    if robot is None:
+        busy = [(r, box.run_of(r.id)) for r in box.robots.of_team(now, team)]
+        if not busy:
+            return [f"No robot of team {team} is active: none of its beacons arrives on UDP port "
+                    f"{box.settings.rsbb_port}"]
+        return [f"Robot {r.id} is in a run in zone {run.zone}" for r, run in busy if run is not None]
+    skew = robot.skew.seconds
+    if within(skew, box.settings.allowed_skew):
+        return []
+    if skew is None:
+        return [f"Clock skew of robot {robot.id} is not known yet"]
+    return [f"Clock skew of robot {robot.id} is {skew_text(skew)}, it must be below "
+            f"{box.settings.allowed_skew:.3f} s: synchronise the robot's clock"]
+
+
+# -- start, stop, disconnect ----------------------------------------------------------------------
+
+
+def _start_off(box: "Box", zone: Zone, now: Now) -> List[str]:
+    run = zone.run
+    if run is None:
+        return [NO_RUN]
+    if run.phase is Phase.RUNNING:
+        return ["Already started"]
+    reasons: List[str] = []
+    if run.end_reason is EndReason.TIMEOUT:
+        reasons.append("The run ended by timeout: disconnect, and connect for a new run")
+    elif run.clock.is_over(now):
+        reasons.append("The run's time is up (it went on after the stop): disconnect, and connect for a new run")
+    link = run.link
+    if link.last is None:
+        reasons.append("Robot has not answered on the private channel yet")
+        return reasons + [w for w in link.warnings(now) if w not in reasons]
+    if link.is_silent(now):
+        reasons.extend(link.warnings(now)[:1])
+    if not link.times_valid:
+        skew = "not known" if link.skew is None else skew_text(link.skew)
+        reasons.append(f"Clock skew of the robot is {skew}, it must be below "
+                       f"{box.settings.allowed_skew:.3f} s: synchronise the robot's clock")
+    if link.robot_state is not RobotState.STOP:
+        reasons.append(f"Robot has not stopped yet: it reports {link.last.state.name}")
+    return reasons
+
+
+def _stop_off(box: "Box", zone: Zone, now: Now) -> List[str]:
+    return [] if zone.run is not None else ["No run is connected: there is nothing to stop"]
+
+
+def _stop(box: "Box", zone: Zone, now: Now) -> None:
+    """The first press ends the run, the second one leaves it."""
+    if zone.run.phase is Phase.RUNNING:
+        zone.run.stop(now)
+    else:
+        box.leave(now, zone)
+
+
+def _disconnect_off(box: "Box", zone: Zone, now: Now) -> List[str]:
+    return [] if zone.run is not None else ["No run is connected"]
+
+
+# -- previous, next -------------------------------------------------------------------------------
+
+
+def _previous_off(box: "Box", zone: Zone, now: Now) -> List[str]:
+    off = [DISCONNECT_FIRST] if zone.run is not None else []
+    return off + (["This is the zone's first event"] if zone.at_first else [])
+
+
+def _next_off(box: "Box", zone: Zone, now: Now) -> List[str]:
+    off = [DISCONNECT_FIRST] if zone.run is not None else []
+    return off + (["This is the zone's last event"] if zone.at_last else [])
+
+
+COMMANDS: Dict[str, Command] = {
+    "connect": Command(_connect_off, lambda box, zone, now: box.connect(now, zone)),
+    "disconnect": Command(_disconnect_off, lambda box, zone, now: box.leave(now, zone)),
+    "start": Command(_start_off, lambda box, zone, now: zone.run.start(now)),
+    "stop": Command(_stop_off, _stop),
+    "previous": Command(_previous_off, lambda box, zone, now: zone.move(-1)),
+    "next": Command(_next_off, lambda box, zone, now: zone.move(1)),
+}

@@ -1,0 +1,124 @@
+"""What the core wants done: the effects that its methods leave behind, in the order to carry out.
+
+The core itself does no I/O (architecture, rule 1). Whoever drives it calls `Box.take_effects` after
+each event and carries them out one after the other; what must be on record comes before what leaves
+the box because of it (rule 5).
+"""
+
+import enum
+from typing import NamedTuple, Optional, Union
+
+from roah_rsbb.core.messages import BoxMessage
+
+
+class How(enum.Enum):
+    """When a BoxMessage leaves (wire protocol, Channels, Timing)."""
+
+    CHANGE = "at once, then the burst"
+    REPLY = "at once, one extra time"
+    QUIET = "with the next regular one"
+
+
+class PortTaken(NamedTuple):
+    """Keep on record that this private port is used up, for the whole competition."""
+
+    port: int
+
+
+class OpenChannel(NamedTuple):
+    """Open a private channel. If that fails, call `Box.on_channel_failed`."""
+
+    port: int
+    team: str
+    robot: str
+    host: Optional[str]  # where the robot's beacon came from
+
+
+class AimChannel(NamedTuple):
+    """From now on send to this host: the robot's address became certain, or changed."""
+
+    port: int
+    host: str
+
+
+class CloseChannel(NamedTuple):
+    """Close a private channel without a last message."""
+
+    port: int
+
+
+class SendState(NamedTuple):
+    """The message that the channel on `port` sends from now on."""
+
+    port: int
+    message: BoxMessage
+    how: How
+
+
+class SendBeacon(NamedTuple):
+    """Something in the beacon changed: send it at once, not only at the next full second."""
+
+
+class TimeoutRung(NamedTuple):
+    """A run ended by timeout: tell everybody (topic /timeout)."""
+
+    zone: str
+
+
+class SetDevice(NamedTuple):
+    """A robot in HCFGAC commands a device."""
+
+    zone: str
+    device: str  # switch_1, switch_2, switch_3, dimmer or blinds
+    value: int  # switches 0 or 1, the others per cent
+
+
+class RunOpened(NamedTuple):
+    """A run begins: open its log."""
+
+    port: int  # identifies the run in the whole competition
+    team: str
+    round: int
+    run: int
+
+
+class RunLogged(NamedTuple):
+    """An entry of the run log: see `roah_rsbb.core.run_log` for topics and their kinds of value."""
+
+    port: int
+    topic: str
+    value: object
+
+
+class RunClosed(NamedTuple):
+    """A run is over and left: close its log."""
+
+    port: int
+
+
+class Level(enum.IntEnum):
+    """How much a notice matters."""
+
+    INFO = 1
+    WARNING = 2
+    ERROR = 3
+
+
+class Notice(NamedTuple):
+    """A line for the log of the node (and of the zone, if one is named)."""
+
+    level: Level
+    text: str
+    zone: str = ""
+
+
+class GiveUp(NamedTuple):
+    """This box must not run: say why and end the process for good."""
+
+    reason: str
+
+
+Effect = Union[
+    PortTaken, OpenChannel, AimChannel, CloseChannel, SendState, SendBeacon, TimeoutRung, SetDevice,
+    RunOpened, RunLogged, RunClosed, Notice, GiveUp,
+]

@@ -1,0 +1,157 @@
+"""What the box knows of the robot at the other end of a private channel.
+
+Staleness, skew, silence and clock steps are judged here; what they mean for the run is decided in
+`roah_rsbb.core.run`.
+"""
+
+from typing import List, NamedTuple, Optional
+
+from roah_rsbb.core.clock import Now, wire_ns, wire_seconds
+from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.core.skew import SkewEstimate, skew_text, within
+from roah_rsbb.core.timeline import Timeline, Verdict
+from roah_rsbb.states import RobotState
+
+# A robot sends every second: after this long without a message something is wrong.
+SILENT_S = 3.0
+# A forward step of the robot's clock shows as a sudden rise of the skew: nothing else makes it larger.
+JUMP_S = 0.1
+# One late message alone would look like a robot behind whose clock then jumps: ask for this many.
+SURE_SAMPLES = 3
+# For this long a warning about a single event stays before the referee's eyes.
+REMEMBER_S = 30.0
+# A datagram that could not be read matters as long as nothing good came since, and this long.
+BAD_S = 10.0
+
+
+class Heard(NamedTuple):
+    """What one message meant."""
+
+    fresh: bool
+    new_host: bool
+    state_changed: bool
+    notices: List[str]
+
+
+STALE = Heard(False, False, False, [])
+
+
+class RobotLink:
+    """One robot's messages on its private channel."""
+
+    def __init__(self, allowed_skew: float) -> None:
+        self._allowed_skew = allowed_skew
+        self._timeline = Timeline()
+        self._skew = SkewEstimate()
+        self._opened: Optional[Now] = None
+        self._told_silent = False
+        self._told_invalid = False
+        self._step: Optional[str] = None
+        self._step_mono = 0.0
+        self._bad: Optional[str] = None
+        self._bad_mono = 0.0
+        self.host: Optional[str] = None
+        self.last: Optional[RobotReport] = None
+        self.last_heard: Optional[Now] = None
+
+    @property
+    def skew(self) -> Optional[float]:
+        """The robot's clock minus the box's, in seconds; None: not known."""
+        return self._skew.seconds
+
+    @property
+    def times_valid(self) -> bool:
+        """Whether times in the robot's messages mean anything: only within the allowed skew (manual, section 1)."""
+        return within(self.skew, self._allowed_skew)
+
+    @property
+    def robot_state(self) -> Optional[RobotState]:
+        """What the robot last reported; None: nothing yet."""
+        return None if self.last is None else self.last.state
+
+    @property
+    def messages_saved(self) -> int:
+        """Messages of offline data that the robot says it saved."""
+        return 0 if self.last is None else self.last.messages_saved
+
+    def hear(self, now: Now, host: str, report: RobotReport) -> Heard:
+        """Judge a message that arrived from `host`, and remember it if it is fresh."""
+        verdict = self._timeline.judge(now.mono, wire_ns(report.time))
+        if verdict in (Verdict.DUPLICATE, Verdict.STALE):
+            return STALE
+        notices = self._note_clock(now, verdict, report)
+        new_host = host != self.host
+        if new_host and self.host is not None:
+            notices.append(f"Robot's address changed from {self.host} to {host}")
+        state_changed = report.state != self.robot_state
+        self.host, self.last, self.last_heard = host, report, now
+        self._told_silent = False
+        self._bad = None
+        return Heard(True, new_host, state_changed, notices)
+
+    def on_bad_datagram(self, now: Now, host: str, cause: str) -> None:
+        """Something arrived from `host` that could not be read; `cause` is what it likely means."""
+        self._bad, self._bad_mono = f"Unreadable datagrams from {host}: {cause}", now.mono
+
+    def restart_skew(self) -> None:
+        """The box's clock was set: all samples so far mean nothing."""
+        self._skew.restart()
+
+    def tick(self, now: Now) -> List[str]:
+        """Notices that are due because time went by."""
+        if self._opened is None:
+            self._opened = now
+        if self.is_silent(now) and not self._told_silent:
+            self._told_silent = True
+            return [self._silence_text(now)]
+        return []
+
+    def is_silent(self, now: Now) -> bool:
+        """Whether the robot should have been heard by now."""
+        since = self.last_heard if self.last_heard is not None else self._opened
+        return since is not None and now.mono - since.mono > SILENT_S
+
+    def warnings(self, now: Now) -> List[str]:
+        """What the referee should know of the robot and its link right now."""
+        found: List[str] = []
+        if self.is_silent(now):
+            found.append(self._silence_text(now))
+        if self._bad is not None and now.mono - self._bad_mono <= BAD_S:
+            found.append(self._bad)
+        if self.last is not None and not self.times_valid and self.skew is not None:
+            found.append(
+                f"Robot's times are INVALID: clock skew {skew_text(self.skew)}, "
+                f"allowed are {self._allowed_skew:.3f} s: synchronise the robot's clock"
+            )
+        if self._step is not None and now.mono - self._step_mono <= REMEMBER_S:
+            found.append(self._step)
+        return found
+
+    def _silence_text(self, now: Now) -> str:
+        if self.last_heard is None:
+            return "Robot has not answered on the private channel yet"
+        return f"No message from the robot for {now.mono - self.last_heard.mono:.0f} s"
+
+    def _note_clock(self, now: Now, verdict: Verdict, report: RobotReport) -> List[str]:
+        """Take the skew sample; return what is to be said of it."""
+        sample = wire_seconds(report.time) - now.utc
+        before = self.skew
+        step = None
+        if verdict is Verdict.CLOCK_SET_BACK:
+            amount = "" if before is None else f" by {before - sample:.3f} s"
+            step = f"Robot's clock was set back{amount}"
+        elif before is not None and self._skew.count >= SURE_SAMPLES and sample - before > JUMP_S:
+            step = f"Robot's clock jumped forward by {sample - before:.3f} s"
+        if step is not None:
+            self._step, self._step_mono = step, now.mono
+            self._skew.restart()
+        self._skew.sample(now.mono, sample)
+        return ([step] if step is not None else []) + self._note_validity()
+
+    def _note_validity(self) -> List[str]:
+        if self.times_valid == (not self._told_invalid):
+            return []
+        self._told_invalid = not self.times_valid
+        if self._told_invalid:
+            return [f"Robot's times are invalid from here on: clock skew {skew_text(self.skew or 0.0)}"]
+        return [f"Robot's times are valid again: clock skew {skew_text(self.skew or 0.0)}"]

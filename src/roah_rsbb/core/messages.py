@@ -1,0 +1,111 @@
+"""What comes in and goes out, as the core sees it: plain values, no protobuf.
+
+The node's glue turns datagrams and ROS messages into these and back. Numbers and names are those of
+the wire protocol, Messages.
+"""
+
+import json
+from typing import NamedTuple, Optional, Tuple
+
+from roah_rsbb.core.clock import WireTime
+from roah_rsbb.states import BoxState, RobotState
+
+NEVER: WireTime = (0, 0)
+
+
+class RobotReport(NamedTuple):
+    """One RobotState, decoded. `None` and `()` mean that the robot sent no such field."""
+
+    time: WireTime
+    messages_saved: int
+    state: RobotState
+    notifications: Tuple[str, ...] = ()
+    activation_event: Tuple[str, ...] = ()
+    visitor: Tuple[str, ...] = ()
+    final_command: Tuple[str, ...] = ()
+    switch_1: Optional[bool] = None
+    switch_2: Optional[bool] = None
+    switch_3: Optional[bool] = None
+    dimmer: Optional[int] = None  # per cent, unchecked
+    blinds: Optional[int] = None  # per cent, unchecked
+    display_map: Optional[bool] = None
+    generic_result: Optional[str] = None
+    object_class: Optional[str] = None
+    object_name: Optional[str] = None
+    object_pose_x: Optional[float] = None  # metres
+    object_pose_y: Optional[float] = None  # metres
+    object_pose_theta: Optional[float] = None  # radians
+
+    def lines(self) -> str:
+        """The fields that were sent, as YAML lines for the run log."""
+        return "\n".join(
+            f"{name}: {_yaml(value)}"
+            for name, value in zip(self._fields, self)
+            if value is not None and value != ()
+        )
+
+
+class BoxMessage(NamedTuple):
+    """The BenchmarkState that the box is sending on a private channel."""
+
+    benchmark: str  # code, e.g. HGTKMH
+    state: BoxState
+    acknowledgement: WireTime = NEVER  # `time` of the last RobotState
+
+    def lines(self) -> str:
+        """The message as YAML lines for the run log."""
+        return (
+            f"benchmark: {self.benchmark}\nstate: {self.state.name}\n"
+            f"acknowledgement: {_yaml(self.acknowledgement)}"
+        )
+
+
+class DevicesState(NamedTuple):
+    """State of the home devices, as the beacon carries it."""
+
+    bell: WireTime = NEVER  # last ring
+    switch_1: bool = False
+    switch_2: bool = False
+    switch_3: bool = False
+    dimmer: int = 0  # per cent
+    blinds: int = 0  # per cent
+    door_win_detect: bool = False
+
+
+class TabletState(NamedTuple):
+    """State of the tablet, as the beacon carries it."""
+
+    display_map: bool = False  # False: call button
+    call_time: WireTime = NEVER
+    position_time: WireTime = NEVER
+    position_x: float = 0.0  # metres
+    position_y: float = 0.0  # metres
+
+
+class BenchmarkingRobot(NamedTuple):
+    """A robot in a run, as the beacon lists it."""
+
+    team: str
+    robot: str
+    port: int
+
+
+class Beacon(NamedTuple):
+    """The box's RoahRsbbBeacon."""
+
+    robots: Tuple[BenchmarkingRobot, ...]
+    devices: DevicesState
+    tablet: TabletState
+
+
+def _yaml(value: object) -> str:
+    """A value as one line of flow-style YAML (JSON's subset of it)."""
+    if isinstance(value, (BoxState, RobotState)):
+        return value.name
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, tuple):
+        return "[" + ", ".join(_yaml(item) for item in value) + "]"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    return str(value)

@@ -1,0 +1,39 @@
+"""Online data: strings that a robot keeps sending until they are acknowledged.
+
+The box logs a string once; it logs the same text again only after a message that did not contain it
+came in between (wire protocol, Repeated strings). Only fresh messages may be put in.
+"""
+
+from typing import FrozenSet, Iterable, List
+
+
+class RepeatedStrings:
+    """One field of repeated strings of one robot on one channel."""
+
+    def __init__(self) -> None:
+        self._last: FrozenSet[str] = frozenset()
+
+    def receive(self, texts: Iterable[str]) -> List[str]:
+        """Take one message's strings; return those that are new, in their order."""
+        unique = dict.fromkeys(texts)
+        new = [text for text in unique if text not in self._last]
+        self._last = frozenset(unique)
+        return new
+
+
+class DisplayText:
+    """Lines for a panel, of which only the last characters are kept (`display_log_size`)."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self.text = ""
+
+    def add(self, line: str) -> None:
+        """Append a line; what no longer fits goes, a whole line at a time where possible."""
+        text = f"{self.text}{line}\n"
+        if len(text) > self._size:
+            text = text[len(text) - self._size:]
+            cut = text.find("\n")
+            # The line itself may be longer than everything: then its end is kept.
+            text = text[cut + 1:] if 0 <= cut < len(text) - 1 else text
+        self.text = text

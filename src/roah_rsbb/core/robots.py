@@ -1,0 +1,108 @@
+"""Active robots: who was heard within `robot_timeout`, from where, and with which clock skew.
+
+Beacons come in the clear from anybody, so nothing here grows without bound, and a second sender
+under a robot's name takes nothing over while the first is still heard.
+"""
+
+from typing import Dict, List, NamedTuple, Optional
+
+from roah_rsbb.core.clock import Now, WireTime, wire_seconds
+from roah_rsbb.core.skew import SkewEstimate
+
+# A robot sends every second; one that was not heard for this long is late.
+LATE_S = 3.0
+# Names longer than this are no robot's; both are repeated to every panel ten times a second.
+MAX_NAME = 100
+# More robots than any competition has.
+MAX_ROBOTS = 250
+
+
+class RobotId(NamedTuple):
+    """A robot: its team and its own name."""
+
+    team: str
+    robot: str
+
+    def __str__(self) -> str:
+        return f"{self.robot} of team {self.team}"
+
+
+class ActiveRobot:
+    """One robot that was heard."""
+
+    def __init__(self, robot_id: RobotId, host: str, now: Now) -> None:
+        self.id = robot_id
+        self.host = host
+        self.first_heard = now
+        self.last_heard = now
+        self.skew = SkewEstimate()
+        self.rival: Optional[str] = None  # another host that uses the same name
+        self._rival_heard = 0.0
+
+    def is_late(self, now: Now) -> bool:
+        """Whether it has missed several beacons."""
+        return now.mono - self.last_heard.mono > LATE_S
+
+    def has_rival(self, now: Now) -> bool:
+        """Whether another host uses the same name right now."""
+        return self.rival is not None and now.mono - self._rival_heard <= LATE_S
+
+    def hear(self, now: Now, host: str, time: WireTime, certain: bool) -> None:
+        """Take a message from `host`. Unless that is `certain` (it decrypted with the team's password), one
+        from another host than before is a rival's and counts for nothing while the first is heard."""
+        if host != self.host and not certain and not self.is_late(now):
+            self.rival, self._rival_heard = host, now.mono
+            return
+        if host == self.rival:
+            self.rival = None
+        self.host = host
+        self.last_heard = now
+        self.skew.sample(now.mono, wire_seconds(time) - now.utc)
+
+
+class ActiveRobots:
+    """All robots that were heard within `timeout` seconds."""
+
+    def __init__(self, timeout: float) -> None:
+        self._timeout = timeout
+        self._robots: Dict[RobotId, ActiveRobot] = {}
+
+    def hear(
+        self, now: Now, robot_id: RobotId, host: str, time: WireTime, certain: bool = False
+    ) -> Optional[ActiveRobot]:
+        """Take a robot's message (`certain`: it came on its private channel); None: there is no room for
+        another robot, or it has no usable name."""
+        robot = self._robots.get(robot_id)
+        if robot is None:
+            self.forget(now)
+            name_fits = 0 < len(robot_id.team) <= MAX_NAME and 0 < len(robot_id.robot) <= MAX_NAME
+            if not name_fits or len(self._robots) >= MAX_ROBOTS:
+                return None
+            robot = self._robots[robot_id] = ActiveRobot(robot_id, host, now)
+        robot.hear(now, host, time, certain)
+        return robot
+
+    def forget(self, now: Now) -> None:
+        """Drop the robots that were not heard for the time-out."""
+        gone = [i for i, r in self._robots.items() if now.mono - r.last_heard.mono > self._timeout]
+        for robot_id in gone:
+            del self._robots[robot_id]
+
+    def find(self, robot_id: RobotId) -> Optional[ActiveRobot]:
+        """The robot of that name, if it was heard at all."""
+        return self._robots.get(robot_id)
+
+    def restart_skews(self) -> None:
+        """The box's clock was set: all samples so far mean nothing."""
+        for robot in self._robots.values():
+            robot.skew.restart()
+
+    def all(self, now: Now) -> List[ActiveRobot]:
+        """Active robots, by team and name."""
+        self.forget(now)
+        return [self._robots[robot_id] for robot_id in sorted(self._robots)]
+
+    def of_team(self, now: Now, team: str) -> List[ActiveRobot]:
+        """A team's active robots, the one to take first: those heard just now, longest known first."""
+        robots = [robot for robot in self.all(now) if robot.id.team == team]
+        return sorted(robots, key=lambda r: (r.is_late(now), r.first_heard.mono))

@@ -1,0 +1,252 @@
+"""A run: one robot, one event of the schedule, from *connect* to *disconnect*.
+
+A `Run` is what the referee starts and stops. It holds the box's state machine, the run's clock, the
+score sheet and all that the robot said, and turns events into effects. Who may start or stop it, and
+when, is decided in `roah_rsbb.core.commands`.
+"""
+
+import enum
+from typing import Callable, NamedTuple, Optional
+
+from roah_rsbb.core import effects, machine, run_log
+from roah_rsbb.core.benchmarks import Event
+from roah_rsbb.core.clock import Now, clock_text
+from roah_rsbb.core.device_commands import NO_WISHES, DeviceCommands, Wishes
+from roah_rsbb.core.effects import Effect, How, Level
+from roah_rsbb.core.link import RobotLink
+from roah_rsbb.core.messages import BoxMessage, RobotReport
+from roah_rsbb.core.online_data import DisplayText, RepeatedStrings
+from roah_rsbb.core.robots import RobotId
+from roah_rsbb.core.run_clock import RunClock, SavingWatch
+from roah_rsbb.core.scoring import ScoreSheet
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.states import BoxState, RobotState
+
+
+class Phase(enum.Enum):
+    """Where a run is, in the referee's eyes."""
+
+    CONNECTED = "connected"
+    RUNNING = "running"
+    ENDED = "ended"
+
+
+class EndReason(enum.Enum):
+    """Why a run ended; the text is what the referee reads."""
+
+    STOPPED = "Benchmark stopped by the referee"
+    COMPLETED = "Benchmark completed by the robot"
+    TIMEOUT = "Stopped due to timeout"
+    NO_MESSAGES_SAVED = "Stopped: the robot saves no offline data (messages saved stays 0)"
+
+
+class OnlineField(NamedTuple):
+    """A field of repeated strings: its name in the message, its topic in the log."""
+
+    name: str
+    topic: str
+
+
+ONLINE_FIELDS = (
+    OnlineField("notifications", run_log.NOTIFICATION),
+    OnlineField("activation_event", run_log.ACTIVATION_EVENT),
+    OnlineField("visitor", run_log.VISITOR),
+    OnlineField("final_command", run_log.COMMAND),
+)
+
+
+class Entry(NamedTuple):
+    """Who runs what, where."""
+
+    zone: str
+    event: Event
+    robot: RobotId
+    port: int  # UDP port of the private channel; it identifies the run in the whole competition
+    left_over: Wishes = NO_WISHES  # device commands of the robot's previous run
+
+
+class Surroundings(NamedTuple):
+    """What a run reaches of the box around it."""
+
+    emit: Callable[[Effect], None]
+    show_map: Callable[[bool], None]  # switch the tablet: True: map, False: call button
+
+
+class Run:
+    """One run of a task benchmark: its robot has no explicit goal."""
+
+    def __init__(self, entry: Entry, settings: Settings, surroundings: Surroundings, now: Now) -> None:
+        self.event = event = entry.event
+        self.zone = entry.zone
+        self.robot = entry.robot
+        self.port = entry.port
+        self.phase = Phase.CONNECTED
+        self.end_reason: Optional[EndReason] = None
+        self.link = RobotLink(settings.allowed_skew)
+        self.clock = RunClock(event.benchmark.total_timeout, settings.after_stop_duration)
+        self.saving = SavingWatch(settings)
+        self.sheet = ScoreSheet(event.benchmark.scoring)
+        self.log = DisplayText(settings.display_log_size)
+        self.online_data = DisplayText(settings.display_log_size)
+        self.devices = DeviceCommands(event.benchmark.code, entry.left_over)
+        self._strings = {field.name: RepeatedStrings() for field in ONLINE_FIELDS}
+        self._emit = surroundings.emit
+        self._show_map = surroundings.show_map
+        self.desc = ""  # what is the matter, in one line
+        self._last_logged: Optional[RobotReport] = None
+        self.message = BoxMessage(event.benchmark.code, BoxState.STOP)
+        self._emit(effects.RunOpened(self.port, event.team, event.round, event.run))
+        self._set_state(now, BoxState.STOP, "Connected: waiting for the robot's first message")
+
+    # -- the referee's commands; whether they are allowed was checked before -----------------------
+
+    def start(self, now: Now) -> None:
+        """Start, or start again after a stop: then the run's clock has gone on."""
+        self.clock.start(now)
+        self.phase = Phase.RUNNING
+        self.end_reason = None
+        self._set_state(now, BoxState.PREPARE, "Robot preparing for the task")
+
+    def stop(self, now: Now) -> None:
+        """The referee ends the run."""
+        self._end(now, EndReason.STOPPED)
+
+    def set_score(self, now: Now, group: str, desc: str, value: int) -> None:
+        """The referee marks a scoring item; raises `Refused` if there is no such item or value."""
+        old = self.sheet.set(group, desc, value)
+        self._emit(effects.RunLogged(self.port, run_log.SCORE, (group, desc, value)))
+        self._say(now, Level.INFO, f"Score: {group}: {desc} {old} -> {value}")
+
+    def close(self, now: Now) -> None:
+        """Leave the run. The box sends no last message: its state simply ends."""
+        if self.phase is Phase.RUNNING:
+            self.end_reason, self.phase = EndReason.STOPPED, Phase.ENDED
+        self._say(now, Level.INFO, "Disconnected")
+        self._emit(effects.RunLogged(self.port, run_log.END, None))
+        self._emit(effects.CloseChannel(self.port))
+        self._emit(effects.RunClosed(self.port))
+
+    # -- time ---------------------------------------------------------------------------------------
+
+    def deadline(self) -> Optional[float]:
+        """The monotonic time (s) at which `tick` has something to do, if nothing happens before."""
+        if self.phase is not Phase.RUNNING:
+            return None
+        times = [t for t in (self.clock.deadline(), self.saving.deadline()) if t is not None]
+        return min(times, default=None)
+
+    def tick(self, now: Now) -> None:
+        """Do what is due by now: end by timeout, or because nothing is saved."""
+        for notice in self.link.tick(now):
+            self._say(now, Level.WARNING, notice)
+        if self.phase is not Phase.RUNNING:
+            return
+        if self.clock.is_over(now):
+            self._end(now, EndReason.TIMEOUT)
+            self._emit(effects.TimeoutRung(self.zone))
+        elif self.saving.is_over(now):
+            self._end(now, EndReason.NO_MESSAGES_SAVED)
+
+    # -- the robot ----------------------------------------------------------------------------------
+
+    def on_report(self, now: Now, host: str, report: RobotReport) -> bool:
+        """Take a message of the robot that arrived from `host`; False: it was stale, nothing changed."""
+        heard = self.link.hear(now, host, report)
+        for notice in heard.notices:
+            self._say(now, Level.WARNING, notice)
+        if not heard.fresh:
+            return False
+        if heard.new_host:
+            self._emit(effects.AimChannel(self.port, host))
+        before = self.message
+        self.message = before._replace(acknowledgement=report.time)
+        self._log_report(report)
+        has_strings = self._take_strings(now, report)
+        self._take_commands(now, report)
+        self._step(now, report)
+        self.saving.see(now, self.message.state, report)
+        if self.message.state == before.state:
+            urgent = has_strings or heard.state_changed
+            self._emit(effects.SendState(self.port, self.message, How.REPLY if urgent else How.QUIET))
+        return True
+
+    def _step(self, now: Now, report: RobotReport) -> None:
+        step = machine.step(self.message.state, report.state, explicit_goal=False)
+        if step is machine.Step.EXECUTE:
+            self._set_state(now, BoxState.WAITING_RESULT, "Robot prepared, executing (no explicit goal)")
+        elif step is machine.Step.RETRY:
+            self._set_state(now, BoxState.PREPARE,
+                            f"Robot fell back to {report.state.name}: asked to prepare again")
+        elif step is machine.Step.GOAL_DONE:
+            self._end(now, EndReason.COMPLETED)
+
+    def _take_strings(self, now: Now, report: RobotReport) -> bool:
+        any_text = False
+        mark = "" if self.link.times_valid else " (robot's time invalid: clock skew)"
+        for field in ONLINE_FIELDS:
+            texts = getattr(report, field.name)
+            any_text = any_text or bool(texts)
+            for text in self._strings[field.name].receive(texts):
+                self._emit(effects.RunLogged(self.port, field.topic, text))
+                self.online_data.add(f"{clock_text(now.utc)} {field.name}: {text}{mark}")
+        return any_text
+
+    def _take_commands(self, now: Now, report: RobotReport) -> None:
+        taken = self.devices.take(report)
+        for problem in taken.problems:
+            self._say(now, Level.WARNING, problem)
+        for device, value in taken.commands:
+            self._emit(effects.RunLogged(self.port, run_log.device_topic(device), value))
+            self._emit(effects.SetDevice(self.zone, device, value))
+            self._say(now, Level.INFO, f"Robot sets {device} to {value}")
+        if taken.display_map is not None:
+            self._emit(effects.RunLogged(self.port, run_log.DISPLAY_MAP, int(taken.display_map)))
+            self._show_map(taken.display_map)
+            view = "the map" if taken.display_map else "the call button"
+            self._say(now, Level.INFO, f"Robot switches the tablet to {view}")
+
+    # -- shared ------------------------------------------------------------------------------------
+
+    def _end(self, now: Now, reason: EndReason) -> None:
+        self.phase = Phase.ENDED
+        self.end_reason = reason
+        self.clock.stop(now)
+        self._set_state(now, BoxState.STOP, reason.value)
+
+    def _set_state(self, now: Now, state: BoxState, desc: str) -> None:
+        self.desc = desc
+        self.message = self.message._replace(state=state)
+        self.saving.restart()
+        for topic, value in (
+            (run_log.STATE, int(state)), (run_log.STATE_NAME, state.name), (run_log.STATE_DESC, desc),
+            (run_log.BOX_STATE, int(state)), (run_log.BOX_PAYLOAD, self.message.lines()),
+        ):
+            self._emit(effects.RunLogged(self.port, topic, value))
+        self._say(now, Level.INFO, f"{state.name}: {desc}")
+        self._emit(effects.SendState(self.port, self.message, How.CHANGE))
+
+    def _log_report(self, report: RobotReport) -> None:
+        """Log what the robot says whenever it says something else than before."""
+        timeless = report._replace(time=(0, 0))
+        if timeless == self._last_logged:
+            return
+        self._last_logged = timeless
+        valid = "" if self.link.times_valid else "\ntime_valid: false"
+        self._emit(effects.RunLogged(self.port, run_log.CLIENT_STATE, int(report.state)))
+        self._emit(effects.RunLogged(self.port, run_log.CLIENT_PAYLOAD, report.lines() + valid))
+
+    def _say(self, now: Now, level: Level, text: str) -> None:
+        mark = "" if level is Level.INFO else f"{level.name}: "
+        self.log.add(f"{clock_text(now.utc)} {mark}{text}")
+        self._emit(effects.Notice(level, text, self.zone))
+
+    # -- for the referee's eyes --------------------------------------------------------------------
+
+    @property
+    def robot_state(self) -> Optional[RobotState]:
+        """What the robot last reported; None: nothing yet."""
+        return self.link.robot_state
+
+    def timer(self, now: Now) -> float:
+        """Seconds left: until the timeout; once ended, of the time after the stop."""
+        return self.clock.left(now, ended=self.phase is Phase.ENDED)

@@ -1,0 +1,53 @@
+"""Topics of a run's log and the kind of value each takes (ROS interface, Run log)."""
+
+import enum
+from typing import Dict
+
+
+class LogKind(enum.Enum):
+    """What an entry's value is; the node knows the ROS type of each."""
+
+    UINT8 = "uint8"
+    STRING = "string"
+    SCORE = "score"  # (group, desc, value)
+    EMPTY = "empty"  # None
+
+
+STATE = "/rsbb_log/rsbb_state"
+STATE_NAME = "/rsbb_log/rsbb_state_str"
+STATE_DESC = "/rsbb_log/rsbb_state_desc"
+SCORE = "/rsbb_log/score"
+DISPLAY_MAP = "/rsbb_log/tablet/display_map"
+CLIENT_STATE = "/rsbb_log/client_state"
+CLIENT_PAYLOAD = "/rsbb_log/client_state_payload"
+BOX_STATE = "/rsbb_log/refbox_state"
+BOX_PAYLOAD = "/rsbb_log/refbox_state_payload"
+END = "/rsbb_log/end"
+NOTIFICATION = "/notification"
+ACTIVATION_EVENT = "/activation_event"
+VISITOR = "/visitor"
+COMMAND = "/command"
+
+
+def device_topic(device: str) -> str:
+    """The topic of a device's commands; `device` is switch_1 … 3, blinds or dimmer."""
+    return f"/rsbb_log/devices/{device}"
+
+
+KINDS: Dict[str, LogKind] = {
+    STATE: LogKind.UINT8,
+    STATE_NAME: LogKind.STRING,
+    STATE_DESC: LogKind.STRING,
+    SCORE: LogKind.SCORE,
+    DISPLAY_MAP: LogKind.UINT8,
+    CLIENT_STATE: LogKind.UINT8,
+    CLIENT_PAYLOAD: LogKind.STRING,
+    BOX_STATE: LogKind.UINT8,
+    BOX_PAYLOAD: LogKind.STRING,
+    END: LogKind.EMPTY,
+    NOTIFICATION: LogKind.STRING,
+    ACTIVATION_EVENT: LogKind.STRING,
+    VISITOR: LogKind.STRING,
+    COMMAND: LogKind.STRING,
+    **{device_topic(d): LogKind.UINT8 for d in ("switch_1", "switch_2", "switch_3", "blinds", "dimmer")},
+}

@@ -1,0 +1,53 @@
+"""Clock skew of a robot, estimated from the times in its messages.
+
+Skew is the robot's clock minus the box's: positive is ahead. Every message gives one sample,
+`time` minus the moment of arrival. The way through the network (and a busy box) can only make a
+sample smaller than the truth, never larger, so the largest sample of the last few seconds is the
+best one. Benchmarks may start only within `allowed_skew` (manual, section 1).
+"""
+
+from collections import deque
+from typing import Deque, Optional, Tuple
+
+# Three beacons: a clock that was put right is believed after this long.
+WINDOW_S = 2.5
+# A window of a robot that sends every few milliseconds is still enough with so many samples.
+MAX_SAMPLES = 64
+
+
+class SkewEstimate:
+    """The skew of one robot, in seconds."""
+
+    def __init__(self) -> None:
+        self._samples: Deque[Tuple[float, float]] = deque(maxlen=MAX_SAMPLES)
+        self.seconds: Optional[float] = None
+
+    @property
+    def count(self) -> int:
+        """How many samples the estimate rests on."""
+        return len(self._samples)
+
+    def sample(self, mono: float, skew: float) -> float:
+        """Take a sample of `skew` (s) that arrived at `mono` (s); return the new estimate (s)."""
+        while self._samples and self._samples[0][0] < mono - WINDOW_S:
+            self._samples.popleft()
+        self._samples.append((mono, skew))
+        self.seconds = max(sample for _, sample in self._samples)
+        return self.seconds
+
+    def restart(self) -> None:
+        """Forget all samples: one of the two clocks was set."""
+        self._samples.clear()
+        self.seconds = None
+
+
+def within(skew: Optional[float], allowed: float) -> bool:
+    """Whether a skew is known and below the allowed one, in both directions (manual, section 1)."""
+    return skew is not None and abs(skew) < allowed
+
+
+def skew_text(skew: float) -> str:
+    """A skew for the referee's eyes, e.g. ``+0.150 s``."""
+    if abs(skew) < 100:
+        return f"{skew:+.3f} s"
+    return f"{skew:+.3g} s"

@@ -1,0 +1,123 @@
+"""The box as the referees and the public see it: plain values, made from the box at one moment."""
+
+from typing import List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core.benchmarks import Event
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.commands import COMMANDS, robot_to_connect
+from roah_rsbb.core.run import Phase, Run
+from roah_rsbb.core.scoring import ScoreGroup
+from roah_rsbb.core.zone import Zone
+
+# A zone without a run has no phase of a run.
+IDLE = "idle"
+
+
+class RobotView(NamedTuple):
+    """An active robot."""
+
+    team: str
+    robot: str
+    skew: float  # seconds, robot's clock minus the box's; 0.0 while it is not known
+    last_heard: float  # UTC seconds
+
+
+class ZoneView(NamedTuple):
+    """A zone, its event and the run in it."""
+
+    zone: str
+    event: Event
+    timer: float  # seconds left
+    state: str  # for the referee, one or more lines
+    off: Tuple[Tuple[str, ...], ...]  # for each of COMMANDS, in their order: why it is refused
+    log: str
+    online_data: str
+    scoring: Tuple[ScoreGroup, ...]
+    warnings: Tuple[str, ...]
+    phase: str
+    run: Optional[Run]
+
+    def reasons_off(self, command: str) -> Tuple[str, ...]:
+        """Why a command would be refused; empty: it is allowed."""
+        return self.off[list(COMMANDS).index(command)]
+
+
+class ScheduleLine(NamedTuple):
+    """An event as the public sees it."""
+
+    event: Event
+    running: bool
+
+
+def robots(box: Box, now: Now) -> List[RobotView]:
+    """All active robots, by team and name."""
+    return [
+        RobotView(r.id.team, r.id.robot, r.skew.seconds or 0.0, r.last_heard.utc) for r in box.robots.all(now)
+    ]
+
+
+def status(box: Box, now: Now) -> str:
+    """The box's state in one line: OK, or what it does or complains of."""
+    left = box.listening_left(now)
+    if left > 0:
+        return f"Listening for another box before transmitting: {left:.0f} s"
+    return "; ".join(box.watches.warnings(now)) or "OK"
+
+
+def zones(box: Box, now: Now) -> List[ZoneView]:
+    """All zones, in the order of the schedule file."""
+    return [_zone(box, zone, now) for zone in box.zones.values()]
+
+
+def schedule(box: Box) -> List[ScheduleLine]:
+    """What runs and what comes next, all zones together, by scheduled time."""
+    lines = [
+        ScheduleLine(event, running=zone.run is not None and index == zone.index)
+        for zone in box.zones.values()
+        for index, event in enumerate(zone.events)
+        if index >= zone.index
+    ]
+    return sorted(lines, key=lambda line: line.event.scheduled)
+
+
+def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
+    run = zone.run
+    shown = run if run is not None else zone.last_run
+    off = tuple(tuple(box.reasons_off(now, zone, command)) for command in COMMANDS)
+    warnings = tuple(run.link.warnings(now)) if run is not None else ()
+    view = ZoneView(
+        zone=zone.name,
+        event=zone.event,
+        timer=zone.event.benchmark.total_timeout if run is None else run.timer(now),
+        state="",
+        off=off,
+        log="" if shown is None else shown.log.text,
+        online_data="" if shown is None else shown.online_data.text,
+        scoring=() if run is None else tuple(run.sheet.groups()),
+        warnings=warnings,
+        phase=IDLE if run is None else run.phase.value,
+        run=run,
+    )
+    return view._replace(state="\n".join(_state_lines(box, zone, view, now)))
+
+
+def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:
+    """What is the matter first, then what the referee must know, a line each."""
+    run = view.run
+    if run is None:
+        reasons = view.reasons_off("connect")
+        if reasons:
+            return list(reasons)
+        robot = robot_to_connect(box, zone, now)
+        return [f"Robot ready to accept connection: {robot.id}"] if robot is not None else []
+    lines = [] if run.phase is Phase.CONNECTED else [run.desc]
+    if run.phase is not Phase.RUNNING:
+        reasons = view.reasons_off("start")
+        if run.phase is Phase.CONNECTED:
+            lines.extend(reasons or ("All OK for start",))
+        elif not reasons:
+            lines.append("May be started again: its time went on")
+    if run.robot_state is not None:
+        lines.append(f"Messages saved: {run.link.messages_saved}")
+    return lines + [f"WARNING: {w}" for w in view.warnings if w not in lines]

@@ -1,0 +1,73 @@
+"""What concerns every referee: another box, two robots of one name, steps of the box's clock."""
+
+from typing import Dict, List, Optional, Tuple
+
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.robots import RobotId
+
+# A warning stays before the referees' eyes for this long after its last cause.
+REMEMBER_S = 10.0
+CLOCK_REMEMBER_S = 60.0
+# So many causes are remembered; what more there may be is a flood.
+MAX_KEPT = 20
+
+
+class Watches:
+    """Warnings of the whole box. Methods that note something return its text when it is new, else None."""
+
+    def __init__(self, listen_duration: float) -> None:
+        self._listen_duration = listen_duration
+        self._started: Optional[float] = None
+        self._kept: Dict[object, Tuple[float, str]] = {}  # key: (monotonic time until, text)
+
+    def start(self, now: Now) -> None:
+        """The first call begins the time in which the box only listens."""
+        if self._started is None:
+            self._started = now.mono
+
+    def listening_left(self, now: Now) -> float:
+        """For how many seconds the box still only listens."""
+        if self._started is None:
+            return self._listen_duration
+        return max(0.0, self._started + self._listen_duration - now.mono)
+
+    def foreign_box(self, now: Now, host: str) -> Optional[str]:
+        """Another box transmits: two boxes confuse every robot."""
+        return self._keep(
+            now, ("box", host), f"ANOTHER RSBB is transmitting from {host}: stop it, robots obey both", REMEMBER_S
+        )
+
+    def rivals(self, now: Now, robot_id: RobotId, host: str, rival: str) -> Optional[str]:
+        """Two hosts use one robot's name."""
+        return self._keep(
+            now, ("rival", robot_id),
+            f"Two robots call themselves {robot_id}: {host} and {rival}. Give one another robot_name", REMEMBER_S
+        )
+
+    def not_listed(self, now: Now, host: str) -> Optional[str]:
+        """A robot's beacon that the list of active robots has no room or no use for."""
+        return self._keep(
+            now, "not listed", f"Beacons from {host} are ignored: too many robots, or a name empty or too long",
+            REMEMBER_S,
+        )
+
+    def clock_stepped(self, now: Now, step: float) -> str:
+        """The box's own clock was set by `step` seconds."""
+        text = f"The clock of this computer was set by {step:+.3f} s: skews are measured anew"
+        self._keep(now, "clock", text, CLOCK_REMEMBER_S)
+        return text
+
+    def warnings(self, now: Now) -> List[str]:
+        """What every referee should know now."""
+        self._kept = {key: kept for key, kept in self._kept.items() if kept[0] >= now.mono}
+        return [text for _, text in self._kept.values()]
+
+    def _keep(self, now: Now, key: object, text: str, seconds: float) -> Optional[str]:
+        old = self._kept.get(key)
+        is_new = old is None or old[0] < now.mono
+        if old is None and len(self._kept) >= MAX_KEPT:
+            self.warnings(now)
+            if len(self._kept) >= MAX_KEPT:
+                return None
+        self._kept[key] = (now.mono + seconds, text)
+        return text if is_new else None

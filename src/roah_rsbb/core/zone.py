@@ -1,0 +1,44 @@
+"""A zone: a group of scheduled benchmarks, the event it is at, and the run in it (manual, section 1)."""
+
+from typing import Optional
+
+from roah_rsbb.core.benchmarks import Event, ZonePlan
+from roah_rsbb.core.run import EndReason, Run
+
+
+class Zone:
+    """One zone. Its schedule is in the order of the scheduled times."""
+
+    def __init__(self, plan: ZonePlan) -> None:
+        self.name = plan.name
+        self.events = plan.events
+        self.index = 0
+        self.run: Optional[Run] = None
+        self.last_run: Optional[Run] = None  # the run before, for its log
+
+    @property
+    def event(self) -> Event:
+        """The event that the zone is at."""
+        return self.events[self.index]
+
+    @property
+    def at_first(self) -> bool:
+        """Whether there is no previous event."""
+        return self.index == 0
+
+    @property
+    def at_last(self) -> bool:
+        """Whether there is no next event."""
+        return self.index == len(self.events) - 1
+
+    def move(self, by: int) -> None:
+        """Go to another event of the schedule; the log of the last run is that of another event then."""
+        self.index += by
+        self.last_run = None
+
+    def leave(self, auto_next: bool) -> None:
+        """The run is over and disconnected; after one that was completed the next event follows."""
+        run, self.run = self.run, None
+        self.last_run = run
+        if auto_next and run is not None and run.end_reason is EndReason.COMPLETED and not self.at_last:
+            self.move(1)
