@@ -133,10 +133,19 @@ class Box:
     def set_score(self, now: Now, zone_name: str, group: str, desc: str, value: int) -> None:
         """Mark a scoring item of the run in a zone; raises `Refused`."""
         self.tick(now)
-        zone = self.zone(zone_name)
-        if zone.run is None:
-            raise Refused([NO_RUN])
-        zone.run.set_score(now, group, desc, value)
+        self._run_in(zone_name).set_score(now, group, desc, value)
+
+    def manual_operation_complete(self, now: Now, zone_name: str) -> None:
+        """The referee did what a benchmarking module asked for; raises `Refused` if none did."""
+        self.tick(now)
+        self._run_in(zone_name)
+        raise Refused([f"no manual operation is asked for in zone '{zone_name}'"])
+
+    def omf_switches(self, now: Now, zone_name: str) -> None:
+        """The referee tells of the switches in HOMF; raises `Refused` in any other benchmark."""
+        self.tick(now)
+        run = self._run_in(zone_name)
+        raise Refused([f"zone '{zone_name}' runs {run.event.benchmark.code}: only HOMF has switches"])
 
     def zone(self, name: str) -> Zone:
         """The zone of that name; raises `Refused` with the names that there are."""
@@ -160,6 +169,12 @@ class Box:
         run.close(now)
         zone.leave(self.settings.auto_next)
         self._emit(effects.SendBeacon())
+
+    def _run_in(self, zone_name: str) -> Run:
+        run = self.zone(zone_name).run
+        if run is None:
+            raise Refused([NO_RUN])
+        return run
 
     def _open_run(self, now: Now, zone: Zone, robot: ActiveRobot) -> None:
         self._last_port += 1
@@ -212,11 +227,16 @@ class Box:
         if run is not None and run.on_report(now, host, report):
             self.robots.hear(now, run.robot, host, report.time, certain=True)
 
-    def on_unreadable(self, now: Now, port: int, host: str, cause: str) -> None:
-        """A datagram that could not be read arrived on the private channel `port`."""
+    def on_unreadable(self, now: Now, port: int, text: str) -> None:
+        """Datagrams that could not be read arrived on the private channel `port`; `text` says from whom and why."""
         run = self.run_at(port)
         if run is not None:
-            run.link.on_bad_datagram(now, host, cause)
+            run.link.on_bad_datagram(now, text)
+
+    def on_complaint(self, now: Now, text: str) -> None:
+        """Datagrams that could not be read arrived on the public channel, or could not be sent; `text` says why."""
+        self.watches.complaint(now, text)
+        self._notice(Level.WARNING, text)
 
     def on_foreign_box(self, now: Now, host: str) -> None:
         """Another box's beacon (or state on a private channel) arrived from `host`."""
@@ -242,6 +262,12 @@ class Box:
         if devices != self.devices:
             self.devices = devices
             self._emit(effects.SendBeacon())
+
+    def on_trouble(self, now: Now, text: str) -> None:
+        """Something on this computer does not work; `text` names the remedy. Every referee is told."""
+        self.tick(now)
+        if self.watches.trouble(now, text):
+            self._notice(Level.ERROR, text)
 
     def _show_map(self, display_map: bool) -> None:
         self._set_tablet(self.tablet._replace(display_map=display_map))

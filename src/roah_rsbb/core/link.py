@@ -89,9 +89,9 @@ class RobotLink:
         self._bad = None
         return Heard(True, new_host, state_changed, notices)
 
-    def on_bad_datagram(self, now: Now, host: str, cause: str) -> None:
-        """Something arrived from `host` that could not be read; `cause` is what it likely means."""
-        self._bad, self._bad_mono = f"Unreadable datagrams from {host}: {cause}", now.mono
+    def on_bad_datagram(self, now: Now, text: str) -> None:
+        """Something arrived that could not be read; `text` says from whom, and what it likely means."""
+        self._bad, self._bad_mono = text, now.mono
 
     def restart_skew(self) -> None:
         """The box's clock was set: all samples so far mean nothing."""

@@ -8,6 +8,7 @@ from roah_rsbb.core.robots import RobotId
 # A warning stays before the referees' eyes for this long after its last cause.
 REMEMBER_S = 10.0
 CLOCK_REMEMBER_S = 60.0
+TROUBLE_REMEMBER_S = 300.0
 # So many causes are remembered; what more there may be is a flood.
 MAX_KEPT = 20
 
@@ -43,6 +44,14 @@ class Watches:
             now, ("rival", robot_id),
             f"Two robots call themselves {robot_id}: {host} and {rival}. Give one another robot_name", REMEMBER_S
         )
+
+    def complaint(self, now: Now, text: str) -> None:
+        """Datagrams that cannot be read arrive on the public channel; the latest such text stays a while."""
+        self._kept["complaint"] = (now.mono + REMEMBER_S, text)
+
+    def trouble(self, now: Now, text: str) -> Optional[str]:
+        """Something on this computer does not work."""
+        return self._keep(now, text, text, TROUBLE_REMEMBER_S)
 
     def not_listed(self, now: Now, host: str) -> Optional[str]:
         """A robot's beacon that the list of active robots has no room or no use for."""

@@ -1,0 +1,1 @@
+"""The durable record: what must outlive the process and the power."""

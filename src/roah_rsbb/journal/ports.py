@@ -1,0 +1,45 @@
+"""The record of used private ports: none is given twice in a competition, also across restarts.
+
+A text file in the log directory, one port a line, appended and forced to the disk before the port is used
+(wire protocol, Channels). A line that was torn by a power cut names a smaller number or none and does no
+harm, because only the largest counts.
+"""
+
+import os
+from typing import List, Optional, Tuple
+
+FILE_NAME = "used_private_ports"
+LARGEST_PORT = 65535
+
+
+class PortRecord:
+    """The ports that a competition used; `log_dir` holds the file."""
+
+    def __init__(self, log_dir: str) -> None:
+        self.path = os.path.join(log_dir, FILE_NAME)
+
+    def read(self) -> Tuple[Optional[int], List[str]]:
+        """The largest port used so far (None: none), and warnings about lines that are no port.
+
+        Raises OSError if the file is there and cannot be read.
+        """
+        try:
+            with open(self.path, encoding="ascii", errors="replace") as file:
+                lines = file.read().split()
+        except FileNotFoundError:
+            return None, []
+        ports = [int(line) for line in lines if line.isdigit() and int(line) <= LARGEST_PORT]
+        warnings = []
+        if len(ports) < len(lines):
+            warnings.append(f"{self.path}: {len(lines) - len(ports)} lines are no UDP port and were skipped")
+        return max(ports, default=None), warnings
+
+    def add(self, port: int) -> None:
+        """Put a port on record; it is on the disk when this returns. Raises OSError if that cannot be."""
+        fd = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
+        try:
+            # The line break first: a line torn before must not swallow this one.
+            os.write(fd, f"\n{port}\n".encode("ascii"))
+            os.fsync(fd)
+        finally:
+            os.close(fd)

@@ -1,0 +1,134 @@
+"""Drives the core: puts events in with the time, and carries out the effects that they leave.
+
+Everything here runs in the loop's thread. The core decides; the driver only knows who does what.
+"""
+
+import asyncio
+import time
+from typing import Callable, Dict, Optional
+
+import rospy
+
+from roah_rsbb.core import effects
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.effects import Effect, Level
+from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.nodes.core_radio import CoreRadio
+from roah_rsbb.nodes.run_log_writer import RunLogWriter
+
+_LOG = {Level.INFO: rospy.loginfo, Level.WARNING: rospy.logwarn, Level.ERROR: rospy.logerr}
+
+
+class CoreDriver:
+    """One box, and the hands that do what it wants done."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        box: Box,
+        radio: CoreRadio,
+        run_logs: RunLogWriter,
+        ports: PortRecord,
+        ring_timeout: Callable[[], None],
+        give_up: Callable[[str], None],
+    ) -> None:
+        self._loop = loop
+        self.box = box
+        self._radio = radio
+        self._run_logs = run_logs
+        self._ports = ports
+        self._ring_timeout = ring_timeout
+        self._give_up = give_up
+        self._timer: Optional[asyncio.TimerHandle] = None
+        self._carrying_out = False
+        self._unopened: Dict[int, bool] = {}
+        self._hands = {
+            effects.PortTaken: self._port_taken,
+            effects.OpenChannel: self._open_channel,
+            effects.AimChannel: lambda e: self._radio.aim(e.port, e.host),
+            effects.CloseChannel: lambda e: self._radio.close_channel(e.port),
+            effects.SendState: lambda e: self._radio.send_state(e.port, e.message, e.how),
+            effects.SendBeacon: lambda e: self._radio.send_beacon(),
+            effects.TimeoutRung: lambda e: self._ring_timeout(),
+            effects.SetDevice: self._set_device,
+            effects.RunOpened: self._run_opened,
+            effects.RunLogged: lambda e: self._run_logs.logged(e, time.time()),
+            effects.RunClosed: lambda e: self._run_logs.closed(e),
+            effects.Notice: self._notice,
+            effects.GiveUp: lambda e: self._give_up(e.reason),
+        }
+
+    @staticmethod
+    def now() -> Now:
+        """The present moment on both clocks; the loop's clock is the monotonic one."""
+        return Now(time.monotonic(), time.time())
+
+    def event(self, method: Callable[..., object], *args: object) -> None:
+        """Put an event into the box, then do what it wants. What the method raises comes out afterwards."""
+        try:
+            method(self.now(), *args)
+        finally:
+            self._carry_out()
+            self._set_timer()
+
+    def tick(self) -> None:
+        """Let the box do what is due."""
+        self.event(self.box.tick)
+
+    def _carry_out(self) -> None:
+        if self._carrying_out:
+            return  # an effect led to another event: its effects come after those before
+        self._carrying_out = True
+        try:
+            todo = self.box.take_effects()
+            while todo:
+                for effect in todo:
+                    self._do(effect)
+                todo = self.box.take_effects()
+        finally:
+            self._carrying_out = False
+
+    def _do(self, effect: Effect) -> None:
+        try:
+            self._hands[type(effect)](effect)
+        except Exception:
+            # One hand that fails must not keep the others from their work.
+            rospy.logerr_throttle(1.0, f"internal error: {type(effect).__name__} could not be carried out",
+                                  exc_info=True)
+
+    def _set_timer(self) -> None:
+        deadline = self.box.deadline()
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = None if deadline is None else self._loop.call_at(deadline, self.tick)
+
+    def _port_taken(self, effect: effects.PortTaken) -> None:
+        try:
+            self._ports.add(effect.port)
+        except OSError as error:
+            self.event(
+                self.box.on_trouble,
+                f"{self._ports.path} cannot be written: {error.strerror}. After a restart of the box private ports "
+                "may be used twice: free or mend the disk of log_dir",
+            )
+
+    def _open_channel(self, effect: effects.OpenChannel) -> None:
+        try:
+            self._radio.open_channel(effect.port, effect.team, effect.host)
+        except OSError as error:
+            self._unopened[effect.port] = True
+            self.event(self.box.on_channel_failed, effect.port, str(error))
+
+    def _run_opened(self, effect: effects.RunOpened) -> None:
+        if self._unopened.pop(effect.port, False):
+            return  # the box tries again on another port: no log for this one
+        self._run_logs.opened(effect, time.time())
+
+    def _set_device(self, effect: effects.SetDevice) -> None:
+        rospy.loginfo("zone %s: device %s is to be set to %d", effect.zone, effect.device, effect.value)
+
+    @staticmethod
+    def _notice(effect: effects.Notice) -> None:
+        zone = f"zone {effect.zone}: " if effect.zone else ""
+        _LOG[effect.level]("%s%s", zone, effect.text)

@@ -1,0 +1,232 @@
+"""Node roah_rsbb_core: the box itself (ROS interface, Core node).
+
+The only place where the core meets rospy. Its topics, services and parameters are those of the ROS
+interface, plus /core/details.
+"""
+
+import sys
+import uuid
+from typing import Callable
+
+import rospy
+from std_msgs.msg import Empty
+from std_srvs.srv import Empty as EmptySrv
+
+from roah_rsbb.comm.ciphers import Cipher, Key, cipher_by_label
+from roah_rsbb.core import config, views
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.commands import COMMANDS
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, DevicesState
+from roah_rsbb.nodes import ros_convert
+from roah_rsbb.nodes.core_driver import CoreDriver
+from roah_rsbb.nodes.core_radio import CoreRadio, Network, beacon_size
+from roah_rsbb.nodes.params import BadParams, Params
+from roah_rsbb.nodes.ros_loop import RosLoop
+from roah_rsbb.nodes.run_log_writer import RunLogWriter
+from roah_rsbb.srv import Zone, ZoneScore, ZoneUInt8
+
+GUI_PERIOD_S = 0.1
+# Every fifth of the panels' messages goes with one for the public.
+PUBLIC_EVERY = 5
+DETAILS_EVERY = 10
+
+# The node that ends the launch may still be starting.
+END_LAUNCH_S = 10.0
+
+# Private channels: how the box answers robots.
+UNICAST, BROADCAST = "unicast", "broadcast"
+
+
+def _settings(params: Params) -> Settings:
+    default = Settings()
+    return Settings(
+        rsbb_port=params.whole("rsbb_port", default.rsbb_port, 1, 65000),
+        robot_timeout=params.number("robot_timeout", default.robot_timeout, lowest=1.0),
+        allowed_skew=params.number("allowed_skew", default.allowed_skew, lowest=0.001),
+        after_stop_duration=params.number("after_stop_duration", default.after_stop_duration),
+        display_log_size=params.whole("display_log_size", default.display_log_size, 100, 1_000_000),
+        check_messages_saved=params.flag("check_messages_saved", default.check_messages_saved),
+        check_messages_saved_timeout=params.number(
+            "check_messages_saved_timeout", default.check_messages_saved_timeout
+        ),
+        max_datagram=params.whole("max_datagram", default.max_datagram, 200, 65507),
+        auto_next=params.flag("auto_next", default.auto_next),
+        listen_duration=params.number("listen_duration", default.listen_duration, highest=60.0),
+    )
+
+
+def _network(params: Params, settings: Settings) -> Network:
+    labels = [cipher.label for cipher in Cipher if cipher is not Cipher.NONE]
+    return Network(
+        rsbb_host=params.text("rsbb_host", "10.255.255.255"),
+        rsbb_port=settings.rsbb_port,
+        bind_host=params.text("bind_host", "0.0.0.0"),
+        cipher=cipher_by_label(params.choice("rsbb_cypher", Cipher.AES_128_CBC.label, labels)),
+        broadcast=params.choice("private_mode", UNICAST, [UNICAST, BROADCAST]) == BROADCAST,
+        max_datagram=settings.max_datagram,
+    )
+
+
+class CoreNode:
+    """The node, from its parameters to its end. Raises `BadParams`, `ConfigErrors` or OSError at the start."""
+
+    def __init__(self) -> None:
+        params = Params()
+        settings = _settings(params)
+        network = _network(params, settings)
+        files = [params.path(name) for name in ("benchmarks_file", "schedule_file", "passwords_file")]
+        log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
+        params.done()
+        loaded, warnings = config.load(*files)
+        for warning in warnings:
+            rospy.logwarn("%s", warning)
+
+        self._uuid = str(uuid.uuid4())
+        self._ros = RosLoop()
+        self._gave_up = ""
+        self._ticks = 0
+        self._last_details = None
+        ports = PortRecord(log_dir)
+        last_port, port_warnings = ports.read()
+        box = Box(loaded, settings, beacon_size, last_port)
+        keys = {team: Key(password) for team, password in loaded.passwords.items()}
+        self._radio = CoreRadio(self._ros.loop, network, keys, box, self._event)
+        self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble)
+        self._timeout_topic = rospy.Publisher("/timeout", Empty, queue_size=1)
+        self._driver = CoreDriver(
+            self._ros.loop, box, self._radio, self._run_logs, ports,
+            ring_timeout=lambda: self._timeout_topic.publish(Empty()), give_up=self._give_up,
+        )
+        self._box = box
+        self._network = network
+        self._log_dir = log_dir
+        for warning in port_warnings:
+            self._driver.event(box.on_trouble, warning)
+        self._check_log_dir()
+
+    def run(self) -> int:
+        """Run until shut down; returns the process's exit status."""
+        self._driver.tick()
+        self._radio.open(self._box.settings.listen_duration)
+        rospy.loginfo("Listening on UDP %s:%d, private channels above; log in %s",
+                      self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
+        self._topics = {
+            "gui": rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True),
+            "public": rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True),
+            "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
+        }
+        self._advertise()
+        rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
+        self._publish_tick()
+        self._ros.run()
+        self._radio.close()
+        self._run_logs.stop()
+        if self._gave_up:
+            _end_launch()
+        self._ros.close()
+        return 1 if self._gave_up else 0
+
+    # -- events -------------------------------------------------------------------------------------
+
+    def _event(self, method: Callable[..., object], *args: object) -> None:
+        self._driver.event(method, *args)
+
+    def _on_devices(self, message: DevicesState) -> None:
+        devices = ros_convert.devices_of(message)
+        self._ros.post(lambda: self._event(self._box.on_devices, devices))
+
+    def _on_log_trouble(self, text: str) -> None:
+        self._ros.post(lambda: self._event(self._box.on_trouble, text))
+
+    def _give_up(self, reason: str) -> None:
+        self._gave_up = reason
+        rospy.logfatal("%s", reason)
+        self._ros.stop(reason)
+
+    def _check_log_dir(self) -> None:
+        problem = self._run_logs.check()
+        if problem:
+            self._driver.event(self._box.on_trouble, problem)
+
+    # -- services -----------------------------------------------------------------------------------
+
+    def _advertise(self) -> None:
+        box = self._box
+        for command in COMMANDS:
+            self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c))
+        self._serve(
+            "set_score", ZoneScore, lambda r: (box.set_score, r.zone, r.score.group, r.score.desc, r.score.value)
+        )
+        self._serve("manual_operation_complete", Zone, lambda r: (box.manual_operation_complete, r.zone))
+        self._serve("omf_switches/complete", Zone, lambda r: (box.omf_switches, r.zone))
+        for name in ("omf_switches/damaged", "omf_switches/button"):
+            self._serve(name, ZoneUInt8, lambda r: (box.omf_switches, r.zone))
+
+    def _serve(self, name: str, service: type, event_of: Callable[[object], tuple]) -> None:
+        """Offer /core/NAME: `event_of` makes a request the box's method and its arguments.
+
+        A refusal fails the call with its reasons in the error text.
+        """
+
+        def handle(request: object) -> object:
+            try:
+                self._ros.call(lambda: self._event(*event_of(request)))
+            except Refused as refused:
+                raise rospy.ServiceException(str(refused)) from None
+            return service._response_class()
+
+        rospy.Service(f"/core/{name}", service, handle)
+
+    # -- topics -------------------------------------------------------------------------------------
+
+    def _publish_tick(self) -> None:
+        self._ros.loop.call_later(GUI_PERIOD_S, self._publish_tick)
+        self._driver.tick()
+        now = self._driver.now()
+        zone_views = views.zones(self._box, now)
+        self._publish("gui", ros_convert.to_gui(self._box, now, zone_views, self._network.rsbb_host))
+        if self._ticks % PUBLIC_EVERY == 0:
+            self._publish("public", ros_convert.to_public(self._box, now))
+        self._publish_details(now, zone_views)
+        self._ticks += 1
+
+    def _publish_details(self, now, zone_views) -> None:
+        details = ros_convert.details(self._box, now, zone_views, self._uuid, self._run_logs.files)
+        timeless = (details.warnings, details.zones)
+        if timeless != self._last_details or self._ticks % DETAILS_EVERY == 0:
+            self._last_details = timeless
+            self._publish("details", details)
+
+    def _publish(self, topic: str, message: object) -> None:
+        try:
+            self._topics[topic].publish(message)
+        except rospy.ROSException as error:
+            if not rospy.is_shutdown():
+                rospy.logerr_throttle(1.0, f"{self._topics[topic].name} could not be published: {error}")
+
+
+def _end_launch() -> None:
+    """What cannot be mended by starting again ends the whole launch, if this node was launched in one."""
+    if not rospy.get_param("~end_launch", False):
+        return
+    try:
+        rospy.wait_for_service("roah_rsbb_shutdown", timeout=END_LAUNCH_S)
+        rospy.ServiceProxy("roah_rsbb_shutdown", EmptySrv)()
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        rospy.logerr("the launch could not be ended: %s", error)
+
+
+def main() -> None:
+    """Entry point of the node."""
+    rospy.init_node("roah_rsbb_core", disable_signals=True)
+    try:
+        status = CoreNode().run()
+    except (BadParams, config.ConfigErrors, OSError) as error:
+        for line in str(error).splitlines():
+            rospy.logfatal("%s", line)
+        status = 1
+        _end_launch()
+    sys.exit(status)

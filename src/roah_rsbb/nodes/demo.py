@@ -1,0 +1,95 @@
+"""The demonstration: the dummy set-up on this machine alone (loopback; no network, no configuration).
+
+With a display it opens the referee's window and leaves the rest to the referee. Without one a scripted
+referee takes a dummy robot through one task benchmark; the exit status says whether the run completed.
+"""
+
+import argparse
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+from typing import Dict, Iterator, List
+
+ZONE = "Testing TestingTeam"
+BENCHMARK = "HGTKMH"
+LOG_DIR = os.path.expanduser("~/.ros/roah_rsbb_demo")
+LAUNCH_LOG = os.path.join(LOG_DIR, "launch.log")
+# What a loopback demonstration needs: all on this machine, heard by nobody else.
+BROADCAST_HOST, BOX_HOST = "127.255.255.255", "127.0.0.1"
+FIRST_UDP_PORT, UDP_PORT_STEP = 6666, 100
+# A dummy run takes seconds; the robot is found after the box has listened for another one.
+WAIT_FOR_ROBOT_S = 40
+STOP_S = 15
+
+
+def _free_port(kind: socket.SocketKind, host: str, first: int, step: int) -> int:
+    """The first port from `first` on that nobody uses on this machine; ports are tried `step` apart."""
+    for port in range(first, 65000, step):
+        with socket.socket(socket.AF_INET, kind) as probe, contextlib.suppress(OSError):
+            probe.bind((host, port))
+            return port
+    raise SystemExit(f"demo: no free port from {first} on; end what uses them and try again")
+
+
+def _launch_command(gui: str, master_port: int) -> List[str]:
+    udp_port = _free_port(socket.SOCK_DGRAM, BROADCAST_HOST, FIRST_UDP_PORT, UDP_PORT_STEP)
+    return [
+        "roslaunch", "-p", str(master_port), "roah_rsbb", "roah_rsbb_dummy.launch", f"gui:={gui}",
+        f"rsbb_host:={BROADCAST_HOST}", f"bind_host:={BOX_HOST}", f"rsbb_port:={udp_port}", f"log_dir:={LOG_DIR}",
+    ]
+
+
+@contextlib.contextmanager
+def _launched(command: List[str], environment: Dict[str, str]) -> Iterator[None]:
+    """The dummy set-up in the background, its output in LAUNCH_LOG; it is ended however this is left."""
+    with open(LAUNCH_LOG, "wb") as log:
+        launch = subprocess.Popen(command, env=environment, stdout=log, stderr=log, start_new_session=True)
+        try:
+            yield
+        finally:
+            launch.send_signal(signal.SIGINT)
+            try:
+                launch.wait(STOP_S)
+            except subprocess.TimeoutExpired:
+                os.killpg(launch.pid, signal.SIGKILL)
+                launch.wait()
+
+
+def _scripted(environment: Dict[str, str], master_port: int) -> int:
+    print(f"No display here: a scripted referee takes a dummy robot through {BENCHMARK}.", flush=True)
+    referee = [
+        "rosrun", "roah_rsbb", "referee", "run", ZONE, "--benchmark", BENCHMARK, "--wait", str(WAIT_FOR_ROBOT_S),
+        "--score", "door=1", "--score", "furniture=2",
+    ]
+    with _launched(_launch_command("none", master_port), environment):
+        status = subprocess.call(referee, env=environment)
+    print(f"Logs of the runs (rosbags) are in {LOG_DIR}; what the programs printed is in {LAUNCH_LOG}")
+    if status != 0:
+        print(f"demo: the run did not complete (the referee's exit status is {status})", file=sys.stderr)
+    return status
+
+
+def _with_window(environment: Dict[str, str], master_port: int) -> int:
+    print(f"Opening the referee's window. Choose zone '{ZONE}', then connect, start, and mark scores while the")
+    print("dummy robot works. End with Ctrl-C here, or with the exit button of Core Status.", flush=True)
+    try:
+        return subprocess.call(_launch_command("auto", master_port), env=environment)
+    except KeyboardInterrupt:
+        return 0
+
+
+def main() -> None:
+    """Entry point of `rosrun roah_rsbb demo`."""
+    parser = argparse.ArgumentParser(prog="demo", description=__doc__)
+    parser.add_argument("--no-window", action="store_true", help="script the referee even where there is a display")
+    options = parser.parse_args()
+    os.makedirs(LOG_DIR, exist_ok=True)
+    master_port = _free_port(socket.SOCK_STREAM, "127.0.0.1", 11311, 1)
+    environment = {**os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{master_port}", "ROS_IP": "127.0.0.1"}
+    environment.pop("ROS_HOSTNAME", None)
+    has_display = bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    run = _with_window if has_display and not options.no_window else _scripted
+    sys.exit(run(environment, master_port))

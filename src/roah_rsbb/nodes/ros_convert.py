@@ -1,0 +1,159 @@
+"""From the core's views to the messages of the ROS interface."""
+
+import time
+from typing import List
+
+import rospy
+
+from roah_rsbb.core import views
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now, WireTime, wire_seconds
+from roah_rsbb.core.messages import DevicesState
+from roah_rsbb.core.scoring import ScoreGroup
+from roah_rsbb.msg import (
+    CoreDetails,
+    CoreToGui,
+    CoreToPublic,
+    RobotInfo,
+    ScheduleInfo,
+    ZoneDetails,
+    ZoneScoreGroup,
+    ZoneState,
+)
+from roah_rsbb.msg import DevicesState as DevicesStateMsg
+
+# What a ROS time and a ROS duration can hold, in seconds.
+_MAX_TIME = 2**32 - 1
+_MAX_DURATION = 2**31 - 1
+
+
+def ros_time(utc: float) -> rospy.Time:
+    """A UTC time in seconds; one that a ROS time cannot hold becomes the nearest that it can."""
+    return rospy.Time.from_sec(min(max(utc, 0.0), _MAX_TIME))
+
+
+def ros_duration(seconds: float) -> rospy.Duration:
+    """A duration in seconds; one that a ROS duration cannot hold becomes the nearest that it can."""
+    return rospy.Duration.from_sec(min(max(seconds, -_MAX_DURATION), _MAX_DURATION))
+
+
+def devices_of(message: DevicesStateMsg) -> DevicesState:
+    """A DevicesState as the core takes it."""
+    bell: WireTime = (message.bell.secs, message.bell.nsecs)
+    return DevicesState(
+        bell, message.switch_1, message.switch_2, message.switch_3, message.dimmer, message.blinds,
+        message.door_win_detect,
+    )
+
+
+def to_gui(box: Box, now: Now, zone_views: List[views.ZoneView], addr: str) -> CoreToGui:
+    """The panels' message; `addr` is the broadcast address in use."""
+    tablet = box.tablet
+    return CoreToGui(
+        clock=ros_time(now.utc),
+        status=views.status(box, now),
+        addr=addr,
+        port=str(box.settings.rsbb_port),
+        active_robots=[
+            RobotInfo(r.team, r.robot, ros_duration(r.skew), ros_time(r.last_heard)) for r in views.robots(box, now)
+        ],
+        zones=[_zone_state(view) for view in zone_views],
+        tablet_last_beacon=ros_time(0.0 if box.tablet_heard is None else box.tablet_heard.utc),
+        tablet_display_map=tablet.display_map,
+        tablet_call_time=ros_time(wire_seconds(tablet.call_time)),
+        tablet_position_time=ros_time(wire_seconds(tablet.position_time)),
+        tablet_position_x=tablet.position_x,
+        tablet_position_y=tablet.position_y,
+    )
+
+
+def to_public(box: Box, now: Now) -> CoreToPublic:
+    """The public display's message; times are local, the public's."""
+    return CoreToPublic(
+        clock=_local(now.utc),
+        schedule=[
+            ScheduleInfo(
+                line.event.team, line.event.benchmark.desc, line.event.round, line.event.run,
+                _local(line.event.scheduled), line.running,
+            )
+            for line in views.schedule(box)
+        ],
+    )
+
+
+def details(box: Box, now: Now, zone_views: List[views.ZoneView], box_uuid: str, log_files) -> CoreDetails:
+    """What the panels' message has no field for; `log_files`: path of each run's log by its port."""
+    return CoreDetails(
+        clock=ros_time(now.utc),
+        box_uuid=box_uuid,
+        warnings=box.watches.warnings(now),
+        zones=[_zone_details(view, log_files) for view in zone_views],
+    )
+
+
+def _zone_state(view: views.ZoneView) -> ZoneState:
+    event = view.event
+    message = ZoneState(
+        zone=view.zone,
+        name=event.benchmark.name,
+        desc=event.benchmark.desc,
+        code=event.benchmark.code,
+        timeout=ros_duration(event.benchmark.timeout),
+        team=event.team,
+        round=event.round,
+        run=event.run,
+        schedule=ros_time(event.scheduled),
+        timer=ros_duration(view.timer),
+        state=view.state,
+        log=view.log,
+        online_data=view.online_data,
+        scoring=[_score_group(group) for group in view.scoring],
+    )
+    message.connect_enabled = not view.reasons_off("connect")
+    message.disconnect_enabled = not view.reasons_off("disconnect")
+    message.start_enabled = not view.reasons_off("start")
+    message.stop_enabled = not view.reasons_off("stop")
+    message.prev_enabled = not view.reasons_off("previous")
+    message.next_enabled = not view.reasons_off("next")
+    return message
+
+
+def _score_group(group: ScoreGroup) -> ZoneScoreGroup:
+    return ZoneScoreGroup(
+        group_name=group.name,
+        types=bytes(int(item.kind) for item, _ in group.items),
+        descriptions=[item.desc for item, _ in group.items],
+        current_values=[value for _, value in group.items],
+    )
+
+
+def _zone_details(view: views.ZoneView, log_files) -> ZoneDetails:
+    message = ZoneDetails(
+        zone=view.zone,
+        phase=view.phase,
+        connect_off=view.reasons_off("connect"),
+        disconnect_off=view.reasons_off("disconnect"),
+        start_off=view.reasons_off("start"),
+        stop_off=view.reasons_off("stop"),
+        prev_off=view.reasons_off("previous"),
+        next_off=view.reasons_off("next"),
+        warnings=view.warnings,
+    )
+    run = view.run
+    if run is None:
+        return message
+    message.end_reason = "" if run.end_reason is None else run.end_reason.name.lower()
+    message.robot = run.robot.robot
+    message.port = run.port
+    message.box_state = run.message.state.name
+    message.robot_state = "" if run.robot_state is None else run.robot_state.name
+    message.skew_known = run.link.skew is not None
+    message.skew = ros_duration(run.link.skew or 0.0)
+    message.last_message = ros_time(0.0 if run.link.last_heard is None else run.link.last_heard.utc)
+    message.messages_saved = run.link.messages_saved
+    message.log_file = log_files.get(run.port, "")
+    return message
+
+
+def _local(utc: float) -> str:
+    return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(utc))

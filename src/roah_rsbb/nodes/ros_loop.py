@@ -1,0 +1,64 @@
+"""One asyncio loop in the main thread owns the core; rospy's threads hand over and wait (architecture, rule 3)."""
+
+import asyncio
+import concurrent.futures
+import signal
+from typing import Callable, TypeVar
+
+import rospy
+
+T = TypeVar("T")
+
+# A referee's command takes milliseconds; waiting longer would only hide that the core is stuck.
+ANSWER_TIMEOUT_S = 5.0
+
+
+class RosLoop:
+    """An asyncio loop that lives as long as the ROS node. Made after `rospy.init_node(disable_signals=True)`."""
+
+    def __init__(self) -> None:
+        self.loop = asyncio.new_event_loop()
+        self._why = "shutdown"
+
+    def call(self, function: Callable[[], T]) -> T:
+        """From a thread of rospy: run a function in the loop's thread, and return or raise what it does."""
+        done: "concurrent.futures.Future[T]" = concurrent.futures.Future()
+
+        def run() -> None:
+            if not done.set_running_or_notify_cancel():
+                return
+            try:
+                done.set_result(function())
+            except Exception as error:
+                done.set_exception(error)
+
+        self.loop.call_soon_threadsafe(run)
+        try:
+            return done.result(ANSWER_TIMEOUT_S)
+        except concurrent.futures.TimeoutError:
+            done.cancel()
+            raise rospy.ServiceException(
+                f"the core did not answer within {ANSWER_TIMEOUT_S:.0f} s: look at its log"
+            ) from None
+
+    def post(self, function: Callable[[], object]) -> None:
+        """From any thread: run a function in the loop's thread soon, without waiting."""
+        self.loop.call_soon_threadsafe(function)
+
+    def run(self) -> None:
+        """Run until the node is shut down, by a signal, by ROS or by `stop`."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self.loop.add_signal_handler(number, self.stop, f"signal {number}")
+        rospy.core.add_preshutdown_hook(lambda reason: self.loop.call_soon_threadsafe(self.loop.stop))
+        if not rospy.is_shutdown():
+            self.loop.run_forever()
+
+    def stop(self, why: str) -> None:
+        """In the loop's thread: end `run`."""
+        self._why = why
+        self.loop.stop()
+
+    def close(self) -> None:
+        """After `run`, once everything else is put away: end the ROS node too."""
+        rospy.signal_shutdown(self._why)
+        self.loop.close()

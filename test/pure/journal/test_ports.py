@@ -1,0 +1,53 @@
+"""The record of used private ports."""
+
+import os
+
+import pytest
+
+from roah_rsbb.journal.ports import PortRecord
+
+
+@pytest.fixture
+def record(tmp_path):
+    return PortRecord(str(tmp_path))
+
+
+def write(record, text):
+    with open(record.path, "wb") as file:
+        file.write(text)
+
+
+def test_new_competition_has_no_ports(record):
+    assert record.read() == (None, [])
+
+
+def test_largest_port_is_remembered_by_the_next_process(record, tmp_path):
+    for port in (6667, 6669, 6668):
+        record.add(port)
+    assert PortRecord(str(tmp_path)).read() == (6669, [])
+
+
+def test_a_torn_last_line_hides_nothing(record):
+    record.add(6667)
+    with open(record.path, "ab") as file:
+        file.write(b"\n66")
+    record.add(6668)
+    assert record.read() == (6668, [])
+
+
+def test_what_is_no_port_is_skipped_and_told(record):
+    write(record, b"6667\nport six\n99999999\n\xff\xfe\n")
+    largest, warnings = record.read()
+    assert largest == 6667
+    assert len(warnings) == 1 and record.path in warnings[0] and "4 lines" in warnings[0]
+
+
+def test_superscript_digits_are_no_port(record):
+    write(record, "6667\n²\n".encode())
+    assert record.read()[0] == 6667
+
+
+def test_a_directory_that_is_gone_is_told(tmp_path):
+    record = PortRecord(os.path.join(str(tmp_path), "gone"))
+    with pytest.raises(OSError, match="gone"):
+        record.add(6667)
