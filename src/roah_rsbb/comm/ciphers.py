@@ -1,0 +1,109 @@
+"""Passwords to keys, and the four ciphers of private channels (wire protocol, Frame and Key).
+
+There is no message authentication on the wire: a wrong password shows as a wrong padding or, once in
+256 datagrams, as a payload that makes no sense.
+"""
+
+import enum
+import hashlib
+import os
+from typing import Optional
+
+from cryptography.hazmat.backends import default_backend
+from cryptography.hazmat.primitives.ciphers import Cipher as _AesCipher
+from cryptography.hazmat.primitives.ciphers import algorithms, modes
+
+BLOCK_SIZE = 16
+"""Bytes of an AES block, of an initialisation vector, and most that a padding can add."""
+
+_KEY_ITERATIONS = 8
+_BACKEND = default_backend()  # cryptography 2.8 demands one; later versions ignore it
+_ECB = modes.ECB()
+_PADDINGS = [bytes([count]) * count for count in range(BLOCK_SIZE + 1)]
+
+
+class Cipher(enum.IntEnum):
+    """How a frame's payload is encrypted; the number is that in the frame's header."""
+
+    NONE = 0
+    AES_128_ECB = 1
+    AES_128_CBC = 2
+    AES_256_ECB = 3
+    AES_256_CBC = 4
+
+    @property
+    def label(self) -> str:
+        """The name used in parameters and messages, such as ``aes-128-cbc``."""
+        return self.name.lower().replace("_", "-")
+
+    @property
+    def iv_size(self) -> int:
+        """Bytes of the initialisation vector before the ciphertext: 16 for CBC, else 0."""
+        return BLOCK_SIZE if self in (Cipher.AES_128_CBC, Cipher.AES_256_CBC) else 0
+
+
+def cipher_by_label(label: str) -> Cipher:
+    """The cipher that a parameter such as ``~rsbb_cypher`` names; ValueError names the choices."""
+    for cipher in Cipher:
+        if cipher.label == label and cipher is not Cipher.NONE:
+            return cipher
+    choices = ", ".join(cipher.label for cipher in Cipher if cipher is not Cipher.NONE)
+    raise ValueError(f"unknown cipher {label!r}: choose one of {choices}")
+
+
+class Key:
+    """What a team's password gives: the keys of all four ciphers, derived once.
+
+    EVP_BytesToKey with SHA-256, no salt and 8 iterations over the password's UTF-8 bytes (wire protocol,
+    Key). One SHA-256 digest is as long as the longest key, so that only its first round is needed; the
+    initialisation vector of the further rounds is not used by the protocol.
+    """
+
+    __slots__ = ("_aes_128", "_aes_256")
+
+    def __init__(self, password: str) -> None:
+        """ValueError if the password is empty or not valid Unicode; the error never shows the password."""
+        try:
+            digest = password.encode("utf-8")
+        except UnicodeEncodeError:
+            digest = b""  # raised below, outside: the encoder's error carries the password
+        if not digest:
+            raise ValueError("the password is empty or not valid Unicode text: give each team a password, "
+                             "because private channels are never plain")
+        for _ in range(_KEY_ITERATIONS):
+            digest = hashlib.sha256(digest).digest()
+        self._aes_128 = algorithms.AES(digest[:16])
+        self._aes_256 = algorithms.AES(digest)
+
+    def __repr__(self) -> str:
+        return "Key(...)"
+
+    def encrypt(self, cipher: Cipher, plain: bytes, iv: Optional[bytes] = None) -> bytes:
+        """The initialisation vector (none for ECB) and the ciphertext of `plain`, PKCS#7 padded.
+
+        `iv` is for tests that compare bytes; without it every call draws a random one.
+        """
+        if iv is None:
+            iv = os.urandom(cipher.iv_size)
+        elif len(iv) != cipher.iv_size:
+            raise ValueError(f"{cipher.label} needs an IV of {cipher.iv_size} bytes, not {len(iv)}")
+        context = self._context(cipher, iv).encryptor()
+        padded = plain + _PADDINGS[BLOCK_SIZE - len(plain) % BLOCK_SIZE]
+        return iv + context.update(padded) + context.finalize()
+
+    def decrypt(self, cipher: Cipher, iv: bytes, ciphertext: bytes) -> Optional[bytes]:
+        """The plain text, or None where the padding shows that another key encrypted it.
+
+        `ciphertext` is one or more whole blocks. The padding's check need not take constant time: nobody
+        gets an answer to a datagram that does not decrypt.
+        """
+        context = self._context(cipher, iv).decryptor()
+        padded = context.update(ciphertext) + context.finalize()
+        count = padded[-1]
+        if not 1 <= count <= BLOCK_SIZE or not padded.endswith(_PADDINGS[count]):
+            return None
+        return padded[:-count]
+
+    def _context(self, cipher: Cipher, iv: bytes) -> _AesCipher:
+        aes = self._aes_128 if cipher in (Cipher.AES_128_ECB, Cipher.AES_128_CBC) else self._aes_256
+        return _AesCipher(aes, modes.CBC(iv) if cipher.iv_size else _ECB, backend=_BACKEND)

@@ -1,0 +1,188 @@
+"""Datagrams to messages and back (wire protocol, Frame).
+
+Encoding gives exactly one frame of version 2. Decoding takes whatever the network brings, up to the
+largest UDP datagram, and either returns a complete message of the channel or raises `BadDatagram`.
+"""
+
+import enum
+import struct
+from typing import Any, Dict, NamedTuple, Optional, Tuple, Type
+
+from google.protobuf.message import Message
+
+from roah_rsbb.comm import wire_check
+from roah_rsbb.comm.ciphers import BLOCK_SIZE, Cipher, Key
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+
+VERSION = 2
+_HEADER = struct.Struct(">BB2xI")  # version, cipher, reserved, payload size
+_IDS = struct.Struct(">HH")  # component id, message type
+_SHOWN_FIELDS = 5
+
+
+class Reason(enum.Enum):
+    """Why a datagram is no message. The value is what the referee reads."""
+
+    TOO_SHORT = "too short"
+    VERSION_1 = "frame of version 1"
+    OTHER_VERSION = "frame of an unknown version"
+    UNKNOWN_CIPHER = "unknown cipher"
+    ENCRYPTED = "encrypted on the public channel"
+    PLAIN = "plain on a private channel"
+    SIZE = "wrong size"
+    UNDECRYPTABLE = "does not decrypt"
+    UNKNOWN_TYPE = "unknown message"
+    WRONG_CHANNEL = "message of the other channel"
+    MALFORMED = "malformed message"
+    NOT_UTF8 = "text is not UTF-8"
+    INCOMPLETE = "incomplete message"
+
+
+class BadDatagram(Exception):
+    """A datagram that is no message: `reason` to count by, `detail` to read (never what it contained)."""
+
+    def __init__(self, reason: Reason, detail: str) -> None:
+        super().__init__(f"{reason.value}: {detail}")
+        self.reason = reason
+        self.detail = detail
+
+
+class _Kind(NamedTuple):
+    """A message that can be the content of a datagram."""
+
+    type: Type[Message]
+    ids: bytes
+    public: bool
+    texts: wire_check.Texts
+
+
+def _kind(message_type: Any, public: bool) -> _Kind:
+    ids = _IDS.pack(message_type.COMP_ID, message_type.MSG_TYPE)
+    return _Kind(message_type, ids, public, wire_check.texts_of(message_type.DESCRIPTOR))
+
+
+_KINDS = [
+    _kind(pb.RoahRsbbBeacon, public=True),
+    _kind(pb.RobotBeacon, public=True),
+    _kind(pb.TabletBeacon, public=True),
+    _kind(pb.BenchmarkState, public=False),
+    _kind(pb.RobotState, public=False),
+]
+_BY_IDS: Dict[bytes, _Kind] = {kind.ids: kind for kind in _KINDS}
+_BY_TYPE: Dict[Type[Message], _Kind] = {kind.type: kind for kind in _KINDS}
+_CIPHERS: Dict[int, Cipher] = {int(cipher): cipher for cipher in Cipher}
+_COMPONENT = _IDS.pack(pb.RobotState.COMP_ID, 0)[:2]
+
+PUBLIC_TYPES = tuple(kind.type for kind in _KINDS if kind.public)
+PRIVATE_TYPES = tuple(kind.type for kind in _KINDS if not kind.public)
+
+
+def encode(message: Message, cipher: Cipher = Cipher.NONE, key: Optional[Key] = None,
+           iv: Optional[bytes] = None) -> bytes:
+    """The frame of a message; `iv` only for tests, otherwise random.
+
+    Errors are the caller's mistakes: ValueError (a type that is never a datagram of its own, a cipher
+    without key, an `iv` of the wrong length), protobuf's EncodeError (a required field is not set).
+    """
+    kind = _BY_TYPE.get(type(message))
+    if kind is None:
+        raise ValueError(f"{type(message).__name__} is not sent as a datagram of its own")
+    payload = kind.ids + message.SerializeToString()
+    if cipher is not Cipher.NONE:
+        if key is None:
+            raise ValueError(f"{cipher.label} needs a key")
+        payload = key.encrypt(cipher, payload, iv)
+    return _HEADER.pack(VERSION, cipher, len(payload)) + payload
+
+
+def encoded_size(message: Message, cipher: Cipher = Cipher.NONE) -> int:
+    """Bytes of the datagram that `encode` would make of the message."""
+    plain = _IDS.size + message.ByteSize()
+    if cipher is Cipher.NONE:
+        return _HEADER.size + plain
+    return _HEADER.size + cipher.iv_size + (plain // BLOCK_SIZE + 1) * BLOCK_SIZE
+
+
+def decode_public(datagram: bytes) -> Any:
+    """The RoahRsbbBeacon, RobotBeacon or TabletBeacon in a plain frame; else raises BadDatagram only."""
+    cipher, size = _open(datagram)
+    if cipher is not Cipher.NONE:
+        raise BadDatagram(Reason.ENCRYPTED, f"with {cipher.label}")
+    payload = datagram[_HEADER.size:]
+    if size != len(payload):
+        raise BadDatagram(Reason.SIZE, f"its header announces {size} bytes, {len(payload)} came")
+    return _message(payload, public=True)
+
+
+def decode_private(datagram: bytes, key: Key) -> Any:
+    """The BenchmarkState or RobotState in a frame encrypted with the key; else raises BadDatagram only.
+
+    Any of the four ciphers is accepted, a plain frame never.
+    """
+    cipher, size = _open(datagram)
+    if cipher is Cipher.NONE:
+        raise BadDatagram(Reason.PLAIN, "not encrypted")
+    start = _HEADER.size + cipher.iv_size
+    ciphertext = datagram[start:]
+    if not ciphertext or len(ciphertext) % BLOCK_SIZE:
+        raise BadDatagram(Reason.SIZE, f"{len(datagram)} bytes cannot be a frame of {cipher.label}")
+    # The original counts the initialisation vector, some descriptions of it do not.
+    came = len(datagram) - _HEADER.size
+    if size not in (len(ciphertext), came):
+        raise BadDatagram(Reason.SIZE, f"its header announces {size} bytes, {came} came")
+    payload = key.decrypt(cipher, datagram[_HEADER.size:start], ciphertext)
+    if payload is None:
+        raise BadDatagram(Reason.UNDECRYPTABLE, "the padding is wrong")
+    # One of 256 wrong keys gives a padding that looks right; the component id then tells.
+    if len(payload) >= _IDS.size and not payload.startswith(_COMPONENT):
+        raise BadDatagram(Reason.UNDECRYPTABLE, "the content makes no sense")
+    return _message(payload, public=False)
+
+
+def _open(datagram: bytes) -> Tuple[Cipher, int]:
+    """Cipher and payload size of a header of version 2."""
+    if len(datagram) < _HEADER.size:
+        raise BadDatagram(Reason.TOO_SHORT, f"{len(datagram)} bytes, a frame's header has {_HEADER.size}")
+    version, cipher_id, size = _HEADER.unpack_from(datagram)
+    if version != VERSION:
+        # A frame of version 1 has no version: it begins with the component id.
+        if datagram.startswith(_COMPONENT):
+            raise BadDatagram(Reason.VERSION_1, "only version 2 is spoken here")
+        raise BadDatagram(Reason.OTHER_VERSION, f"version {version}, only 2 is spoken here")
+    cipher = _CIPHERS.get(cipher_id)
+    if cipher is None:
+        raise BadDatagram(Reason.UNKNOWN_CIPHER, f"number {cipher_id}")
+    return cipher, size
+
+
+def _message(payload: bytes, public: bool) -> Any:
+    if len(payload) < _IDS.size:
+        raise BadDatagram(Reason.TOO_SHORT, f"{len(payload)} bytes of payload, its ids have {_IDS.size}")
+    kind = _BY_IDS.get(payload[:_IDS.size])
+    if kind is None:
+        raise BadDatagram(Reason.UNKNOWN_TYPE, "component {}, type {}".format(*_IDS.unpack_from(payload)))
+    name = kind.type.DESCRIPTOR.name
+    if kind.public is not public:
+        home = "the public channel" if kind.public else "a private channel"
+        raise BadDatagram(Reason.WRONG_CHANNEL, f"{name} belongs on {home}")
+    protobuf = payload[_IDS.size:]
+    try:
+        wire_check.check(protobuf, kind.texts)
+    except wire_check.Malformed as error:
+        raise BadDatagram(Reason.MALFORMED, f"{name}: {error}") from None
+    except wire_check.NotUtf8 as error:
+        raise BadDatagram(Reason.NOT_UTF8, f"{error} of {name}") from None
+    return _parse(kind.type, protobuf)
+
+
+def _parse(message_type: Any, protobuf: bytes) -> Any:
+    name = message_type.DESCRIPTOR.name
+    try:
+        message = message_type.FromString(protobuf)
+    except Exception as error:  # which ones differs by the implementation of protobuf
+        raise BadDatagram(Reason.MALFORMED, f"{name}: {type(error).__name__}") from None
+    if not message.IsInitialized():
+        missing = message.FindInitializationErrors()
+        shown = ", ".join(missing[:_SHOWN_FIELDS]) + (" ..." if len(missing) > _SHOWN_FIELDS else "")
+        raise BadDatagram(Reason.INCOMPLETE, f"{name} without {shown} (not sent, or a value unknown here)")
+    return message

@@ -1,0 +1,111 @@
+"""A look at a serialised protobuf before the protobuf library reads it.
+
+The library's three implementations (C++, upb, Python) and its versions disagree about bad input: text
+that is no UTF-8 is an exception, or a `bytes` value, or a line on standard error for every datagram;
+a stray end-group tag cuts the message short with a warning; nested groups exhaust Python's stack. So
+what is malformed is found here, with one meaning for all of them and at bounded cost, and the library
+gets to see only what it reads in silence.
+"""
+
+from typing import Any, Dict, List, Tuple
+
+from google.protobuf.descriptor import Descriptor, FieldDescriptor
+
+MAX_FIELDS = 1000
+"""Those of inner messages included. More than any honest message has; bounds the work for 65 kB."""
+
+_VARINT, _FIXED_64, _LENGTH, _FIXED_32 = 0, 1, 2, 5
+_MAX_VARINT_BYTES = 10
+_MAX_TAG = 2**32 - 1
+
+# What `check` looks into: tag -> the field's name (a string), or the Texts of the message that it holds.
+Texts = Dict[int, Any]
+
+
+class Malformed(Exception):
+    """The bytes are not a serialised message."""
+
+
+class NotUtf8(Exception):
+    """A string field's bytes are not UTF-8; the only argument is the field's name."""
+
+
+def texts_of(descriptor: Descriptor) -> Texts:
+    """The table that `check` needs for messages of this type."""
+    texts: Texts = {}
+    for field in descriptor.fields:
+        tag = field.number << 3 | _LENGTH
+        if field.type == FieldDescriptor.TYPE_STRING:
+            texts[tag] = field.name
+        elif field.type == FieldDescriptor.TYPE_MESSAGE:
+            texts[tag] = texts_of(field.message_type)
+    return texts
+
+
+def check(protobuf: bytes, texts: Texts) -> None:
+    """Malformed or NotUtf8 unless `protobuf` is a sequence of whole fields whose texts are UTF-8.
+
+    What is inside a field that nobody knows is not looked at: the library keeps it as bytes.
+    """
+    budget = [MAX_FIELDS]
+    try:
+        _check(protobuf, texts, budget)
+    except IndexError:
+        raise Malformed("it ends within a field") from None
+
+
+def _check(protobuf: bytes, texts: Texts, budget: List[int]) -> None:
+    position, end = 0, len(protobuf)
+    while position < end:
+        budget[0] -= 1
+        if budget[0] < 0:
+            raise Malformed(f"it has more than {MAX_FIELDS} fields")
+        tag, position = _varint(protobuf, position)
+        # Field numbers go from 1 to 29 bits. A tag with needless zero bytes at its end, which no encoder
+        # writes, is read by the C++ library and skipped by the Python one.
+        if not 8 <= tag <= _MAX_TAG or not protobuf[position - 1]:
+            raise Malformed("it has an impossible field number")
+        wire_type = tag & 7
+        if wire_type == _LENGTH:
+            size, start = _varint(protobuf, position)
+            position = start + size
+            if position > end:
+                raise IndexError
+            text = texts.get(tag)
+            if text is not None:
+                _check_text(protobuf[start:position], text, budget)
+        elif wire_type == _VARINT:
+            _, position = _varint(protobuf, position)
+        elif wire_type == _FIXED_64:
+            position += 8
+        elif wire_type == _FIXED_32:
+            position += 4
+        else:
+            raise Malformed(f"it has a field of wire type {wire_type}, which no message uses")
+    if position > end:
+        raise IndexError
+
+
+def _check_text(value: bytes, text: Any, budget: List[int]) -> None:
+    if not isinstance(text, str):
+        _check(value, text, budget)
+        return
+    try:
+        value.decode("utf-8")
+    except UnicodeDecodeError:
+        raise NotUtf8(text) from None
+
+
+def _varint(protobuf: bytes, position: int) -> Tuple[int, int]:
+    """The number that starts at `position`, and the position after it; IndexError at the end of the bytes."""
+    byte = protobuf[position]
+    if byte < 0x80:
+        return byte, position + 1
+    value, shift = byte & 0x7F, 7
+    for index in range(position + 1, position + _MAX_VARINT_BYTES):
+        byte = protobuf[index]
+        value |= (byte & 0x7F) << shift
+        if byte < 0x80:
+            return value, index + 1
+        shift += 7
+    raise Malformed(f"it has a number of more than {_MAX_VARINT_BYTES} bytes")

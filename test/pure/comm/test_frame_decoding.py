@@ -1,0 +1,263 @@
+"""Decoding: everything recorded, and everything that is not a frame."""
+
+import struct
+
+import pytest
+from google.protobuf import json_format
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from helpers import golden
+from roah_rsbb.comm import frame
+from roah_rsbb.comm.ciphers import Cipher, Key
+from roah_rsbb.comm.frame import BadDatagram, Reason
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+
+KEY = Key(golden.PASSWORD)
+REPEATABLE = {"deadline": None, "database": None, "derandomize": True}
+FRAMES = [record for record in golden.load("frames") if record["channel"] == "public" or record["password"]]
+
+# The recorded datagrams that kill or disturb the original, and what they are here.
+REASONS = {
+    "zero_length": Reason.TOO_SHORT,
+    "truncated_header_5": Reason.TOO_SHORT,
+    "header_only_8": Reason.TOO_SHORT,
+    "payload_size_too_big": Reason.SIZE,
+    "payload_size_too_small": Reason.SIZE,
+    "payload_size_excl_msg_header": Reason.SIZE,
+    "payload_size_little_endian": Reason.SIZE,
+    "unknown_msg_type": Reason.UNKNOWN_TYPE,
+    "benchmarking_team_toplevel": Reason.UNKNOWN_TYPE,
+    "encrypted_on_public": Reason.ENCRYPTED,
+    "unknown_cipher_on_public": Reason.UNKNOWN_CIPHER,
+    "plaintext_on_private_len_of_last_plain": Reason.PLAIN,
+    "unknown_cipher_on_private": Reason.UNKNOWN_CIPHER,
+    "wrong_cipher_id": Reason.UNDECRYPTABLE,
+    "bit_flip_iv": Reason.UNDECRYPTABLE,
+    "ciphertext_truncated_1": Reason.SIZE,
+    "cipher_iv_only": Reason.SIZE,
+    "cipher_iv_short": Reason.SIZE,
+    "encrypted_empty_plaintext": Reason.TOO_SHORT,
+    "encrypted_2byte_plaintext": Reason.TOO_SHORT,
+    "public_type_on_private": Reason.WRONG_CHANNEL,
+    "garbage_protobuf": Reason.MALFORMED,
+    "missing_required_time": Reason.INCOMPLETE,
+    "invalid_utf8": Reason.NOT_UTF8,
+    "version_0": Reason.OTHER_VERSION,
+    "version_255_reserved_set": Reason.OTHER_VERSION,
+}
+# Bad for some original, good here: any cipher of the right key, all generations, any size.
+GOOD = {
+    "other_cipher_right_key": "RobotState",
+    "rsbb_beacon_2015_no_door_win_detect": "RoahRsbbBeacon",
+    "unknown_field": "RobotBeacon",
+    "oversize_encrypted_1024": "RobotState",
+    "oversize_65k": "RobotBeacon",
+}
+
+
+def decode(datagram, channel, key=KEY):
+    return frame.decode_public(datagram) if channel == "public" else frame.decode_private(datagram, key)
+
+
+def plain(protobuf, kind=pb.RobotBeacon):
+    payload = struct.pack(">HH", kind.COMP_ID, kind.MSG_TYPE) + protobuf
+    return struct.pack(">BBHI", 2, 0, 0, len(payload)) + payload
+
+
+def refused(datagram, channel="public", key=KEY):
+    with pytest.raises(BadDatagram) as caught:
+        decode(datagram, channel, key)
+    return caught.value
+
+
+@pytest.mark.parametrize("record", FRAMES, ids=lambda r: r["name"])
+def test_decodes_the_originals_frames(record):
+    message = decode(bytes.fromhex(record["frame_hex"]), record["channel"], Key(record["password"] or "-"))
+    assert message == json_format.ParseDict(record["fields"], getattr(pb, record["message_type"])())
+
+
+@pytest.mark.parametrize("name", golden.SESSIONS)
+def test_decodes_the_recorded_sessions(name):
+    for record in golden.load(name):
+        channel = "public" if record["dport"] == 6666 else "private"
+        message = decode(bytes.fromhex(record["hex"]), channel)
+        assert message.DESCRIPTOR.name == record["decoded"]["type"]
+        assert message == json_format.ParseDict(record["decoded"]["fields"], type(message)())
+
+
+def test_a_plain_frame_of_an_empty_password_is_refused():
+    record = golden.frame("rstate_private_empty_password_is_plain")
+    assert refused(record["frame"], "private").reason is Reason.PLAIN
+
+
+@pytest.mark.parametrize("record", golden.load("bad_frames"), ids=lambda r: r["name"])
+def test_recorded_bad_datagrams(record, capfd):
+    datagram = bytes.fromhex(record["datagram_hex"])
+    if record["name"] in GOOD:
+        assert decode(datagram, record["channel"]).DESCRIPTOR.name == GOOD[record["name"]]
+    else:
+        assert refused(datagram, record["channel"]).reason is REASONS[record["name"]]
+    assert capfd.readouterr() == ("", "")  # protobuf's C++ library writes a line per datagram if asked
+
+
+def test_the_payload_size_may_leave_out_the_iv_and_nothing_else():
+    datagram = golden.frame("rstate_hwv_aes-128-cbc_pw8")["frame"]
+    real = len(datagram) - 8
+    accepted = []
+    for size in (0, real - 17, real - 16, real - 15, real - 1, real, real + 1, 0xFFFFFFFF):
+        try:
+            frame.decode_private(datagram[:4] + struct.pack(">I", size) + datagram[8:], KEY)
+        except BadDatagram as bad:
+            assert bad.reason is Reason.SIZE
+        else:
+            accepted.append(size)
+    assert accepted == [real - 16, real]
+
+
+@pytest.mark.parametrize("cipher", [1, 2, 3, 4])
+def test_any_cipher_of_the_right_password(cipher):
+    message = pb.BenchmarkState(benchmark_type="HWV", benchmark_state=pb.BenchmarkState.PREPARE)
+    datagram = frame.encode(message, Cipher(cipher), KEY)
+    assert frame.decode_private(datagram, KEY) == message
+    assert refused(datagram, "private", Key("wrong")).reason is Reason.UNDECRYPTABLE
+
+
+def test_a_wrong_password_has_one_reason_whatever_the_padding():
+    message = pb.RobotState(time=pb.Time(sec=1, nsec=2), messages_saved=0, robot_state=pb.RobotState.STOP)
+    wrong = Key("wrong")
+    datagrams = [frame.encode(message, Cipher.AES_128_CBC, KEY, iv.to_bytes(16, "big")) for iv in range(2000)]
+    bad = [refused(datagram, "private", wrong) for datagram in datagrams]
+    assert {error.reason for error in bad} == {Reason.UNDECRYPTABLE}
+    assert len({error.detail for error in bad}) == 2  # some paddings looked right
+
+
+def test_a_private_message_in_the_open_is_refused():
+    state = pb.BenchmarkState(benchmark_type="HWV", benchmark_state=pb.BenchmarkState.STOP)
+    bad = refused(frame.encode(state))
+    assert bad.reason is Reason.WRONG_CHANNEL
+    assert "BenchmarkState" in bad.detail
+
+
+def test_a_frame_of_version_1_is_named():
+    protobuf = pb.RobotBeacon(team_name="a", robot_name="b", time=pb.Time(sec=1, nsec=2)).SerializeToString()
+    assert refused(struct.pack(">HHI", 6666, 30, len(protobuf)) + protobuf).reason is Reason.VERSION_1
+
+
+@pytest.mark.parametrize("protobuf, missing", [
+    (b"", "team_name, robot_name, time "),
+    (b"\x0a\x01a\x12\x01b\x1a\x02\x08\x01", "time.nsec "),
+])
+def test_missing_fields_are_named(protobuf, missing):
+    bad = refused(plain(protobuf))
+    assert bad.reason is Reason.INCOMPLETE
+    assert "RobotBeacon without " + missing in bad.detail
+
+
+def test_an_unknown_state_is_a_missing_field():
+    state = b"\x0a\x04\x08\x01\x10\x02\x10\x00\x18\x05"  # robot_state 5
+    payload = struct.pack(">HH", 6666, 40) + state
+    body = KEY.encrypt(Cipher.AES_128_ECB, payload)
+    bad = refused(struct.pack(">BBHI", 2, 1, 0, len(body)) + body, "private")
+    assert bad.reason is Reason.INCOMPLETE
+    assert "RobotState without robot_state" in bad.detail
+
+
+def test_many_missing_fields_are_not_all_listed():
+    bad = refused(plain(b"\x0a\x00" * 900, pb.RoahRsbbBeacon))
+    assert bad.reason is Reason.INCOMPLETE
+    assert len(bad.detail) < 300
+
+
+GOOD_BEACON = b"\x0a\x01a\x12\x01b\x1a\x04\x08\x01\x10\x02"
+
+
+@pytest.mark.parametrize("protobuf, reason", [
+    (b"\x0a\x01a\x12\x02\xc3(" + GOOD_BEACON[6:], Reason.NOT_UTF8),
+    (b"\x0a\x03\xed\xa0\x80" + GOOD_BEACON[3:], Reason.NOT_UTF8),  # a surrogate
+    (GOOD_BEACON + b"\x0c", Reason.MALFORMED),  # a stray end of group: C++ would stop there in silence
+    (GOOD_BEACON + b"\x0b\x0c", Reason.MALFORMED),
+    (GOOD_BEACON + b"\x0f", Reason.MALFORMED),
+    (GOOD_BEACON + b"\x00\x00", Reason.MALFORMED),
+    (GOOD_BEACON + b"\x28" + b"\xff" * 10 + b"\x01", Reason.MALFORMED),
+    (GOOD_BEACON + b"\x28\xff", Reason.MALFORMED),
+    (GOOD_BEACON + b"\x29" + b"1234567", Reason.MALFORMED),
+    (GOOD_BEACON + b"\x2d" + b"123", Reason.MALFORMED),
+    (GOOD_BEACON + b"\x2a\xff\xff\xff\xff\x0f", Reason.MALFORMED),
+    (GOOD_BEACON + b"\xfa\xff\xff\xff\xff\xff\xff\xff\x7f\x00", Reason.MALFORMED),
+    (b"\x8a\x00\x01a" + GOOD_BEACON[3:], Reason.MALFORMED),  # a tag longer than need be
+    (GOOD_BEACON[:8] + b"\x05\x08\x01\x10\x02\x1c", Reason.MALFORMED),  # inside the time
+    (b"\x0b" * 65000, Reason.MALFORMED),
+    (b"\x08\x01" * 32000, Reason.MALFORMED),
+    (b"\xff" * 65000, Reason.MALFORMED),
+])
+def test_malformed_protobufs(protobuf, reason, capfd):
+    assert refused(plain(protobuf)).reason is reason
+    assert capfd.readouterr() == ("", "")
+
+
+def test_text_in_inner_messages_is_checked():
+    bad = refused(plain(b"\x0a\x08\x0a\x01\xff\x12\x01b\x18\x01", pb.RoahRsbbBeacon))
+    assert (bad.reason, bad.detail) == (Reason.NOT_UTF8, "team_name of RoahRsbbBeacon")
+
+
+@pytest.mark.parametrize("protobuf", [
+    GOOD_BEACON + b"\xa2\x06\x03xyz" + b"\x29" + b"12345678" + b"\x2d" + b"1234" + b"\x28\x80\x80\x01",
+    GOOD_BEACON + GOOD_BEACON,  # the last one counts
+    b"\x0a\x81\x00a" + GOOD_BEACON[3:],  # a length longer than need be
+])
+def test_unusual_but_well_formed(protobuf):
+    assert frame.decode_public(plain(protobuf)).team_name == "a"
+
+
+def test_any_time_is_decoded():
+    for sec in (-(2 ** 63), -1, 2 ** 32, 2 ** 63 - 1):
+        beacon = pb.RobotBeacon(team_name="a", robot_name="b", time=pb.Time(sec=sec, nsec=-sec - 1))
+        assert frame.decode_public(frame.encode(beacon)).time.sec == sec
+
+
+def decode_or_bad(datagram):
+    """What the channels do with a datagram: a message or BadDatagram, nothing else."""
+    for channel in ("public", "private"):
+        try:
+            message = decode(datagram, channel)
+        except BadDatagram:
+            continue
+        assert message.IsInitialized()
+        for field, value in message.ListFields():
+            assert isinstance(value, str) or not field.name.endswith("name")
+
+
+@pytest.mark.parametrize("record", [record for record in FRAMES if len(record["frame_hex"]) < 300],
+                         ids=lambda r: r["name"])
+def test_truncations_and_bit_flips(record):
+    datagram = bytes.fromhex(record["frame_hex"])
+    for size in range(len(datagram)):
+        assert refused(datagram[:size], record["channel"]).reason is not None
+    for bit in range(len(datagram) * 8):
+        flipped = bytearray(datagram)
+        flipped[bit // 8] ^= 1 << bit % 8
+        decode_or_bad(bytes(flipped))
+
+
+def test_bit_flips_in_the_protobuf_of_a_beacon():
+    protobuf = bytes.fromhex(golden.frame("rsbb_beacon_many_teams_extremes")["payload_protobuf_hex"])
+    for bit in range(len(protobuf) * 8):
+        flipped = bytearray(protobuf)
+        flipped[bit // 8] ^= 1 << bit % 8
+        decode_or_bad(plain(bytes(flipped), pb.RoahRsbbBeacon))
+
+
+@given(st.binary(max_size=300))
+@settings(max_examples=200, **REPEATABLE)
+def test_random_bytes(datagram):
+    decode_or_bad(datagram)
+
+
+@given(st.sampled_from(frame.PUBLIC_TYPES + frame.PRIVATE_TYPES), st.binary(max_size=200),
+       st.sampled_from(list(Cipher)))
+@settings(max_examples=300, **REPEATABLE)
+def test_random_protobufs(kind, protobuf, cipher):
+    payload = struct.pack(">HH", kind.COMP_ID, kind.MSG_TYPE) + protobuf
+    body = payload if cipher is Cipher.NONE else KEY.encrypt(cipher, payload)
+    decode_or_bad(struct.pack(">BBHI", 2, cipher, 0, len(body)) + body)
