@@ -1,0 +1,120 @@
+"""What came in and was no message: counted by sender and reason, and told without flooding the log.
+
+A robot with a wrong password sends twenty bad datagrams a second, and a broken program thousands, from
+as many senders as it likes. So the counts are bounded, each (sender, reason) is reported at most once a
+second, and all of them together at most ten times a second. No I/O and no clock in here.
+"""
+
+from collections import OrderedDict
+from typing import Dict, Optional, Tuple
+
+from roah_rsbb.comm.frame import BadDatagram, Reason
+
+REPORT_PERIOD_S = 1.0
+OTHERS = "others"
+"""The sender under which the counts of forgotten senders are summed."""
+
+_OTHER_PROGRAM = "Likely another program on this port: choose another rsbb_port, or end it."
+_OTHER_PORT = "Likely its rsbb_port is another one than ours: it takes one channel for the other."
+_PASSWORD = "Likely a wrong password in the robot (rsbb_key) or in the box (passwords file)."
+_LIKELY_CAUSE = {
+    Reason.TOO_SHORT: _OTHER_PROGRAM,
+    Reason.VERSION_1: "Likely an old protobuf_comm: the sender must be updated to frames of version 2.",
+    Reason.OTHER_VERSION: _OTHER_PROGRAM,
+    Reason.UNKNOWN_CIPHER: _OTHER_PROGRAM,
+    Reason.ENCRYPTED: _OTHER_PORT,
+    Reason.PLAIN: "Likely its password is empty: set the robot's rsbb_key.",
+    Reason.SIZE: "Likely another program on this port, or a sender that frames its messages wrongly.",
+    Reason.UNDECRYPTABLE: _PASSWORD,
+    Reason.UNKNOWN_TYPE: "Likely a participant of another competition or league on this network and port.",
+    Reason.WRONG_CHANNEL: _OTHER_PORT,
+    Reason.MALFORMED: "Likely a sender that was not made from our .proto file.",
+    Reason.NOT_UTF8: "Likely a name or text in another encoding: its configuration must be saved as UTF-8.",
+    Reason.INCOMPLETE: "Likely a sender that was made from another .proto file, or that forgets these.",
+}
+
+
+class OnceASecond:
+    """Counts events, and tells at most once a second how many there were since it last did."""
+
+    __slots__ = ("_next_mono", "_waiting")
+
+    def __init__(self) -> None:
+        self._waiting = 0
+        self._next_mono = float("-inf")
+
+    def count(self) -> None:
+        """One more event."""
+        self._waiting += 1
+
+    def take(self, now_mono: float) -> int:
+        """The number of events to report now, or 0 if the last report is less than a second old."""
+        if now_mono < self._next_mono:
+            return 0
+        waiting, self._waiting = self._waiting, 0
+        self._next_mono = now_mono + REPORT_PERIOD_S
+        return waiting
+
+    def ready(self, now_mono: float) -> bool:
+        """Whether a report would be allowed now."""
+        return now_mono >= self._next_mono
+
+
+class _Entry:
+    __slots__ = ("reports", "total")
+
+    def __init__(self) -> None:
+        self.total = 0
+        self.reports = OnceASecond()
+
+
+class Complaints:
+    """Bad datagrams of one or more channels, counted by (sender's host, reason)."""
+
+    def __init__(self, max_entries: int = 200, max_reports_per_second: int = 10) -> None:
+        """`max_entries`: pairs of sender and reason that are remembered, the most recent ones."""
+        self._max_entries = max_entries
+        self._max_reports = max_reports_per_second
+        self._entries: OrderedDict[Tuple[str, Reason], _Entry] = OrderedDict()
+        self._forgotten: Dict[Reason, int] = {}
+        self._second_began_mono = float("-inf")
+        self._reports_this_second = 0
+
+    def add(self, now_mono: float, channel: str, sender: Tuple[str, int], bad: BadDatagram) -> Optional[str]:
+        """Counts a bad datagram; returns the text to log now, or None. `channel` opens the text."""
+        entry = self._entry((sender[0], bad.reason))
+        entry.total += 1
+        entry.reports.count()
+        if not entry.reports.ready(now_mono) or not self._may_report(now_mono):
+            return None
+        count = entry.reports.take(now_mono)
+        what = "a bad datagram" if count == 1 else f"{count} bad datagrams"
+        host, port = sender
+        return f"{channel}: {what} from {host}:{port}: {bad}. {_LIKELY_CAUSE[bad.reason]}"
+
+    def totals(self) -> Dict[Tuple[str, str], int]:
+        """(sender's host, reason) to the number of datagrams since the start.
+
+        What was too long ago to be remembered by sender is summed by reason under `OTHERS`.
+        """
+        totals = {(OTHERS, reason.value): count for reason, count in self._forgotten.items()}
+        totals.update({(host, reason.value): entry.total for (host, reason), entry in self._entries.items()})
+        return totals
+
+    def _entry(self, key: Tuple[str, Reason]) -> _Entry:
+        entry = self._entries.get(key)
+        if entry is not None:
+            self._entries.move_to_end(key)
+            return entry
+        while len(self._entries) >= self._max_entries:
+            (_, reason), oldest = self._entries.popitem(last=False)
+            self._forgotten[reason] = self._forgotten.get(reason, 0) + oldest.total
+        entry = self._entries[key] = _Entry()
+        return entry
+
+    def _may_report(self, now_mono: float) -> bool:
+        if now_mono >= self._second_began_mono + REPORT_PERIOD_S:
+            self._second_began_mono = now_mono
+            self._reports_this_second = 0
+        self._reports_this_second += 1
+        return self._reports_this_second <= self._max_reports

@@ -1,0 +1,53 @@
+"""When to send a state (wire protocol, Timing). No I/O and no clock in here.
+
+A changed state leaves at once, then ten times at 50 ms intervals, because any single datagram may be
+lost; after that once a second. An answer to what came in may leave between these, and moves none of them.
+"""
+
+BURST_COUNT = 10
+BURST_INTERVAL_S = 0.05
+PERIOD_S = 1.0
+
+
+class StateSender:
+    """The times at which one state is due. Nothing is due before the first `changed` or `reply`."""
+
+    __slots__ = ("_burst_left", "_next_mono", "_reply_mono")
+
+    def __init__(self) -> None:
+        self._next_mono = float("inf")
+        self._reply_mono = float("inf")
+        self._burst_left = 0
+
+    def changed(self, now_mono: float) -> None:
+        """The state changed: it is due now, and a burst follows (a burst that runs begins anew)."""
+        self._next_mono = now_mono
+        self._burst_left = BURST_COUNT
+
+    def reply(self, now_mono: float) -> None:
+        """One extra send is due now; bursts and period stay as they are."""
+        self._reply_mono = min(self._reply_mono, now_mono)
+
+    @property
+    def deadline(self) -> float:
+        """When the next send is due, seconds of the monotonic clock; infinity if none is."""
+        return min(self._next_mono, self._reply_mono)
+
+    def due(self, now_mono: float) -> bool:
+        """Whether to send now. True counts as sent: the next deadline is a later one.
+
+        Whoever asks late gets one send, and the intervals begin anew: nothing is caught up on.
+        """
+        if now_mono < self.deadline:
+            return False
+        self._reply_mono = float("inf")
+        if now_mono >= self._next_mono:
+            self._advance(now_mono)
+        return True
+
+    def _advance(self, now_mono: float) -> None:
+        interval = BURST_INTERVAL_S if self._burst_left else PERIOD_S
+        self._burst_left = max(0, self._burst_left - 1)
+        self._next_mono += interval
+        if self._next_mono <= now_mono:
+            self._next_mono = now_mono + interval
