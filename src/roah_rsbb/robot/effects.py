@@ -1,0 +1,153 @@
+"""What a `Session` wants done: datagrams and channels for whoever holds the sockets, news for the owner."""
+
+import enum
+from dataclasses import dataclass
+from typing import Optional, Tuple, Union
+
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.robot.goals import Goal
+from roah_rsbb.states import RobotState
+
+
+@dataclass(frozen=True)
+class SendBeacon:
+    """Send `message` on the public channel."""
+
+    message: pb.RobotBeacon
+
+
+@dataclass(frozen=True)
+class OpenChannel:
+    """Open the private channel: bind `port`, send to `host` and the same port."""
+
+    host: str
+    port: int
+
+
+@dataclass(frozen=True)
+class CloseChannel:
+    """Close the private channel."""
+
+    why: str
+
+
+@dataclass(frozen=True)
+class SendState:
+    """Send `message` on the private channel."""
+
+    message: pb.RobotState
+
+
+@dataclass(frozen=True)
+class WouldSendState:
+    """The state that would be sent now if the owner did not play the box (`Session.override`)."""
+
+    message: pb.RobotState
+
+
+@dataclass(frozen=True)
+class BenchmarkIs:
+    """The benchmark changed; None: there is none any more."""
+
+    code: Optional[str]
+
+
+@dataclass(frozen=True)
+class StateIs:
+    """The robot's state changed."""
+
+    state: RobotState
+
+
+@dataclass(frozen=True)
+class Prepare:
+    """Prepare for a goal, then call `Session.end_prepare`. What was going on has ended."""
+
+    benchmark: str
+
+
+@dataclass(frozen=True)
+class Execute:
+    """Execute, then call `Session.end_execute`. `goal` is None where the box gave none."""
+
+    benchmark: str
+    goal: Optional[Goal]
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Stop whatever is going on. `halt`: at once, the benchmark was not completed by the robot."""
+
+    halt: bool
+    why: str
+
+
+@dataclass(frozen=True)
+class Devices:
+    """State of the home devices, at the first beacon and when it changed. dimmer, blinds: per cent."""
+
+    bell: Tuple[int, int]  # time of the last ring: seconds and nanoseconds since 1970
+    switch_1: bool
+    switch_2: bool
+    switch_3: bool
+    dimmer: int
+    blinds: int
+    door_win_detect: bool
+
+
+@dataclass(frozen=True)
+class Tablet:
+    """State of the tablet, at the first beacon and when it changed. Times as in `Devices`, metres."""
+
+    display_map: bool
+    call_time: Tuple[int, int]
+    position_time: Tuple[int, int]
+    position_x: float
+    position_y: float
+
+
+@dataclass(frozen=True)
+class BellRang:
+    """Somebody rang the bell."""
+
+
+@dataclass(frozen=True)
+class TabletCalled:
+    """The tablet's call button was pressed."""
+
+
+@dataclass(frozen=True)
+class PositionSelected:
+    """A position was selected on the tablet's map, in metres."""
+
+    x: float
+    y: float
+
+
+class Trouble(enum.Enum):
+    """Kinds of trouble that a session can notice."""
+
+    NO_BOX = "no box is heard"
+    BOX_SILENT = "the box is silent on the private channel"
+    WRONG_PASSWORD = "the box's messages cannot be decrypted"
+    SAME_NAME = "another robot has the same team and name"
+    ANOTHER_BOX = "there is another box"
+    UNEXPECTED_STATE = "the box asked for what cannot follow"
+    BAD_GOAL = "the goal cannot be read"
+    CHANNEL = "the private channel cannot be opened"
+
+
+@dataclass(frozen=True)
+class Report:
+    """Trouble, told once; `over` tells that it has ended."""
+
+    trouble: Trouble
+    text: str
+    over: bool = False
+
+
+Effect = Union[
+    SendBeacon, OpenChannel, CloseChannel, SendState, WouldSendState,
+    BenchmarkIs, StateIs, Prepare, Execute, Stop,
+    Devices, Tablet, BellRang, TabletCalled, PositionSelected, Report,
+]

@@ -1,0 +1,114 @@
+"""What a robot watches beside its run: silences, other participants, the home in the box's beacons."""
+
+from typing import Hashable, List, NamedTuple, Optional, Set, Tuple
+
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.robot.effects import (
+    BellRang,
+    Devices,
+    Effect,
+    PositionSelected,
+    Report,
+    Tablet,
+    TabletCalled,
+    Trouble,
+)
+
+# A box that was not heard for so long is silent: it sends once a second on each channel.
+SILENCE_S = 5.0
+
+# Reports made once are remembered; forged datagrams must not let that grow for ever.
+_MAX_TOLD = 100
+
+
+class Silence:
+    """Notices, once, that nothing was heard for `limit_s` seconds."""
+
+    def __init__(self, limit_s: float, now_mono: float) -> None:
+        self._limit_s = limit_s
+        self._heard_mono = now_mono
+        self._told = False
+
+    @property
+    def deadline(self) -> float:
+        """The moment from which `begins` is True, if nothing is heard; infinity once it was told."""
+        return float("inf") if self._told else self._heard_mono + self._limit_s
+
+    def heard(self, now_mono: float) -> bool:
+        """Something was heard. True when this ends a silence that was told."""
+        ended, self._told = self._told, False
+        self._heard_mono = now_mono
+        return ended
+
+    def begins(self, now_mono: float) -> bool:
+        """True once, when it has been silent for the limit."""
+        if now_mono < self.deadline:
+            return False
+        self._told = True
+        return True
+
+    def lasts(self, now_mono: float) -> bool:
+        """Whether nothing was heard for the limit."""
+        return now_mono >= self._heard_mono + self._limit_s
+
+
+class Reports:
+    """Reports of what would otherwise be told with every datagram: once for each key."""
+
+    def __init__(self) -> None:
+        self._told: Set[Tuple[Trouble, Hashable]] = set()
+
+    def once(self, trouble: Trouble, key: Hashable, text: str) -> List[Report]:
+        """The report, unless it was made before for this `trouble` and `key`."""
+        if (trouble, key) in self._told or len(self._told) >= _MAX_TOLD:
+            return []
+        self._told.add((trouble, key))
+        return [Report(trouble, text)]
+
+
+class _Seen(NamedTuple):
+    devices: Devices
+    tablet: Tablet
+
+
+class Home:
+    """The devices and the tablet as the box's beacons show them.
+
+    The bell, the call button and a selected position are known by their times only. The first beacon
+    tells when they last were, not that they are now; and a time that goes back is no new ring, but a
+    straggler or a box that started again.
+    """
+
+    def __init__(self) -> None:
+        self._seen: Optional[_Seen] = None
+
+    def see(self, beacon: pb.RoahRsbbBeacon) -> List[Effect]:
+        """The news in a beacon."""
+        now = _Seen(
+            Devices(
+                _wire_time(beacon.devices_bell),
+                beacon.devices_switch_1, beacon.devices_switch_2, beacon.devices_switch_3,
+                beacon.devices_dimmer, beacon.devices_blinds,
+                beacon.devices_door_win_detect,
+            ),
+            Tablet(
+                beacon.tablet_display_map,
+                _wire_time(beacon.tablet_call_time), _wire_time(beacon.tablet_position_time),
+                beacon.tablet_position_x, beacon.tablet_position_y,
+            ),
+        )
+        before, self._seen = self._seen, now
+        if before is None:
+            return [now.devices, now.tablet]
+        news: List[Effect] = [new for old, new in zip(before, now) if old != new]
+        if now.devices.bell > before.devices.bell:
+            news.append(BellRang())
+        if now.tablet.call_time > before.tablet.call_time:
+            news.append(TabletCalled())
+        if now.tablet.position_time > before.tablet.position_time:
+            news.append(PositionSelected(now.tablet.position_x, now.tablet.position_y))
+        return news
+
+
+def _wire_time(time: pb.Time) -> Tuple[int, int]:
+    return time.sec, time.nsec

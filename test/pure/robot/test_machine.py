@@ -1,0 +1,73 @@
+"""Every entry of the robot's state table (wire protocol, State machines)."""
+
+import itertools
+
+import pytest
+
+from roah_rsbb.robot.machine import (
+    BOX_TABLE,
+    OWN_TABLE,
+    Act,
+    IllegalEvent,
+    Own,
+    Step,
+    box_step,
+    error_text,
+    own_step,
+)
+from roah_rsbb.states import BoxState, RobotState
+
+# The table as the protocol has it: rows are what the box sends, columns the robot's present state.
+TABLE = """
+                STOP        PREPARING   WAITING_GOAL      EXECUTING   RESULT_TX
+STOP            STOP        STOP:HALT   STOP:HALT         STOP:HALT   STOP:END
+PREPARE         PREPARING:PREPARE PREPARING WAITING_GOAL  EXECUTING   PREPARING:PREPARE
+GOAL_TX         STOP:ERROR  STOP:ERROR  EXECUTING:EXECUTE EXECUTING   RESULT_TX
+WAITING_RESULT  STOP:ERROR  STOP:ERROR  EXECUTING:EXECUTE_NO_GOAL EXECUTING RESULT_TX
+"""
+
+
+def _entries():
+    header, *rows = [line.split() for line in TABLE.strip().splitlines()]
+    for row in rows:
+        for column, cell in zip(header, row[1:]):
+            state, _, act = cell.partition(":")
+            yield BoxState[row[0]], RobotState[column], Step(RobotState[state], Act[act or "KEEP"])
+
+
+@pytest.mark.parametrize("received, state, expected", _entries())
+@pytest.mark.parametrize(
+    "benchmark", ["HGTKMH", "HWV", "HCFGAC", "HOPF", "HPPF", "HPFF", "HGMF", "HOMF", "STB"]
+)
+def test_every_entry(benchmark, received, state, expected):
+    assert box_step(benchmark, received, state) == expected
+
+
+@pytest.mark.parametrize("received, state, expected", _entries())
+def test_in_hnf_prepare_ends_the_waypoint_and_nothing_else_differs(received, state, expected):
+    if (received, state) == (BoxState.PREPARE, RobotState.EXECUTING):
+        expected = Step(RobotState.PREPARING, Act.PREPARE)
+    assert box_step("HNF", received, state) == expected
+
+
+def test_the_tables_have_exactly_these_entries():
+    assert set(BOX_TABLE) == set(itertools.product(BoxState, RobotState))
+    assert OWN_TABLE == {
+        (Own.PREPARATION_COMPLETE, RobotState.PREPARING): RobotState.WAITING_GOAL,
+        (Own.GOAL_COMPLETE, RobotState.EXECUTING): RobotState.RESULT_TX,
+    }
+
+
+@pytest.mark.parametrize("event, state", itertools.product(Own, RobotState))
+def test_own_events(event, state):
+    if (event, state) in OWN_TABLE:
+        assert own_step(event, state) is OWN_TABLE[event, state]
+        return
+    only = {Own.PREPARATION_COMPLETE: "PREPARING", Own.GOAL_COMPLETE: "EXECUTING"}[event]
+    with pytest.raises(IllegalEvent, match=f"{event.value}.* in {state.name}, .* only possible in {only}"):
+        own_step(event, state)
+
+
+def test_an_error_says_what_came_and_what_the_robot_was_doing():
+    text = error_text(BoxState.GOAL_TX, RobotState.PREPARING)
+    assert "GOAL_TX" in text and "PREPARING" in text

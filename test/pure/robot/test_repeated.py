@@ -1,0 +1,174 @@
+"""Repeated strings against the box's rule, over a link that loses, doubles and reorders."""
+
+import random
+from collections import defaultdict
+
+import pytest
+
+from roah_rsbb.robot.machine import IllegalEvent
+from roah_rsbb.robot.repeated import RepeatedStrings
+
+FIELDS = ("notifications", "visitor")
+
+
+class BoxRule:
+    """What a box does with repeated strings (wire protocol, Repeated strings).
+
+    It logs what a message contains and the one received before it did not, and ignores a message that
+    is not newer than all before.
+    """
+
+    def __init__(self):
+        self.acknowledgement = 0
+        self.logged = defaultdict(list)
+        self._before = defaultdict(list)
+
+    def receive(self, number, content):
+        if number <= self.acknowledgement:
+            return
+        self.acknowledgement = number
+        for field in FIELDS:
+            texts = content.get(field, [])
+            self.logged[field] += [text for text in texts if text not in self._before[field]]
+            self._before[field] = texts
+
+
+class BadLink:
+    """Carries things one way: loses some, delivers some twice, and in another order."""
+
+    def __init__(self, rng, loss, doubled, reordered):
+        self._rng, self._loss, self._doubled, self._reordered = rng, loss, doubled, reordered
+        self._under_way = []
+
+    def send(self, thing):
+        for _ in range(2 if self._rng.random() < self._doubled else 1):
+            if self._rng.random() >= self._loss:
+                self._under_way.append(thing)
+
+    def deliver(self):
+        """Hand over what arrives now; the rest is late."""
+        if self._rng.random() < self._reordered:
+            self._rng.shuffle(self._under_way)
+        arriving = self._rng.randint(0, len(self._under_way))
+        now, self._under_way = self._under_way[:arriving], self._under_way[arriving:]
+        return now
+
+
+def _run(rng, sender, plan, loss, doubled, reordered, rounds):
+    """Let `sender` send what `plan` holds, a list of (field, text), at moments of chance."""
+    box, there, back = (
+        BoxRule(), BadLink(rng, loss, doubled, reordered), BadLink(rng, loss, doubled, reordered)
+    )
+    plan = list(plan)
+    for number in range(1, rounds):
+        while plan and rng.random() < 0.4:
+            sender.add(*plan.pop(0))
+        there.send((number, sender.for_message(number)))
+        for message in there.deliver():
+            box.receive(*message)
+        if rng.random() < 0.8:
+            back.send(box.acknowledgement)
+        for acknowledgement in back.deliver():
+            sender.acknowledged(acknowledgement)
+        if not plan and not sender.pending:
+            return box
+    raise AssertionError(f"still pending after {rounds} messages: {sender.pending}")
+
+
+@pytest.mark.parametrize("loss, doubled, reordered", [
+    (0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.0, 0.5, 0.0), (0.0, 0.0, 1.0), (0.4, 0.4, 0.7), (0.7, 0.2, 0.5),
+])
+@pytest.mark.parametrize("seed", range(20))
+def test_each_string_is_logged_as_often_and_in_the_order_it_was_sent(loss, doubled, reordered, seed):
+    rng = random.Random(f"{seed}/{loss}/{doubled}/{reordered}")
+    # Few different texts, so that twins are frequent; a budget that holds about three of them.
+    plan = [(rng.choice(FIELDS), rng.choice(["a", "b", "a", "cc", "a"])) for _ in range(rng.randint(1, 40))]
+    sender = RepeatedStrings(FIELDS, budget_bytes=rng.choice([6, 15, 100]))
+    box = _run(rng, sender, plan, loss, doubled, reordered, rounds=20_000)
+    for field in FIELDS:
+        assert box.logged[field] == [text for planned, text in plan if planned == field]
+
+
+def test_a_string_stays_until_a_message_with_it_is_acknowledged():
+    sender = RepeatedStrings(FIELDS, 100)
+    assert sender.for_message(1) == {}
+    sender.add("visitor", "Deli Man")
+    assert sender.for_message(2) == {"visitor": ["Deli Man"]}
+    sender.acknowledged(1)
+    assert sender.for_message(3) == {"visitor": ["Deli Man"]}
+    sender.acknowledged(2)
+    assert sender.for_message(4) == {}
+    assert sender.pending == 0
+
+
+def test_a_twin_waits_until_the_box_has_seen_a_message_without_it():
+    sender = RepeatedStrings(FIELDS, 100)
+    sender.add("visitor", "a")
+    sender.add("visitor", "a")
+    assert sender.for_message(1) == {"visitor": ["a"]}
+    sender.acknowledged(1)
+    assert sender.for_message(2) == {}
+    # Sent is not received: without this acknowledgement the box may still take both for one.
+    sender.acknowledged(1)
+    assert sender.for_message(3) == {}
+    sender.acknowledged(2)
+    assert sender.for_message(4) == {"visitor": ["a"]}
+
+
+def test_a_twin_holds_back_what_comes_after_it():
+    sender = RepeatedStrings(FIELDS, 100)
+    for text in "aab":
+        sender.add("visitor", text)
+    assert sender.for_message(1) == {"visitor": ["a"]}
+
+
+def test_the_same_text_in_two_fields_is_no_twin():
+    sender = RepeatedStrings(FIELDS, 100)
+    sender.add("visitor", "a")
+    sender.add("notifications", "a")
+    assert sender.for_message(1) == {"visitor": ["a"], "notifications": ["a"]}
+
+
+def test_an_acknowledgement_brings_on_waiting_strings_only():
+    sender = RepeatedStrings(FIELDS, 100)
+    sender.add("visitor", "a")
+    sender.for_message(1)
+    assert not sender.acknowledged(1), "nothing waits"
+    sender.add("visitor", "a")
+    sender.for_message(2)
+    assert sender.acknowledged(2), "the twin may go now"
+    assert not sender.acknowledged(2), "the same acknowledgement again is no news"
+
+
+def test_a_message_never_takes_more_than_its_budget():
+    sender = RepeatedStrings(FIELDS, budget_bytes=30)
+    for text in ("x" * 10, "y" * 10, "z" * 26, "ü"):
+        sender.add("visitor", text)
+    assert sender.for_message(1) == {"visitor": ["x" * 10, "y" * 10]}
+    sender.acknowledged(1)
+    assert sender.for_message(2) == {"visitor": ["z" * 26]}
+    sender.acknowledged(2)
+    assert sender.for_message(3) == {"visitor": ["ü"]}
+
+
+@pytest.mark.parametrize("field, text, found", [
+    ("visitor", "x" * 27, "27 bytes.* at most 26"),
+    ("visitor", "ü" * 14, "28 bytes"),
+    ("visitor", "\ud800", "Unicode"),
+    ("visitors", "a", "choose from notifications, visitor"),
+])
+def test_what_cannot_be_sent_is_refused_and_changes_nothing(field, text, found):
+    sender = RepeatedStrings(FIELDS, budget_bytes=30)
+    with pytest.raises(IllegalEvent, match=found):
+        sender.add(field, text)
+    assert sender.pending == 0
+
+
+def test_what_waits_is_bounded():
+    sender = RepeatedStrings(FIELDS, budget_bytes=30, max_waiting=3)
+    for number in range(3):
+        sender.add("visitor", str(number))
+    with pytest.raises(IllegalEvent, match="3 strings wait"):
+        sender.add("visitor", "one more")
+    sender.for_message(1)
+    sender.add("visitor", "one more")

@@ -1,0 +1,215 @@
+"""The session in simulated time: beacons, the private channel, and what is sent on it."""
+
+import pytest
+
+from helpers.robot_bench import BOX, PORT, ROBOT, TEAM, UTC0, Bench, executing, linked_bench
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.robot import effects as fx
+from roah_rsbb.robot.goals import HopfResult, Pose
+from roah_rsbb.robot.machine import IllegalEvent
+from roah_rsbb.robot.session import Session
+from roah_rsbb.states import BoxState, RobotState
+
+
+@pytest.fixture
+def bench():
+    return Bench()
+
+
+@pytest.fixture
+def linked():
+    return linked_bench()
+
+
+# Beacons and channels.
+
+
+def test_a_robot_without_a_channel_says_so_each_second(bench):
+    bench.run(4.5)
+    assert [time for time, _ in bench.beacons] == [1000.0, 1001.0, 1002.0, 1003.0, 1004.0]
+    beacon = bench.beacons[2][1]
+    assert (beacon.team_name, beacon.robot_name) == (TEAM, ROBOT)
+    assert (beacon.time.sec, beacon.time.nsec) == (int(UTC0) + 2, 0)
+    assert not bench.sent
+
+
+@pytest.mark.parametrize("team, robot", [("", "Robot"), ("Team", "")])
+def test_names_are_needed(team, robot):
+    with pytest.raises(ValueError, match="neither may be empty"):
+        Session(team, robot, 0.0)
+
+
+def test_a_beacon_that_lists_the_robot_opens_the_channel(bench):
+    bench.beacon(port=None)
+    bench.run(1.5)
+    assert bench.take_news(fx.OpenChannel) == []
+    beacons = len(bench.beacons)
+    bench.beacon()
+    assert bench.take_news(fx.OpenChannel) == [fx.OpenChannel(BOX, PORT)]
+    assert bench.last.robot_state == RobotState.STOP, "the first state goes out at once"
+    bench.run(3)
+    assert len(bench.beacons) == beacons, "no beacons while there is a channel"
+    bench.beacon()
+    assert bench.take_news(fx.OpenChannel, fx.CloseChannel) == []
+
+
+def test_another_port_is_another_channel(linked):
+    executing(linked)
+    linked.beacon(port=6670)
+    news = linked.take_news()
+    assert [type(effect) for effect in news] == [
+        fx.StateIs, fx.Stop, fx.BenchmarkIs, fx.CloseChannel, fx.OpenChannel
+    ]
+    assert news[1].halt and news[2].code is None and news[4] == fx.OpenChannel(BOX, 6670)
+    assert linked.last.robot_state == RobotState.STOP
+
+
+def test_a_robot_that_is_not_listed_any_more_halts_and_beacons_again(linked):
+    executing(linked)
+    linked.run(2)
+    beacons, sent = len(linked.beacons), len(linked.sent)
+    linked.beacon(port=None)
+    assert [type(effect) for effect in linked.take_news()] == [
+        fx.StateIs, fx.Stop, fx.BenchmarkIs, fx.CloseChannel
+    ]
+    assert linked.state is RobotState.STOP and linked.session.progress.benchmark is None
+    linked.run(2.5)
+    assert len(linked.beacons) == beacons + 3
+    assert len(linked.sent) == sent
+
+
+@pytest.mark.parametrize("port", [0, 65536, 2**32 - 1])
+def test_a_port_that_does_not_exist_is_reported_once(bench, port):
+    for _ in range(3):
+        bench.beacon(port=port)
+    assert [report.trouble for report in bench.take_news(fx.Report, fx.OpenChannel)] == [fx.Trouble.CHANNEL]
+
+
+def test_a_channel_that_cannot_be_opened_is_tried_again_and_reported_once(bench):
+    for _ in range(3):
+        bench.beacon()
+        bench.session.channel_failed("port 6667 is in use")
+        bench.poll()
+        bench.run(1)
+    news = bench.take_news(fx.OpenChannel, fx.Report)
+    assert news.count(fx.OpenChannel(BOX, PORT)) == 3
+    assert [effect for effect in news if isinstance(effect, fx.Report)] == [
+        fx.Report(fx.Trouble.CHANNEL, "port 6667 is in use")
+    ]
+
+
+# Timing and content of states.
+
+
+def test_a_change_is_sent_at_once_then_in_a_burst_then_each_second(linked):
+    linked.run(10)
+    linked.take_sent()
+    changed = linked.now
+    linked.box_says(BoxState.PREPARE)
+    linked.run(3)
+    times = [time - changed for time, _ in linked.sent]
+    assert times[0] == 0.0
+    assert times[:11] == pytest.approx([0.05 * i for i in range(11)])
+    assert len(times) == 13 and times[11:] == pytest.approx([1.5, 2.5])
+    assert {message.robot_state for _, message in linked.sent} == {RobotState.PREPARING}
+
+
+@pytest.mark.parametrize("method, arguments", [
+    ("add_string", ("visitor", "x")), ("set_device", ("dimmer", 3)), ("display_map", (True,)),
+])
+def test_what_the_owner_asks_for_goes_out_at_once(linked, method, arguments):
+    linked.run(10)
+    linked.take_sent()
+    linked.do(method, *arguments)
+    assert len(linked.sent) == 1
+
+
+def test_times_increase_strictly_even_while_the_clock_stands(linked):
+    linked.run(1)
+    linked.clock_offset -= 0.4
+    linked.do("add_string", "visitor", "x")
+    linked.run(3)
+    times = [(message.time.sec, message.time.nsec) for message in linked.take_sent()]
+    assert len(times) > 15
+    assert all(earlier < later for earlier, later in zip(times, times[1:]))
+
+
+def test_nothing_is_sent_that_the_owner_did_not_set(linked):
+    assert {field.name for field, _ in linked.last.ListFields()} == {"time", "messages_saved", "robot_state"}
+
+
+def test_messages_saved_is_repeated(linked):
+    linked.session.progress.messages_saved = 12
+    linked.run(5)
+    assert linked.last.messages_saved == 12
+    for wrong in (-1, 2**32):
+        with pytest.raises(ValueError, match="0 to 4294967295"):
+            linked.session.progress.messages_saved = wrong
+    assert linked.session.progress.messages_saved == 12
+
+
+def test_commands_are_repeated_once_they_were_given_and_forgotten_with_the_channel(linked):
+    linked.do("set_device", "switch_2", False)
+    linked.do("set_device", "dimmer", 70)
+    linked.run(5)
+    assert (linked.last.devices_switch_2, linked.last.devices_dimmer) == (False, 70)
+    assert linked.last.HasField("devices_switch_2") and not linked.last.HasField("devices_switch_1")
+    linked.do("display_map", True)
+    linked.do("set_device", "dimmer", 0)
+    assert linked.last.tablet_display_map is True and linked.last.devices_dimmer == 0
+    linked.beacon(port=6668)
+    assert not linked.last.HasField("devices_dimmer") and not linked.last.HasField("tablet_display_map")
+
+
+@pytest.mark.parametrize("name, value, found", [
+    ("switch_4", True, "choose from switch_1, switch_2, switch_3, dimmer, blinds"),
+    ("switch_1", 1, "True .on. or False"), ("dimmer", 101, "0 to 100"), ("blinds", -1, "0 to 100"),
+    ("blinds", 3.5, "whole"), ("dimmer", True, "whole"),
+])
+def test_impossible_commands_are_refused(linked, name, value, found):
+    with pytest.raises(IllegalEvent, match=found):
+        linked.session.set_device(name, value)
+    linked.run(1)
+    assert not linked.last.HasField("devices_dimmer")
+
+
+@pytest.mark.parametrize("method, arguments", [
+    ("add_string", ("visitor", "x")), ("set_device", ("dimmer", 3)), ("display_map", (True,)),
+    ("end_prepare", ()), ("end_execute", ()),
+])
+def test_without_a_run_there_is_nothing_to_do(bench, method, arguments):
+    with pytest.raises(IllegalEvent):
+        bench.do(method, *arguments)
+    assert bench.state is RobotState.STOP
+
+
+def test_a_string_goes_until_it_is_acknowledged_and_not_into_the_next_run(linked):
+    linked.do("add_string", "notifications", "hello")
+    first = linked.last
+    assert list(first.notifications) == ["hello"]
+    linked.box_says(BoxState.STOP, acknowledge=pb.Time(sec=first.time.sec - 1, nsec=0))
+    linked.run(2)
+    assert list(linked.last.notifications) == ["hello"]
+    linked.box_says(BoxState.STOP, acknowledge=first.time)
+    linked.run(2)
+    assert list(linked.last.notifications) == []
+    linked.do("add_string", "visitor", "of this run")
+    linked.beacon(port=6668)
+    assert list(linked.last.visitor) == []
+
+
+def test_the_largest_message_fits_a_robots_datagram(linked):
+    executing(linked, "HOPF")
+    linked.session.progress.messages_saved = 2**32 - 1
+    for name in ("switch_1", "switch_2", "switch_3"):
+        linked.session.set_device(name, True)
+    linked.session.set_device("dimmer", 100)
+    linked.session.set_device("blinds", 100)
+    linked.session.display_map(True)
+    for number in range(100):
+        linked.session.add_string("notifications", f"{number:03d}" + "x" * 97)
+    far = Pose(-1.2345678901234e-100, 1e-5, 3.141592653589793)
+    linked.session.end_execute(HopfResult("c" * 50, "i" * 50, far))
+    linked.poll()
+    assert len(linked.last.notifications) >= 4
+    assert len(linked.last.SerializeToString()) <= 987

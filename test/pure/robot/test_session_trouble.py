@@ -1,0 +1,146 @@
+"""The session in simulated time: silence, wrong passwords, twins, and more than one box."""
+
+import pytest
+
+from helpers.robot_bench import BOX, OTHER_BOX, PORT, ROBOT, TEAM, Bench, executing, linked_bench
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.robot import effects as fx
+from roah_rsbb.states import BoxState, RobotState
+
+
+@pytest.fixture
+def bench():
+    return Bench()
+
+
+@pytest.fixture
+def linked():
+    return linked_bench()
+
+
+# Trouble.
+
+
+def test_no_box_is_reported_once_and_its_return_too(bench):
+    bench.run(4.9)
+    assert bench.take_news() == []
+    bench.run(20)
+    assert [(report.trouble, report.over) for report in bench.take_news()] == [(fx.Trouble.NO_BOX, False)]
+    bench.beacon(port=None)
+    reports = bench.take_news(fx.Report)
+    assert [(report.trouble, report.over) for report in reports] == [(fx.Trouble.NO_BOX, True)]
+    bench.run(5.1)
+    assert len(bench.take_news(fx.Report)) == 1
+
+
+def test_a_box_silent_on_the_private_channel_is_reported_once(linked):
+    for second in range(12):
+        linked.beacon()
+        if second < 3:
+            linked.box_says(BoxState.PREPARE)
+        linked.run(1)
+    reports = linked.take_news(fx.Report)
+    assert [(report.trouble, report.over) for report in reports] == [(fx.Trouble.BOX_SILENT, False)]
+    assert BOX in reports[0].text and str(PORT) in reports[0].text
+    assert linked.state is RobotState.PREPARING, "a bad network ends no run"
+    linked.box_says(BoxState.PREPARE)
+    assert [(report.trouble, report.over) for report in linked.take_news()] == [(fx.Trouble.BOX_SILENT, True)]
+
+
+def test_a_wrong_password_is_told_once_and_not_taken_for_silence(linked):
+    for _ in range(20):
+        linked.beacon()
+        linked.session.private_undecodable(linked.now, BOX)
+        linked.run(1)
+    reports = linked.take_news(fx.Report)
+    assert [report.trouble for report in reports] == [fx.Trouble.WRONG_PASSWORD]
+    assert "password of team Team" in reports[0].text
+
+
+def test_a_bad_datagram_is_no_wrong_password_from_elsewhere_or_after_good_ones(linked):
+    linked.session.private_undecodable(linked.now, OTHER_BOX)
+    linked.box_says(BoxState.STOP)
+    linked.session.private_undecodable(linked.now, BOX)
+    linked.poll()
+    assert linked.take_news(fx.Report) == []
+
+
+@pytest.mark.parametrize("private", [False, True])
+def test_another_robot_of_the_same_name_is_reported_once_for_each_address(linked, private):
+    for host in ("127.0.0.7", "127.0.0.7", "127.0.0.8"):
+        if private:
+            twin = pb.RobotState(time=pb.Time(sec=1, nsec=0), messages_saved=0, robot_state=0)
+            linked.session.private_message(linked.now, twin, (host, PORT))
+        else:
+            twin = pb.RobotBeacon(team_name=TEAM, robot_name=ROBOT, time=pb.Time(sec=1, nsec=0))
+            linked.session.public_message(linked.now, twin, (host, 6666))
+    linked.poll()
+    reports = linked.take_news()
+    assert [report.trouble for report in reports] == [fx.Trouble.SAME_NAME] * 2
+    assert "127.0.0.7" in reports[0].text and "127.0.0.8" in reports[1].text
+
+
+def test_other_robots_and_the_tablet_are_none_of_our_business(linked):
+    time = pb.Time(sec=1, nsec=0)
+    for team, robot in (("Other", ROBOT), (TEAM, "Other")):
+        other = pb.RobotBeacon(team_name=team, robot_name=robot, time=time)
+        linked.session.public_message(linked.now, other, ("127.0.0.7", 6666))
+    tablet = pb.TabletBeacon(last_call=time, last_pos=time, x=1.0, y=2.0)
+    linked.session.public_message(linked.now, tablet, ("127.0.0.7", 6666))
+    linked.poll()
+    assert linked.take_news() == []
+
+
+def test_a_flood_of_twins_is_bounded(linked):
+    for number in range(10_000):
+        twin = pb.RobotBeacon(team_name=TEAM, robot_name=ROBOT, time=pb.Time(sec=1, nsec=0))
+        linked.session.public_message(linked.now, twin, (f"10.0.{number // 256}.{number % 256}", 6666))
+    linked.poll()
+    assert len(linked.take_news()) == 100
+
+
+# More than one box.
+
+
+@pytest.mark.parametrize("port", [None, PORT, 7001])
+def test_another_box_changes_nothing_while_ours_is_heard(linked, port):
+    executing(linked)
+    for _ in range(10):
+        linked.beacon()
+        linked.beacon(port=port, host=OTHER_BOX, devices_switch_1=True)
+        linked.run(1)
+    reports = [effect for effect in linked.take_news(fx.Report) if effect.trouble is fx.Trouble.ANOTHER_BOX]
+    assert len(reports) == 1 and OTHER_BOX in reports[0].text and BOX in reports[0].text
+    assert linked.state is RobotState.EXECUTING
+    assert linked.take_news(fx.Devices, fx.CloseChannel, fx.OpenChannel) == []
+
+
+def test_ours_is_also_heard_on_the_private_channel(linked):
+    executing(linked)
+    for _ in range(10):
+        linked.box_says(BoxState.WAITING_RESULT)
+        linked.beacon(port=None, host=OTHER_BOX)
+        linked.run(1)
+    assert linked.state is RobotState.EXECUTING
+
+
+def test_another_box_takes_over_when_ours_is_gone(linked):
+    executing(linked)
+    linked.run(6)
+    linked.beacon(port=7001, host=OTHER_BOX)
+    assert linked.take_news(fx.OpenChannel) == [fx.OpenChannel(OTHER_BOX, 7001)]
+    assert linked.state is RobotState.STOP
+
+
+def test_a_robot_without_a_channel_follows_whoever_lists_it(bench):
+    bench.beacon(port=None)
+    bench.beacon(port=None, host=OTHER_BOX)
+    bench.beacon(host=OTHER_BOX)
+    assert bench.take_news(fx.OpenChannel) == [fx.OpenChannel(OTHER_BOX, PORT)]
+
+
+def test_states_of_another_box_are_ignored(linked):
+    for _ in range(3):
+        linked.box_says(BoxState.PREPARE, host=OTHER_BOX)
+    assert linked.state is RobotState.STOP
+    assert [report.trouble for report in linked.take_news()] == [fx.Trouble.ANOTHER_BOX]
