@@ -1,0 +1,173 @@
+"""The two channels of the protocol: messages in and out, over UDP (wire protocol, Channels)."""
+
+import asyncio
+import functools
+import ipaddress
+from typing import Any, Callable, Optional, Tuple, Type
+
+from google.protobuf.message import Message
+
+from roah_rsbb.comm import frame
+from roah_rsbb.comm.ciphers import Cipher, Key
+from roah_rsbb.comm.complaints import Complaints
+from roah_rsbb.comm.peer import Address, Peer
+from roah_rsbb.comm.sockets import ANY_HOST
+
+OnMessage = Callable[[Any, Address], None]
+OnComplaint = Callable[[str], None]
+
+
+class _Channel:
+    """What both channels do: decode and hand over, or complain; refuse to send the other one's messages."""
+
+    def __init__(
+        self,
+        peer: Peer,
+        name: str,
+        types: Tuple[Type[Message], ...],
+        decode: Callable[[bytes], Message],
+        loop: asyncio.AbstractEventLoop,
+        on_message: OnMessage,
+        on_complaint: OnComplaint,
+        complaints: Optional[Complaints],
+    ) -> None:
+        self.complaints = Complaints() if complaints is None else complaints
+        self._peer = peer
+        self._name = name
+        self._types = types
+        self._decode = decode
+        self._loop = loop
+        self._on_message = on_message
+        self._on_complaint = on_complaint
+
+    @property
+    def addr(self) -> str:
+        """The rsbb_host of this channel."""
+        return self._peer.rsbb_host
+
+    @property
+    def port(self) -> int:
+        """The UDP port of this channel, on both sides."""
+        return self._peer.port
+
+    @property
+    def is_open(self) -> bool:
+        return self._peer.is_open
+
+    @property
+    def unsent(self) -> int:
+        """Datagrams that could not be sent since the channel was made."""
+        return self._peer.unsent
+
+    def open(self) -> None:
+        """Begin to receive; does nothing if open. Raises OSError whose text names the remedy."""
+        self._peer.open()
+
+    def close(self) -> None:
+        """End all receiving and sending; does nothing if closed. May be called from `on_message`."""
+        self._peer.close()
+
+    def _check_type(self, message: Message) -> None:
+        if not isinstance(message, self._types):
+            raise ValueError(f"{type(message).__name__} does not belong on the {self._name}")
+
+    def _receive(self, datagram: bytes, sender: Address) -> None:
+        try:
+            message = self._decode(datagram)
+        except frame.BadDatagram as bad:
+            text = self.complaints.add(self._loop.time(), self._name, sender, bad)
+            if text is not None:
+                self._on_complaint(text)
+            return
+        self._on_message(message, sender)
+
+
+class PublicChannel(_Channel):
+    """Plain messages to and from everybody, by broadcast: beacons of box, robots and tablet."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        rsbb_host: str,
+        rsbb_port: int,
+        on_message: OnMessage,
+        on_complaint: OnComplaint,
+        bind_host: str = ANY_HOST,
+        max_datagram: int = 1024,
+        complaints: Optional[Complaints] = None,
+    ) -> None:
+        """Nothing is opened yet: see `open`.
+
+        `on_message(message, (host, port))` and `on_complaint(text)` are called in the loop's thread; what
+        they raise is logged and goes no further. `complaints` may be shared between channels.
+        """
+        peer = Peer(loop, rsbb_host, rsbb_port, self._receive, on_complaint, bind_host, max_datagram)
+        super().__init__(
+            peer, "public channel", frame.PUBLIC_TYPES, frame.decode_public,
+            loop, on_message, on_complaint, complaints)
+
+    def send(self, message: Message) -> bool:
+        """Broadcast a message; whether it left. The network's errors never raise: see `on_complaint`.
+
+        ValueError for a message of the private channel, EncodeError for an incomplete one.
+        """
+        self._check_type(message)
+        return self._peer.send(frame.encode(message), self._peer.rsbb_host)
+
+
+class PrivateChannel(_Channel):
+    """Encrypted messages between the box and one robot. The port number is the same on both sides."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        rsbb_host: str,
+        port: int,
+        key: Key,
+        on_message: OnMessage,
+        on_complaint: OnComplaint,
+        cipher: Cipher = Cipher.AES_128_CBC,
+        bind_host: str = ANY_HOST,
+        broadcast: bool = False,
+        max_datagram: int = 1024,
+        complaints: Optional[Complaints] = None,
+    ) -> None:
+        """As `PublicChannel`; `cipher` is used to send, any is accepted (ValueError for NONE).
+
+        `broadcast`: send to rsbb_host as the original box did, and not to `remote`.
+        """
+        if cipher is Cipher.NONE:
+            raise ValueError("a private channel is never plain: choose a cipher")
+        peer = Peer(
+            loop, rsbb_host, port, self._receive, on_complaint, bind_host, max_datagram, shared=False)
+        super().__init__(
+            peer, f"private channel {port}", frame.PRIVATE_TYPES,
+            functools.partial(frame.decode_private, key=key), loop, on_message, on_complaint, complaints)
+        self._key = key
+        self._cipher = cipher
+        self._broadcast = broadcast
+        self._remote: Optional[str] = None
+
+    @property
+    def remote(self) -> Optional[str]:
+        """The other side's IPv4 address, or None while it is not known: then nothing is sent.
+
+        Only the caller sets it. ValueError for anything but an IPv4 address.
+        """
+        return self._remote
+
+    @remote.setter
+    def remote(self, host: Optional[str]) -> None:
+        # A name would make every send ask the name service, and wait for it.
+        self._remote = None if host is None else str(ipaddress.IPv4Address(host))
+
+    def send(self, message: Message) -> bool:
+        """Send a message to the other side; whether it left. The network's errors never raise.
+
+        ValueError for a message of the public channel, EncodeError for an incomplete one.
+        """
+        self._check_type(message)
+        host = self._peer.rsbb_host if self._broadcast else self._remote
+        if host is None:
+            return False
+        return self._peer.send(frame.encode(message, self._cipher, self._key), host)

@@ -1,0 +1,201 @@
+"""One participant on one UDP port: reads what arrives, sends what it is given, and survives both."""
+
+import asyncio
+import errno
+import logging
+import os
+import socket
+from typing import Callable, List, Optional, Tuple
+
+from roah_rsbb.comm import sockets
+from roah_rsbb.comm.complaints import OnceASecond
+
+Address = Tuple[str, int]
+
+_log = logging.getLogger(__name__)
+
+# So that a flood leaves the loop time for timers and for other sockets.
+_MAX_READS_PER_WAKE_UP = 100
+_LARGEST_DATAGRAM = 65535
+_OWN_HOST_PERIOD_S = 1.0
+
+_SEND_REMEDY = {
+    errno.ENETUNREACH: "check the network cable or wireless, and rsbb_host ('ip -4 addr' shows it as brd)",
+    errno.EHOSTUNREACH: "check the network cable or wireless, and whether that host is on",
+    errno.ENETDOWN: "the network interface is down: check the cable or wireless",
+    errno.EPERM: "a firewall on this machine forbids it: allow UDP from rsbb_port upwards",
+    errno.EACCES: "a firewall on this machine forbids it: allow UDP from rsbb_port upwards",
+    errno.EMSGSIZE: "the datagram is larger than the network takes: lower max_datagram",
+    errno.EAGAIN: "the network is slower than what is sent; it is sent again soon",
+    errno.ENOBUFS: "the network is slower than what is sent; it is sent again soon",
+    errno.EINVAL: "there is no way from bind_host to there: choose both in the same network",
+}
+
+
+class Peer:
+    """Sends and receives datagrams on one port of one asyncio loop; all methods belong to its thread.
+
+    Bound to 0.0.0.0, one socket does all. Bound to an address of its own, so that several participants
+    can share a machine, it needs a second socket on the broadcast address: a socket bound to one address
+    receives no broadcasts. What the peer itself sent, and hears again as a broadcast, is ignored.
+    """
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        rsbb_host: str,
+        port: int,
+        on_datagram: Callable[[bytes, Address], None],
+        on_complaint: Callable[[str], None],
+        bind_host: str = sockets.ANY_HOST,
+        max_datagram: int = 1024,
+        shared: bool = True,
+    ) -> None:
+        """`max_datagram`: bytes of the largest datagram to send (any is received).
+
+        `shared`: other programs may use the same address and port (all public channels do, for
+        broadcasts reach all of them). Not shared, a second program there is noticed at `open`: of
+        unicast datagrams only one of two would get each.
+        """
+        self.rsbb_host = rsbb_host
+        self.port = port
+        self.unsent = 0
+        """Datagrams that could not be sent since the peer was made."""
+        self._loop = loop
+        self._on_datagram = on_datagram
+        self._on_complaint = on_complaint
+        self._bind_host = bind_host
+        self._max_datagram = max_datagram
+        self._shared = shared
+        self._sockets: List[socket.socket] = []  # the first one sends
+        self._own_host: Optional[str] = None
+        self._own_host_until_mono = float("-inf")
+        self._send_errors = OnceASecond()
+        self._read_errors = OnceASecond()
+        self._bugs = OnceASecond()
+
+    @property
+    def is_open(self) -> bool:
+        return bool(self._sockets)
+
+    def open(self) -> None:
+        """Bind and begin to read; does nothing if open. Raises OSError with a remedy in its text."""
+        if self._sockets:
+            return
+        self.rsbb_host = sockets.resolve(self.rsbb_host, "rsbb_host")
+        self._bind_host = sockets.resolve(self._bind_host, "bind_host")
+        if sockets.is_broadcast(self._bind_host):
+            raise sockets.OpenError(
+                errno.EINVAL, f"bind_host {self._bind_host} is a broadcast address: give an address of this "
+                              "machine ('ip -4 addr' lists them); only rsbb_host is a broadcast address")
+        self._sockets.append(sockets.listen(self._bind_host, self.port, self._shared))
+        try:
+            if self._bind_host != sockets.ANY_HOST:
+                self._listen_to_broadcasts()
+        except OSError:
+            self._sockets.pop().close()
+            raise
+        for endpoint in self._sockets:
+            self._loop.add_reader(endpoint.fileno(), self._read, endpoint)
+
+    def _listen_to_broadcasts(self) -> None:
+        host = sockets.broadcast_host(self._bind_host, self.rsbb_host)
+        if host is not None:
+            self._sockets.append(sockets.listen(host, self.port, shared=True))
+            return
+        self._complain(
+            f"no broadcasts are heard on {self._bind_host}:{self.port}: {self.rsbb_host} is not a broadcast "
+            "address of this machine. Set rsbb_host to one ('ip -4 addr' shows them as brd), or bind_host "
+            f"to {sockets.ANY_HOST}"
+        )
+
+    def close(self) -> None:
+        """Stop reading and release the port; does nothing if closed."""
+        closing, self._sockets = self._sockets, []
+        for endpoint in closing:
+            self._loop.remove_reader(endpoint.fileno())
+            endpoint.close()
+
+    def send(self, datagram: bytes, host: str) -> bool:
+        """Send to `host`, an IPv4 address, at this peer's port.
+
+        Never raises or blocks: returns whether the datagram left, and otherwise complains, at most once
+        a second. A closed peer sends nothing and says nothing.
+        """
+        if not self._sockets:
+            return False
+        if len(datagram) > self._max_datagram:
+            return self._not_sent(
+                host, f"it has {len(datagram)} bytes, and receivers may read only {self._max_datagram}. "
+                      "Remedy: send less, or raise max_datagram if all are known to read more")
+        try:
+            self._sockets[0].sendto(datagram, (host, self.port))
+        except OSError as error:
+            remedy = _SEND_REMEDY.get(error.errno or 0, "check the network")
+            return self._not_sent(host, f"{os.strerror(error.errno or 0)}. Remedy: {remedy}")
+        return True
+
+    def _not_sent(self, host: str, why: str) -> bool:
+        self.unsent += 1
+        self._send_errors.count()
+        count = self._send_errors.take(self._loop.time())
+        if count:
+            what = "a datagram" if count == 1 else f"{count} datagrams"
+            self._complain(f"could not send {what} to {host}:{self.port}: {why}")
+        return False
+
+    def _read(self, endpoint: socket.socket) -> None:
+        for _ in range(_MAX_READS_PER_WAKE_UP):
+            try:
+                datagram, sender = endpoint.recvfrom(_LARGEST_DATAGRAM)
+            except (BlockingIOError, InterruptedError):
+                return
+            except OSError as error:
+                self._not_read(error)
+                return
+            if not self._is_own(sender):
+                self._deliver(datagram, sender)
+                if endpoint not in self._sockets:
+                    return  # the handler closed this peer
+
+    def _not_read(self, error: OSError) -> None:
+        self._read_errors.count()
+        if self._read_errors.take(self._loop.time()):
+            self._complain(f"could not read from UDP port {self.port}: {error.strerror}: check the network")
+
+    def _deliver(self, datagram: bytes, sender: Address) -> None:
+        try:
+            self._on_datagram(datagram, sender)
+        except Exception:
+            # A mistake in a handler must not end the reading: the next datagram may be a referee's stop.
+            self._bug("a handler of datagrams failed")
+
+    def _complain(self, text: str) -> None:
+        try:
+            self._on_complaint(text)
+        except Exception:
+            self._bug("a handler of complaints failed")
+
+    def _bug(self, what: str) -> None:
+        self._bugs.count()
+        count = self._bugs.take(self._loop.time())
+        if count:
+            _log.exception("%s on UDP port %d (%d times since the last report)", what, self.port, count)
+
+    def _is_own(self, sender: Address) -> bool:
+        host, port = sender
+        return port == self.port and host == self._source_host()
+
+    def _source_host(self) -> Optional[str]:
+        """The address that this peer's broadcasts come from.
+
+        A peer on 0.0.0.0 must ask the system, which has no answer while the network is away and another
+        one after a new lease: asked again each second, if it matters.
+        """
+        if self._bind_host != sockets.ANY_HOST:
+            return self._bind_host
+        now_mono = self._loop.time()
+        if now_mono >= self._own_host_until_mono:
+            self._own_host_until_mono = now_mono + _OWN_HOST_PERIOD_S
+            self._own_host = sockets.source_host(self.rsbb_host) or self._own_host
+        return self._own_host

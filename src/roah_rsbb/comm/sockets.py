@@ -1,0 +1,108 @@
+"""UDP sockets for a peer: which ones it needs, and errors that say what to do. IPv4, as the protocol is."""
+
+import errno
+import ipaddress
+import os
+import socket
+from typing import Optional
+
+ANY_HOST = "0.0.0.0"
+LOOPBACK_BROADCAST = "127.255.255.255"
+
+# Much more than the usual default, for the moments in which the loop is busy; the system may give less.
+_RECEIVE_BUFFER_SIZE = 4 * 1024 * 1024
+_PROBE_PORT = 9  # any will do: connecting a UDP socket sends nothing
+
+
+class OpenError(OSError):
+    """A channel cannot be opened; the text alone (without the number that OSError shows) has the remedy."""
+
+    def __str__(self) -> str:
+        return str(self.strerror)
+
+
+def listen(host: str, port: int, shared: bool) -> socket.socket:
+    """A non-blocking UDP socket on (host, port) that may send broadcasts.
+
+    `shared`: others may bind the same address and port too, if they also agree to it. Raises OpenError
+    whose text names the address and the remedy.
+    """
+    if not 1 <= port <= 65535:
+        raise OpenError(errno.EINVAL, f"there is no UDP port {port}: choose an rsbb_port from 1 to 65535, "
+                                      "with room above it for private channels")
+    endpoint = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        endpoint.setblocking(False)
+        endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+        endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER_SIZE)
+        if shared:
+            endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        endpoint.bind((host, port))
+    except OSError as error:
+        endpoint.close()
+        remedy = _bind_remedy(error, host, port)
+        raise OpenError(error.errno, f"cannot open UDP {host}:{port}: {remedy}") from error
+    return endpoint
+
+
+def _bind_remedy(error: OSError, host: str, port: int) -> str:
+    if error.errno == errno.EADDRINUSE:
+        return ("in use by another program, perhaps a second one of the same kind: end it "
+                f"('ss -ulpn sport = :{port}' shows it), or give each program here its own bind_host")
+    if error.errno == errno.EADDRNOTAVAIL:
+        return f"{host} is not an address of this machine ('ip -4 addr' lists them): correct bind_host"
+    if error.errno == errno.EACCES:
+        return "not permitted: choose an rsbb_port above 1023"
+    return os.strerror(error.errno or 0)
+
+
+def resolve(host: str, parameter: str) -> str:
+    """The IPv4 address of a host; asks the name service, and so may take a while, only for a name.
+
+    Raises OpenError that names the parameter which `host` comes from.
+    """
+    try:
+        return str(ipaddress.IPv4Address(host))
+    except ValueError:
+        pass
+    try:
+        return socket.gethostbyname(host)
+    except (OSError, ValueError) as error:  # ValueError: what can be no name at all
+        raise OpenError(errno.EINVAL, f"{parameter} '{host}' is no IPv4 address and no known host: "
+                                      "write an address such as 192.168.1.255") from error
+
+
+def is_broadcast(host: str) -> bool:
+    """Whether this machine reaches `host` by broadcast on one of its networks."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect((host, _PROBE_PORT))
+        except PermissionError:
+            return True  # the system's answer for broadcast addresses without SO_BROADCAST
+        except OSError:
+            return False
+    return False
+
+
+def broadcast_host(bind_host: str, rsbb_host: str) -> Optional[str]:
+    """The address at which a peer bound to `bind_host` receives broadcasts; None if it cannot be known.
+
+    Where rsbb_host is a participant's own address (a team may give the box's), that is not it: a socket
+    bound there would take that participant's datagrams if both are on one machine.
+    """
+    if is_broadcast(rsbb_host):
+        return rsbb_host
+    if ipaddress.IPv4Address(bind_host).is_loopback:
+        return LOOPBACK_BROADCAST
+    return None
+
+
+def source_host(destination: str) -> Optional[str]:
+    """The address of this machine that datagrams to `destination` leave from; None if there is no way."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+            probe.connect((destination, _PROBE_PORT))
+            return probe.getsockname()[0]
+        except OSError:
+            return None

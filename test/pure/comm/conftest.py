@@ -1,0 +1,64 @@
+"""What the tests on real loopback sockets share: a loop, free ports, and inboxes to wait for."""
+
+import asyncio
+import socket
+
+import pytest
+
+TIMEOUT_S = 10
+
+
+class Inbox(list):
+    """Collects what a handler is called with, and lets a test wait for it."""
+
+    def __init__(self, loop):
+        super().__init__()
+        self._loop = loop
+
+    def __call__(self, *arguments):
+        self.append(arguments if len(arguments) > 1 else arguments[0])
+
+    def wait(self, count=1):
+        """Run the loop until there are `count` items; all of them."""
+        self._loop.run_until_complete(asyncio.wait_for(self._until(count), TIMEOUT_S))
+        return list(self)
+
+    async def _until(self, count):
+        while len(self) < count:
+            await asyncio.sleep(0.001)
+
+
+@pytest.fixture
+def loop():
+    loop = asyncio.new_event_loop()
+    yield loop
+    loop.close()
+
+
+@pytest.fixture
+def inbox(loop):
+    """Makes inboxes."""
+    return lambda: Inbox(loop)
+
+
+@pytest.fixture
+def port():
+    """A UDP port that is free on all addresses of this machine."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("", 0))
+        return probe.getsockname()[1]
+
+
+@pytest.fixture
+def opened():
+    """Opens channels or peers, and closes them after the test."""
+    to_close = []
+
+    def open_(endpoint):
+        endpoint.open()
+        to_close.append(endpoint)
+        return endpoint
+
+    yield open_
+    for endpoint in to_close:
+        endpoint.close()

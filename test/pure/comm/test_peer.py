@@ -1,0 +1,247 @@
+"""A peer on real loopback sockets: reading, sending, and what goes wrong with both."""
+
+import errno
+import logging
+import socket
+
+import pytest
+
+from roah_rsbb.comm import sockets
+from roah_rsbb.comm.peer import Peer
+
+BROADCAST = "127.255.255.255"
+BOX = "127.0.0.1"
+
+
+@pytest.fixture
+def peer(loop, port, inbox, opened):
+    """Opens a peer with inboxes `datagrams` and `complaints`."""
+    def make(bind_host=BOX, rsbb_host=BROADCAST, on_datagram=None, **options):
+        datagrams, complaints = inbox(), inbox()
+        made = Peer(loop, rsbb_host, port, on_datagram or datagrams, complaints, bind_host, **options)
+        made.datagrams, made.complaints = datagrams, complaints
+        return opened(made)
+    return make
+
+
+@pytest.fixture
+def raw():
+    """A socket that is no peer, at an address and port of its own."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as endpoint:
+        endpoint.bind(("127.0.0.9", 0))
+        yield endpoint
+
+
+class Failing:
+    """A socket that neither sends nor receives, for the reason given."""
+
+    def __init__(self, number):
+        self.number = number
+
+    def sendto(self, datagram, address):
+        raise OSError(self.number, "failed")
+
+    def recvfrom(self, size):
+        raise OSError(self.number, "failed")
+
+    def fileno(self):
+        return -1
+
+    def close(self):
+        pass
+
+
+class Clock:
+    """The loop, with a clock that tests set."""
+
+    def __init__(self, loop):
+        self.now = 100.0
+        self.add_reader, self.remove_reader = loop.add_reader, loop.remove_reader
+
+    def time(self):
+        return self.now
+
+
+@pytest.mark.parametrize("bind_host", [BOX, "0.0.0.0"])
+@pytest.mark.parametrize("size", [0, 1, 1024, 60000])
+def test_receives_datagrams_of_any_size(peer, raw, port, bind_host, size):
+    receiver = peer(bind_host)
+    raw.sendto(b"x" * size, (BOX, port))
+    assert receiver.datagrams.wait() == [(b"x" * size, raw.getsockname())]
+
+
+def test_a_port_elsewhere_on_the_same_address_is_not_its_own(peer, port):
+    receiver = peer()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind((BOX, 0))
+        other.sendto(b"hello", (BOX, port))
+        assert receiver.datagrams.wait() == [(b"hello", other.getsockname())]
+
+
+@pytest.mark.parametrize("bind_host", [BOX, "0.0.0.0"])
+def test_own_broadcasts_are_ignored(peer, raw, port, bind_host):
+    sender, other = peer(bind_host), peer("127.0.0.2")
+    assert sender.send(b"mine", BROADCAST)
+    assert other.datagrams.wait() == [(b"mine", (BOX, port))]
+    raw.sendto(b"after", (BOX, port))
+    assert sender.datagrams.wait() == [(b"after", raw.getsockname())]
+
+
+def test_the_own_address_is_asked_for_once_a_second_and_kept_while_unknown(loop, port, inbox, monkeypatch):
+    answers = ["10.0.0.1", None, "10.0.0.2"]
+    monkeypatch.setattr(sockets, "source_host", lambda destination: answers.pop(0))
+    clock = Clock(loop)
+    asking = Peer(clock, BROADCAST, port, inbox(), inbox())
+    heard = []
+    for clock.now in (100.0, 100.5, 101.0, 101.9, 102.0):
+        heard.append([asking._is_own((host, port)) for host in ("10.0.0.1", "10.0.0.2")])
+    assert heard == [[True, False]] * 4 + [[False, True]]
+
+
+def test_a_flood_leaves_the_loop_time_for_others(loop, peer, raw, port):
+    received = []
+    meanwhile = []
+
+    def on_datagram(datagram, sender):
+        if not received:
+            loop.call_soon(lambda: meanwhile.append(len(received)))
+        received.append(datagram)
+
+    peer(on_datagram=on_datagram)
+    for number in range(120):
+        raw.sendto(b"%d" % number, (BOX, port))
+    while len(received) < 120:
+        loop.run_until_complete(_one_turn())
+    assert meanwhile == [100]
+
+
+async def _one_turn():
+    pass
+
+
+def test_a_handler_that_fails_does_not_end_the_reading(peer, raw, port, inbox, caplog):
+    seen = inbox()
+
+    def on_datagram(datagram, sender):
+        seen(datagram)
+        raise RuntimeError("a mistake")
+
+    peer(on_datagram=on_datagram)
+    with caplog.at_level(logging.ERROR):
+        for _ in range(3):
+            raw.sendto(b"x", (BOX, port))
+        assert seen.wait(3) == [b"x"] * 3
+    assert len(caplog.records) == 1
+    assert "a mistake" in caplog.text
+    assert "Traceback" in caplog.text
+
+
+def test_a_handler_may_close_the_peer(peer, raw, port, inbox):
+    seen = inbox()
+
+    def on_datagram(datagram, sender):
+        closing.close()
+        seen(datagram)
+
+    closing = peer(on_datagram=on_datagram)
+    for _ in range(3):
+        raw.sendto(b"x", (BOX, port))
+    assert seen.wait() == [b"x"]
+    assert not closing.is_open
+    closing.open()
+    raw.sendto(b"again", (BOX, port))
+    assert seen.wait(2) == [b"x", b"again"]
+
+
+def test_too_large_a_datagram_is_not_sent(peer, raw):
+    sender = peer(max_datagram=10)
+    assert sender.send(b"x" * 10, "127.0.0.9")
+    assert not sender.send(b"x" * 11, "127.0.0.9")
+    assert not sender.send(b"x" * 11, "127.0.0.9")
+    assert sender.unsent == 2
+    assert len(sender.complaints) == 1
+    assert "11 bytes, and receivers may read only 10" in sender.complaints[0]
+    assert "raise max_datagram" in sender.complaints[0]
+
+
+def test_too_large_for_the_system(peer):
+    sender = peer(max_datagram=100000)
+    assert not sender.send(b"x" * 66000, "127.0.0.9")
+    assert "lower max_datagram" in sender.complaints[0]
+
+
+@pytest.mark.parametrize("number, remedy", [
+    (errno.ENETUNREACH, "rsbb_host"), (errno.EHOSTUNREACH, "host is on"), (errno.ENETDOWN, "is down"),
+    (errno.EPERM, "firewall"), (errno.EACCES, "firewall"), (errno.EAGAIN, "slower"),
+    (errno.ENOBUFS, "slower"), (errno.EINVAL, "bind_host"), (errno.EIO, "check the network"),
+])
+def test_errors_of_sending_are_told_with_a_remedy_once_a_second(loop, port, inbox, number, remedy):
+    complaints, clock = inbox(), Clock(loop)
+    sender = Peer(clock, BROADCAST, port, inbox(), complaints)
+    sender._sockets = [Failing(number)]
+    for clock.now in (100.0, 100.5, 100.9, 101.0):
+        assert sender.send(b"x", "127.0.0.9") is False
+    assert sender.unsent == 4
+    assert len(complaints) == 2
+    assert complaints[0].startswith(f"could not send a datagram to 127.0.0.9:{port}: ")
+    assert complaints[1].startswith(f"could not send 3 datagrams to 127.0.0.9:{port}: ")
+    assert remedy in complaints[0]
+
+
+def test_errors_of_reading_are_told_once_a_second(loop, port, inbox):
+    complaints, clock = inbox(), Clock(loop)
+    reader = Peer(clock, BROADCAST, port, inbox(), complaints)
+    for clock.now in (100.0, 100.5, 101.0):
+        reader._read(Failing(errno.ENETDOWN))
+    assert len(complaints) == 2
+    assert f"could not read from UDP port {port}" in complaints[0]
+
+
+def test_a_complaint_handler_that_fails_is_logged(loop, port, inbox, caplog):
+    def fail(text):
+        raise RuntimeError("a mistake")
+
+    sender = Peer(loop, BROADCAST, port, inbox(), fail)
+    sender._sockets = [Failing(errno.EPERM)]
+    with caplog.at_level(logging.ERROR):
+        assert sender.send(b"x", "127.0.0.9") is False
+    assert "a mistake" in caplog.text
+
+
+def test_a_closed_peer_sends_nothing_and_says_nothing(peer):
+    sender = peer()
+    sender.close()
+    sender.close()
+    assert sender.send(b"x" * 9999, "127.0.0.9") is False
+    assert not sender.complaints
+    assert sender.unsent == 0
+
+
+def test_open_twice_is_once(peer, raw, port):
+    receiver = peer(shared=False)
+    receiver.open()
+    raw.sendto(b"x", (BOX, port))
+    raw.sendto(b"y", (BOX, port))
+    assert [datagram for datagram, _ in receiver.datagrams.wait(2)] == [b"x", b"y"]
+
+
+def test_a_broadcast_address_to_bind_to_is_refused(peer):
+    with pytest.raises(OSError, match="is a broadcast address: give an address"):
+        peer(BROADCAST)
+
+
+def test_without_a_broadcast_address_there_is_a_warning(peer, raw, port, monkeypatch):
+    monkeypatch.setattr(sockets, "broadcast_host", lambda bind_host, rsbb_host: None)
+    receiver = peer(rsbb_host="127.0.0.7")
+    assert len(receiver.complaints) == 1
+    assert "127.0.0.7 is not a broadcast address" in receiver.complaints[0]
+    raw.sendto(b"unicast", (BOX, port))
+    assert receiver.datagrams.wait() == [(b"unicast", raw.getsockname())]
+
+
+def test_what_fails_to_open_leaves_nothing_open(peer, port):
+    with sockets.listen(BROADCAST, port, shared=False):
+        with pytest.raises(OSError, match=f"cannot open UDP {BROADCAST}:{port}: in use"):
+            peer()
+        with sockets.listen(BOX, port, shared=False):
+            pass  # it was released
