@@ -196,6 +196,12 @@ def test_malformed_protobufs(protobuf, reason, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.parametrize("field", [
+    b"\x28", b"\x28\xff", b"\x291234567", b"\x2d123", b"\x2a", b"\x2a\x02a", b"\xff"])
+def test_a_message_that_ends_too_early(field):
+    assert "ends within a field" in refused(plain(GOOD_BEACON + field)).detail
+
+
 def test_text_in_inner_messages_is_checked():
     bad = refused(plain(b"\x0a\x08\x0a\x01\xff\x12\x01b\x18\x01", pb.RoahRsbbBeacon))
     assert (bad.reason, bad.detail) == (Reason.NOT_UTF8, "team_name of RoahRsbbBeacon")
