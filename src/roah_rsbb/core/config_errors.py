@@ -1,0 +1,117 @@
+"""What is wrong with configuration files: collected from all of them, then told at once.
+
+An organiser corrects a file at a desk with a text editor, so each error says where (file, line), what
+was found and what was expected (architecture, rule 7), and all of them come in one go.
+"""
+
+import difflib
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional
+
+from roah_rsbb.core.refused import did_you_mean
+
+# More than anybody reads; a hostile file must not grow the report without end.
+MAX_ERRORS = 1000
+
+_LONGEST_EXCERPT = 60
+
+
+class Place(NamedTuple):
+    """Where in a file: line and column count from 1; line 0 is the file as a whole."""
+
+    file: str
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}" if self.line else self.file
+
+
+class ConfigError(NamedTuple):
+    """One error, for the eyes of an organiser. `line` and `column` count from 1.
+
+    Both are 0 where there is no line to point at: the file is missing, unreadable or too large.
+    """
+
+    file: str
+    line: int
+    column: int
+    found: str
+    expected: str
+
+    def __str__(self) -> str:
+        place = Place(self.file, self.line, self.column)
+        return f"{place}: found {self.found}; expected {self.expected}"
+
+
+class ConfigErrors(Exception):
+    """The configuration cannot be used. `errors` holds every error, in the order of files and lines.
+
+    `str()` is the whole report, one error a line. No password is ever part of it.
+    """
+
+    def __init__(self, errors: List[ConfigError], left_out: int = 0) -> None:
+        lines = [str(error) for error in errors]
+        if left_out:
+            lines.append(f"... and {left_out} more errors: correct those above first")
+        super().__init__("\n".join(lines))
+        self.errors = errors
+
+
+class Report:
+    """Collects errors and warnings while files are read and checked."""
+
+    def __init__(self) -> None:
+        self.errors: List[ConfigError] = []
+        self.warnings: List[str] = []
+        self._left_out = 0
+
+    def error(self, place: Place, found: str, expected: str) -> None:
+        """Note an error; the first `MAX_ERRORS` are kept, the others counted."""
+        if len(self.errors) < MAX_ERRORS:
+            self.errors.append(ConfigError(place.file, place.line, place.column, found, expected))
+        else:
+            self._left_out += 1
+
+    def once(self, seen: Dict[Any, Place], thing: Any, place: Place, found: str, expected: str) -> None:
+        """Note an error if `thing` was seen before; `seen` holds where each thing stands first."""
+        first = seen.setdefault(thing, place)
+        if first is not place:
+            self.error(place, found, f"{expected}: it stands already in line {first.line}")
+
+    def warn(self, place: Place, text: str) -> None:
+        """Note something that is allowed but probably not meant."""
+        self.warnings.append(f"{place}: {text}")
+
+    def raise_errors(self) -> None:
+        """Raise `ConfigErrors` if there are any errors; each file's are put in the order of its lines."""
+        if not self.errors:
+            return
+        files = list(dict.fromkeys(error.file for error in self.errors))
+        ordered = sorted(self.errors, key=lambda error: (files.index(error.file), error.line, error.column))
+        raise ConfigErrors(ordered, self._left_out)
+
+
+def quote(text: str) -> str:
+    """A text of a file as an excerpt in a message: one line, in quotes, cut where it is long."""
+    shown = text if len(text) <= _LONGEST_EXCERPT else text[: _LONGEST_EXCERPT - 3] + "..."
+    visible = (c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in shown)
+    return "'" + "".join(visible) + "'"
+
+
+def nearest(word: str, choices: Iterable[str]) -> Optional[str]:
+    """The choice that `word` was probably meant to be, upper and lower case ignored; None: no idea."""
+    by_folded = {choice.casefold(): choice for choice in choices}
+    near = difflib.get_close_matches(word[:100].casefold(), list(by_folded), n=1)
+    return by_folded[near[0]] if near else None
+
+
+def suggestion(word: str, choices: Iterable[str]) -> str:
+    """The end of a message about an unknown word of a file: the nearest choice, else all of them."""
+    choices = list(choices)
+    return did_you_mean(nearest(word, choices) or word[:100], choices)
+
+
+def listing(words: Iterable[str]) -> str:
+    """``a, b and c``."""
+    words = list(words)
+    return ", ".join(words[:-1]) + " and " + words[-1] if len(words) > 1 else "".join(words)
