@@ -22,7 +22,7 @@ class RosLoop:
 
     def call(self, function: Callable[[], T]) -> T:
         """From a thread of rospy: run a function in the loop's thread, and return or raise what it does."""
-        done: "concurrent.futures.Future[T]" = concurrent.futures.Future()
+        done: concurrent.futures.Future[T] = concurrent.futures.Future()
 
         def run() -> None:
             if not done.set_running_or_notify_cancel():

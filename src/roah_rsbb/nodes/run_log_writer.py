@@ -48,7 +48,7 @@ class RunLogWriter:
         self._log_dir = log_dir
         self._box_uuid = box_uuid
         self._on_trouble = on_trouble
-        self._jobs: "queue.Queue[Optional[Callable[[], None]]]" = queue.Queue()
+        self._jobs: queue.Queue[Optional[Callable[[], None]]] = queue.Queue()
         self._bags: Dict[int, rosbag.Bag] = {}
         self._dirty: Dict[int, bool] = {}
         self.files: Dict[int, str] = {}  # path of each run's log by the run's port

@@ -10,7 +10,10 @@ WIRE_TIME = (1447000001, 987654000)
 
 def robot_state(**fields):
     return pb.RobotState(
-        time=pb.Time(sec=WIRE_TIME[0], nsec=WIRE_TIME[1]), messages_saved=7, robot_state=pb.RobotState.EXECUTING, **fields
+        time=pb.Time(sec=WIRE_TIME[0], nsec=WIRE_TIME[1]),
+        messages_saved=7,
+        robot_state=pb.RobotState.EXECUTING,
+        **fields,
     )
 
 

@@ -1,0 +1,44 @@
+# Everything about roah_rsbb in one word each. `make help` lists the words.
+
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+.PHONY: help install-deps build demo test lint test-pure test-python38 test-ros clean
+
+# ROS's own Python: the first python3 on PATH may be another one.
+PYTHON := /usr/bin/python3
+# On Ubuntu ROS is not in the system's paths.
+ROS_SETUP := if [ -e /opt/ros/noetic/setup.bash ]; then source /opt/ros/noetic/setup.bash; fi
+BUILT := source build/devel/setup.bash
+# `make test LINT=no` leaves lint out.
+LINT := yes
+
+help: ## list what can be made
+	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z0-9-]+):.*## /  make \1\t/' | expand -t 24
+
+install-deps: ## install what is needed from the distribution's packages
+	@tools/install_deps
+
+build: install-deps ## build into build/devel
+	@mkdir -p build
+	@$(ROS_SETUP); { cmake -S . -B build -DPYTHON_EXECUTABLE=$(PYTHON) && cmake --build build -j2; } > build/build.log 2>&1 \
+	  || { tail -n 30 build/build.log; echo "The build failed; all of its output is in build/build.log" >&2; exit 1; }
+
+demo: build ## the dummy set-up on this machine alone
+	@$(BUILT); rosrun roah_rsbb demo
+
+test: build $(if $(filter no,$(LINT)),,lint) test-pure test-python38 test-ros ## all tests
+
+lint: install-deps ## ruff and catkin_lint
+	@tools/lint
+
+test-pure: build ## tests of the rules, without ROS
+	@$(PYTHON) -m pytest -q test/pure
+
+test-python38: install-deps ## the same on Python 3.8, where there is one
+	@tools/test_python38
+
+test-ros: build ## tests of the nodes, each with a ROS master of its own
+	@$(BUILT); tools/run_rostests
+
+clean: ## remove what was built
+	rm -rf build

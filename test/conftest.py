@@ -1,0 +1,28 @@
+"""Lets the pure tests find the package from the source tree, and its generated protobuf code."""
+
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+GENERATED = ROOT / "build" / "pb" / f"python{sys.version_info[0]}.{sys.version_info[1]}"
+
+
+def _generate() -> None:
+    """Generate roah_rsbb.pb with the protoc of this machine, unless it is newer than its source."""
+    package = GENERATED / "pb"
+    source = ROOT / "proto" / "roah_rsbb_msgs.proto"
+    module = package / "roah_rsbb_msgs_pb2.py"
+    if not module.exists() or module.stat().st_mtime < source.stat().st_mtime:
+        package.mkdir(parents=True, exist_ok=True)
+        subprocess.run(["protoc", "-I", str(source.parent), f"--python_out={package}", str(source)], check=True)
+    (package / "__init__.py").touch()
+
+
+sys.path.insert(0, str(ROOT / "src"))
+sys.path.insert(0, str(ROOT / "test" / "pure"))
+_generate()
+
+import roah_rsbb  # noqa: E402  (only now can it be found)
+
+roah_rsbb.__path__ = [str(ROOT / "src" / "roah_rsbb"), str(GENERATED)]
