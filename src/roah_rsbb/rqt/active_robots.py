@@ -1,0 +1,75 @@
+"""Active Robots: every robot that the box hears (manual, section 5.6)."""
+
+from typing import Dict, List, Tuple
+
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTableWidgetItem
+
+from roah_rsbb.msg import RobotInfo
+from roah_rsbb.rqt import texts, widgets
+from roah_rsbb.rqt.panel import Panel
+
+COLUMNS = ("Team", "Robot", "Clock skew", "Run in zone", "Last heard")
+SKEW_TIP = "Robot's clock minus the box's: + is ahead, − is behind"
+
+
+class ActiveRobotsPanel(Panel):
+    """A table, a line a robot."""
+
+    TITLE = "Active Robots"
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self.table = widgets.enlarged(QTableWidget(0, len(COLUMNS)), 1.1)
+        self.table.setHorizontalHeaderLabels(COLUMNS)
+        self.table.horizontalHeaderItem(COLUMNS.index("Clock skew")).setToolTip(SKEW_TIP)
+        self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeToContents)
+        self.table.horizontalHeader().setStretchLastSection(True)
+        self.table.verticalHeader().hide()
+        self.table.verticalHeader().setSectionResizeMode(QHeaderView.ResizeToContents)
+        self.table.setEditTriggers(QAbstractItemView.NoEditTriggers)
+        self.table.setSelectionMode(QAbstractItemView.NoSelection)
+        self.table.setFocusPolicy(Qt.NoFocus)
+        self.body.addWidget(self.table, 1)
+
+    def show_model(self) -> None:
+        gui = self.model.gui
+        robots = gui.active_robots if gui else []
+        runs = self._runs()
+        self.table.setEnabled(not self.model.is_old)
+        self._show_lines([self._line(robot, runs) for robot in robots] or [self._nobody()])
+
+    def where(self) -> str:
+        return "The whole box"
+
+    def _nobody(self) -> Tuple[str, ...]:
+        text = "No robot is heard" if self.model.gui else "Waiting for the core"
+        return (text, *("" for _ in COLUMNS[1:]))
+
+    def _runs(self) -> Dict[Tuple[str, str], str]:
+        """(team, robot) to the zone of its run."""
+        gui, details = self.model.gui, self.model.details
+        if gui is None or details is None:
+            return {}
+        teams = {z.zone: z.team for z in gui.zones}
+        return {(teams.get(d.zone, ""), d.robot): d.zone for d in details.zones if d.robot}
+
+    def _line(self, robot: RobotInfo, runs: Dict[Tuple[str, str], str]) -> Tuple[str, ...]:
+        return (
+            robot.team,
+            robot.robot,
+            f"{robot.skew.to_sec():+.3f} s".replace("-", "−"),
+            runs.get((robot.team, robot.robot), "–"),
+            texts.ago(self.model.clock_s - robot.beacon.to_sec()),
+        )
+
+    def _show_lines(self, lines: List[Tuple[str, ...]]) -> None:
+        self.table.setRowCount(len(lines))
+        for row, line in enumerate(lines):
+            for column, text in enumerate(line):
+                item = self.table.item(row, column)
+                if item is None:
+                    item = QTableWidgetItem()
+                    self.table.setItem(row, column, item)
+                if item.text() != text:
+                    item.setText(text)

@@ -1,0 +1,46 @@
+"""A program with windows: starting Qt and the ROS node, and ending the one with the other."""
+
+import signal
+import sys
+import traceback
+from typing import List
+
+import rosgraph
+import rospy
+from python_qt_binding.QtCore import Qt, QTimer
+from python_qt_binding.QtWidgets import QApplication
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+# So often Python gets a chance to handle a signal while Qt waits, and ROS's end is noticed.
+LOOK_MS = 200
+
+
+def make_application(argv: List[str]) -> QApplication:
+    """Qt's application, sharp on high-density screens, and not ended by an error in one panel."""
+    sys.excepthook = _report
+    QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
+    QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
+    return QApplication(argv)
+
+
+def init_node(name: str) -> None:
+    """Become the ROS node `name`; says so while it waits for a master. Ctrl-C ends the waiting."""
+    if not rosgraph.is_master_online():
+        print(f"Waiting for the ROS master at {rosgraph.get_master_uri()}: start roah_rsbb.launch", file=sys.stderr)
+    rospy.init_node(name, anonymous=True, disable_signals=True)
+
+
+def run(app: QApplication) -> int:
+    """Run until the last window is closed, a signal comes or ROS ends; returns the exit code."""
+    for number in _SIGNALS:
+        signal.signal(number, lambda *_: app.quit())
+    look = QTimer()
+    look.timeout.connect(lambda: app.quit() if rospy.is_shutdown() else None)
+    look.start(LOOK_MS)
+    return app.exec_()
+
+
+def _report(kind, error, trace) -> None:
+    """An exception in a panel: PyQt would end the process, and with it the referee's view of all runs."""
+    text = "".join(traceback.format_exception(kind, error, trace))
+    rospy.logerr("a panel failed, please report this: %s", text)

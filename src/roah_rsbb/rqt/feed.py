@@ -1,0 +1,83 @@
+"""Subscriptions whose newest message waits for the Qt thread to take it.
+
+rospy calls back in threads of its own; a callback only puts the message down. Registering with the
+master blocks while the master cannot be reached, so a worker thread does that, too.
+"""
+
+import collections
+import queue
+import threading
+import time
+from typing import Any, Deque, Dict, NamedTuple, Optional
+
+import rospy
+
+# rospy drops the oldest messages only of what it has read; one read must hold several whole messages,
+# or a slow panel falls behind. Logs of many zones make messages of some 100 kB.
+BUFFER_BYTES = 4 * 1024 * 1024
+
+
+class Received(NamedTuple):
+    """A message and when it arrived (monotonic seconds)."""
+
+    mono: float
+    message: Any
+
+
+class Feed:
+    """Subscribes to topics (name: message class) from `start` to `stop`."""
+
+    def __init__(self, topics: Dict[str, type]) -> None:
+        self._topics = topics
+        self._newest: Dict[str, Deque[Received]] = {name: collections.deque(maxlen=1) for name in topics}
+        self._subscribers: list = []
+        self._wishes: queue.Queue[bool] = queue.Queue()  # True: subscribe (anew), False: end
+        self._worker = threading.Thread(target=self._work, name="feed", daemon=True)
+
+    def start(self) -> None:
+        """Subscribe, in the background."""
+        self._wishes.put(True)
+        self._worker.start()
+
+    def stop(self, timeout_s: float = 2.0) -> None:
+        """Unsubscribe; waits for it, but not for a master that is gone."""
+        self._wishes.put(False)
+        self._worker.join(timeout_s)
+
+    def renew(self) -> None:
+        """Subscribe anew, in the background.
+
+        Nothing else finds a core again whose computer lost its power (its connections stay half open) or
+        whose master was restarted (it knows nothing of us).
+        """
+        if self._wishes.empty():
+            self._wishes.put(True)
+
+    def take(self, topic: str) -> Optional[Received]:
+        """The newest message since the last call, or None."""
+        try:
+            return self._newest[topic].pop()
+        except IndexError:
+            return None
+
+    def _work(self) -> None:
+        wish = True
+        while wish:
+            wish = self._wishes.get()
+            try:
+                for subscriber in self._subscribers:
+                    subscriber.unregister()
+                self._subscribers = [self._subscribe(name) for name in self._topics] if wish else []
+            except Exception as e:  # the master is gone: whoever misses news asks for a renewal again
+                rospy.logdebug("subscribing to %s failed: %s", ", ".join(self._topics), e)
+
+    def _subscribe(self, name: str) -> rospy.Subscriber:
+        newest = self._newest[name]
+        return rospy.Subscriber(
+            name,
+            self._topics[name],
+            lambda message: newest.append(Received(time.monotonic(), message)),
+            queue_size=1,
+            buff_size=BUFFER_BYTES,
+            tcp_nodelay=True,
+        )

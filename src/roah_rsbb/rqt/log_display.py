@@ -1,0 +1,14 @@
+"""Log Display: the log of the zone's run, as it is written (manual, section 5.8)."""
+
+from roah_rsbb.msg import ZoneState
+from roah_rsbb.rqt.text_panel import TextPanel
+
+
+class LogDisplayPanel(TextPanel):
+    """The run's log."""
+
+    TITLE = "Log Display"
+    NOTHING = "Nothing was logged yet"
+
+    def text_of(self, zone: ZoneState) -> str:
+        return zone.log

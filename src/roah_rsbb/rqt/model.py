@@ -1,0 +1,178 @@
+"""What the core published last, for all panels of a process (architecture, rule 6)."""
+
+import time
+from typing import Optional
+
+from python_qt_binding.QtCore import QObject, QTimer, Signal
+
+from roah_rsbb.msg import CoreDetails, CoreToGui, ZoneDetails, ZoneState
+
+GUI_TOPIC = "/core/to_gui"
+DETAILS_TOPIC = "/core/details"
+TOPICS = {GUI_TOPIC: CoreToGui, DETAILS_TOPIC: CoreDetails}
+
+TICK_MS = 100
+# The core publishes ten times a second. After this long without a message what is shown is marked as
+# old; with the tick, that is within a second.
+SILENT_S = 0.7
+# Details come at least once a second.
+DETAILS_SILENT_S = 2.5
+# So often a silent core is subscribed to anew.
+RENEW_S = 5.0
+# While nothing arrives, panels are redrawn this often: they say for how long.
+SILENT_REDRAW_S = 0.5
+# How far the box's clock may run slower than ours, seconds a second: 200 ppm is a bad quartz.
+DRIFT = 2e-4
+
+
+class BoxClock:
+    """Estimate of the box's clock from its messages.
+
+    A message's clock is that of its sending. The message with the least delay tells best, so the estimate
+    is never behind by more than that delay, however late other messages arrive.
+    """
+
+    def __init__(self) -> None:
+        self._offset: Optional[float] = None  # box's clock minus our monotonic clock
+        self._last_clock = 0.0
+        self._last_mono = 0.0
+        self.steps_back = 0  # how often the box's clock was set back
+
+    def sample(self, mono: float, clock: float) -> None:
+        """A message sent at `clock` (box, UTC seconds) arrived at `mono` (monotonic seconds)."""
+        offset = clock - mono
+        if self._offset is None or clock < self._last_clock:
+            self.steps_back += self._offset is not None
+            self._offset = offset
+        else:
+            self._offset = max(offset, self._offset - DRIFT * (mono - self._last_mono))
+        self._last_clock, self._last_mono = clock, mono
+
+    def now(self, mono: float) -> float:
+        """The box's clock at `mono`, UTC seconds; 0.0 before the first sample."""
+        return 0.0 if self._offset is None else mono + self._offset
+
+
+class Model(QObject):
+    """The newest messages, how old they are, and which zone is shown.
+
+    `feed` and `zone_parameter` are those of `roah_rsbb.rqt.feed` and `…zone_parameter`, or something
+    that behaves like them.
+    """
+
+    updated = Signal()
+
+    def __init__(self, feed, zone_parameter, parent: Optional[QObject] = None) -> None:
+        super().__init__(parent)
+        self._feed = feed
+        self._zone_parameter = zone_parameter
+        self._heard: Optional[float] = None
+        self._details_heard = 0.0
+        self._started = self._renewed = self._emitted = time.monotonic()
+        self._shown = (True, "")
+        self._timer = QTimer(self)
+        self._timer.timeout.connect(self._tick)
+        self.gui: Optional[CoreToGui] = None
+        self.details: Optional[CoreDetails] = None
+        self.box_clock = BoxClock()
+
+    def start(self) -> None:
+        """Begin to listen."""
+        self._feed.start()
+        self._zone_parameter.start()
+        self._timer.start(TICK_MS)
+
+    def stop(self) -> None:
+        """End all that `start` began."""
+        self._timer.stop()
+        self._feed.stop()
+        self._zone_parameter.stop()
+
+    # -- what panels ask ----------------------------------------------------------------------------
+
+    @property
+    def silence_s(self) -> Optional[float]:
+        """For how long the core was not heard; None: never heard."""
+        return None if self._heard is None else time.monotonic() - self._heard
+
+    @property
+    def is_old(self) -> bool:
+        """Whether what is shown cannot be trusted any more."""
+        silence = self.silence_s
+        return silence is None or silence > SILENT_S
+
+    @property
+    def clock_s(self) -> float:
+        """The box's clock in the newest message, UTC seconds; 0.0 before the first one."""
+        return 0.0 if self.gui is None else self.gui.clock.to_sec()
+
+    def box_time(self) -> float:
+        """What the box's clock shows now, by our estimate; UTC seconds."""
+        return self.box_clock.now(time.monotonic())
+
+    @property
+    def zone_name(self) -> str:
+        """The zone that this client shows: the chosen one, or the first if none was chosen."""
+        chosen = self._zone_parameter.value
+        if not chosen and self.gui is not None and self.gui.zones:
+            return self.gui.zones[0].zone
+        return chosen
+
+    @property
+    def zone(self) -> Optional[ZoneState]:
+        """The state of that zone; None: nothing was heard yet, or the schedule has no such zone."""
+        zones = () if self.gui is None else self.gui.zones
+        return next((z for z in zones if z.zone == self.zone_name), None)
+
+    @property
+    def zone_details(self) -> Optional[ZoneDetails]:
+        """The details of that zone; None: not known."""
+        return self.details_of(self.zone_name)
+
+    def details_of(self, zone_name: str) -> Optional[ZoneDetails]:
+        """The details of a zone; None: not known, or too old to go with its state."""
+        if self.details is None or time.monotonic() - self._details_heard > DETAILS_SILENT_S:
+            return None
+        return next((z for z in self.details.zones if z.zone == zone_name), None)
+
+    def choose_zone(self, zone_name: str) -> None:
+        """Show another zone, in all panels of this client."""
+        self._zone_parameter.choose(zone_name)
+        self._emit(time.monotonic())
+
+    # -- listening ----------------------------------------------------------------------------------
+
+    def _tick(self) -> None:
+        now = time.monotonic()
+        news = self._take_gui() | self._take_details()
+        old = self.is_old
+        if old and now - max(self._heard or self._started, self._renewed) > RENEW_S:
+            self._renewed = now
+            self._feed.renew()
+        shown = (old, self.zone_name)
+        if news or shown != self._shown or (old and now - self._emitted >= SILENT_REDRAW_S):
+            self._shown = shown
+            self._emit(now)
+
+    def _take_gui(self) -> bool:
+        received = self._feed.take(GUI_TOPIC)
+        # The same clock again is the latched message, sent anew to a new subscription by a core that
+        # may hang: no sign of life.
+        if received is None or (self.gui is not None and received.message.clock == self.gui.clock):
+            return False
+        self.gui = received.message
+        self._heard = received.mono
+        self.box_clock.sample(received.mono, self.clock_s)
+        return True
+
+    def _take_details(self) -> bool:
+        received = self._feed.take(DETAILS_TOPIC)
+        if received is None or (self.details is not None and received.message.clock == self.details.clock):
+            return False
+        self.details = received.message
+        self._details_heard = received.mono
+        return True
+
+    def _emit(self, now: float) -> None:
+        self._emitted = now
+        self.updated.emit()

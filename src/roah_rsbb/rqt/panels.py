@@ -1,0 +1,22 @@
+"""All panels, in the order of the manual's section 5."""
+
+from typing import Tuple, Type
+
+from roah_rsbb.rqt.active_robots import ActiveRobotsPanel
+from roah_rsbb.rqt.benchmark_control import BenchmarkControlPanel
+from roah_rsbb.rqt.core_status import CoreStatusPanel
+from roah_rsbb.rqt.log_display import LogDisplayPanel
+from roah_rsbb.rqt.online_data import OnlineDataPanel
+from roah_rsbb.rqt.panel import Panel
+from roah_rsbb.rqt.scoring import ScoringPanel
+from roah_rsbb.rqt.tablet_status import TabletStatusPanel
+
+PANELS: Tuple[Type[Panel], ...] = (
+    BenchmarkControlPanel,
+    CoreStatusPanel,
+    TabletStatusPanel,
+    ScoringPanel,
+    ActiveRobotsPanel,
+    OnlineDataPanel,
+    LogDisplayPanel,
+)

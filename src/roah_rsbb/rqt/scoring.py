@@ -1,0 +1,197 @@
+"""Scoring: the referee's score sheet of a task benchmark (manual, section 5.4)."""
+
+from functools import partial
+from typing import Callable, Dict, List, NamedTuple, Tuple
+
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtWidgets import (
+    QFrame,
+    QGroupBox,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QScrollArea,
+    QStackedLayout,
+    QVBoxLayout,
+    QWidget,
+)
+
+from roah_rsbb.msg import Score, ZoneScoreGroup, ZoneState
+from roah_rsbb.rqt import widgets
+from roah_rsbb.rqt.calls import Outcome
+from roah_rsbb.rqt.panel import Answer, Panel
+from roah_rsbb.rqt.score_edits import ScoreEdits
+from roah_rsbb.srv import ZoneScore
+
+NO_RUN = "Scoring begins when a robot is connected."
+NO_ITEMS = "This benchmark has nothing for the referee to score."
+SILENT = "The core is silent: nothing can be scored now"
+
+Item = Tuple[str, str]  # group and description: an item's name on the ROS interface
+
+
+class _Shape(NamedTuple):
+    """An item without its value."""
+
+    group: str
+    desc: str
+    kind: int
+
+
+class ScoreRow(QWidget):
+    """One item: its text, and what changes its value."""
+
+    def __init__(self, shape: _Shape, change: Callable[[int], None]) -> None:
+        super().__init__()
+        self._change = change
+        self._value = 0
+        self._is_bool = shape.kind == ZoneScoreGroup.SCORING_BOOL
+        self._text = widgets.enlarged(QLabel(shape.desc, wordWrap=True), 1.2)
+        self._text.setTextFormat(Qt.PlainText)
+        line = QHBoxLayout(self)
+        line.setContentsMargins(0, 0, 0, 0)
+        line.addWidget(self._text, 1)
+        if self._is_bool:
+            self.toggle = self._button("", lambda: self._change(0 if self._value else 1), 7)
+            self.toggle.setCheckable(True)
+            self._buttons = [self.toggle]
+        else:
+            self.less = self._button("−", lambda: self._change(max(0, self._value - 1)), 3)
+            self.number = widgets.enlarged(QLabel("0", alignment=Qt.AlignCenter), 1.6, bold=True)
+            self.number.setMinimumWidth(round(3 * widgets.em()))
+            self.more = self._button("+", lambda: self._change(self._value + 1), 3)
+            self._buttons = [self.less, self.more]
+        for widget in self._buttons if self._is_bool else (self.less, self.number, self.more):
+            line.addWidget(widget)
+
+    def show_value(self, value: int, waiting: bool, enabled: bool) -> None:
+        """Show `value`; `waiting`: the core has not confirmed it yet."""
+        self._value = value
+        mark = " …" if waiting else ""
+        if self._is_bool:
+            self.toggle.setChecked(bool(value))
+            self.toggle.setText(f"✔ Yes{mark}" if value else f"No{mark}")
+            tone = widgets.RUNNING
+            style = f"background: {tone.background}; color: {tone.text};" if value and enabled else ""
+            widgets.set_style(self.toggle, f"QPushButton {{ {style} }}" if style else "")
+        else:
+            self.number.setText(f"{value}{mark}")
+        for button in self._buttons:
+            button.setEnabled(enabled)
+            button.setToolTip("" if enabled else SILENT)
+        if not self._is_bool:
+            self.less.setEnabled(enabled and value > 0)
+
+    def _button(self, text: str, pressed: Callable[[], None], width: float) -> QPushButton:
+        button = widgets.enlarged(QPushButton(text), 1.3, bold=True)
+        button.setFocusPolicy(Qt.TabFocus)
+        button.setMinimumSize(round(width * widgets.em()), round(2 * widgets.em()))
+        button.clicked.connect(pressed)
+        return button
+
+
+class ScoringPanel(Panel):
+    """All items of the run, in their groups."""
+
+    TITLE = "Scoring"
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self._sheet: tuple = ()  # which run's sheet is shown
+        self._edits = ScoreEdits()
+        self._clock_steps = 0
+        self.rows: Dict[Item, ScoreRow] = {}
+        self._nothing = widgets.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.3)
+        self._area = QScrollArea(widgetResizable=True)
+        self._area.setFrameShape(QFrame.NoFrame)
+        self._stack = QStackedLayout()
+        self._stack.addWidget(self._nothing)
+        self._stack.addWidget(self._area)
+        self.body.addLayout(self._stack, 1)
+        self._answer = Answer()
+        self.body.addWidget(self._answer)
+
+    # -- showing ------------------------------------------------------------------------------------
+
+    def show_model(self) -> None:
+        zone = self.model.zone
+        shapes = [] if zone is None else _shapes(zone)
+        sheet = () if zone is None else (zone.zone, zone.code, zone.team, zone.round, zone.run, tuple(shapes))
+        if sheet != self._sheet or self._clock_steps != self.model.box_clock.steps_back:
+            self._clock_steps = self.model.box_clock.steps_back
+            self._edits.clear()
+        if sheet != self._sheet:
+            self._sheet = sheet
+            self._build(shapes)
+            self._answer.clear_answer()
+        if not shapes:
+            details = self.model.zone_details
+            connected = details is not None and details.robot != ""
+            self._nothing.setText(NO_ITEMS if connected else NO_RUN)
+        elif zone is not None:
+            self._show_values(zone)
+
+    def _show_values(self, zone: ZoneState) -> None:
+        for group in zone.scoring:
+            for desc, published in zip(group.descriptions, group.current_values):
+                item = (group.group_name, desc)
+                value = self._edits.value(item, published, self.model.clock_s)
+                if item in self.rows:
+                    self.rows[item].show_value(value, self._edits.is_waiting(item), not self.model.is_old)
+
+    def _build(self, shapes: List[_Shape]) -> None:
+        """Lay out the rows of another sheet."""
+        self.rows = {}
+        inside = QWidget()
+        column = QVBoxLayout(inside)
+        boxes: Dict[str, QVBoxLayout] = {}
+        for shape in shapes:
+            if shape.group not in boxes:
+                box = widgets.enlarged(QGroupBox(shape.group), 1.1, bold=True)
+                boxes[shape.group] = QVBoxLayout(box)
+                column.addWidget(box)
+            item = (shape.group, shape.desc)
+            self.rows[item] = ScoreRow(shape, partial(self._change, item))
+            boxes[shape.group].addWidget(self.rows[item])
+        column.addStretch(1)
+        self._area.setWidget(inside)
+        self._stack.setCurrentIndex(1 if shapes else 0)
+
+    # -- changing -----------------------------------------------------------------------------------
+
+    def _change(self, item: Item, value: int) -> None:
+        """The referee wants another value."""
+        send = self._edits.wish(item, value)
+        if send is not None:
+            self._send(item, send)
+        self.show_model()
+
+    def _send(self, item: Item, value: int) -> None:
+        sheet, (group, desc) = self._sheet, item
+        self.client.calls.service(
+            self, "/core/set_score", ZoneScore, (sheet[0], Score(group=group, desc=desc, value=value)),
+            lambda outcome: self._answered(sheet, item, value, outcome),
+        )
+
+    def _answered(self, sheet: tuple, item: Item, value: int, outcome: Outcome) -> None:
+        what = f"{sheet[0]}: {item[1]} = {value}"
+        if outcome.error:
+            self._answer.show_outcome(what, outcome)
+        if sheet != self._sheet:
+            return
+        if outcome.error:
+            self._edits.failed(item)
+        else:
+            self._answer.clear_answer()
+            following = self._edits.carried_out(item, self.model.box_time())
+            if following is not None:
+                self._send(item, following)
+        self.show_model()
+
+
+def _shapes(zone: ZoneState) -> List[_Shape]:
+    return [
+        _Shape(group.group_name, desc, kind)
+        for group in zone.scoring
+        for desc, kind in zip(group.descriptions, group.types)
+    ]

@@ -1,0 +1,125 @@
+"""Our own window with all panels, for machines without rqt: `rosrun roah_rsbb roah_rsbb_window`."""
+
+import argparse
+import sys
+from typing import Dict
+
+import rospy
+from python_qt_binding.QtCore import QSettings, Qt
+from python_qt_binding.QtWidgets import QDockWidget, QMainWindow
+
+from roah_rsbb.rqt import application, display, widgets
+from roah_rsbb.rqt.client import Client
+from roah_rsbb.rqt.core_status import CoreStatusPanel
+from roah_rsbb.rqt.panel import Panel
+from roah_rsbb.rqt.panels import PANELS
+
+# Raise it when the set of panels changes: an older layout would hide the new ones.
+LAYOUT_VERSION = 1
+
+
+class PanelSettings:
+    """QSettings with rqt's names, for one panel."""
+
+    def __init__(self, settings: QSettings, name: str) -> None:
+        self._settings = settings
+        self._name = name
+
+    def set_value(self, key: str, value) -> None:
+        """Keep a value."""
+        self._settings.setValue(f"{self._name}/{key}", value)
+
+    def value(self, key: str, default=None):
+        """The value kept, or `default`."""
+        return self._settings.value(f"{self._name}/{key}", default)
+
+
+class Window(QMainWindow):
+    """All panels, as docks that can be moved, stacked and closed; the layout is kept."""
+
+    def __init__(self, settings: QSettings, of_launch: bool = False) -> None:
+        """`of_launch`: closing the window is *exit*, with its question; else it just closes."""
+        super().__init__()
+        self._settings = settings
+        self._of_launch = of_launch
+        self.setWindowTitle("RoAH RSBB – referee")
+        self.setObjectName("RoahRsbbWindow")
+        client = Client.acquire()
+        self.panels: Dict[str, Panel] = {}
+        self.docks: Dict[str, QDockWidget] = {}
+        for kind in PANELS:
+            panel = kind(client)
+            dock = QDockWidget(panel.TITLE, self, objectName=panel.objectName())
+            dock.setWidget(panel)
+            self.panels[panel.objectName()] = panel
+            self.docks[panel.objectName()] = dock
+        self._lay_out()
+        menu = self.menuBar().addMenu("&Panels")
+        for dock in self.docks.values():
+            menu.addAction(dock.toggleViewAction())
+        self._restore()
+
+    def shutdown(self) -> None:
+        """Keep the layout and the panels' settings; end the panels."""
+        self._settings.setValue("geometry", self.saveGeometry())
+        self._settings.setValue("layout", self.saveState(LAYOUT_VERSION))
+        for name, panel in self.panels.items():
+            panel.save_settings(PanelSettings(self._settings, name))
+            panel.shutdown()
+        self._settings.sync()
+        Client.release()
+
+    def closeEvent(self, event) -> None:
+        if self._of_launch:
+            event.ignore()
+            status = self.panels[CoreStatusPanel.__name__]
+            self.docks[CoreStatusPanel.__name__].show()
+            self.docks[CoreStatusPanel.__name__].raise_()
+            status.ask_exit()
+        else:
+            event.accept()
+
+    def _lay_out(self) -> None:
+        """Commands at the left, what the referee marks and reads at the right."""
+        d = self.docks
+        self.setDockNestingEnabled(True)
+        self.addDockWidget(Qt.LeftDockWidgetArea, d["BenchmarkControlPanel"])
+        self.addDockWidget(Qt.RightDockWidgetArea, d["ScoringPanel"])
+        self.splitDockWidget(d["ScoringPanel"], d["LogDisplayPanel"], Qt.Vertical)
+        self.splitDockWidget(d["LogDisplayPanel"], d["ActiveRobotsPanel"], Qt.Horizontal)
+        self.tabifyDockWidget(d["LogDisplayPanel"], d["OnlineDataPanel"])
+        self.tabifyDockWidget(d["ActiveRobotsPanel"], d["CoreStatusPanel"])
+        self.tabifyDockWidget(d["ActiveRobotsPanel"], d["TabletStatusPanel"])
+        d["LogDisplayPanel"].raise_()
+        d["ActiveRobotsPanel"].raise_()
+        unit = round(widgets.em())
+        self.resize(80 * unit, 45 * unit)
+        self.resizeDocks([d["BenchmarkControlPanel"], d["ScoringPanel"]], [36 * unit, 44 * unit], Qt.Horizontal)
+        self.resizeDocks([d["LogDisplayPanel"], d["ActiveRobotsPanel"]], [22 * unit, 22 * unit], Qt.Horizontal)
+        self.resizeDocks([d["ScoringPanel"], d["LogDisplayPanel"]], [29 * unit, 16 * unit], Qt.Vertical)
+
+    def _restore(self) -> None:
+        geometry, layout = self._settings.value("geometry"), self._settings.value("layout")
+        if geometry is not None:
+            self.restoreGeometry(geometry)
+        if layout is not None:
+            self.restoreState(layout, LAYOUT_VERSION)
+        for name, panel in self.panels.items():
+            panel.restore_settings(PanelSettings(self._settings, name))
+
+
+def main() -> None:
+    """Open the window; ends with it."""
+    parser = argparse.ArgumentParser(description="The referee's window of the RSBB.")
+    parser.add_argument("--of-launch", action="store_true", help="closing it asks, and ends what was launched")
+    arguments = parser.parse_args(rospy.myargv()[1:])
+    if not display.has_display():
+        sys.exit(display.NO_DISPLAY)
+    application.init_node("roah_rsbb_window")
+    app = application.make_application(sys.argv[:1])
+    window = Window(QSettings("roah_rsbb", "roah_rsbb_window"), arguments.of_launch)
+    window.show()
+    code = application.run(app)
+    window.shutdown()
+    rospy.signal_shutdown("window closed")
+    sys.exit(code)

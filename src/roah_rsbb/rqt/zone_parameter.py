@@ -1,0 +1,76 @@
+"""The zone that a client shows: the parameter `current_zone` in the client's namespace.
+
+All panels of a client follow it, also those in other processes. Reading and writing a parameter asks
+the master over the network, so a thread does it.
+"""
+
+import queue
+import threading
+from typing import Optional
+
+import rospy
+
+NAME = "current_zone"
+POLL_S = 0.5
+
+
+class ZoneParameter:
+    """Follows the parameter from `start` to `stop`."""
+
+    def __init__(self) -> None:
+        self._value = ""
+        self._unwritten: Optional[str] = None
+        self._lock = threading.Lock()
+        self._wake: queue.Queue[bool] = queue.Queue()  # True: write now, False: end
+        self._worker = threading.Thread(target=self._work, name=NAME, daemon=True)
+
+    @property
+    def value(self) -> str:
+        """The zone's name; empty while none is chosen."""
+        return self._value
+
+    def start(self) -> None:
+        """Follow the parameter, in the background."""
+        self._worker.start()
+
+    def stop(self, timeout_s: float = 2.0) -> None:
+        """End; what was chosen is written before, if the master answers."""
+        self._wake.put(False)
+        self._worker.join(timeout_s)
+
+    def choose(self, zone: str) -> None:
+        """Set the parameter: at once for this process, soon for others."""
+        with self._lock:
+            self._value = self._unwritten = zone
+        self._wake.put(True)
+
+    def _work(self) -> None:
+        go_on = True
+        while go_on:
+            try:
+                self._exchange()
+            except Exception as e:  # the master is gone: asked again soon
+                rospy.logdebug("parameter %s: %s", NAME, e)
+            try:
+                go_on = self._wake.get(timeout=POLL_S)
+            except queue.Empty:
+                go_on = True
+        try:
+            self._exchange()
+        except Exception as e:
+            rospy.logdebug("parameter %s: %s", NAME, e)
+
+    def _exchange(self) -> None:
+        """Write what was chosen, else read; what was chosen meanwhile beats what was read."""
+        with self._lock:
+            unwritten = self._unwritten
+        if unwritten is not None:
+            rospy.set_param(NAME, unwritten)
+            with self._lock:
+                if self._unwritten == unwritten:
+                    self._unwritten = None
+            return
+        read = str(rospy.get_param(NAME, ""))
+        with self._lock:
+            if self._unwritten is None:
+                self._value = read
