@@ -4,13 +4,16 @@ UDP reorders and duplicates, and a stale datagram must never move the state mach
 State machines). A robot may also have its clock set back; it would then be stale for ever. Such a
 robot is told from a reordering network by this: nothing newer arrives any more, while several older
 times arrive in rising order. As long as the first timeline lives, replayed datagrams have no chance.
+What falls below the rising times begins them anew, or one straggler from just before the clock was set
+back would stand above all that follows.
 """
 
 import enum
 from typing import Optional
 
-# For this long nothing may have come on the old timeline before a new one is believed.
-QUIET_S = 2.0
+# For this long nothing may have come on the old timeline before a new one is believed. A robot sends
+# every second: it may lose one datagram and still be taken for alive.
+QUIET_S = 2.5
 # So many messages with rising times make a new timeline.
 RISING = 3
 
@@ -40,12 +43,14 @@ class Timeline:
             return Verdict.FRESH
         if time_ns == self.newest:
             return Verdict.DUPLICATE
-        if self._candidate is None or time_ns > self._candidate:
-            self._candidate = time_ns
-            self._rising += 1
-            if self._rising >= RISING and mono - self._newest_mono >= QUIET_S:
-                self._accept(mono, time_ns)
-                return Verdict.CLOCK_SET_BACK
+        if time_ns == self._candidate:
+            return Verdict.DUPLICATE
+        is_rising = self._candidate is not None and time_ns > self._candidate
+        self._rising = self._rising + 1 if is_rising else 1
+        self._candidate = time_ns
+        if self._rising >= RISING and mono - self._newest_mono >= QUIET_S:
+            self._accept(mono, time_ns)
+            return Verdict.CLOCK_SET_BACK
         return Verdict.STALE
 
     def _accept(self, mono: float, time_ns: int) -> None:
