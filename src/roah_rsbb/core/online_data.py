@@ -31,9 +31,9 @@ class DisplayText:
     def add(self, line: str) -> None:
         """Append a line; what no longer fits goes, a whole line at a time where possible."""
         text = f"{self.text}{line}\n"
-        if len(text) > self._size:
-            text = text[len(text) - self._size:]
-            cut = text.find("\n")
+        start = max(0, len(text) - self._size)
+        if start > 0 and text[start - 1] != "\n":
+            next_line = text.index("\n", start) + 1
             # The line itself may be longer than everything: then its end is kept.
-            text = text[cut + 1:] if 0 <= cut < len(text) - 1 else text
-        self.text = text
+            start = next_line if next_line < len(text) else start
+        self.text = text[start:]

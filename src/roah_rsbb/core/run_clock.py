@@ -39,7 +39,7 @@ class RunClock:
         return self._deadline is not None and now.mono >= self._deadline
 
     def left(self, now: Now, ended: bool) -> float:
-        """Seconds left until the timeout, or, in a run that ended, of the time after the stop; never below 0."""
+        """Seconds left until the timeout or, in a run that ended, of the time after the stop; at least 0."""
         if ended and self._stopped_at is not None:
             return max(0.0, self._stopped_at + self._after_stop - now.mono)
         if self._deadline is None:

@@ -24,7 +24,7 @@ class ScoreSheet:
 
     def __init__(self, items: Tuple[ScoringItem, ...]) -> None:
         self._items: Dict[Tuple[str, str], ScoringItem] = {(i.group, i.desc): i for i in items}
-        self._values: Dict[Tuple[str, str], int] = {key: 0 for key in self._items}
+        self._values: Dict[Tuple[str, str], int] = dict.fromkeys(self._items, 0)
 
     def check(self, group: str, desc: str, value: int) -> None:
         """Raise `Refused` with the remedy if the item does not exist or cannot have this value."""

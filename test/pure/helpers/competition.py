@@ -1,0 +1,32 @@
+"""A small competition, made by hand: benchmarks, events and zones for the tests of the core."""
+
+from roah_rsbb.core.benchmarks import Benchmark, Config, Event, ScoreKind, ScoringItem, ZonePlan
+
+UTC0 = 1_800_000_000.0
+TEAMS = ("Alpha", "Beta", "Gamma")
+
+DOOR = ScoringItem("Achievements", "detects the door", ScoreKind.BOOL)
+OBJECTS = ScoringItem("Achievements", "changed objects", ScoreKind.UINT)
+BUMPS = ScoringItem("Penalized", "bumps", ScoreKind.UINT)
+SCORING = (DOOR, OBJECTS, BUMPS)
+
+
+def benchmark(code, timeout=600.0, total_timeout=None, scoring=SCORING):
+    """A benchmark of that code; times in seconds."""
+    total = timeout if total_timeout is None else total_timeout
+    return Benchmark(code, f"Benchmark {code}", f"About {code}", timeout, total, scoring)
+
+
+def event(code="HGTKMH", team="Alpha", round=1, run=1, scheduled=UTC0, **of_benchmark):
+    """An event of the schedule."""
+    return Event(benchmark(code, **of_benchmark), team, round, run, scheduled)
+
+
+def competition(teams=TEAMS, **zones):
+    """A configuration: each zone by its name, with its events or with the codes of its events."""
+    plans = [
+        ZonePlan(name, tuple(event(e) if isinstance(e, str) else e for e in events))
+        for name, events in zones.items()
+    ]
+    benchmarks = {e.benchmark.code: e.benchmark for plan in plans for e in plan.events}
+    return Config(benchmarks, {team: f"password of {team}" for team in teams}, tuple(plans))
