@@ -9,7 +9,7 @@ from roah_rsbb.core.robots import RobotId
 REMEMBER_S = 10.0
 CLOCK_REMEMBER_S = 60.0
 TROUBLE_REMEMBER_S = 300.0
-# So many causes are remembered; what more there may be is a flood.
+# So many causes of one kind are remembered; what more there may be is a flood.
 MAX_KEPT = 20
 
 
@@ -19,7 +19,8 @@ class Watches:
     def __init__(self, listen_duration: float) -> None:
         self._listen_duration = listen_duration
         self._started: Optional[float] = None
-        self._kept: Dict[object, Tuple[float, str]] = {}  # key: (monotonic time until, text)
+        # (kind, cause) -> (monotonic time until which it is shown, text)
+        self._kept: Dict[Tuple[str, object], Tuple[float, str]] = {}
 
     def start(self, now: Now) -> None:
         """The first call begins the time in which the box only listens."""
@@ -35,35 +36,38 @@ class Watches:
     def foreign_box(self, now: Now, host: str) -> Optional[str]:
         """Another box transmits: two boxes confuse every robot."""
         return self._keep(
-            now, ("box", host), f"ANOTHER RSBB is transmitting from {host}: stop it, robots obey both", REMEMBER_S
+            now, ("box", host), f"ANOTHER RSBB is transmitting from {host}: stop it, robots obey both",
+            REMEMBER_S,
         )
 
     def rivals(self, now: Now, robot_id: RobotId, host: str, rival: str) -> Optional[str]:
         """Two hosts use one robot's name."""
         return self._keep(
             now, ("rival", robot_id),
-            f"Two robots call themselves {robot_id}: {host} and {rival}. Give one another robot_name", REMEMBER_S
+            f"Two robots call themselves {robot_id}: {host} and {rival}. Give one another robot_name",
+            REMEMBER_S,
         )
 
     def complaint(self, now: Now, text: str) -> None:
         """Datagrams that cannot be read arrive on the public channel; the latest such text stays a while."""
-        self._kept["complaint"] = (now.mono + REMEMBER_S, text)
+        self._kept["complaint", None] = (now.mono + REMEMBER_S, text)
 
     def trouble(self, now: Now, text: str) -> Optional[str]:
         """Something on this computer does not work."""
-        return self._keep(now, text, text, TROUBLE_REMEMBER_S)
+        return self._keep(now, ("trouble", text), text, TROUBLE_REMEMBER_S)
 
     def not_listed(self, now: Now, host: str) -> Optional[str]:
         """A robot's beacon that the list of active robots has no room or no use for."""
         return self._keep(
-            now, "not listed", f"Beacons from {host} are ignored: too many robots, or a name empty or too long",
+            now, ("not listed", None),
+            f"Beacons from {host} are ignored: too many robots, or a name empty or too long",
             REMEMBER_S,
         )
 
     def clock_stepped(self, now: Now, step: float) -> str:
         """The box's own clock was set by `step` seconds."""
         text = f"The clock of this computer was set by {step:+.3f} s: skews are measured anew"
-        self._keep(now, "clock", text, CLOCK_REMEMBER_S)
+        self._keep(now, ("clock", None), text, CLOCK_REMEMBER_S)
         return text
 
     def warnings(self, now: Now) -> List[str]:
@@ -71,12 +75,15 @@ class Watches:
         self._kept = {key: kept for key, kept in self._kept.items() if kept[0] >= now.mono}
         return [text for _, text in self._kept.values()]
 
-    def _keep(self, now: Now, key: object, text: str, seconds: float) -> Optional[str]:
+    def _keep(self, now: Now, key: Tuple[str, object], text: str, seconds: float) -> Optional[str]:
         old = self._kept.get(key)
         is_new = old is None or old[0] < now.mono
-        if old is None and len(self._kept) >= MAX_KEPT:
+        if old is None and self._count(key[0]) >= MAX_KEPT:
             self.warnings(now)
-            if len(self._kept) >= MAX_KEPT:
+            if self._count(key[0]) >= MAX_KEPT:
                 return None
         self._kept[key] = (now.mono + seconds, text)
         return text if is_new else None
+
+    def _count(self, kind: str) -> int:
+        return sum(1 for known, _ in self._kept if known == kind)
