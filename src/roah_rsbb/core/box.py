@@ -10,7 +10,6 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.benchmarks import Config
 from roah_rsbb.core.clock import ClockWatch, Now, WireTime
 from roah_rsbb.core.commands import COMMANDS, NO_RUN, robot_to_connect
-from roah_rsbb.core.device_commands import NO_WISHES, Wishes
 from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, RobotReport, TabletState
 from roah_rsbb.core.refused import Refused, did_you_mean
@@ -23,6 +22,11 @@ from roah_rsbb.core.zone import Zone
 # So many ports in a row that cannot be opened mean that no port can.
 MAX_PORTS_TRIED = 20
 LAST_PORT = 65535
+
+# A beacon must still fit when somebody rings the bell: negative times are the longest on the wire.
+LONGEST_TIME: WireTime = (-1, -1)
+LONGEST_DEVICES = DevicesState(bell=LONGEST_TIME, dimmer=100, blinds=100)
+LONGEST_TABLET = TabletState(call_time=LONGEST_TIME, position_time=LONGEST_TIME)
 
 
 class Box:
@@ -38,7 +42,7 @@ class Box:
         """`beacon_size`: bytes of the datagram that carries a beacon. `last_port`: the highest private port
         that this competition ever used, from the record; None: none yet."""
         self.settings = settings
-        self.robots = ActiveRobots(settings.robot_timeout)
+        self.robots = ActiveRobots(settings.robot_timeout, config.passwords)
         self.zones: Dict[str, Zone] = {plan.name: Zone(plan) for plan in config.zones}
         self.devices = DevicesState()
         self.tablet = TabletState()
@@ -49,7 +53,6 @@ class Box:
         self._last_port = max(settings.rsbb_port, last_port or 0)
         self._effects: List[Effect] = []
         self._ports_tried: Dict[str, int] = {}  # by zone, of the run being connected
-        self._left_over: Dict[RobotId, Wishes] = {}
 
     # -- driving ------------------------------------------------------------------------------------
 
@@ -106,16 +109,18 @@ class Box:
         """Why there is no room for one more run: ports, or the size of the beacon that lists it."""
         reasons: List[str] = []
         if self._last_port >= LAST_PORT:
-            reasons.append("All UDP ports above rsbb_port are used up: restart the competition with a lower rsbb_port")
+            reasons.append(
+                f"All UDP ports up to {LAST_PORT} are used up: start the box with another log_dir, whose "
+                "record of used ports is empty, and if need be with a lower rsbb_port"
+            )
         if robot is not None:
-            beacon = self.beacon()
             entry = BenchmarkingRobot(robot.id.team, robot.id.robot, self._last_port + 1)
-            size = self._beacon_size(beacon._replace(robots=(*beacon.robots, entry)))
+            size = self._beacon_size(Beacon((*self.beacon().robots, entry), LONGEST_DEVICES, LONGEST_TABLET))
             if size > self.settings.max_datagram:
                 reasons.append(
-                    f"The beacon would have {size} bytes with one more robot, and robots may read only "
-                    f"{self.settings.max_datagram}: end another run first, or raise max_datagram if all robots "
-                    "are known to read more"
+                    f"The beacon may need {size} bytes with one more robot, and robots may read only "
+                    f"{self.settings.max_datagram}: end another run first, or raise max_datagram if all "
+                    "robots are known to read more"
                 )
         return reasons
 
@@ -165,7 +170,6 @@ class Box:
         """Disconnect the run in a zone."""
         run = zone.run
         assert run is not None, "disconnect was checked before"
-        self._left_over[run.robot] = run.devices.wishes
         run.close(now)
         zone.leave(self.settings.auto_next)
         self._emit(effects.SendBeacon())
@@ -178,8 +182,7 @@ class Box:
 
     def _open_run(self, now: Now, zone: Zone, robot: ActiveRobot) -> None:
         self._last_port += 1
-        left_over = self._left_over.get(robot.id, NO_WISHES)
-        entry = Entry(zone.name, zone.event, robot.id, self._last_port, left_over)
+        entry = Entry(zone.name, zone.event, robot.id, self._last_port)
         self._emit(effects.PortTaken(entry.port))
         self._emit(effects.OpenChannel(entry.port, robot.id.team, robot.id.robot, robot.host))
         zone.run = Run(entry, self.settings, Surroundings(self._emit, self._show_map), now)
@@ -193,7 +196,8 @@ class Box:
         if run is None:
             return
         zone = self.zones[run.zone]
-        self._notice(Level.WARNING, f"UDP port {port} cannot be used for the private channel: {error}", zone.name)
+        text = f"UDP port {port} cannot be used for the private channel: {error}"
+        self._notice(Level.WARNING, text, zone.name)
         run.close(now)
         zone.run = None
         self._ports_tried[zone.name] += 1
@@ -228,13 +232,13 @@ class Box:
             self.robots.hear(now, run.robot, host, report.time, certain=True)
 
     def on_unreadable(self, now: Now, port: int, text: str) -> None:
-        """Datagrams that could not be read arrived on the private channel `port`; `text` says from whom and why."""
+        """Unreadable datagrams arrived on the private channel `port`; `text` says from whom and why."""
         run = self.run_at(port)
         if run is not None:
             run.link.on_bad_datagram(now, text)
 
     def on_complaint(self, now: Now, text: str) -> None:
-        """Datagrams that could not be read arrived on the public channel, or could not be sent; `text` says why."""
+        """Unreadable datagrams arrived on the public channel, or one could not be sent; `text` says why."""
         self.watches.complaint(now, text)
         self._notice(Level.WARNING, text)
 
@@ -243,7 +247,8 @@ class Box:
         self.tick(now)
         if self.listening_left(now) > 0:
             self._emit(effects.GiveUp(
-                f"Another RSBB is running at {host}: stop that one, or give this one another rsbb_host or rsbb_port"
+                f"Another RSBB is running at {host}: stop that one, or give this one another rsbb_host or "
+                "rsbb_port"
             ))
             return
         text = self.watches.foreign_box(now, host)

@@ -86,7 +86,9 @@ def _start_off(box: "Box", zone: Zone, now: Now) -> List[str]:
     if run.end_reason is EndReason.TIMEOUT:
         reasons.append("The run ended by timeout: disconnect, and connect for a new run")
     elif run.clock.is_over(now):
-        reasons.append("The run's time is up (it went on after the stop): disconnect, and connect for a new run")
+        reasons.append(
+            "The run's time is up (it went on after the stop): disconnect, and connect for a new run"
+        )
     link = run.link
     if link.last is None:
         reasons.append("Robot has not answered on the private channel yet")

@@ -3,7 +3,8 @@
 They are obeyed in HCFGAC only; in every other benchmark they are ignored and that is said once
 (benchmarks). Robots repeat their wishes in every message, so a command is obeyed once per change: a
 value that is merely repeated never undoes what the referee operated since. The first values count as
-a change.
+a change, but not those of the first message: a client of 2015 still carries the wishes of its previous
+run there (wire protocol, State machines), where they mean nothing.
 """
 
 from typing import List, NamedTuple, Optional, Tuple
@@ -16,7 +17,7 @@ SWITCHES = ("switch_1", "switch_2", "switch_3")
 PERCENTAGES = ("dimmer", "blinds")
 FIELDS = SWITCHES + PERCENTAGES + ("display_map",)
 
-# Values of FIELDS in one message.
+# Values of FIELDS; None: not wished.
 Wishes = Tuple[object, ...]
 NO_WISHES: Wishes = (None,) * len(FIELDS)
 
@@ -32,27 +33,27 @@ class Taken(NamedTuple):
 class DeviceCommands:
     """The wishes of the robot in one run."""
 
-    def __init__(self, code: str, left_over: Wishes = NO_WISHES) -> None:
-        """`left_over`: what this robot wished last in its previous run. A client of 2015 repeats that in
-        its first message on a new channel (wire protocol, State machines), where it means nothing."""
+    def __init__(self, code: str) -> None:
         self._obeys = code == CATERING
         self._code = code
-        self._left_over: Optional[Wishes] = left_over if left_over != NO_WISHES else None
+        self._had_first = False
         self._told_ignored = False
-        self.wishes: Wishes = NO_WISHES
+        self._wishes: Wishes = NO_WISHES
 
     def take(self, report: RobotReport) -> Taken:
-        """Take a fresh message; only what changed since the message before is a command."""
-        wishes = tuple(getattr(report, field) for field in FIELDS)
+        """Take a fresh message; only what changed since the messages before is a command."""
         taken = Taken([], None, [])
-        first, self._left_over = self._left_over, None
-        if wishes == first or wishes == NO_WISHES:
+        wishes = tuple(getattr(report, field) for field in FIELDS)
+        had_first, self._had_first = self._had_first, True
+        if not had_first or wishes == NO_WISHES:
             return taken
-        before, self.wishes = self.wishes, wishes
         if not self._obeys:
             return taken._replace(problems=self._tell_ignored())
-        for field, old, new in zip(FIELDS, before, wishes):
-            if new is None or new == old:
+        # A field that is not sent any more is neither a command nor forgotten.
+        before = self._wishes
+        self._wishes = tuple(old if new is None else new for old, new in zip(before, wishes))
+        for field, old, new in zip(FIELDS, before, self._wishes):
+            if new == old:
                 continue
             if field == "display_map":
                 taken = taken._replace(display_map=bool(new))

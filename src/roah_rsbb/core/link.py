@@ -4,7 +4,7 @@ Staleness, skew, silence and clock steps are judged here; what they mean for the
 `roah_rsbb.core.run`.
 """
 
-from typing import List, NamedTuple, Optional
+from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now, wire_ns, wire_seconds
 from roah_rsbb.core.messages import RobotReport
@@ -20,6 +20,8 @@ JUMP_S = 0.1
 SURE_SAMPLES = 3
 # For this long a warning about a single event stays before the referee's eyes.
 REMEMBER_S = 30.0
+# So many messages that are not newer than the last one, in a silence, are no stragglers.
+OLD_TOLD = 3
 # A datagram that could not be read matters as long as nothing good came since, and this long.
 BAD_S = 10.0
 
@@ -30,24 +32,28 @@ class Heard(NamedTuple):
     fresh: bool
     new_host: bool
     state_changed: bool
-    notices: List[str]
+    notices: Tuple[str, ...]
 
 
-STALE = Heard(False, False, False, [])
+STALE = Heard(False, False, False, ())
 
 
 class RobotLink:
     """One robot's messages on its private channel."""
 
-    def __init__(self, allowed_skew: float) -> None:
+    def __init__(self, allowed_skew: float, now: Now) -> None:
+        """The channel is opened `now`; `allowed_skew` in seconds."""
         self._allowed_skew = allowed_skew
         self._timeline = Timeline()
         self._skew = SkewEstimate()
-        self._opened: Optional[Now] = None
+        self._opened = now
+        self._old = 0  # messages since the last fresh one that were not newer than that
         self._told_silent = False
         self._told_invalid = False
         self._step: Optional[str] = None
         self._step_mono = 0.0
+        self._moved: Optional[str] = None
+        self._moved_mono = 0.0
         self._bad: Optional[str] = None
         self._bad_mono = 0.0
         self.host: Optional[str] = None
@@ -61,7 +67,7 @@ class RobotLink:
 
     @property
     def times_valid(self) -> bool:
-        """Whether times in the robot's messages mean anything: only within the allowed skew (manual, section 1)."""
+        """Whether the robot's times mean anything: only within the allowed skew (manual, section 1)."""
         return within(self.skew, self._allowed_skew)
 
     @property
@@ -78,16 +84,18 @@ class RobotLink:
         """Judge a message that arrived from `host`, and remember it if it is fresh."""
         verdict = self._timeline.judge(now.mono, wire_ns(report.time))
         if verdict in (Verdict.DUPLICATE, Verdict.STALE):
+            self._old += 1
             return STALE
         notices = self._note_clock(now, verdict, report)
         new_host = host != self.host
         if new_host and self.host is not None:
-            notices.append(f"Robot's address changed from {self.host} to {host}")
+            notices.extend(self._note_host(now, self.host, host))
         state_changed = report.state != self.robot_state
         self.host, self.last, self.last_heard = host, report, now
+        self._old = 0
         self._told_silent = False
         self._bad = None
-        return Heard(True, new_host, state_changed, notices)
+        return Heard(True, new_host, state_changed, tuple(notices))
 
     def on_bad_datagram(self, now: Now, text: str) -> None:
         """Something arrived that could not be read; `text` says from whom, and what it likely means."""
@@ -99,17 +107,18 @@ class RobotLink:
 
     def tick(self, now: Now) -> List[str]:
         """Notices that are due because time went by."""
-        if self._opened is None:
-            self._opened = now
         if self.is_silent(now) and not self._told_silent:
             self._told_silent = True
             return [self._silence_text(now)]
         return []
 
+    def deadline(self) -> Optional[float]:
+        """Monotonic time (s) at which `tick` has a notice if nothing is heard before; None: it was given."""
+        return None if self._told_silent else self._silent_from()
+
     def is_silent(self, now: Now) -> bool:
         """Whether the robot should have been heard by now."""
-        since = self.last_heard if self.last_heard is not None else self._opened
-        return since is not None and now.mono - since.mono > SILENT_S
+        return now.mono >= self._silent_from()
 
     def warnings(self, now: Now) -> List[str]:
         """What the referee should know of the robot and its link right now."""
@@ -125,12 +134,27 @@ class RobotLink:
             )
         if self._step is not None and now.mono - self._step_mono <= REMEMBER_S:
             found.append(self._step)
+        if self._moved is not None and now.mono - self._moved_mono <= REMEMBER_S:
+            found.append(self._moved)
         return found
+
+    def _silent_from(self) -> float:
+        return (self.last_heard or self._opened).mono + SILENT_S
 
     def _silence_text(self, now: Now) -> str:
         if self.last_heard is None:
             return "Robot has not answered on the private channel yet"
-        return f"No message from the robot for {now.mono - self.last_heard.mono:.0f} s"
+        text = f"No message from the robot for {now.mono - self.last_heard.mono:.0f} s"
+        if self._old >= OLD_TOLD:
+            return f"{text} but old ones: does its clock stand still, or is it set back again and again?"
+        return text
+
+    def _note_host(self, now: Now, before: str, host: str) -> List[str]:
+        """Two robots of one name change the address with every message: that is said once in a while."""
+        if self._moved is not None and now.mono - self._moved_mono <= REMEMBER_S:
+            return []
+        self._moved, self._moved_mono = f"Robot's address changed from {before} to {host}", now.mono
+        return [self._moved]
 
     def _note_clock(self, now: Now, verdict: Verdict, report: RobotReport) -> List[str]:
         """Take the skew sample; return what is to be said of it."""

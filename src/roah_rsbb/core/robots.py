@@ -4,7 +4,7 @@ Beacons come in the clear from anybody, so nothing here grows without bound, and
 under a robot's name takes nothing over while the first is still heard.
 """
 
-from typing import Dict, List, NamedTuple, Optional
+from typing import Container, Dict, List, NamedTuple, Optional
 
 from roah_rsbb.core.clock import Now, WireTime, wire_seconds
 from roah_rsbb.core.skew import SkewEstimate
@@ -61,10 +61,11 @@ class ActiveRobot:
 
 
 class ActiveRobots:
-    """All robots that were heard within `timeout` seconds."""
+    """All robots that were heard within `timeout` seconds; `teams` are those of the competition."""
 
-    def __init__(self, timeout: float) -> None:
+    def __init__(self, timeout: float, teams: Container[str]) -> None:
         self._timeout = timeout
+        self._teams = teams
         self._robots: Dict[RobotId, ActiveRobot] = {}
 
     def hear(
@@ -76,11 +77,21 @@ class ActiveRobots:
         if robot is None:
             self.forget(now)
             name_fits = 0 < len(robot_id.team) <= MAX_NAME and 0 < len(robot_id.robot) <= MAX_NAME
-            if not name_fits or len(self._robots) >= MAX_ROBOTS:
+            if not name_fits or not self._make_room(robot_id):
                 return None
             robot = self._robots[robot_id] = ActiveRobot(robot_id, host, now)
         robot.hear(now, host, time, certain)
         return robot
+
+    def _make_room(self, robot_id: RobotId) -> bool:
+        """Whether the list takes one more robot; those of unknown teams give way to those of known ones."""
+        if len(self._robots) < MAX_ROBOTS:
+            return True
+        stranger = next((i for i in self._robots if i.team not in self._teams), None)
+        if stranger is None or robot_id.team not in self._teams:
+            return False
+        del self._robots[stranger]
+        return True
 
     def forget(self, now: Now) -> None:
         """Drop the robots that were not heard for the time-out."""

@@ -6,12 +6,12 @@ when, is decided in `roah_rsbb.core.commands`.
 """
 
 import enum
-from typing import Callable, NamedTuple, Optional
+from typing import Callable, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects, machine, run_log
 from roah_rsbb.core.benchmarks import Event
 from roah_rsbb.core.clock import Now, clock_text
-from roah_rsbb.core.device_commands import NO_WISHES, DeviceCommands, Wishes
+from roah_rsbb.core.device_commands import DeviceCommands
 from roah_rsbb.core.effects import Effect, How, Level
 from roah_rsbb.core.link import RobotLink
 from roah_rsbb.core.messages import BoxMessage, RobotReport
@@ -62,7 +62,6 @@ class Entry(NamedTuple):
     event: Event
     robot: RobotId
     port: int  # UDP port of the private channel; it identifies the run in the whole competition
-    left_over: Wishes = NO_WISHES  # device commands of the robot's previous run
 
 
 class Surroundings(NamedTuple):
@@ -82,18 +81,18 @@ class Run:
         self.port = entry.port
         self.phase = Phase.CONNECTED
         self.end_reason: Optional[EndReason] = None
-        self.link = RobotLink(settings.allowed_skew)
+        self.link = RobotLink(settings.allowed_skew, now)
         self.clock = RunClock(event.benchmark.total_timeout, settings.after_stop_duration)
         self.saving = SavingWatch(settings)
         self.sheet = ScoreSheet(event.benchmark.scoring)
         self.log = DisplayText(settings.display_log_size)
         self.online_data = DisplayText(settings.display_log_size)
-        self.devices = DeviceCommands(event.benchmark.code, entry.left_over)
+        self.devices = DeviceCommands(event.benchmark.code)
         self._strings = {field.name: RepeatedStrings() for field in ONLINE_FIELDS}
         self._emit = surroundings.emit
         self._show_map = surroundings.show_map
         self.desc = ""  # what is the matter, in one line
-        self._last_logged: Optional[RobotReport] = None
+        self._last_logged: Optional[Tuple[RobotReport, bool]] = None
         self.message = BoxMessage(event.benchmark.code, BoxState.STOP)
         self._emit(effects.RunOpened(self.port, event.team, event.round, event.run))
         self._set_state(now, BoxState.STOP, "Connected: waiting for the robot's first message")
@@ -130,22 +129,23 @@ class Run:
 
     def deadline(self) -> Optional[float]:
         """The monotonic time (s) at which `tick` has something to do, if nothing happens before."""
-        if self.phase is not Phase.RUNNING:
-            return None
-        times = [t for t in (self.clock.deadline(), self.saving.deadline()) if t is not None]
-        return min(times, default=None)
+        times = [self.link.deadline()]
+        if self.phase is Phase.RUNNING:
+            times += [self.clock.deadline(), self.saving.deadline()]
+        return min((t for t in times if t is not None), default=None)
 
     def tick(self, now: Now) -> None:
-        """Do what is due by now: end by timeout, or because nothing is saved."""
+        """Do what is due by now: end by timeout, or because nothing is saved, whatever was due first."""
         for notice in self.link.tick(now):
             self._say(now, Level.WARNING, notice)
         if self.phase is not Phase.RUNNING:
             return
-        if self.clock.is_over(now):
+        out_of_time, saves_nothing = self.clock.is_over(now), self.saving.is_over(now)
+        if saves_nothing and not (out_of_time and self.clock.deadline() <= self.saving.deadline()):
+            self._end(now, EndReason.NO_MESSAGES_SAVED)
+        elif out_of_time:
             self._end(now, EndReason.TIMEOUT)
             self._emit(effects.TimeoutRung(self.zone))
-        elif self.saving.is_over(now):
-            self._end(now, EndReason.NO_MESSAGES_SAVED)
 
     # -- the robot ----------------------------------------------------------------------------------
 
@@ -226,11 +226,12 @@ class Run:
         self._emit(effects.SendState(self.port, self.message, How.CHANGE))
 
     def _log_report(self, report: RobotReport) -> None:
-        """Log what the robot says whenever it says something else than before."""
-        timeless = report._replace(time=(0, 0))
-        if timeless == self._last_logged:
+        """Log what the robot says whenever it says something else than before, or its times mean
+        something no longer, or again."""
+        said = (report._replace(time=(0, 0)), self.link.times_valid)
+        if said == self._last_logged:
             return
-        self._last_logged = timeless
+        self._last_logged = said
         valid = "" if self.link.times_valid else "\ntime_valid: false"
         self._emit(effects.RunLogged(self.port, run_log.CLIENT_STATE, int(report.state)))
         self._emit(effects.RunLogged(self.port, run_log.CLIENT_PAYLOAD, report.lines() + valid))

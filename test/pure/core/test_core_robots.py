@@ -1,0 +1,132 @@
+"""Active robots: who was heard, from where, and with which skew."""
+
+import pytest
+
+from helpers.box_driver import wire
+from helpers.competition import UTC0
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.robots import LATE_S, MAX_NAME, MAX_ROBOTS, ActiveRobots, RobotId
+
+TIMEOUT = 30.0
+
+
+class Field:
+    """The list, and the time."""
+
+    def __init__(self):
+        self.now = Now(0.0, UTC0)
+        self.robots = ActiveRobots(TIMEOUT, {"Alpha", "Beta"})
+
+    def hear(self, name="r1", team="Alpha", host="10.0.0.2", after=0.0, skew=0.0, certain=False):
+        self.now = self.now.later(after)
+        return self.robots.hear(self.now, RobotId(team, name), host, wire(self.now.utc + skew), certain)
+
+    def names(self):
+        return [(robot.id.team, robot.id.robot) for robot in self.robots.all(self.now)]
+
+
+@pytest.fixture
+def field():
+    return Field()
+
+
+def test_robots_are_listed_by_team_and_name(field):
+    for team, name in (("Beta", "a"), ("Alpha", "z"), ("Alpha", "b")):
+        field.hear(name, team)
+    assert field.names() == [("Alpha", "b"), ("Alpha", "z"), ("Beta", "a")]
+
+
+def test_a_robot_that_is_not_heard_for_the_timeout_is_forgotten(field):
+    field.hear("r1")
+    field.hear("r2", after=TIMEOUT)
+    assert field.names() == [("Alpha", "r1"), ("Alpha", "r2")]
+    field.now = field.now.later(0.1)
+    assert field.names() == [("Alpha", "r2")]
+
+
+def test_the_skew_is_the_robots_clock_minus_the_boxs(field):
+    assert field.hear(skew=0.25).skew.seconds == pytest.approx(0.25)
+    assert field.hear("r2", skew=-3.0).skew.seconds == pytest.approx(-3.0)
+
+
+@pytest.mark.parametrize("time", [(2**63 - 1, 2**63 - 1), (-(2**63), -(2**63)), (-1, 0), (2**32, 0)])
+def test_absurd_times_are_that_robots_error_and_pass(field, time):
+    robot = field.robots.hear(field.now, RobotId("Alpha", "r1"), "10.0.0.2", time)
+    assert abs(robot.skew.seconds) > 1e6
+    for _ in range(5):
+        field.hear(after=1.0)
+    assert robot.skew.seconds == pytest.approx(0.0)
+
+
+def test_the_teams_robot_to_take_is_the_longest_known_that_is_not_late(field):
+    field.hear("old")
+    field.hear("new", after=1.0)
+    assert [r.id.robot for r in field.robots.of_team(field.now, "Alpha")] == ["old", "new"]
+    field.hear("new", after=LATE_S)
+    assert [r.id.robot for r in field.robots.of_team(field.now, "Alpha")] == ["new", "old"]
+    assert field.robots.of_team(field.now, "Beta") == []
+
+
+def test_a_second_host_under_the_same_name_takes_nothing_over_while_the_first_is_heard(field):
+    for _ in range(5):
+        field.hear(after=1.0)
+        robot = field.hear(host="10.0.0.66", skew=5.0)
+        assert (robot.host, robot.rival) == ("10.0.0.2", "10.0.0.66")
+        assert robot.has_rival(field.now)
+        assert robot.skew.seconds == pytest.approx(0.0)
+
+
+def test_a_robot_that_moved_to_another_host_is_taken_there_soon(field):
+    field.hear()
+    for _ in range(3):
+        assert field.hear(host="10.0.0.7", after=1.0).host == "10.0.0.2"
+    robot = field.hear(host="10.0.0.7", after=1.0)
+    assert robot.host == "10.0.0.7"
+    assert not robot.has_rival(field.now)
+
+
+def test_what_was_decrypted_is_certain(field):
+    field.hear()
+    robot = field.hear(host="10.0.0.7", certain=True)
+    assert robot.host == "10.0.0.7"
+    assert not robot.has_rival(field.now)
+
+
+@pytest.mark.parametrize("team, name", [
+    ("", "r"), ("Alpha", ""), ("Alpha", "x" * (MAX_NAME + 1)), ("x" * (MAX_NAME + 1), "r"), ("", ""),
+])
+def test_names_that_no_robot_has_are_not_listed(field, team, name):
+    assert field.hear(name, team) is None
+    assert field.names() == []
+
+
+def test_a_name_of_the_largest_length_is_listed(field):
+    assert field.hear("x" * MAX_NAME) is not None
+
+
+def test_a_flood_of_robots_is_bounded_and_passes(field):
+    field.hear("r1")
+    for i in range(2 * MAX_ROBOTS):
+        field.hear(f"fake{i}", after=0.001)
+    assert len(field.names()) == MAX_ROBOTS
+    assert ("Alpha", "r1") in field.names()
+    assert field.hear("another") is None
+    assert field.hear("r1") is not None
+    field.now = field.now.later(TIMEOUT + 1)
+    assert field.hear("another") is not None
+    assert field.names() == [("Alpha", "another")]
+
+
+def test_robots_of_the_competition_are_listed_in_a_flood_of_strangers(field):
+    for i in range(2 * MAX_ROBOTS):
+        field.hear("fake", f"stranger{i}")
+    assert field.hear("r1", "Beta") is not None
+    assert field.hear("r2", "Beta") is not None
+    assert ("Beta", "r1") in field.names()
+    assert ("Beta", "r2") in field.names()
+    assert len(field.names()) == MAX_ROBOTS
+    assert field.hear("fake", "one more stranger") is None
+
+
+def test_a_robot_is_named_with_its_team():
+    assert str(RobotId("Alpha", "r1")) == "r1 of team Alpha"

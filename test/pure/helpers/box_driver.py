@@ -1,0 +1,223 @@
+"""A Box in simulated time, which jumps from deadline to deadline, and robots that say what a test tells them."""
+
+from roah_rsbb.core import effects, views
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.states import BoxState, RobotState
+
+from helpers.competition import UTC0, competition
+
+MONO0 = 1000.0
+
+
+def wire(utc):
+    """A UTC time in seconds as a wire time; exact for whole microseconds."""
+    return divmod(round(utc * 1_000_000) * 1000, 1_000_000_000)
+
+
+def beacon_bytes(beacon):
+    """About the size of a beacon, for tests that need no protobuf."""
+    return 100 + 32 * len(beacon.robots)
+
+
+class BoxDriver:
+    """Holds a box, the time, and what came of its effects.
+
+    It begins when the box has listened long enough to connect robots, unless `listening`.
+    """
+
+    def __init__(self, config=None, settings=None, last_port=None, beacon_size=beacon_bytes, listening=False):
+        self.settings = settings or Settings()
+        self.now = Now(MONO0, UTC0)
+        self.box = Box(config or competition(tbm=["HGTKMH"]), self.settings, beacon_size, last_port)
+        self.unusable_ports = set()
+        self.effects = []  # all of them, in the order in which they were carried out
+        self.channels = {}  # port -> host that is sent to, of channels that are open
+        self.states = {}  # port -> messages sent, each as often as it was handed over
+        self.bags = {}  # port -> entries (topic, value) of the run's log
+        self.event(self.box.tick)
+        if not listening:
+            self.run(self.settings.listen_duration)
+
+    # -- time -----------------------------------------------------------------------------------------
+
+    def run(self, seconds):
+        """Let time pass, and let the box do what is due whenever it wants."""
+        end = self.now.later(seconds)
+        for _ in range(10_000):
+            deadline = self.box.deadline()
+            if deadline is None or deadline > end.mono:
+                break
+            passed = max(0.0, deadline - self.now.mono)
+            self.now = Now(self.now.mono if passed == 0.0 else deadline, self.now.utc + passed)
+            self.event(self.box.tick)
+        else:
+            raise AssertionError("the box wants to be ticked all the time")
+        self.now = end
+        self.event(self.box.tick)
+
+    def jump(self, seconds):
+        """Let time pass while nobody ticks the box: a busy computer."""
+        self.now = self.now.later(seconds)
+
+    def set_clock(self, seconds):
+        """Somebody sets the box's clock by so many seconds."""
+        self.now = self.now._replace(utc=self.now.utc + seconds)
+
+    # -- events ---------------------------------------------------------------------------------------
+
+    def event(self, method, *arguments):
+        """Put an event into the box, and carry out what follows."""
+        try:
+            return method(self.now, *arguments)
+        finally:
+            todo = self.box.take_effects()
+            while todo:
+                for effect in todo:
+                    self._carry_out(effect)
+                todo = self.box.take_effects()
+
+    def command(self, command, zone="tbm"):
+        """The referee presses a button; raises `Refused`."""
+        self.event(self.box.command, zone, command)
+
+    def score(self, group, desc, value, zone="tbm"):
+        """The referee marks a scoring item; raises `Refused`."""
+        self.event(self.box.set_score, zone, group, desc, value)
+
+    def robot(self, team="Alpha", name="r1", host="10.0.0.2", skew=0.0):
+        """A robot that was just switched on, and has not said anything yet."""
+        return FakeRobot(self, team, name, host, skew)
+
+    def connected(self, zone="tbm", **of_robot):
+        """A robot whose beacon was heard, which was connected, and has said STOP."""
+        robot = self.robot(**of_robot)
+        robot.beacon()
+        self.command("connect", zone)
+        robot.port = self.run_in(zone).port
+        robot.says(RobotState.STOP)
+        return robot
+
+    def executing(self, zone="tbm", **of_robot):
+        """A robot that was connected and started and now executes its task."""
+        robot = self.connected(zone, **of_robot)
+        self.command("start", zone)
+        robot.executes()
+        return robot
+
+    # -- looking --------------------------------------------------------------------------------------
+
+    def run_in(self, zone="tbm"):
+        """The run in a zone; None: there is none."""
+        return self.box.zones[zone].run
+
+    def view(self, zone="tbm"):
+        """The zone as the referee's panels show it."""
+        return next(view for view in views.zones(self.box, self.now) if view.zone == zone)
+
+    def off(self, command, zone="tbm"):
+        """Every reason why a button is off."""
+        return self.box.reasons_off(self.now, self.box.zones[zone], command)
+
+    def box_state(self, zone="tbm"):
+        """The state that the box sends."""
+        return self.run_in(zone).message.state
+
+    def taken(self, *kinds):
+        """The effects since the last call; of these kinds, if any are named."""
+        taken, self.effects = self.effects, []
+        return [effect for effect in taken if not kinds or isinstance(effect, kinds)]
+
+    def notices(self, *levels):
+        """The texts of the notices since the last call, which forgets all other effects."""
+        return [n.text for n in self.taken(effects.Notice) if not levels or n.level in levels]
+
+    def logged(self, port, *topics):
+        """Values in a run's log, of these topics."""
+        return [value for topic, value in self.bags[port] if topic in topics]
+
+    # -- hands ----------------------------------------------------------------------------------------
+
+    def _carry_out(self, effect):
+        self.effects.append(effect)
+        if isinstance(effect, effects.OpenChannel):
+            if effect.port in self.unusable_ports:
+                self.box.on_channel_failed(self.now, effect.port, "Address already in use")
+            else:
+                self.channels[effect.port] = effect.host
+        elif isinstance(effect, effects.AimChannel):
+            self.channels[effect.port] = effect.host
+        elif isinstance(effect, effects.CloseChannel):
+            self.channels.pop(effect.port, None)
+        elif isinstance(effect, effects.SendState) and effect.port in self.channels:
+            self.states.setdefault(effect.port, []).append(effect.message)
+        elif isinstance(effect, effects.RunOpened):
+            self.bags[effect.port] = []
+        elif isinstance(effect, effects.RunLogged):
+            self.bags[effect.port].append((effect.topic, effect.value))
+
+
+class FakeRobot:
+    """A robot that says what it is told to; its clock is ahead of the box's by `skew` seconds."""
+
+    def __init__(self, driver, team, name, host, skew):
+        self.driver = driver
+        self.team = team
+        self.name = name
+        self.host = host
+        self.skew = skew
+        self.port = None
+        self.saved = 1
+        self.state = RobotState.STOP
+        self.fields = {}  # what it says in every message
+        self.last = None  # the last report
+
+    def time(self):
+        """The robot's clock as a wire time."""
+        return wire(self.driver.now.utc + self.skew)
+
+    def beacon(self, count=1):
+        """Send so many beacons, a second apart; the last one just now."""
+        for i in range(count):
+            if i:
+                self.driver.run(1.0)
+            self.driver.event(self.driver.box.on_robot_beacon, self.host, self.team, self.name, self.time())
+
+    def report(self, state=None, **fields):
+        """A report as it would be sent now."""
+        values = {"time": self.time(), "messages_saved": self.saved, "state": self.state if state is None else state}
+        return RobotReport(**{**values, **self.fields, **fields})
+
+    def send(self, report):
+        """Send this very report (again), on the private channel."""
+        self.driver.event(self.driver.box.on_robot_report, self.port, self.host, report)
+
+    def says(self, state=None, after=0.001, **fields):
+        """Send a new report, `after` seconds from now."""
+        self.driver.run(after)
+        self.state = self.state if state is None else state
+        self.last = self.report(**fields)
+        self.send(self.last)
+
+    def lives(self, seconds, **fields):
+        """Say the same once a second for so many seconds."""
+        for _ in range(int(seconds)):
+            self.says(after=1.0, **fields)
+        self.driver.run(seconds - int(seconds))
+
+    def executes(self):
+        """Do what the box asks from PREPARE up to EXECUTING."""
+        for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
+            self.says(state)
+        assert self._box_state() is BoxState.WAITING_RESULT
+
+    def completes(self):
+        """Finish the task, and stop as the box asks then."""
+        self.says(RobotState.RESULT_TX)
+        assert self._box_state() is BoxState.STOP
+        self.says(RobotState.STOP)
+
+    def _box_state(self):
+        return self.driver.box.run_at(self.port).message.state
