@@ -43,10 +43,12 @@ class BenchmarksFile:
         if entries is None:
             return
         found = [self._entry(entry) for entry in entries]
-        self.codes = None if None in found else {code for code in found if code}
+        # A code or a key twice, or none: another code may be meant.
+        doubtful = None in found or len(set(found)) < len(found)
+        self.codes = None if doubtful else {code for code in found if code}
 
     def _entry(self, node: Node) -> Optional[str]:
-        """Read one benchmark; return its code, also if something else is wrong with it."""
+        """Read one benchmark; return its code if that is sure, also if something else is wrong."""
         report = self._report
         got = fields(report, node, "a benchmark", _REQUIRED, _OPTIONAL)
         if got is None:
@@ -70,7 +72,7 @@ class BenchmarksFile:
                 )
             if name is not None and desc is not None:
                 self.by_code[code] = Benchmark(code, name, desc, timeout, total, scoring)
-        return code
+        return code if isinstance(node, Mapping) and node.whole else None
 
     def _scoring(self, node: Optional[Node]) -> Tuple[ScoringItem, ...]:
         """Read the scoring items; those with errors are left out."""

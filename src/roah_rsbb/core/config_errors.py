@@ -13,6 +13,7 @@ from roah_rsbb.core.refused import did_you_mean
 MAX_ERRORS = 1000
 
 _LONGEST_EXCERPT = 60
+_LINES_SHOWN = 10
 
 
 class Place(NamedTuple):
@@ -109,6 +110,14 @@ def suggestion(word: str, choices: Iterable[str]) -> str:
     """The end of a message about an unknown word of a file: the nearest choice, else all of them."""
     choices = list(choices)
     return did_you_mean(nearest(word, choices) or word[:100], choices)
+
+
+def line_list(lines: List[int]) -> str:
+    """``3, 7 and 12``, or where there are many ``3, 7, ... and 90 more``."""
+    shown = [str(line) for line in lines]
+    if len(shown) > _LINES_SHOWN:
+        shown[_LINES_SHOWN:] = [f"{len(shown) - _LINES_SHOWN} more"]
+    return listing(shown)
 
 
 def listing(words: Iterable[str]) -> str:

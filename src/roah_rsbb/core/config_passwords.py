@@ -38,18 +38,19 @@ class PasswordsFile:
             return
         if not root.pairs and root.whole:
             report.error(root.place, "no teams", _SHAPE)
-        for key, value in root.pairs:
-            self._line(key, value)
-        # The part before a colon is the team's name where the blank after the colon is missing.
-        names = {key.text for key, _ in root.pairs}
-        self.teams = names | {name.split(":")[0] for name in names} if root.whole else None
+        readable = [self._line(key, value) for key, value in root.pairs]
+        if root.whole and all(readable):
+            self.teams = {key.text for key, _ in root.pairs}
 
-    def _line(self, key: Scalar, value: Node) -> None:
-        """Read one team's line. The name is not shown in errors: it may hold the password."""
+    def _line(self, key: Scalar, value: Node) -> bool:
+        """Read one team's line; return whether it is sure which team is meant.
+
+        The name is not shown in errors: where a colon or a blank is missing it holds the password.
+        """
         if ":" in key.text:
             expected = "'team: password' with a blank after the colon"
             self._report.error(key.place, "a colon in a team's name", expected)
-            return
+            return False
         team = text(self._report, key, "team's name", MAX_TEAM_BYTES)
         if team == ALL_TEAMS:
             found = f"{ALL_TEAMS} as team's name"
@@ -57,6 +58,8 @@ class PasswordsFile:
         password = text(self._report, value, "password")
         if team is not None and password is not None:
             self.by_team[team] = password
+        # "Team password:" has no value.
+        return team not in (None, ALL_TEAMS) and not (isinstance(value, Scalar) and not value.text)
 
     def _warn_if_readable(self, path: str) -> None:
         try:

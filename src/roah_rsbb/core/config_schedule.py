@@ -4,7 +4,7 @@ from typing import Dict, List, Optional, Tuple
 
 from roah_rsbb.core.benchmarks import ALL_TEAMS, KINDS, Event, Kind, ZonePlan
 from roah_rsbb.core.config_benchmarks import BenchmarksFile
-from roah_rsbb.core.config_errors import Place, Report, listing, nearest, quote, suggestion
+from roah_rsbb.core.config_errors import Place, Report, line_list, nearest, quote
 from roah_rsbb.core.config_passwords import PasswordsFile
 from roah_rsbb.core.yaml_fields import choice, fields, integer, sequence, text, utc_time
 from roah_rsbb.core.yaml_lines import Node, read_yaml
@@ -20,7 +20,6 @@ _EVENT = {
 }
 # `uint8` on the ROS interface; counted from 1.
 _MAX_ROUND = 255
-_LINES_SHOWN = 10
 
 _Run = Tuple[str, str, int, int]
 
@@ -54,15 +53,15 @@ class ScheduleFile:
             found = f"a second zone {quote(name)}"
             self._report.once(self._zone_places, name, got["zone"].place, found, "each zone once")
         what = "schedule" if name is None else f"schedule of zone {quote(name)}"
-        shape = "at least one run, '- {benchmark: ..., team: ..., and so on}'"
+        shape = "at least one event, '- {benchmark: ..., team: ..., and so on}'"
         nodes = sequence(self._report, got.get("schedule"), what, shape) or ()
         events = [event for event in map(self._event, nodes) if event is not None]
         return None if name is None else ZonePlan(name, tuple(sorted(events, key=lambda e: e.scheduled)))
 
     def _event(self, node: Node) -> Optional[Event]:
-        """Read one run; None if anything is wrong with it."""
+        """Read one event; None if anything is wrong with it."""
         report = self._report
-        got = fields(report, node, "a run", _EVENT, {})
+        got = fields(report, node, "an event", _EVENT, {})
         if got is None:
             return None
         code = choice(report, got.get("benchmark"), "benchmark", tuple(KINDS), "a benchmark code")
@@ -92,7 +91,7 @@ class ScheduleFile:
         if for_all:
             found = f"team {quote(team)} in {code}"
             self._report.error(place, found, f"team {ALL_TEAMS}: all robots do it at once")
-        if self._passwords.teams is not None and team not in self._passwords.teams:
+        elif self._passwords.teams is not None and team not in self._passwords.teams:
             self._teams_without_password.setdefault(team, []).append(place)
 
     def _warn_of_twin(self, run: _Run, place: Place) -> None:
@@ -109,22 +108,18 @@ class ScheduleFile:
         """One error for each unknown name, however often it is used."""
         file = self._benchmarks.path
         for code, places in self._codes_not_described.items():
-            expected = f"a benchmark of {file}{suggestion(code, sorted(self._benchmarks.codes or ()))}"
-            self._report.error(places[0], f"benchmark {quote(code)}{_also(places)}", expected)
+            found = f"benchmark {quote(code)}{_also(places)}, which is not in {file}"
+            codes = ", ".join(sorted(self._benchmarks.codes or ()))
+            self._report.error(places[0], found, f"one that is there ({codes}), or an entry for it there")
         file = self._passwords.path
         for team, places in self._teams_without_password.items():
             # Only what is a team beyond doubt is shown of the passwords file.
             near = nearest(team, self._passwords.by_team)
-            ending = f": did you mean {quote(near)}?" if near else ", or a line 'team: password' for it there"
-            found = f"team {quote(team)}{_also(places)}"
-            self._report.error(places[0], found, f"a team of {file}{ending}")
+            guess = f": did you mean {quote(near)}?" if near else ", or a line 'team: password' for it"
+            found = f"team {quote(team)}{_also(places)}, which is not in {file}"
+            self._report.error(places[0], found, f"a team of that file{guess}")
 
 
 def _also(places: List[Place]) -> str:
     """The other lines with the same mistake."""
-    others = [str(place.line) for place in places[1:]]
-    if not others:
-        return ""
-    if len(others) > _LINES_SHOWN:
-        others[_LINES_SHOWN:] = [f"{len(others) - _LINES_SHOWN} more"]
-    return f" (also in line {listing(others)})"
+    return f" (also in line {line_list([place.line for place in places[1:]])})" if places[1:] else ""

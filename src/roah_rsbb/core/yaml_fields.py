@@ -36,8 +36,8 @@ _KINDS = {
     "tag:yaml.org,2002:float": "number",
     "tag:yaml.org,2002:bool": "yes-or-no value",
     "tag:yaml.org,2002:timestamp": "date",
+    "tag:yaml.org,2002:null": "word for nothing",
 }
-_NULL = "tag:yaml.org,2002:null"
 
 
 def _tag(scalar: Scalar) -> str:
@@ -56,11 +56,13 @@ def describe(node: Node) -> str:
     kind = _KINDS.get(tag, "text")
     if node.secret:
         return f"a {kind} of {len(node.text)} characters"
-    if tag == _NULL:
-        return f"{quote(node.text)}, which in YAML means nothing"
-    if node.quoted and _DECIMAL.fullmatch(node.text):
-        return f"the quoted text {quote(node.text)}"
-    return f"the {kind} {quote(node.text)}"
+    if _DECIMAL.fullmatch(node.text):
+        return f"the quoted text {quote(node.text)}" if node.quoted else f"the number {quote(node.text)}"
+    if kind == "text":
+        return f"the text {quote(node.text)}"
+    if kind == "date":
+        return f"the date {quote(node.text)}"
+    return f"{quote(node.text)} (to YAML, a {kind})"
 
 
 def _wrong(report: Report, node: Node, what: str, expected: str) -> None:
@@ -72,8 +74,10 @@ def text(report: Report, node: Optional[Node], what: str, max_bytes: Optional[in
     """A text of one line, not empty, without blanks around it, of at most `max_bytes` bytes of UTF-8."""
     if node is None:
         return None
-    if not isinstance(node, Scalar) or not node.text or _tag(node) == _NULL:
-        return _wrong(report, node, what, "a text")
+    if not isinstance(node, Scalar):
+        return _wrong(report, node, what, "a text; one that begins with [ or { needs quotes")
+    if not node.text:
+        return _wrong(report, node, what, "a text that is not empty")
     if _tag(node) in _KINDS:
         return _wrong(report, node, what, "a text: put it in quotes")
     if any(unicodedata.category(c) in _NOT_IN_A_LINE for c in node.text):
@@ -90,16 +94,17 @@ def choice(
     report: Report, node: Optional[Node], what: str, choices: Tuple[str, ...], expected: str
 ) -> Optional[str]:
     """One of `choices`; `expected` says what they are, e.g. "a benchmark code"."""
-    word = text(report, node, what)
-    if word is None or word in choices:
-        return word
-    return _wrong(report, node, what, expected + suggestion(word, choices))
+    if node is None:
+        return None
+    word = node.text if isinstance(node, Scalar) else ""
+    return word if word in choices else _wrong(report, node, what, expected + suggestion(word, choices))
 
 
 def _number_shape(unit: str, above: Optional[float], least: Optional[float], most: Optional[float]) -> str:
-    low = f"above {above:g}" if above is not None else f"from {least:g}" if least is not None else ""
-    high = f"up to {most:g}" if most is not None else ""
-    return " ".join(filter(None, ["a number", f"of {unit}" if unit else "", low, high]))
+    low = f"above {above:g}" if above is not None else f"at least {least:g}" if least is not None else ""
+    high = f"at most {most:g}" if most is not None else ""
+    bounds = " and ".join(filter(None, [low, high]))
+    return " ".join(filter(None, ["a number", f"of {unit}" if unit else "", bounds]))
 
 
 def number(
@@ -116,7 +121,7 @@ def number(
         return None
     shape = _number_shape(unit, above, least, most)
     if not isinstance(node, Scalar) or not _DECIMAL.fullmatch(node.text):
-        return _wrong(report, node, what, shape)
+        return _wrong(report, node, what, shape + ": digits only, '.' before decimals")
     if node.quoted:
         return _wrong(report, node, what, shape + ": take the quotes away")
     value = float(node.text)
@@ -181,6 +186,13 @@ def sequence(
     return node.items
 
 
+def _why_no_value(key: Scalar, value: Node) -> str:
+    """Why an unknown key without value may be none at all, as in ``{run:1, desc: Hits, or damages}``."""
+    if not isinstance(value, Scalar) or value.text or value.quoted:
+        return ""
+    return " (a blank after the colon)" if ":" in key.text else " (a text with a comma needs quotes)"
+
+
 def fields(
     report: Report,
     node: Optional[Node],
@@ -202,12 +214,12 @@ def fields(
     unknown = [(key, value) for key, value in node.pairs if key.text not in known]
     for key, value in unknown:
         if not isinstance(value, Unusable):
-            expected = f"a key of {what}{suggestion(key.text, known)}"
+            expected = f"a key of {what}{suggestion(key.text, known)}{_why_no_value(key, value)}"
             report.error(key.place, f"the unknown key {quote(key.text)} in {what}", expected)
     # A misspelt key is one mistake, not two; and a pair that could not be read may be what is missing.
     misspelt = {nearest(key.text, known) for key, _ in unknown}
     missing = [key for key in required if key not in found and key not in misspelt]
     if missing and node.whole and not any(isinstance(value, Unusable) for _, value in unknown):
         examples = listing(f"'{key}: {required[key]}'" for key in missing)
-        report.error(node.place, f"{what} without {listing(missing)}", f"also {examples}")
+        report.error(node.place, f"{what} without {listing(missing)}", f"something like {examples}")
     return found

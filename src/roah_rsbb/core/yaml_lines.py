@@ -16,7 +16,7 @@ from typing import Dict, List, NoReturn, Optional, Tuple
 
 import yaml
 
-from roah_rsbb.core.config_errors import Place, Report, nearest, quote
+from roah_rsbb.core.config_errors import Place, Report, line_list, nearest, quote
 from roah_rsbb.core.yaml_syntax import explain
 
 # A schedule of ten thousand runs. Reading this much takes PyYAML about two seconds.
@@ -60,7 +60,8 @@ class Sequence(Node):
 class Mapping(Node):
     """Keys and values in the file's order; each key once.
 
-    `whole` is False if a pair could not be read: then a key that seems to be missing may be in it.
+    `whole` is False if a pair could not be read, or a key stands twice: then that may be what seems to
+    be missing.
     """
 
     pairs: Tuple[Tuple[Scalar, Node], ...]
@@ -92,6 +93,8 @@ def read_yaml(path: str, report: Report, what: str, shape: str, secret: bool = F
 
 def _read(path: str, what: str) -> bytes:
     whole = Place(path, 0, 0)
+    if not path:
+        raise _Stop(whole, "an empty file name", what)
     try:
         # A pipe or a device might block for ever.
         if not stat.S_ISREG(os.stat(path).st_mode):
@@ -103,7 +106,7 @@ def _read(path: str, what: str) -> bytes:
     except PermissionError:
         raise _Stop(whole, "a file that the box may not read", f"{what}; see 'chmod' and 'chown'") from None
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
-        raise _Stop(whole, f"that it cannot be read ({error})", f"a readable file: {what}") from None
+        raise _Stop(whole, f"something that cannot be read ({error})", f"a readable file: {what}") from None
     if len(data) > MAX_BYTES:
         raise _Stop(whole, f"more than {MAX_BYTES // 1000} kB", f"{what}, which is much smaller")
     return data
@@ -141,6 +144,7 @@ class _Builder:
         self._secret = secret
         # PyYAML also counts U+2028 and the like as line ends; editors do not.
         self._line_starts = [0] + [m.end() for m in _LINE_END.finditer(text) if m.end() < len(text)]
+        self._last: Optional[yaml.Event] = None
         try:
             self._loader = yaml.SafeLoader(text)
         except yaml.reader.ReaderError as error:
@@ -163,7 +167,8 @@ class _Builder:
 
     def _next(self) -> yaml.Event:
         try:
-            return self._loader.get_event()
+            self._last = self._loader.get_event()
+            return self._last
         except yaml.MarkedYAMLError as error:
             self._stop_at(error)
         except (yaml.YAMLError, ValueError, OverflowError):
@@ -172,7 +177,14 @@ class _Builder:
             raise _Stop(place, "an escape or a number that no program can read", "plain text") from None
 
     def _stop_at(self, error: yaml.MarkedYAMLError) -> NoReturn:
-        why = explain(error)
+        if isinstance(self._last, yaml.ScalarEvent) and self._last.style in ("'", '"'):
+            begin, end = self._at(self._last), self._place(self._last.end_mark.index)
+            if end.line > begin.line:
+                found = f"a quote that is opened here and closed only in line {end.line}"
+                raise _Stop(begin, found, "a quote at the text's end, too") from None
+        stop = self._place(error.problem_mark.index)
+        start = self._line_starts[stop.line - 1]
+        why = explain(error, self._text[start : start + stop.column - 1])
         mark = (error.context_mark if why.at_begin else None) or error.problem_mark
         place = self._place(mark.index)
         also = self._other_tabs(place.line) if self._text.startswith("\t", mark.index) else ""
@@ -184,8 +196,7 @@ class _Builder:
         others = [number for number, text in lines if number != line and re.match(" *\t", text)]
         if not others:
             return ""
-        shown = ", ".join(map(str, others[:10])) + (", ..." if len(others) > 10 else "")
-        return f" (and at the beginning of line {shown})"
+        return f" (and at the beginning of line {line_list(others)})"
 
     def _place(self, index: int) -> Place:
         index = min(index, len(self._text))
@@ -198,7 +209,7 @@ class _Builder:
     def _node(self, event: yaml.Event, depth: int) -> Node:
         place = self._at(event)
         if depth > MAX_DEPTH:
-            raise _Stop(place, f"{MAX_DEPTH} levels of nesting", "far fewer: look for repeated [ or {{")
+            raise _Stop(place, f"{MAX_DEPTH} levels of nesting", "far fewer: look for repeated [ or {")
         if isinstance(event, yaml.AliasEvent):
             return self._unusable(place, "*", "an alias")
         if isinstance(event, yaml.ScalarEvent):
@@ -237,19 +248,32 @@ class _Builder:
 
     def _mapping(self, place: Place, depth: int) -> Mapping:
         pairs: Dict[str, Tuple[Scalar, Node]] = {}
-        seen: Dict[str, Place] = {}
+        again: List[Scalar] = []
         whole = True
         event = self._next()
         while not isinstance(event, yaml.MappingEndEvent):
             key = self._node(event, depth + 1)
             value = self._node(self._next(), depth + 1)
-            if isinstance(key, Scalar):
-                name = "the same key" if self._secret else f"the key {quote(key.text)}"
-                self._report.once(seen, key.text, key.place, f"{name} a second time", "it once")
-                pairs.setdefault(key.text, (key, value))
-            else:
+            if not isinstance(key, Scalar):
                 whole = False
-            if isinstance(key, (Sequence, Mapping)):
-                self._report.error(key.place, "a map or a sequence as key", "a text, e.g. 'name: value'")
+                if not isinstance(key, Unusable):
+                    self._report.error(key.place, "a map or a sequence as key", "a text, e.g. 'name: value'")
+            elif key.text in pairs:
+                again.append(key)
+            else:
+                pairs[key.text] = (key, value)
             event = self._next()
-        return Mapping(place, tuple(pairs.values()), whole)
+        self._report_again(pairs, again)
+        return Mapping(place, tuple(pairs.values()), whole and not again)
+
+    def _report_again(self, pairs: Dict[str, Tuple[Scalar, Node]], again: List[Scalar]) -> None:
+        """Report keys that stand in a map for a second time."""
+        begin = next(iter(pairs), None)
+        for key in again:
+            name = "the same key" if self._secret else f"the key {quote(key.text)}"
+            expected = f"each key once: it stands already in line {pairs[key.text][0].place.line}"
+            if key.text == begin and not self._secret:
+                # Two items have become one: that their other keys stand twice as well is no news.
+                self._report.error(key.place, f"{name} again", f"{expected} (a new item begins with '- ')")
+                break
+            self._report.error(key.place, f"{name} again", expected)

@@ -54,8 +54,9 @@ _EXPLANATIONS: Tuple[Tuple[str, Explanation], ...] = (
         "mapping values are not allowed",
         Explanation(
             False,
-            "a second ': ' on the line, or a line that is indented deeper than the one above",
-            "one 'key: value' on a line, keys under each other, and quotes around a text that contains ': '",
+            "a ': ' that cannot stand here: its line is indented deeper than the one above, or the one above "
+            "is not 'key: value'",
+            "the keys of one map under each other, each with a colon and a blank after it",
         ),
     ),
     (
@@ -95,7 +96,7 @@ _EXPLANATIONS: Tuple[Tuple[str, Explanation], ...] = (
         Explanation(
             True,
             "a '[' without its ']', or a comma missing in between",
-            "'[a, b, c]', and quotes around a text that contains [ ] { } , or ': '",
+            "'[a, b, c]', and a pair of quotes around a text that contains [ ] { } , or ': '",
         ),
     ),
     (
@@ -103,7 +104,7 @@ _EXPLANATIONS: Tuple[Tuple[str, Explanation], ...] = (
         Explanation(
             True,
             "a '{' without its '}', or a comma missing in between",
-            "'{key: value, key: value}', and quotes around a text that contains [ ] { } , or ': '",
+            "'{key: value, key: value}', and a pair of quotes around a text that contains [ ] { } , or ': '",
         ),
     ),
     ("expected the node content", _QUOTES._replace(at_begin=False)),
@@ -112,9 +113,24 @@ _EXPLANATIONS: Tuple[Tuple[str, Explanation], ...] = (
 _UNKNOWN = Explanation(False, "something that is not YAML", "'key: value' and '- item' lines")
 
 
-def explain(error: yaml.MarkedYAMLError) -> Explanation:
-    """What an organiser can do about PyYAML's `error`."""
+# The same message of PyYAML, but something stands on the line before the place where the parser stopped.
+_SECOND_COLON = Explanation(
+    False, "a second ': ' on the line", "one 'key: value' a line, and quotes around a text that contains ': '"
+)
+_AFTER_QUOTE = Explanation(
+    False,
+    "text after a closing quote",
+    "a quote within a text doubled ('Granny''s'), or the other kind of quotes around it (\"Granny's\")",
+)
+
+
+def explain(error: yaml.MarkedYAMLError, before: str) -> Explanation:
+    """What an organiser can do about PyYAML's `error`; `before` is the line's text up to where it stopped."""
     message = f"{error.context} {error.problem}"
+    if "mapping values are not allowed" in message and ": " in before:
+        return _SECOND_COLON
+    if "<scalar>" in message and before.rstrip().endswith(("'", '"')):
+        return _AFTER_QUOTE
     for part, explanation in _EXPLANATIONS:
         if part in message:
             return explanation
