@@ -1,0 +1,260 @@
+"""A robot in a few lines, for teams without ROS.
+
+    class MyRobot(Behaviour):
+        async def prepare(self, benchmark):
+            await drive_to_start(benchmark)
+
+        async def execute(self, benchmark, goal):
+            return await do_it(benchmark, goal)
+
+    asyncio.run(RobotClient("MyTeam", "password", MyRobot()).run())
+
+Everything happens in the asyncio loop of `RobotClient.run`: behaviours must not block it (use
+`loop.run_in_executor` for what takes time), and other threads call the client only through
+`loop.call_soon_threadsafe`.
+"""
+
+import abc
+import asyncio
+import logging
+import time
+from typing import Any, Awaitable, Callable, Optional, Set, Union
+
+from roah_rsbb.comm.ciphers import Cipher
+from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.robot import effects as fx
+from roah_rsbb.robot.goals import Goal, Result
+from roah_rsbb.robot.machine import IllegalEvent
+from roah_rsbb.robot.runner import SessionRunner, always
+from roah_rsbb.states import RobotState
+
+_log = logging.getLogger(__name__)
+
+# A behaviour that was cancelled may take this long to end before the next one begins beside it.
+CANCEL_S = 5.0
+
+
+class Behaviour(abc.ABC):
+    """What a robot does. Override what you need; `client` is the `RobotClient` that runs it.
+
+    `prepare` and `execute` are cancelled (asyncio.CancelledError is raised in them) when the box stops the
+    robot, and when a waypoint timed out and the next one follows. What they raise is logged; the robot
+    then stays where it is until the box's timeout.
+    """
+
+    client: "RobotClient"
+
+    async def prepare(self, benchmark: str) -> None:  # noqa: B027
+        """Prepare for a goal of the benchmark with this code (HGTKMH, HWV ...); return when ready."""
+
+    @abc.abstractmethod
+    async def execute(self, benchmark: str, goal: Optional[Goal]) -> Result:
+        """Execute a goal; return when it is complete.
+
+        `goal` is None in benchmarks without explicit goals. Return a `HopfResult` in HOPF, a `HppfResult`
+        in HPPF, else None. HPFF ends by its timeout: wait there until cancelled.
+        """
+
+    def stop(self, why: str) -> None:  # noqa: B027
+        """Stop all motion now. `prepare` or `execute`, if one runs, is being cancelled."""
+
+    def on_devices(self, devices: fx.Devices) -> None:  # noqa: B027
+        """The home devices' state, at first and when it changes."""
+
+    def on_tablet(self, tablet: fx.Tablet) -> None:  # noqa: B027
+        """The tablet's state, at first and when it changes."""
+
+    def on_bell(self) -> None:  # noqa: B027
+        """Somebody rang the bell."""
+
+    def on_tablet_call(self) -> None:  # noqa: B027
+        """The call button on the tablet was pressed."""
+
+    def on_tablet_position(self, x: float, y: float) -> None:  # noqa: B027
+        """A position (metres) was selected on the tablet."""
+
+    def on_report(self, report: fx.Report) -> None:
+        """Trouble that the client noticed, or its end."""
+        _log.log(logging.INFO if report.over else logging.WARNING, "%s", report.text)
+
+
+def _warn(text: str) -> None:
+    _log.warning("%s", text)
+
+
+class RobotClient:
+    """One robot: joins whatever run the box lists it in, and lets a `Behaviour` do the work.
+
+    Its methods raise `machine.IllegalEvent`, whose text says why, when they make no sense now: there is
+    no run, or a value does not fit.
+    """
+
+    def __init__(
+        self,
+        team: str,
+        password: str,
+        behaviour: Behaviour,
+        robot: str = "Robot",
+        rsbb_host: str = "10.255.255.255",
+        rsbb_port: int = 6666,
+        bind_host: str = ANY_HOST,
+        cipher: Cipher = Cipher.AES_128_CBC,
+        clock: Callable[[], float] = time.time,
+        passes: Callable[[], bool] = always,
+    ) -> None:
+        """`rsbb_host`: the network's broadcast address, or the box's. The rest: see `SessionRunner`."""
+        self._behaviour = behaviour
+        behaviour.client = self
+        self._settings = {
+            "team": team, "password": password, "robot": robot, "rsbb_host": rsbb_host,
+            "rsbb_port": rsbb_port, "bind_host": bind_host, "cipher": cipher, "clock": clock,
+            "passes": passes,
+        }
+        self._runner: Optional[SessionRunner] = None
+        self._messages_saved = 0
+        self._phases: Set[asyncio.Task] = set()  # that have not ended, the cancelled ones too
+        self._phase: Optional[asyncio.Task] = None  # the one that may move the robot on
+
+    async def run(self) -> None:
+        """Be a robot until cancelled. ValueError or OSError, which name the remedy, if it cannot begin."""
+        loop = asyncio.get_event_loop()
+        self._runner = SessionRunner(loop, on_effect=self._follow, on_complaint=_warn, **self._settings)
+        self._runner.session.progress.messages_saved = self._messages_saved
+        try:
+            self._runner.open()
+            await loop.create_future()  # never comes: the rest happens in callbacks
+        finally:
+            self._runner.close()
+            self._runner = None
+            self._cancel_phase()
+            if self._phases:
+                await asyncio.wait(self._phases, timeout=CANCEL_S)
+
+    # What can be seen.
+
+    @property
+    def state(self) -> RobotState:
+        """The robot's state, as the box is told."""
+        return self._runner.session.progress.state if self._runner else RobotState.STOP
+
+    @property
+    def benchmark(self) -> Optional[str]:
+        """The code of the present benchmark; None while there is no run."""
+        return self._runner.session.progress.benchmark if self._runner else None
+
+    @property
+    def strings_pending(self) -> int:
+        """How many strings the box has not acknowledged yet."""
+        link = self._runner.session.link if self._runner else None
+        return link.strings_pending if link else 0
+
+    # What can be told to the box.
+
+    @property
+    def messages_saved(self) -> int:
+        """How much offline data is recorded (a count or bytes): the box stops a run where it stays 0."""
+        return self._messages_saved
+
+    @messages_saved.setter
+    def messages_saved(self, count: int) -> None:
+        if self._runner is not None:
+            self._runner.session.progress.messages_saved = count
+        self._messages_saved = count
+
+    def notify(self, text: str) -> None:
+        """Online data: a notification (HWV, HOMF, HNF)."""
+        self._tell("add_string", "notifications", text)
+
+    def activation_event(self, text: str) -> None:
+        """Online data: what the robot was activated by (HWV)."""
+        self._tell("add_string", "activation_event", text)
+
+    def visitor(self, text: str) -> None:
+        """Online data: who the visitor is (HWV)."""
+        self._tell("add_string", "visitor", text)
+
+    def final_command(self, text: str) -> None:
+        """Online data: the command that the robot understood (HCFGAC)."""
+        self._tell("add_string", "final_command", text)
+
+    def set_device(self, name: str, value: Union[bool, int]) -> None:
+        """Set a device (HCFGAC): switch_1 to switch_3 to a bool, dimmer and blinds to 0 to 100 per cent."""
+        self._tell("set_device", name, value)
+
+    def display_map(self, display: bool) -> None:
+        """Let the tablet show its map (True) or its call button (False) (HCFGAC)."""
+        self._tell("display_map", display)
+
+    def _tell(self, method: str, *arguments: Any) -> None:
+        if self._runner is None:
+            raise IllegalEvent("the client does not run: await its run()")
+        getattr(self._runner.session, method)(*arguments)
+        self._runner.wake()
+
+    # What the session brings.
+
+    def _follow(self, effect: fx.Effect) -> None:
+        behaviour = self._behaviour
+        if isinstance(effect, fx.Prepare):
+            benchmark = effect.benchmark
+            self._begin_phase(lambda: behaviour.prepare(benchmark), self._end_prepare)
+        elif isinstance(effect, fx.Execute):
+            benchmark, goal = effect.benchmark, effect.goal
+            self._begin_phase(lambda: behaviour.execute(benchmark, goal), self._end_execute)
+        elif isinstance(effect, fx.Stop):
+            self._cancel_phase()
+            behaviour.stop(effect.why)
+        elif isinstance(effect, fx.Devices):
+            behaviour.on_devices(effect)
+        elif isinstance(effect, fx.Tablet):
+            behaviour.on_tablet(effect)
+        elif isinstance(effect, fx.BellRang):
+            behaviour.on_bell()
+        elif isinstance(effect, fx.TabletCalled):
+            behaviour.on_tablet_call()
+        elif isinstance(effect, fx.PositionSelected):
+            behaviour.on_tablet_position(effect.x, effect.y)
+        elif isinstance(effect, fx.Report):
+            behaviour.on_report(effect)
+
+    def _begin_phase(self, work: Callable[[], Awaitable[Any]], end: Callable[[Any], None]) -> None:
+        self._cancel_phase()
+        self._phase = asyncio.get_event_loop().create_task(self._run_phase(work, end, set(self._phases)))
+        self._phases.add(self._phase)
+        self._phase.add_done_callback(self._phases.discard)
+
+    def _cancel_phase(self) -> None:
+        if self._phase is not None:
+            self._phase.cancel()
+            self._phase = None
+
+    async def _run_phase(
+        self, work: Callable[[], Awaitable[Any]], end: Callable[[Any], None], before: Set[asyncio.Task]
+    ) -> None:
+        """Do `work` when the phases `before`, which are cancelled, have ended; then `end`."""
+        if before:
+            _, late = await asyncio.wait(before, timeout=CANCEL_S)
+            if late:
+                _log.error(
+                    "a behaviour has not ended %.0f s after it was cancelled: let asyncio.CancelledError "
+                    "pass. The next one begins beside it", CANCEL_S,
+                )
+        try:
+            result = await work()
+        except Exception:
+            _log.exception("a behaviour failed: the robot stays %s until the box stops it", self.state.name)
+            return
+        if self._phase is asyncio.current_task() and self._runner is not None:
+            self._phase = None
+            end(result)
+            self._runner.wake()
+
+    def _end_prepare(self, _result: None) -> None:
+        self._runner.session.end_prepare()
+
+    def _end_execute(self, result: Result) -> None:
+        try:
+            self._runner.session.end_execute(result)
+        except ValueError as error:
+            _log.error("the goal ends without a result: %s", error)
+            self._runner.session.end_execute(None)

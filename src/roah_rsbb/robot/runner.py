@@ -1,0 +1,161 @@
+"""A `Session` on real sockets and clocks: it does the effects that need them and passes all of them on.
+
+This is what `client.RobotClient` and the ROS node are built on. All methods belong to the thread of the
+asyncio loop.
+"""
+
+import asyncio
+import logging
+import time
+from typing import Any, Callable, Optional
+
+from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
+from roah_rsbb.comm.ciphers import Cipher, Key
+from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.robot import effects as fx
+from roah_rsbb.robot.session import Address, Session
+
+_log = logging.getLogger(__name__)
+
+
+def always() -> bool:
+    """A network that loses nothing, as far as we are asked."""
+    return True
+
+
+class SessionRunner:
+    """The robot's public channel, its private one while there is a run, and the session between them."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        team: str,
+        password: str,
+        on_effect: Callable[[fx.Effect], None],
+        on_complaint: Callable[[str], None],
+        robot: str = "Robot",
+        rsbb_host: str = "10.255.255.255",
+        rsbb_port: int = 6666,
+        bind_host: str = ANY_HOST,
+        cipher: Cipher = Cipher.AES_128_CBC,
+        clock: Callable[[], float] = time.time,
+        passes: Callable[[], bool] = always,
+    ) -> None:
+        """ValueError for an empty name or password, and for `Cipher.NONE`. Nothing is opened yet.
+
+        `on_effect` gets every effect after it was done, `on_complaint` a text about the network or a bad
+        datagram. `clock` gives the robot's time in seconds since 1970. `passes` is asked for each datagram
+        sent or received: False loses it, to try a bad network.
+        """
+        if cipher is Cipher.NONE:
+            raise ValueError("a private channel is never plain: choose another cipher than none")
+        self.session = Session(team, robot, loop.time())
+        self._loop = loop
+        self._on_effect = on_effect
+        self._on_complaint = on_complaint
+        self._clock = clock
+        self._passes = passes
+        self._key = Key(password)
+        self._cipher = cipher
+        self._bind_host = bind_host
+        self._public = PublicChannel(
+            loop, rsbb_host, rsbb_port, self._public_message, on_complaint, bind_host=bind_host
+        )
+        self._private: Optional[PrivateChannel] = None
+        self._bad_datagrams = 0  # of the box, on the private channel
+        self._timer: Optional[asyncio.TimerHandle] = None
+        self._woken = False
+
+    def open(self) -> None:
+        """Begin. Raises OSError whose text names the remedy."""
+        self._public.open()
+        self._poll()
+
+    def close(self) -> None:
+        """End, without a word to the box; does nothing if closed."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        self._close_private()
+        self._public.close()
+
+    def wake(self) -> None:
+        """Call after each use of the session's methods: what follows is done at once.
+
+        That is when the caller has returned to the loop, so that what was asked for together is sent
+        together, and a handler of effects may ask for more.
+        """
+        if not self._woken:
+            self._woken = True
+            self._loop.call_soon(self._poll)
+
+    def _poll(self) -> None:
+        self._woken = False
+        if not self._public.is_open:
+            return
+        for effect in self.session.poll(self._loop.time(), self._clock()):
+            self._do(effect)
+            try:
+                self._on_effect(effect)
+            except Exception:
+                # A mistake there must not silence the robot: the next effect may be a stop.
+                _log.exception("a handler of the robot's effects failed")
+        if self._timer is not None:
+            self._timer.cancel()
+        self._timer = self._loop.call_at(self.session.deadline(), self._poll)
+
+    def _do(self, effect: fx.Effect) -> None:
+        if isinstance(effect, fx.SendState):
+            if self._private is not None and self._passes():
+                self._private.send(effect.message)
+        elif isinstance(effect, fx.SendBeacon):
+            if self._passes():
+                self._public.send(effect.message)
+        elif isinstance(effect, fx.OpenChannel):
+            self._open_private(effect)
+        elif isinstance(effect, fx.CloseChannel):
+            self._close_private()
+
+    def _open_private(self, where: fx.OpenChannel) -> None:
+        self._close_private()
+        channel = PrivateChannel(
+            self._loop, self._public.addr, where.port, self._key, self._private_message,
+            self._private_complaint, cipher=self._cipher, bind_host=self._bind_host,
+        )
+        channel.remote = where.host
+        try:
+            channel.open()
+        except OSError as error:
+            self.session.channel_failed(f"the box gave this robot a port that it cannot use: {error}")
+            self.wake()
+            return
+        self._private = channel
+        self._bad_datagrams = 0
+
+    def _close_private(self) -> None:
+        if self._private is not None:
+            self._private.close()
+            self._private = None
+
+    def _public_message(self, message: Any, sender: Address) -> None:
+        if self._passes():
+            self.session.public_message(self._loop.time(), message, sender)
+            self._poll()
+
+    def _private_message(self, message: Any, sender: Address) -> None:
+        if self._passes():
+            self.session.private_message(self._loop.time(), message, sender)
+            self._poll()
+
+    def _private_complaint(self, text: str) -> None:
+        """Bad datagrams, told once a second, or a failure to send: tell them apart by the counts."""
+        self._on_complaint(text)
+        link = self.session.link
+        if self._private is None or link is None:
+            return
+        totals = self._private.complaints.totals()
+        bad_datagrams = sum(count for (host, _), count in totals.items() if host == link.host)
+        if bad_datagrams > self._bad_datagrams:
+            self._bad_datagrams = bad_datagrams
+            self.session.private_undecodable(self._loop.time(), link.host)
+            self.wake()

@@ -1,0 +1,173 @@
+"""A small box on real loopback sockets, for the tests of robots: one robot, one run, goals in a row."""
+
+import asyncio
+import itertools
+import os
+import socket
+from collections import defaultdict
+
+from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
+from roah_rsbb.comm.ciphers import Key
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.robot.link import STRING_FIELDS
+from roah_rsbb.states import BoxState, RobotState
+
+BOX, ROBOT, BROADCAST = "127.0.0.1", "127.0.0.2", "127.255.255.255"
+TEAM, NAME, PASSWORD = "Team", "Robot", "PASSWORD"
+TIMEOUT_S = 20.0
+TICK_S = 0.02
+
+_bases = itertools.count(31000 + os.getpid() % 400 * 20, 5)
+
+
+def free_ports():
+    """A public port, with some above it for private channels, that nobody on this machine uses."""
+    for base in _bases:
+        probes = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(3)]
+        try:
+            for number, probe in enumerate(probes):
+                probe.bind(("", base + number))
+            return base
+        except OSError:
+            continue
+        finally:
+            for probe in probes:
+                probe.close()
+    raise AssertionError("counting does not end")
+
+
+class SmallBox:
+    """Lists the robot while `listed`, and takes it through `goals` once `start` was called.
+
+    A goal is a dict of BenchmarkState fields; an empty one is a benchmark without explicit goals. It
+    sends everything every 20 ms, and follows the box's table (wire protocol, State machines).
+    """
+
+    def __init__(self, code="HGTKMH", goals=({},), password=PASSWORD):
+        self.code = code
+        self.goals = list(goals)
+        self.port = free_ports()
+        self.private_port = self.port + 1
+        self.listed = True
+        self.state = BoxState.STOP
+        self.finished = []  # the robot's message at the end of each goal
+        self.received = []  # RobotStates, the fresh ones
+        self.beacons = []  # RobotBeacons
+        self.logged = defaultdict(list)  # repeated strings, by field
+        self.beacon_fields = {}
+        self._key = Key(password)
+        self._news = None
+
+    async def __aenter__(self):
+        loop = asyncio.get_event_loop()
+        self._news = asyncio.Event()
+        self._public = PublicChannel(loop, BROADCAST, self.port, self._on_public, self._told, bind_host=BOX)
+        self._private = PrivateChannel(
+            loop, BROADCAST, self.private_port, self._key, self._on_robot, self._told, bind_host=BOX
+        )
+        self._private.remote = ROBOT
+        self._public.open()
+        self._private.open()
+        self._ticking = loop.create_task(self._tick())
+        return self
+
+    async def __aexit__(self, *_):
+        self._ticking.cancel()
+        self._public.close()
+        self._private.close()
+
+    async def until(self, condition):
+        """Wait until `condition()` holds; it is looked at with each datagram, and each 20 ms."""
+        async def hold():
+            while not condition():
+                self._news.clear()
+                await self._news.wait()
+        await asyncio.wait_for(hold(), TIMEOUT_S)
+
+    async def run_through(self):
+        """Start, and wait until the robot has done all goals and stopped."""
+        await self.until(lambda: self.received)
+        self.start()
+        await self.until(lambda: self.state is BoxState.STOP and self.robot_state is RobotState.STOP)
+
+    def start(self):
+        """The referee starts the run."""
+        self.state = BoxState.PREPARE
+
+    def stop(self):
+        """The referee stops the run."""
+        self.state = BoxState.STOP
+
+    @property
+    def robot_state(self):
+        """The state in the robot's last message."""
+        return RobotState(self.received[-1].robot_state) if self.received else None
+
+    async def _tick(self):
+        while True:
+            self._public.send(self._beacon())
+            self._send_state()
+            self._news.set()
+            await asyncio.sleep(TICK_S)
+
+    def _beacon(self):
+        never = pb.Time(sec=0, nsec=0)
+        values = {
+            "devices_bell": never, "devices_switch_1": False, "devices_switch_2": False,
+            "devices_switch_3": False, "devices_dimmer": 0, "devices_blinds": 0, "tablet_display_map": False,
+            "devices_door_win_detect": False, "tablet_call_time": never, "tablet_position_time": never,
+            "tablet_position_x": 0.0, "tablet_position_y": 0.0, **self.beacon_fields,
+        }
+        beacon = pb.RoahRsbbBeacon(**values)
+        if self.listed:
+            beacon.benchmarking_teams.add(team_name=TEAM, robot_name=NAME, rsbb_port=self.private_port)
+        return beacon
+
+    def _send_state(self):
+        if self.listed:
+            goal = self.goals[0] if self.state is BoxState.GOAL_TX else {}
+            message = pb.BenchmarkState(benchmark_type=self.code, benchmark_state=int(self.state), **goal)
+            if self.received:
+                message.acknowledgement.CopyFrom(self.received[-1].time)
+            self._private.send(message)
+
+    def _on_public(self, message, _sender):
+        if isinstance(message, pb.RobotBeacon):
+            self.beacons.append(message)
+        self._news.set()
+
+    def _on_robot(self, message, _sender):
+        if self.received:
+            last = self.received[-1]
+            if (message.time.sec, message.time.nsec) <= (last.time.sec, last.time.nsec):
+                return
+        for field in STRING_FIELDS:
+            before = getattr(self.received[-1], field) if self.received else ()
+            self.logged[field] += [text for text in getattr(message, field) if text not in before]
+        self.received.append(message)
+        self._step(self.robot_state, message)
+        self._news.set()
+
+    def _step(self, robot_state, message):
+        before = self.state
+        if self.state is BoxState.STOP:
+            return
+        if robot_state is RobotState.WAITING_GOAL and self.state is BoxState.PREPARE:
+            self.state = BoxState.GOAL_TX if self.goals[0] else BoxState.WAITING_RESULT
+        elif self.state is not BoxState.PREPARE and robot_state is RobotState.EXECUTING:
+            self.state = BoxState.WAITING_RESULT
+        elif self.state is not BoxState.PREPARE and robot_state is RobotState.RESULT_TX:
+            self.finished.append(message)
+            self.next_goal()
+        elif robot_state in (RobotState.STOP, RobotState.PREPARING):
+            self.state = BoxState.PREPARE
+        if self.state is not before:
+            self._send_state()
+
+    def next_goal(self):
+        """The present goal is over: the next one, or the end."""
+        del self.goals[0]
+        self.state = BoxState.PREPARE if self.goals else BoxState.STOP
+
+    def _told(self, text):
+        self._news.set()
