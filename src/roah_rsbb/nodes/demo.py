@@ -62,7 +62,7 @@ def _scripted(environment: Dict[str, str], master_port: int) -> int:
     print(f"No display here: a scripted referee takes a dummy robot through {BENCHMARK}.", flush=True)
     referee = [
         "rosrun", "roah_rsbb", "referee", "run", ZONE, "--benchmark", BENCHMARK, "--wait", str(WAIT_FOR_ROBOT_S),
-        "--score", "door=1", "--score", "furniture=2",
+        "--score", "door=1", "--score", "moved furniture=2",
     ]
     with _launched(_launch_command("none", master_port), environment):
         status = subprocess.call(referee, env=environment)
