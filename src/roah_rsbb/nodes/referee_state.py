@@ -1,0 +1,166 @@
+"""What the core published, as plain values: what the terminal's referee shows, and what `--json` prints.
+
+The names of the fields are the names in the JSON output (docs/referee.md): they are kept. Times are UTC
+in seconds since 1970, durations are seconds.
+"""
+
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+
+# The commands of the referee, and how the ROS interface spells their fields.
+COMMANDS = {
+    "connect": "connect_off", "start": "start_off", "stop": "stop_off", "disconnect": "disconnect_off",
+    "previous": "prev_off", "next": "next_off",
+}
+IDLE, CONNECTED, RUNNING, ENDED = "idle", "connected", "running", "ended"  # ZoneDetails.phase
+COMPLETED, STOPPED = "completed", "stopped"  # ZoneDetails.end_reason
+ITEM_TYPES = ("bool", "uint")  # by the numbers in ZoneScoreGroup
+
+
+class Item(NamedTuple):
+    """A scoring item. Its number counts from 1 through the whole sheet, in the order of the groups."""
+
+    number: int
+    group: str
+    item: str
+    type: str
+    value: int
+
+
+class Event(NamedTuple):
+    """What the schedule says of a run."""
+
+    code: str
+    name: str
+    desc: str
+    team: str
+    round: int
+    run: int
+    scheduled_utc_s: float
+    timeout_s: float
+
+
+class Zone(NamedTuple):
+    """A zone, its event and the run in it; what is not known is None or empty."""
+
+    zone: str
+    event: Event
+    phase: str
+    end_reason: str
+    timer_s: float
+    state: Tuple[str, ...]
+    robot: str
+    port: int
+    box_state: str
+    robot_state: str
+    skew_s: Optional[float]
+    last_message_utc_s: Optional[float]
+    messages_saved: int
+    manual_operation: str
+    warnings: Tuple[str, ...]
+    off: Dict[str, List[str]]
+    score: Tuple[Item, ...]
+    log_file: str
+    log: str
+    online_data: str
+
+
+class Robot(NamedTuple):
+    """An active robot."""
+
+    team: str
+    robot: str
+    skew_s: float
+    last_heard_utc_s: float
+    age_s: float
+
+
+class Box(NamedTuple):
+    """Everything, at one moment of the box's clock."""
+
+    clock_utc_s: float
+    status: str
+    host: str
+    port: str
+    box_uuid: str
+    warnings: Tuple[str, ...]
+    robots: Tuple[Robot, ...]
+    zones: Tuple[Zone, ...]
+
+    def zone(self, name: str) -> Optional[Zone]:
+        """The zone of that name, if there is one."""
+        return next((zone for zone in self.zones if zone.zone == name), None)
+
+
+def box_of(gui, details) -> Optional[Box]:
+    """A CoreToGui and a CoreDetails together; None: they do not belong together."""
+    details_of = {zone.zone: zone for zone in details.zones}
+    if [zone.zone for zone in gui.zones] != list(details_of):
+        return None
+    clock = gui.clock.to_sec()
+    robots = [
+        Robot(r.team, r.robot, r.skew.to_sec(), r.beacon.to_sec(), max(0.0, clock - r.beacon.to_sec()))
+        for r in gui.active_robots
+    ]
+    return Box(
+        clock_utc_s=clock,
+        status=gui.status,
+        host=gui.addr,
+        port=gui.port,
+        box_uuid=details.box_uuid,
+        warnings=tuple(details.warnings),
+        robots=tuple(robots),
+        zones=tuple(_zone(zone, details_of[zone.zone]) for zone in gui.zones),
+    )
+
+
+def lines_of(text: str) -> List[str]:
+    """The lines that the core made; other ends of lines are a robot's, and stay in its text."""
+    return [line for line in text.split("\n") if line]
+
+
+def as_json(value: Any) -> Any:
+    """A value of this module as `json.dumps` takes it; of times and durations, whole microseconds are kept."""
+    if isinstance(value, tuple) and hasattr(value, "_asdict"):
+        return {name: as_json(field) for name, field in value._asdict().items()}
+    if isinstance(value, (list, tuple)):
+        return [as_json(item) for item in value]
+    if isinstance(value, dict):
+        return {key: as_json(item) for key, item in value.items()}
+    return round(value, 6) if isinstance(value, float) else value
+
+
+def _zone(zone, details) -> Zone:
+    heard = details.last_message.to_sec()
+    return Zone(
+        zone=zone.zone,
+        event=Event(
+            zone.code, zone.name, zone.desc, zone.team, zone.round, zone.run, zone.schedule.to_sec(),
+            zone.timeout.to_sec(),
+        ),
+        phase=details.phase,
+        end_reason=details.end_reason,
+        timer_s=zone.timer.to_sec(),
+        state=tuple(lines_of(zone.state)),
+        robot=details.robot,
+        port=details.port,
+        box_state=details.box_state,
+        robot_state=details.robot_state,
+        skew_s=details.skew.to_sec() if details.skew_known else None,
+        last_message_utc_s=heard if heard > 0 else None,
+        messages_saved=details.messages_saved,
+        manual_operation=zone.manual_operation,
+        warnings=tuple(details.warnings),
+        off={command: list(getattr(details, field)) for command, field in COMMANDS.items()},
+        score=tuple(_items(zone.scoring)),
+        log_file=details.log_file,
+        log=zone.log,
+        online_data=zone.online_data,
+    )
+
+
+def _items(groups) -> List[Item]:
+    found: List[Item] = []
+    for group in groups:
+        for kind, desc, value in zip(group.types, group.descriptions, group.current_values):
+            found.append(Item(len(found) + 1, group.group_name, desc, ITEM_TYPES[kind], value))
+    return found

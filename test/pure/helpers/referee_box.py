@@ -1,0 +1,184 @@
+"""A box as the terminal's referee sees it, and a link to a core that a test plays, in simulated time."""
+
+from typing import Callable, Dict, List, Optional
+
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.nodes.referee_exits import NoCore
+from roah_rsbb.nodes.referee_state import (
+    COMMANDS,
+    CONNECTED,
+    ENDED,
+    IDLE,
+    RUNNING,
+    Box,
+    Event,
+    Item,
+    Robot,
+    Zone,
+)
+
+UTC0 = 1447000000.0  # 2015-11-08 16:26:40Z
+TICK_S = 0.1
+ITEMS = (
+    Item(1, "Achievements", "Detects the door", "bool", 0),
+    Item(2, "Achievements", "Moved furniture", "uint", 0),
+    Item(3, "Penalized", "Bumps into the furniture", "uint", 0),
+)
+EVENTS = tuple(
+    Event(code, f"Name of {code}", f"What {code} is", "TestingTeam", 1, run, UTC0 + 600 * run, 600.0)
+    for run, code in enumerate(("HGTKMH", "HWV", "HGTKMH", "HCFGAC"), 1)
+)
+
+
+def zone(**fields) -> Zone:
+    """A zone without a run."""
+    default = Zone(
+        zone="Home A", event=EVENTS[0], phase=IDLE, end_reason="", timer_s=600.0, state=("Robot ready",), robot="",
+        port=0, box_state="", robot_state="", skew_s=None, last_message_utc_s=None, messages_saved=0,
+        manual_operation="", warnings=(), off={command: [] for command in COMMANDS}, score=(), log_file="", log="",
+        online_data="",
+    )
+    return default._replace(**fields)
+
+
+def running_zone(**fields) -> Zone:
+    """A zone with a run that was started."""
+    return zone(**{
+        "phase": RUNNING, "robot": "mbot", "port": 6667, "box_state": "PREPARE", "robot_state": "PREPARING",
+        "skew_s": 0.0123, "last_message_utc_s": UTC0 - 0.5, "score": ITEMS, "log_file": "/logs/run.bag",
+        "timer_s": 512.3, **fields,
+    })
+
+
+def robot(name: str = "mbot", team: str = "TestingTeam", skew_s: float = 0.0123) -> Robot:
+    """An active robot."""
+    return Robot(team, name, skew_s, UTC0 - 0.5, 0.5)
+
+
+def box(*zones: Zone, **fields) -> Box:
+    """A box with these zones, or one zone without a run."""
+    default = Box(UTC0, "OK", "127.255.255.255", "6666", "uuid-1", (), (robot(),), zones or (zone(),))
+    return default._replace(**fields)
+
+
+class FakeLink:
+    """A link to a core of one zone. Time goes on by `next` only; `at` plans what happens when."""
+
+    def __init__(self) -> None:
+        self.time = 0.0
+        self.heard = 0.0
+        self.silent = False
+        self.extra_off: Dict[str, List[str]] = {}
+        self.box = box(self._with_off(zone()))
+        self.commands: List[str] = []
+        self.scores: Dict[str, int] = {}
+        self.answers: Dict[str, List[Optional[Exception]]] = {}  # for a command: what its next calls raise
+        self.index = 0
+        self._plans: List[tuple] = []
+
+    # -- what a test plays ---------------------------------------------------------------------------
+
+    def at(self, seconds: float, what: Callable[[], None]) -> None:
+        """Plan an event."""
+        self._plans.append((seconds, what))
+
+    def change(self, **fields) -> None:
+        """Change the zone."""
+        new = self._with_off(self.zone._replace(**fields))
+        self.box = self.box._replace(zones=(new,), clock_utc_s=UTC0 + self.time)
+
+    def end(self, reason: str) -> None:
+        """End the run."""
+        self.change(phase=ENDED, end_reason=reason)
+
+    def restart(self, **fields) -> None:
+        """The core is started again; without `fields` its zone has no run any more."""
+        self.box = self.box._replace(box_uuid=self.box.box_uuid + "'")
+        self.change(**(fields or {"phase": IDLE, "robot": "", "port": 0, "score": (), "end_reason": ""}))
+
+    def block(self, command: str, *reasons: str) -> None:
+        """Reasons why a command is off, beside its own; none: it is free again."""
+        self.extra_off = {**self.extra_off, command: list(reasons)}
+        self.change()
+
+    @property
+    def zone(self) -> Zone:
+        """The zone as it is now."""
+        return self.box.zones[0]
+
+    # -- what a Link does ----------------------------------------------------------------------------
+
+    def now(self) -> float:
+        """Simulated seconds."""
+        return self.time
+
+    @property
+    def silence_s(self) -> float:
+        """For how long nothing was published."""
+        return self.time - self.heard
+
+    def next(self, limit_s: float) -> Optional[Box]:
+        """One tick, or None after `limit_s` of silence."""
+        if limit_s <= 0:
+            return None
+        self.time += min(limit_s, TICK_S)
+        while True:
+            due = [plan for plan in self._plans if plan[0] <= self.time]
+            if not due:
+                break
+            self._plans.remove(due[0])
+            due[0][1]()
+        if self.silent:
+            return None
+        self.heard = self.time
+        return self.box
+
+    def settle(self) -> Box:
+        """Two ticks."""
+        for _ in range(2):
+            if self.next(TICK_S) is None:
+                raise NoCore("silent")
+        return self.box
+
+    def command(self, command: str, name: str) -> None:
+        """Carry a command out as the core would."""
+        assert name == self.zone.zone
+        self.commands.append(command)
+        answer = (self.answers.get(command) or [None]).pop(0)
+        if answer is not None:
+            raise answer
+        if self.zone.off[command]:
+            raise Refused(self.zone.off[command])
+        {
+            "connect": lambda: self.change(phase=CONNECTED, robot="mbot", port=6667, score=ITEMS),
+            "start": lambda: self.change(phase=RUNNING),
+            "stop": lambda: self.end("stopped"),
+            "disconnect": lambda: self.change(phase=IDLE, robot="", port=0, score=(), end_reason=""),
+            "next": lambda: self._move(1),
+            "previous": lambda: self._move(-1),
+        }[command]()
+
+    def set_score(self, name: str, group: str, item: str, value: int) -> None:
+        """Set an item."""
+        answer = (self.answers.get("set_score") or [None]).pop(0)
+        if answer is not None:
+            raise answer
+        self.scores[item] = value
+        self.change(score=tuple(i._replace(value=value) if i.item == item else i for i in self.zone.score))
+
+    def _move(self, by: int) -> None:
+        self.index += by
+        self.change(event=EVENTS[self.index])
+
+    def _with_off(self, fresh: Zone) -> Zone:
+        index = EVENTS.index(fresh.event)
+        idle, extra = fresh.phase == IDLE, self.extra_off
+        own = {
+            "connect": [] if idle else ["Already connected"],
+            "start": [] if fresh.phase in (CONNECTED, ENDED) else ["Not now"],
+            "stop": ["No run"] if idle else [],
+            "disconnect": ["No run"] if idle else [],
+            "previous": [] if idle and index > 0 else ["first event"],
+            "next": [] if idle and index < len(EVENTS) - 1 else ["last event"],
+        }
+        return fresh._replace(off={command: own[command] + extra.get(command, []) for command in COMMANDS})

@@ -1,0 +1,92 @@
+"""From the core's messages to plain values and JSON."""
+
+import json
+import pathlib
+from types import SimpleNamespace
+
+from helpers.referee_box import UTC0, box, robot, running_zone
+from roah_rsbb.nodes import referee_state
+from roah_rsbb.nodes.referee_state import as_json, box_of
+
+
+class Seconds(float):
+    """A ROS time or duration."""
+
+    def to_sec(self) -> float:
+        return float(self)
+
+
+def _gui(*zones):
+    robots = [SimpleNamespace(team="T", robot="mbot", skew=Seconds(-0.15), beacon=Seconds(UTC0 - 2))]
+    return SimpleNamespace(clock=Seconds(UTC0), status="OK", addr="127.255.255.255", port="6666", active_robots=robots,
+                           zones=zones)
+
+
+def _zone_state():
+    scoring = [
+        SimpleNamespace(group_name="Good", types=b"\x00\x01", descriptions=["door", "things"], current_values=[1, 3]),
+        SimpleNamespace(group_name="Bad", types=b"\x01", descriptions=["bumps"], current_values=[0]),
+    ]
+    return SimpleNamespace(
+        zone="Home A", code="HWV", name="Name", desc="What", team="T", round=2, run=3, schedule=Seconds(UTC0 + 60),
+        timeout=Seconds(600), timer=Seconds(12.5), state="first\nsecond", manual_operation="", scoring=scoring,
+        log="log\n", online_data="data\n",
+    )
+
+
+def _details(**fields):
+    default = {
+        "zone": "Home A", "phase": "running", "end_reason": "", "robot": "mbot", "port": 6667, "box_state": "PREPARE",
+        "robot_state": "STOP", "skew_known": True, "skew": Seconds(-0.15), "last_message": Seconds(UTC0 - 1),
+        "messages_saved": 7, "log_file": "/x.bag", "warnings": ["w"],
+        **{field: [f"why no {field}"] for field in referee_state.COMMANDS.values()},
+    }
+    return SimpleNamespace(box_uuid="u", warnings=["box"], zones=[SimpleNamespace(**{**default, **fields})])
+
+
+def test_both_messages_make_one_snapshot():
+    seen = box_of(_gui(_zone_state()), _details())
+    zone = seen.zone("Home A")
+    assert (seen.clock_utc_s, seen.box_uuid, seen.warnings) == (UTC0, "u", ("box",))
+    assert seen.robots[0] == ("T", "mbot", -0.15, UTC0 - 2, 2.0)
+    assert zone.event == ("HWV", "Name", "What", "T", 2, 3, UTC0 + 60, 600.0)
+    assert (zone.phase, zone.port, zone.timer_s, zone.state) == ("running", 6667, 12.5, ("first", "second"))
+    assert (zone.skew_s, zone.last_message_utc_s, zone.messages_saved) == (-0.15, UTC0 - 1, 7)
+    assert zone.off["previous"] == ["why no prev_off"]
+    assert zone.off["connect"] == ["why no connect_off"]
+    assert zone.score == (
+        (1, "Good", "door", "bool", 1), (2, "Good", "things", "uint", 3), (3, "Bad", "bumps", "uint", 0),
+    )
+
+
+def test_what_is_not_known_is_none():
+    zone = box_of(_gui(_zone_state()), _details(skew_known=False, last_message=Seconds(0))).zones[0]
+    assert (zone.skew_s, zone.last_message_utc_s) == (None, None)
+
+
+def test_messages_of_two_schedules_do_not_go_together():
+    assert box_of(_gui(_zone_state()), _details(zone="Home B")) is None
+    assert box_of(_gui(), _details()) is None
+
+
+def test_a_robot_is_never_heard_in_the_future():
+    gui = _gui(_zone_state())
+    gui.active_robots[0].beacon = Seconds(UTC0 + 1)
+    assert box_of(gui, _details()).robots[0].age_s == 0.0
+
+
+def test_json_has_the_names_of_the_fields_all_the_way_down():
+    made = json.loads(json.dumps(as_json(box(running_zone(), robots=(robot(),)))))
+    zone = made["zones"][0]
+    assert zone["event"]["code"] == "HGTKMH"
+    assert zone["score"][0] == {"number": 1, "group": "Achievements", "item": "Detects the door", "type": "bool",
+                                "value": 0}
+    assert zone["off"]["connect"] == []
+    assert made["robots"][0]["skew_s"] == 0.0123
+
+
+def test_the_documentation_names_every_field():
+    text = (pathlib.Path(__file__).resolve().parents[3] / "docs" / "referee.md").read_text(encoding="utf-8")
+    kinds = (referee_state.Box, referee_state.Robot, referee_state.Zone, referee_state.Event, referee_state.Item)
+    missing = [f"{kind.__name__}.{field}" for kind in kinds for field in kind._fields if f"`{field}`" not in text]
+    assert not missing

@@ -1,0 +1,149 @@
+"""What the terminal shows."""
+
+import re
+
+import pytest
+
+from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
+from roah_rsbb.nodes import referee_view as view
+from roah_rsbb.nodes.referee_changes import Change, changes
+
+
+def _status(*zones, **fields):
+    return "\n".join(view.status(box(*zones, **fields), view.no_colour))
+
+
+def _lines(old, new):
+    return [view.change_line(change, view.no_colour) for change in changes(old, new)]
+
+
+def test_all_zones_at_a_glance():
+    text = _status(running_zone(), zone(zone="Home B", off={"connect": ["a reason"], "next": []}))
+    assert "RSBB at 127.255.255.255:6666, 16:26:40Z: OK" in text
+    assert "Home A: RUNNING, 8:33 left" in text
+    assert "robot mbot: PREPARING, skew +0.012 s, heard just now (UDP port 6667)" in text
+    assert "Home B: IDLE, 10:00 to run" in text
+    assert "HGTKMH, team TestingTeam, round 1, run 1, scheduled 16:36 UTC" in text
+    assert "allowed now: next" in text
+
+
+def test_active_robots_with_skew_and_age():
+    far = robot("late", skew_s=-0.15)._replace(age_s=12.0)
+    assert "    TestingTeam late: skew -0.150 s, heard 12 s ago" in _status(robots=(far,))
+    assert "Active robots: none" in _status(robots=())
+
+
+def test_warnings_of_the_box_and_of_a_zone():
+    text = _status(running_zone(state=("Running", "WARNING: silent")), warnings=("Another box",))
+    assert "WARNING: Another box" in text
+    assert "    WARNING: silent" in text
+
+
+def test_a_robot_of_which_little_is_known():
+    text = _status(running_zone(robot_state="", skew_s=None, last_message_utc_s=None))
+    assert "robot mbot: no state yet, skew not known, never heard on its private channel" in text
+
+
+def test_the_end_of_a_run_says_why():
+    assert "ENDED (no messages saved), 8:33 left after the end" in _status(
+        running_zone(phase="ended", end_reason="no_messages_saved"))
+
+
+def test_what_the_referee_has_to_do():
+    assert "TO DO by the referee: Place the mug" in _status(running_zone(manual_operation="Place the mug"))
+
+
+def test_a_zone_in_full_has_every_reason_scores_and_online_data():
+    full = running_zone(off={"connect": ["one", "two"]}, online_data="a\nb\n")
+    text = "\n".join(view.zone_report(full, UTC0, view.no_colour))
+    assert "no connect: one" in text
+    assert "no connect: two" in text
+    assert "log: /logs/run.bag" in text
+    assert "Score sheet: HGTKMH" in text
+    assert "    a\n    b" in text
+
+
+def test_the_score_sheet_has_numbers_values_and_groups():
+    scores = (ITEMS[0]._replace(value=1), ITEMS[1]._replace(value=12), ITEMS[2])
+    assert view.score_sheet(running_zone(score=scores), view.no_colour) == [
+        "Score sheet: HGTKMH, team TestingTeam, round 1, run 1",
+        "    Achievements",
+        "       1    yes  Detects the door",
+        "       2     12  Moved furniture",
+        "    Penalized",
+        "       3      0  Bumps into the furniture",
+    ]
+
+
+def test_a_benchmark_without_items_says_so():
+    assert "no scoring items" in view.score_sheet(running_zone(score=()), view.no_colour)[-1]
+
+
+def test_changes_are_one_line_each_with_the_time():
+    assert _lines(box(zone(), robots=()), box(running_zone())) == [
+        "16:26:40Z robot TestingTeam mbot is active, skew +0.012 s",
+        "16:26:40Z Home A: RUNNING, robot is in PREPARING",
+    ]
+    assert _lines(box(zone()), box(zone(event=EVENTS[1]))) == [
+        "16:26:40Z Home A: now at HWV, team TestingTeam, round 1, run 2",
+    ]
+    score = running_zone(score=(ITEMS[0]._replace(value=1), *ITEMS[1:]))
+    assert _lines(box(running_zone()), box(score)) == [
+        "16:26:40Z Home A: score: Achievements: Detects the door: no -> yes",
+    ]
+
+
+def test_lines_of_the_core_keep_their_own_time():
+    new = running_zone(log="16:26:38Z PREPARE: x\n", online_data="16:26:39Z visitor: y\n")
+    assert _lines(box(running_zone()), box(new)) == [
+        "16:26:38Z Home A: PREPARE: x", "16:26:39Z Home A: online data: visitor: y",
+    ]
+
+
+def test_a_state_that_the_core_logs_itself_is_not_told_twice():
+    assert _lines(box(running_zone()), box(running_zone(box_state="WAITING_RESULT"))) == [""]
+
+
+@pytest.mark.parametrize("facts, text", [
+    ({"phase": "connected", "end_reason": "", "robot": "mbot", "port": 6667}, "CONNECTED to mbot on UDP port 6667"),
+    ({"phase": "ended", "end_reason": "no_messages_saved"}, "ENDED (no messages saved)"),
+    ({"phase": "idle", "end_reason": ""}, "IDLE"),
+])
+def test_phases(facts, text):
+    change = Change(UTC0, "state", "Home A", {**facts, "changed": ["phase"]})
+    assert view.change_line(change, view.no_colour) == f"16:26:40Z Home A: {text}"
+
+
+@pytest.mark.parametrize("what, word", [("silent", "SILENT"), ("back", "back"), ("restarted", "RESTARTED")])
+def test_the_core_goes_and_comes(what, word):
+    assert word in view.change_line(Change(UTC0, "core", "", {"what": what}), view.no_colour)
+
+
+def test_warnings_say_so_and_say_when_they_are_over():
+    old, new = box(warnings=("first",)), box(warnings=("second",))
+    assert _lines(old, new) == ["16:26:40Z WARNING: second", "16:26:40Z over: first"]
+
+
+def test_colour_only_adds_to_the_words():
+    old, new = box(zone(), robots=()), box(running_zone(warnings=("w",)), warnings=("x",))
+    coloured = "\n".join(view.status(new, view.colour))
+    assert "\x1b[" in coloured
+    assert re.sub(r"\x1b\[[\d;]*m", "", coloured) == "\n".join(view.status(new, view.no_colour))
+    for change in changes(old, new):
+        line = view.change_line(change, view.colour)
+        assert re.sub(r"\x1b\[[\d;]*m", "", line) == view.change_line(change, view.no_colour)
+
+
+def test_what_robots_say_cannot_command_the_terminal():
+    evil = "\x1b[2Jgone\r\u202e"
+    loud = running_zone(
+        robot=evil, robot_state=evil, manual_operation=evil, state=(evil,), online_data=evil, log=evil, log_file=evil,
+        event=EVENTS[0]._replace(team=evil, name=evil, code=evil), warnings=(evil,), zone=evil,
+        score=(ITEMS[0]._replace(item=evil, group=evil),), off={"connect": [evil]},
+    )
+    quiet = loud._replace(online_data="", log="", phase="connected", manual_operation="", warnings=(), robot_state="",
+                          score=(loud.score[0]._replace(value=1),), event=EVENTS[0])
+    new = box(loud, robots=(robot(evil, evil),), status=evil, host=evil, warnings=(evil,))
+    shown = view.status(new, view.no_colour) + view.zone_report(loud, UTC0, view.no_colour) + _lines(box(quiet), new)
+    assert [line for line in shown if not line.isprintable()] == []
+    assert "\\x1b[2Jgone" in "".join(shown)
