@@ -27,9 +27,9 @@ from roah_rsbb.srv import Zone, ZoneScore
 COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next")
 FIELDS = {"previous": "prev"}
 EVENTS = (
-    ("HGTKMH", "Task Benchmark 1: Getting to know my home", "TestingTeam", 600.0),
-    ("HWV", "Task Benchmark 2: Welcoming visitors", "AnotherTeam", 600.0),
-    ("HCFGAC", "Task Benchmark 3: Catering for Granny Annie's Comfort", "TestingTeam", 600.0),
+    ("HGTKMH", "Task Benchmark 1", "Getting to know my home", "TestingTeam", 600.0),
+    ("HWV", "Task Benchmark 2", "Welcoming visitors", "AnotherTeam", 600.0),
+    ("HCFGAC", "Task Benchmark 3", "Catering for Granny Annie's Comfort", "TestingTeam", 600.0),
 )
 SCORING = (
     ("Achievements", ((0, "The robot detects the door with changed state"), (1, "Each piece of moved furniture"),
@@ -50,7 +50,7 @@ class FakeZone:
         self.phase = "idle"
         self.end_reason = ""
         self.started = 0.0
-        self.left_s = EVENTS[0][3]
+        self.left_s = EVENTS[0][4]
         self.log = ""
         self.online_data = ""
         self.scores: Dict[tuple, int] = {}
@@ -91,7 +91,7 @@ class FakeZone:
 
     def _to(self, phase: str) -> None:
         self.phase, self.end_reason = phase, ""
-        self.left_s = EVENTS[self.index][3]
+        self.left_s = EVENTS[self.index][4]
         if phase == "connected":
             self.scores = {}
 
@@ -123,6 +123,7 @@ class FakeCore:
         self.box_warnings: List[str] = []
         self.robots = [("TestingTeam", "mbot", 0.0123), ("AnotherTeam", "amigo", -0.0871)]
         self.status = "OK"
+        self.tablet_heard = True
         self._gui = rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True)
         self._details = rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True)
         self._public = rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True)
@@ -160,7 +161,8 @@ class FakeCore:
             for team, robot, skew in self.robots
         ]
         message.zones = [self._zone_state(zone) for zone in self.zones.values()]
-        message.tablet_last_beacon = now - rospy.Duration.from_sec(0.6)
+        if self.tablet_heard:
+            message.tablet_last_beacon = now - rospy.Duration.from_sec(0.6)
         message.tablet_display_map = True
         message.tablet_call_time = now - rospy.Duration.from_sec(75)
         message.tablet_position_time = now - rospy.Duration.from_sec(12)
@@ -187,16 +189,16 @@ class FakeCore:
         for number in range(len(EVENTS)):
             for zone in self.zones.values():
                 if number >= zone.index:
-                    code, name, team, _ = EVENTS[number]
+                    _, _, desc, team, _ = EVENTS[number]
                     at = time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime(now.to_sec() // 3600 * 3600 + 1800 * number))
                     running = number == zone.index and zone.phase != "idle"
-                    message.schedule.append(ScheduleInfo(team, name, 1, number + 1, at, running))
+                    message.schedule.append(ScheduleInfo(team, desc, 1, number + 1, at, running))
         return message
 
     def _zone_state(self, zone: FakeZone) -> ZoneState:
-        code, name, team, timeout = EVENTS[zone.index]
+        code, name, desc, team, timeout = EVENTS[zone.index]
         off = zone.off()
-        state = ZoneState(zone=zone.name, name=name, code=code, desc=f"Rules of {name}", team=team, round=1)
+        state = ZoneState(zone=zone.name, name=name, code=code, desc=desc, team=team, round=1)
         state.run = zone.index + 1
         state.timeout = rospy.Duration.from_sec(timeout)
         state.schedule = rospy.Time(SCHEDULE_START + 1800 * zone.index)

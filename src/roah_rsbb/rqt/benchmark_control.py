@@ -115,7 +115,7 @@ class BenchmarkControlPanel(Panel):
             label = widgets.enlarged(QLabel(wordWrap=True), factor, bold=name != "facts")
             label.setTextFormat(Qt.PlainText)
             label.setMinimumWidth(1)
-            grid.addWidget(label, row, 0)
+            grid.addWidget(label, row, 0, 1, 2 if name == "facts" else 1)
             self._event[name] = label
         grid.addWidget(self.buttons["previous"], 0, 1)
         grid.addWidget(self.buttons["next"], 1, 1)
@@ -172,12 +172,11 @@ class BenchmarkControlPanel(Panel):
         self._show_state(f"{NO_ZONE} ({self.model.zone_name})" if heard else "Waiting for the core")
 
     def _show_event(self, zone: ZoneState) -> None:
-        self._event["name"].setText(f"{zone.code}  {zone.name}")
-        self._event["name"].setToolTip(zone.desc)
+        self._event["name"].setText(f"{zone.code}  {zone.desc}")
         self._event["team"].setText(zone.team)
         when = texts.scheduled(zone.schedule.to_sec(), self.model.clock_s)
         self._event["facts"].setText(
-            f"Round {zone.round}, run {zone.run}   ·   scheduled {when} UTC   ·   "
+            f"{zone.name}   ·   round {zone.round}, run {zone.run}   ·   scheduled {when} UTC   ·   "
             f"limit {texts.countdown(zone.timeout.to_sec())}"
         )
 

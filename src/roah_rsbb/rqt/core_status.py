@@ -49,7 +49,7 @@ class CoreStatusPanel(Panel):
             grid.addWidget(value, row, 2 * column + 1)
             grid.setColumnStretch(2 * column + 1, 1)
         self.body.addLayout(grid)
-        self._answer = Answer()
+        self._answer = Answer(reserved=False)
         self.body.addWidget(self._answer)
         self.exit = widgets.CommandButton("Exit …", "End this client or the whole RSBB; you are asked before", 1.0)
         self.exit.allow(True)

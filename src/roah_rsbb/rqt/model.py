@@ -6,6 +6,7 @@ from typing import Optional
 from python_qt_binding.QtCore import QObject, QTimer, Signal
 
 from roah_rsbb.msg import CoreDetails, CoreToGui, ZoneDetails, ZoneState
+from roah_rsbb.rqt.box_clock import BoxClock
 
 GUI_TOPIC = "/core/to_gui"
 DETAILS_TOPIC = "/core/details"
@@ -21,36 +22,6 @@ DETAILS_SILENT_S = 2.5
 RENEW_S = 5.0
 # While nothing arrives, panels are redrawn this often: they say for how long.
 SILENT_REDRAW_S = 0.5
-# How far the box's clock may run slower than ours, seconds a second: 200 ppm is a bad quartz.
-DRIFT = 2e-4
-
-
-class BoxClock:
-    """Estimate of the box's clock from its messages.
-
-    A message's clock is that of its sending. The message with the least delay tells best, so the estimate
-    is never behind by more than that delay, however late other messages arrive.
-    """
-
-    def __init__(self) -> None:
-        self._offset: Optional[float] = None  # box's clock minus our monotonic clock
-        self._last_clock = 0.0
-        self._last_mono = 0.0
-        self.steps_back = 0  # how often the box's clock was set back
-
-    def sample(self, mono: float, clock: float) -> None:
-        """A message sent at `clock` (box, UTC seconds) arrived at `mono` (monotonic seconds)."""
-        offset = clock - mono
-        if self._offset is None or clock < self._last_clock:
-            self.steps_back += self._offset is not None
-            self._offset = offset
-        else:
-            self._offset = max(offset, self._offset - DRIFT * (mono - self._last_mono))
-        self._last_clock, self._last_mono = clock, mono
-
-    def now(self, mono: float) -> float:
-        """The box's clock at `mono`, UTC seconds; 0.0 before the first sample."""
-        return 0.0 if self._offset is None else mono + self._offset
 
 
 class Model(QObject):

@@ -90,10 +90,12 @@ def ask(parent: QWidget, question: str, details: str, yes: str, then) -> QMessag
 
 
 class Answer(QLabel):
-    """The line where a panel shows what became of the last command. Always there, so that nothing jumps."""
+    """The line where a panel shows what became of the last command."""
 
-    def __init__(self, parent: Optional[QWidget] = None) -> None:
+    def __init__(self, reserved: bool = True, parent: Optional[QWidget] = None) -> None:
+        """`reserved`: it keeps its place while it is empty, so that nothing jumps when it is not."""
         super().__init__(parent)
+        self._reserved = reserved
         self.setWordWrap(True)
         self.setTextFormat(Qt.PlainText)
         self.setTextInteractionFlags(Qt.TextSelectableByMouse)
@@ -121,4 +123,6 @@ class Answer(QLabel):
 
     def _show(self, text: str, style: str) -> None:
         self.setText(text)
+        if not self._reserved:
+            self.setVisible(text != " ")
         widgets.set_style(self, f"QLabel {{ padding: 0.2em; {style} }}")

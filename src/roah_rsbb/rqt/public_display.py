@@ -12,6 +12,7 @@ from python_qt_binding.QtGui import QColor, QFont, QFontMetricsF, QPainter
 from python_qt_binding.QtWidgets import QWidget
 
 from roah_rsbb.msg import CoreToPublic, ScheduleInfo
+from roah_rsbb.rqt import texts
 
 # The core publishes twice a second; its clock, in seconds, is in every message. A message that is the same
 # again may come from a core that hangs (latched, to a new subscription): it is no sign of life.
@@ -48,14 +49,7 @@ class Line(NamedTuple):
 def line_of(event: ScheduleInfo, clock: str) -> Line:
     """What is shown of an event when the box's clock shows `clock`."""
     team = "All teams" if event.team == ALL_TEAMS else event.team
-    return Line(short_time(event.time, clock), team, event.benchmark, f"R{event.round}.{event.run}")
-
-
-def short_time(moment: str, clock: str) -> str:
-    """`moment` ("2015-12-31 10:00:00") without its seconds, and without its date if it is the clock's."""
-    date, _, hours = moment.strip().rpartition(" ")
-    shown = hours[:-3] if hours.count(":") == 2 else hours
-    return shown if date == clock.strip().rpartition(" ")[0] else f"{date} {shown}".strip()
+    return Line(texts.short_time(event.time, clock), team, event.benchmark, f"Round {event.round}, run {event.run}")
 
 
 class PublicDisplay(QWidget):

@@ -25,6 +25,13 @@ def scheduled(utc_s: float, today_utc_s: float) -> str:
     return hours if date == _format("%Y-%m-%d", today_utc_s) else f"{date} {hours}"
 
 
+def short_time(moment: str, clock: str) -> str:
+    """`moment` ("2015-12-31 10:00:00") without its seconds, and without its date if it is the clock's."""
+    date, _, hours = moment.strip().rpartition(" ")
+    shown = hours[:-3] if hours.count(":") == 2 else hours
+    return shown if date == clock.strip().rpartition(" ")[0] else f"{date} {shown}".strip()
+
+
 def ago(seconds: float) -> str:
     """How long ago something was: "just now", "4 s ago", "3 min ago", "2 h ago"."""
     if seconds < 1.5:

@@ -1,0 +1,47 @@
+"""Launch and plugin files say what the panels rely on."""
+
+import ast
+import pathlib
+from xml.etree import ElementTree
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch"))
+PLUGINS = ElementTree.parse(ROOT / "plugin.xml").getroot()
+
+
+def includes(path):
+    """File name to the arguments passed, for all that `path` includes."""
+    return {
+        include.get("file").rpartition("/")[2]: {a.get("name"): a.get("value") for a in include.iter("arg")}
+        for include in ElementTree.parse(path).getroot().iter("include")
+    }
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
+def test_a_launch_of_the_box_says_so_to_its_client(path):
+    included = includes(path)
+    if "core.launch.xml" in included and "roah_rsbb_client.launch" in included:
+        # Else the exit button would ask whether to end this client, and end the whole box.
+        assert included["roah_rsbb_client.launch"].get("exit_ends_rsbb") == "true"
+
+
+@pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.name)
+def test_arguments_are_explained(path):
+    undocumented = [a.get("name") for a in ElementTree.parse(path).getroot().findall("arg") if not a.get("doc")]
+    assert undocumented == []
+
+
+def test_each_plugin_names_a_class_that_there_is():
+    source = ast.parse((ROOT / "src" / "roah_rsbb" / "rqt" / "plugins.py").read_text(encoding="utf-8"))
+    classes = {node.name for node in source.body if isinstance(node, ast.ClassDef)} - {"PanelPlugin"}
+    named = {element.get("name"): element.get("type") for element in PLUGINS.iter("class")}
+    assert named == {f"rqt_roah_rsbb/{name}": f"roah_rsbb.rqt.plugins.{name}" for name in classes}
+
+
+def test_all_plugins_are_in_one_group_of_the_menu():
+    assert {e.findtext("qtgui/group/label") for e in PLUGINS.iter("class")} == {"RoAH RSBB"}
+    assert {e.get("base_class_type") for e in PLUGINS.iter("class")} == {"rqt_gui_py::Plugin"}
+    export = ElementTree.parse(ROOT / "package.xml").getroot().find("export/rqt_gui")
+    assert export.get("plugin") == "${prefix}/plugin.xml"

@@ -1,0 +1,357 @@
+#!/usr/bin/env python3
+"""The other panels, the plugins, the window, the public display, and the launch files that open them."""
+
+import importlib
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import types
+import unittest
+import xmlrpc.client
+from xml.etree import ElementTree
+
+import rosgraph
+import rosnode
+import rospy
+import rostest
+from fake_core import FakeCore
+from gui_testing import QMessageBox, answer, click, question, show, wait_until
+from python_qt_binding.QtCore import QObject, QSettings
+from std_srvs.srv import Empty
+
+from roah_rsbb.msg import CoreToPublic
+from roah_rsbb.rqt import public_display
+from roah_rsbb.rqt.active_robots import ActiveRobotsPanel
+from roah_rsbb.rqt.client import Client
+from roah_rsbb.rqt.core_status import CoreStatusPanel
+from roah_rsbb.rqt.feed import Feed
+from roah_rsbb.rqt.log_display import LogDisplayPanel
+from roah_rsbb.rqt.online_data import OnlineDataPanel
+from roah_rsbb.rqt.panels import PANELS
+from roah_rsbb.rqt.tablet_status import TabletStatusPanel
+from roah_rsbb.rqt.window import Window
+
+HERE = pathlib.Path(__file__).resolve().parent
+PLUGIN_XML = HERE.parent.parent / "plugin.xml"
+PUBLIC_TOPIC = "/core/to_public"
+
+
+class CoreCase(unittest.TestCase):
+    """A fake core in this process."""
+
+    def setUp(self) -> None:
+        rospy.set_param("current_zone", "Home A")
+        self.core = FakeCore()
+        self.zone = self.core.zones["Home A"]
+        self.addCleanup(self.core.close)
+
+    def open(self, kind: type):
+        """Open one panel, until the test ends."""
+        client = Client.acquire()
+        panel = kind(client)
+        self.addCleanup(Client.release)
+        self.addCleanup(panel.close)
+        self.addCleanup(panel.shutdown)
+        show(panel)
+        wait_until(lambda: client.model.zone is not None and not client.model.is_old, "the core is heard")
+        return panel
+
+
+class TestPanels(CoreCase):
+    def test_active_robots(self) -> None:
+        self.zone.command("connect")
+        table = self.open(ActiveRobotsPanel).table
+
+        def lines():
+            return [[table.item(row, column).text() for column in range(4)] for row in range(table.rowCount())]
+
+        wait_until(lambda: lines() == [["TestingTeam", "mbot", "+0.012 s", "Home A"],
+                                       ["AnotherTeam", "amigo", "−0.087 s", "–"]], "both robots are shown")
+        self.core.robots = []
+        wait_until(lambda: lines()[0][0] == "No robot is heard" and len(lines()) == 1, "they are gone")
+
+    def test_core_status(self) -> None:
+        self.zone.command("connect")
+        self.zone.command("start")
+        panel = self.open(CoreStatusPanel)
+        wait_until(lambda: panel._values["runs"].text() == "1 of 2 zones", "the run is counted")
+        self.assertEqual(panel.notices.toPlainText(), "OK")
+        self.assertEqual(panel._values["addr"].text(), "127.255.255.255")
+        self.core.status = "ANOTHER RSBB"
+        self.core.box_warnings = ["ANOTHER RSBB"]
+        wait_until(lambda: panel.notices.toPlainText() == "⚠ ANOTHER RSBB", "the warning is shown, once")
+
+    def test_tablet_status(self) -> None:
+        panel = self.open(TabletStatusPanel)
+        values = {name: label.text() for name, label in panel._values.items()}
+        self.assertIn("just now", values["heard"])
+        self.assertEqual((values["display"], values["position"]), ("Map", "x 1.50 m, y 3.25 m"))
+        self.core.tablet_heard = False
+        wait_until(lambda: panel._values["heard"].text() == "never", "a tablet that was never heard")
+
+    def test_the_log_is_followed_and_can_be_held(self) -> None:
+        panel = self.open(LogDisplayPanel)
+        show(panel, 400, 200)
+        text, bar = panel.view.toPlainText, panel.view.verticalScrollBar()
+        self.zone.log = "".join(f"line {n}\n" for n in range(100))
+        wait_until(lambda: "line 99" in text() and bar.value() == bar.maximum(), "the end is shown")
+        click(panel.follow)
+        bar.setValue(10)
+        # The core publishes only the end: the panel keeps what it saw.
+        self.zone.log = self.zone.log[200:] + "line 100\n"
+        wait_until(lambda: "line 100" in text(), "a line more")
+        self.assertEqual(bar.value(), 10)
+        self.assertTrue(text().startswith("line 0\n"))
+        click(panel.follow)
+        self.assertEqual(bar.value(), bar.maximum())
+        self.zone.log = "a new run\n"
+        wait_until(lambda: text() == "a new run\n", "another text replaces it")
+
+    def test_online_data(self) -> None:
+        panel = self.open(OnlineDataPanel)
+        self.zone.online_data = "visitor: <b>postman</b>\n"
+        wait_until(lambda: panel.view.toPlainText() == "visitor: <b>postman</b>\n", "it is shown as it is")
+
+    def test_exit_asks_and_says_what_it_ends(self) -> None:
+        ended = []
+        service = rospy.Service("/roah_rsbb_shutdown", Empty, lambda _request: ended.append(1) or [])
+        self.addCleanup(service.shutdown)
+        panel = self.open(CoreStatusPanel)
+        click(panel.exit)
+        box = question()
+        # This process lives in the root namespace: the service there is the core's.
+        self.assertIn("End the whole RSBB", box.text())
+        answer(box, QMessageBox.RejectRole)
+        self.assertEqual(ended, [])
+        click(panel.exit)
+        answer(question(), QMessageBox.AcceptRole)
+        wait_until(lambda: ended, "the service is called")
+
+    def test_exit_without_its_service_says_so(self) -> None:
+        panel = self.open(CoreStatusPanel)
+        click(panel.exit)
+        answer(question(), QMessageBox.AcceptRole)
+        wait_until(lambda: "Exit failed" in panel._answer.text() and panel._answer.isVisible(), "the failure is shown")
+
+
+class _Context(QObject):
+    """What rqt hands a plugin."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.widgets = []
+
+    def serial_number(self) -> int:
+        return 2
+
+    def add_widget(self, widget) -> None:
+        self.widgets.append(widget)
+        show(widget)
+
+
+class _Settings(dict):
+    """rqt's settings; they come back as texts."""
+
+    def set_value(self, key, value) -> None:
+        self[key] = str(value).lower()
+
+    def value(self, key, default=None):
+        return self.get(key, default)
+
+
+def _load_rqt() -> None:
+    """rqt's base class, or the like of it where rqt is not installed."""
+    try:
+        importlib.import_module("rqt_gui_py.plugin")
+    except ImportError:
+        package, module = types.ModuleType("rqt_gui_py"), types.ModuleType("rqt_gui_py.plugin")
+        module.Plugin = type("Plugin", (QObject,), {})
+        sys.modules.update({"rqt_gui_py": package, "rqt_gui_py.plugin": module})
+
+
+class TestPlugins(CoreCase):
+    def test_each_plugin_of_plugin_xml_opens_keeps_its_settings_and_ends(self) -> None:
+        _load_rqt()
+        opened = []
+        for element in ElementTree.parse(PLUGIN_XML).getroot().iter("class"):
+            module, _, name = element.get("type").rpartition(".")
+            plugin = getattr(importlib.import_module(module), name)(_Context())
+            opened.append(plugin)
+            label = element.findtext("qtgui/label")
+            self.assertEqual(plugin.panel.windowTitle(), f"{label} (2)")
+            settings = _Settings()
+            plugin.save_settings(_Settings(), settings)
+            plugin.restore_settings(_Settings(), settings)
+        self.assertEqual({type(plugin.panel) for plugin in opened}, set(PANELS))
+        wait_until(lambda: all("live" in plugin.panel._news.text() for plugin in opened), "all of them show the core")
+        nodes = [nodes for topic, nodes in rosgraph.Master("/t").getSystemState()[1] if topic == "/core/to_gui"]
+        self.assertEqual(nodes, [[rospy.get_name()]])
+        for plugin in opened:
+            plugin.shutdown_plugin()
+            plugin.panel.close()
+        self.assertIsNone(Client._shared)
+        subscribed = [topic for topic, _ in rosgraph.Master("/t").getSystemState()[1]]
+        self.assertNotIn("/core/to_gui", subscribed)
+
+    def test_following_is_kept(self) -> None:
+        panel, settings = self.open(LogDisplayPanel), _Settings()
+        panel.follow.setChecked(False)
+        panel.save_settings(settings)
+        panel.follow.setChecked(True)
+        panel.restore_settings(settings)
+        self.assertFalse(panel.follow.isChecked())
+
+
+class TestWindow(CoreCase):
+    def test_the_window_keeps_its_layout_and_its_panels_settings(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            settings = QSettings(f"{folder}/window.ini", QSettings.IniFormat)
+            window = Window(settings)
+            show(window, 1200, 700)
+            wait_until(lambda: "live" in window.panels["ScoringPanel"]._news.text(), "the core is shown")
+            self.assertTrue(all(dock.isVisible() or window.tabifiedDockWidgets(dock) for dock in window.docks.values()))
+            window.docks["TabletStatusPanel"].hide()
+            window.panels["LogDisplayPanel"].follow.setChecked(False)
+            window.shutdown()
+            window.close()
+            again = Window(QSettings(f"{folder}/window.ini", QSettings.IniFormat))
+            show(again, 1200, 700)
+            self.assertFalse(again.docks["TabletStatusPanel"].isVisible())
+            self.assertFalse(again.panels["LogDisplayPanel"].follow.isChecked())
+            again.shutdown()
+            again.close()
+
+    def test_closing_the_window_of_a_launch_asks(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            window = Window(QSettings(f"{folder}/window.ini", QSettings.IniFormat), of_launch=True)
+            show(window, 1200, 700)
+            window.close()
+            self.assertTrue(window.isVisible())
+            answer(question(), QMessageBox.RejectRole)
+            window.shutdown()
+            window.hide()
+
+
+class TestPublicDisplay(CoreCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.feed = Feed({PUBLIC_TOPIC: CoreToPublic})
+        self.feed.start()
+        self.addCleanup(self.feed.stop)
+        self.display = public_display.PublicDisplay(self.feed, PUBLIC_TOPIC)
+        self.addCleanup(self.display.close)
+        show(self.display, 1280, 720)
+
+    def count(self, color) -> int:
+        """How much of that colour is on the screen, of a hundred points."""
+        image = self.display.grab().toImage()
+        points = [(x, y) for x in range(5, 1280, 130) for y in range(10, 720, 72)]
+        return sum(image.pixelColor(x, y) == color for x, y in points)
+
+    def wait_shown(self, condition, what: str) -> None:
+        wait_until(lambda: self.display.look() or condition(), what)
+
+    def test_what_is_running_stands_out(self) -> None:
+        self.wait_shown(lambda: not self.display.is_old, "the core is heard")
+        self.assertEqual(self.count(public_display.RUNNING_BACKGROUND), 0)
+        self.zone.command("connect")
+        self.wait_shown(lambda: self.count(public_display.RUNNING_BACKGROUND) > 3, "the run stands out")
+
+    def test_a_silent_core_is_said_and_forgotten_when_it_is_back(self) -> None:
+        self.wait_shown(lambda: not self.display.is_old, "the core is heard")
+        self.core.silent = True
+        self.wait_shown(lambda: self.count(public_display.OLD_BACKGROUND) > 3, "it is said that all is old")
+        self.core.silent = False
+        self.wait_shown(lambda: self.count(public_display.OLD_BACKGROUND) == 0, "it is live again")
+
+    def test_long_names_and_many_runs_stay_on_the_screen(self) -> None:
+        message = self.core.public_message(rospy.Time.from_sec(time.time()))
+        for event in message.schedule:
+            event.team, event.benchmark, event.running = "Team " * 20, "Benchmark " * 20, True
+        message.schedule = message.schedule * 3
+        self.core.silent = True
+        self.core._public.publish(message)
+        self.wait_shown(lambda: self.display._message == message, "it is shown")
+        self.assertGreater(self.count(public_display.RUNNING_BACKGROUND), 10)
+
+
+def _names(end: str) -> list:
+    return [name for name in rosnode.get_node_names() if name.endswith(end)]
+
+
+def _end(process: subprocess.Popen) -> None:
+    if process.poll() is None:
+        process.send_signal(signal.SIGINT)
+        process.wait(20)
+
+
+class TestPrograms(unittest.TestCase):
+    """Programs and launch files, with a core in another process."""
+
+    def start(self, *command: str, **environment: str) -> subprocess.Popen:
+        process = subprocess.Popen(command, env={**os.environ, **environment}, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(_end, process)
+        return process
+
+    def start_core(self) -> subprocess.Popen:
+        return self.start(sys.executable, str(HERE / "fake_core.py"))
+
+    def pid_of(self, node: str) -> int:
+        return xmlrpc.client.ServerProxy(rosgraph.Master("/t").lookupNode(node)).getPid("/t")[2]
+
+    def test_a_core_that_was_killed_is_found_again(self) -> None:
+        core = self.start_core()
+        client = Client.acquire()
+        self.addCleanup(Client.release)
+        wait_until(lambda: not client.model.is_old, "the core is heard")
+        core.kill()
+        took = wait_until(lambda: client.model.is_old, "it is gone")
+        self.assertLess(took, 2.0)
+        self.start_core()
+        wait_until(lambda: not client.model.is_old, "the new one is heard")
+
+    def test_a_client_opens_comes_back_after_a_crash_and_ends_by_its_exit(self) -> None:
+        launch = self.start("roslaunch", "roah_rsbb", "roah_rsbb_client.launch", "gui:=window", "zone:=Home B")
+        wait_until(lambda: _names("/roah_rsbb_gui"), "the window is a node", 30)
+        node = _names("/roah_rsbb_gui")[0]
+        namespace = node.rpartition("/")[0]
+        self.assertTrue(namespace.startswith("/roah_rsbb_client"), node)
+        self.assertEqual(rospy.get_param(f"{namespace}/current_zone"), "Home B")
+        first = self.pid_of(node)
+        os.kill(first, signal.SIGKILL)
+
+        def is_back() -> bool:
+            try:
+                return self.pid_of(node) != first
+            except (OSError, rosgraph.MasterException):
+                return False
+
+        wait_until(is_back, "the window is opened again", 30)
+        rospy.wait_for_service(f"{namespace}/roah_rsbb_shutdown", 10)
+        rospy.ServiceProxy(f"{namespace}/roah_rsbb_shutdown", Empty)()
+        wait_until(lambda: launch.poll() is not None, "the client ends", 30)
+        self.assertEqual(_names("/roah_rsbb_gui"), [])  # it took its leave of the master
+
+    def test_the_public_display_opens_and_ends(self) -> None:
+        launch = self.start("roslaunch", "roah_rsbb", "roah_rsbb_public.launch")
+        wait_until(lambda: _names("/roah_rsbb_public"), "the display is a node", 30)
+        launch.send_signal(signal.SIGINT)
+        wait_until(lambda: launch.poll() is not None, "it ends", 30)
+        self.assertEqual(_names("/roah_rsbb_public"), [])
+
+    def test_without_a_display_one_line_and_no_error(self) -> None:
+        gui = self.start("rosrun", "roah_rsbb", "roah_rsbb_gui", "--gui", "auto", DISPLAY="", WAYLAND_DISPLAY="")
+        _, said = gui.communicate(timeout=30)
+        self.assertEqual(gui.returncode, 0)
+        self.assertEqual(len(said.splitlines()), 1, said)
+        self.assertIn("No display", said)
+
+
+if __name__ == "__main__":
+    rospy.init_node("client_test", disable_signals=True)
+    rostest.rosrun("roah_rsbb", "client", "client_test")

@@ -1,0 +1,86 @@
+"""What tests of panels share: a display of their own, waiting with Qt's events, clicking.
+
+Import it before anything of Qt: it gives this process a virtual display, also where there is a real one.
+"""
+
+import atexit
+import os
+import subprocess
+import tempfile
+import time
+from typing import Callable
+
+SCREEN = (1366, 768)
+
+
+def _start_display() -> str:
+    """Start an X server of our own; returns its name."""
+    reading, writing = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(writing), "-screen", "0", f"{SCREEN[0]}x{SCREEN[1]}x24", "-nolisten", "tcp"],
+        pass_fds=(writing,), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+    )
+    atexit.register(server.wait)
+    atexit.register(server.terminate)
+    os.close(writing)
+    with os.fdopen(reading) as pipe:
+        number = pipe.readline().strip()
+    assert number, "Xvfb did not start: 'make install-deps' installs it"
+    return f":{number}"
+
+
+_settings = tempfile.TemporaryDirectory()
+os.environ.update({"DISPLAY": _start_display(), "QT_QPA_PLATFORM": "xcb", "XDG_CONFIG_HOME": _settings.name,
+                   "XDG_RUNTIME_DIR": _settings.name})
+
+from python_qt_binding.QtCore import QPoint, Qt  # noqa: E402  (only now is there a display)
+from python_qt_binding.QtTest import QTest  # noqa: E402
+from python_qt_binding.QtWidgets import QApplication, QCheckBox, QMessageBox, QWidget  # noqa: E402
+
+from roah_rsbb.rqt.application import make_application  # noqa: E402
+
+app = QApplication.instance() or make_application(["test"])
+
+
+def wait_until(condition: Callable[[], object], what: str, limit_s: float = 15.0) -> float:
+    """Let Qt and ROS work until `condition` holds; returns how long that took, seconds."""
+    began = time.monotonic()
+    while not condition():
+        if time.monotonic() - began > limit_s:
+            raise AssertionError(f"after {limit_s:.0f} s still not: {what}")
+        QTest.qWait(20)
+    return time.monotonic() - began
+
+
+def show(widget: QWidget, width: int = 640, height: int = 700) -> None:
+    """Show a widget as the active window."""
+    widget.resize(width, height)
+    widget.show()
+    QApplication.setActiveWindow(widget)
+    wait_until(widget.isVisible, "the widget is shown")
+
+
+def click(button: QWidget) -> None:
+    """Click a button as a referee would: it must be there, and on."""
+    wait_until(lambda: button.isVisible() and button.isEnabled(), f"button {button.text()!r} is on: {button.toolTip()}")
+    # The middle of a check box may be beside its text, where a click does nothing.
+    place = QPoint(10, button.height() // 2) if isinstance(button, QCheckBox) else QPoint()
+    QTest.mouseClick(button, Qt.LeftButton, Qt.NoModifier, place)
+
+
+def question() -> QMessageBox:
+    """The question that is asked now."""
+    boxes = []
+
+    def asked() -> bool:
+        boxes[:] = [w for w in QApplication.topLevelWidgets() if isinstance(w, QMessageBox) and w.isVisible()]
+        return bool(boxes)
+
+    wait_until(asked, "a question is asked")
+    return boxes[0]
+
+
+def answer(box: QMessageBox, role: int) -> None:
+    """Click the button of that role."""
+    click(next(b for b in box.buttons() if box.buttonRole(b) == role))
+    wait_until(lambda: not box.isVisible(), "the question is gone")
