@@ -1,0 +1,332 @@
+#!/usr/bin/python3
+"""The referee in a terminal, as a program of its own, with a fake core: real messages, real services."""
+
+import contextlib
+import json
+import os
+import pty
+import queue
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+import rosgraph
+import rospy
+import rostest
+from fake_core import FakeCore
+
+REFEREE = [sys.executable, "-c", "from roah_rsbb.nodes.referee import main; main()"]
+DOOR = ("Achievements", "The robot detects the door with changed state")
+LIMIT_S = 20.0
+# What does not answer must be told in 2 to 3 s; the machine may be busy.
+SOON_S = 6.0
+
+
+class RestartedCore(FakeCore):
+    """A core as another process: with another identity. Publishes once it is `ready`."""
+
+    def __init__(self) -> None:
+        self.ready = False
+        super().__init__()
+
+    def publish(self, *args, **options) -> None:
+        if self.ready:
+            super().publish(*args, **options)
+
+    def details_message(self, now):
+        message = super().details_message(now)
+        message.box_uuid = "another"
+        return message
+
+
+class Referee:
+    """A referee that runs; its lines are read as they come."""
+
+    def __init__(self, *words: str, **environment: str) -> None:
+        self.process = subprocess.Popen(
+            [*REFEREE, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            env={**os.environ, **environment},
+        )
+        self.seen = []
+        self._lines = queue.Queue()
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self) -> None:
+        for line in self.process.stdout:
+            self._lines.put(line.rstrip("\n"))
+        self._lines.put(None)
+
+    def line(self, fits) -> str:
+        """The next line that fits."""
+        while True:
+            line = self._lines.get(timeout=LIMIT_S)
+            assert line is not None, f"it ended: {self.process.stderr.read()}; before: {self.seen}"
+            self.seen.append(line)
+            if fits(line):
+                return line
+
+    def event(self, kind: str, **facts) -> dict:
+        """The next JSON line of a kind with these facts."""
+        def fits(line: str) -> bool:
+            made = json.loads(line)
+            return made["kind"] == kind and all(made[name] == value for name, value in facts.items())
+        return json.loads(self.line(fits))
+
+    def end(self) -> int:
+        """Wait for its end; returns the exit status."""
+        status = self.process.wait(LIMIT_S)
+        self.process.stderr.close()
+        return status
+
+
+def referee(*words: str, **environment: str) -> subprocess.CompletedProcess:
+    """A referee, from its start to its end."""
+    return subprocess.run([*REFEREE, *words], capture_output=True, text=True, timeout=LIMIT_S,
+                          env={**os.environ, **environment})
+
+
+def on_terminal(*words: str, **environment: str) -> str:
+    """What a referee shows on a terminal."""
+    master, slave = pty.openpty()
+    process = subprocess.Popen([*REFEREE, *words], stdout=slave, env={**os.environ, "TERM": "xterm", **environment})
+    os.close(slave)
+    shown = b""
+    with contextlib.suppress(OSError):  # the terminal's other end is closed
+        while True:
+            shown += os.read(master, 4096)
+    os.close(master)
+    process.wait(LIMIT_S)
+    return shown.decode()
+
+
+class WithCore(unittest.TestCase):
+    """Every test has a fake core of its own, with the zones Home A and Home B."""
+
+    def setUp(self) -> None:
+        self.core = FakeCore()
+        self.zone = self.core.zones["Home A"]
+        self.referees = []
+
+    def tearDown(self) -> None:
+        for one in self.referees:
+            if one.process.poll() is None:
+                one.process.kill()
+                one.process.wait()
+        self.core.close()
+
+    def start(self, *words: str) -> Referee:
+        """A referee that is ended with the test."""
+        self.referees.append(Referee(*words))
+        return self.referees[-1]
+
+
+class TestCommands(WithCore):
+    def test_status_by_rosrun(self) -> None:
+        done = subprocess.run(["rosrun", "roah_rsbb", "referee", "status"], capture_output=True, text=True,
+                              timeout=LIMIT_S)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        for text in ("RSBB at 127.255.255.255:6666", "TestingTeam mbot: skew +0.012 s", "Home A: IDLE", "Home B: IDLE"):
+            self.assertIn(text, done.stdout)
+        self.assertNotIn("\x1b", done.stdout)
+
+    def test_status_as_json(self) -> None:
+        self.core.box_warnings = ["Another box"]
+        box = json.loads(referee("status", "--json").stdout)
+        self.assertEqual([zone["zone"] for zone in box["zones"]], ["Home A", "Home B"])
+        self.assertEqual(box["warnings"], ["Another box"])
+        self.assertEqual(json.loads(referee("status", "home b", "--json").stdout)["zone"], "Home B")
+
+    def test_each_command_reaches_its_zone(self) -> None:
+        for command, phase in (("connect", "CONNECTED"), ("start", "RUNNING"), ("stop", "ENDED (stopped)"),
+                               ("disconnect", "IDLE"), ("next", "HWV"), ("previous", "HGTKMH")):
+            done = referee(command, "home a")
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertIn(phase, done.stdout)
+        self.assertEqual(self.core.calls, [(command, "Home A") for command in
+                                           ("connect", "start", "stop", "disconnect", "next", "previous")])
+
+    def test_a_refusal_has_every_reason(self) -> None:
+        self.zone.extra_off["connect"] = ["one thing", "another thing"]
+        done = referee("connect", "Home A")
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertEqual(done.stderr, "referee: connect was refused:\n  one thing\n  another thing\n")
+        made = json.loads(referee("connect", "Home A", "--json").stdout)
+        self.assertEqual((made["ok"], made["exit"], made["reasons"]), (False, 1, ["one thing", "another thing"]))
+
+    def test_unknown_and_ambiguous_zones_are_not_sent(self) -> None:
+        for word, hint in (("home", "'Home A', 'Home B'"), ("Hone A", "did you mean 'Home A'?")):
+            done = referee("connect", word)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(hint, done.stderr)
+        self.assertEqual(self.core.calls, [])
+
+    def test_scores_are_shown_set_and_counted(self) -> None:
+        self.assertEqual(referee("score", "Home A").returncode, 1)  # no run, no sheet
+        self.zone.command("connect")
+        self.assertIn("1     no  " + DOOR[1], referee("score", "Home A").stdout)
+        self.assertEqual(referee("score", "Home A", "door", "yes").stdout, f"{DOOR[0]}: {DOOR[1]}: yes\n")
+        for value in ("1", "2", "3"):
+            made = json.loads(referee("score", "Home A", "2", "+1", "--json").stdout)
+            self.assertEqual((made["ok"], made["number"], made["value"]), (True, 2, int(value)))
+        self.assertEqual(self.core.calls[0], ("set_score", "Home A", *DOOR, 1))
+        self.assertEqual(len(self.core.calls), 4)
+        self.assertEqual(referee("score", "Home A", "door").returncode, 2)
+
+    def test_colour_on_a_terminal_only_and_not_where_it_is_unwanted(self) -> None:
+        self.assertIn("\x1b[", on_terminal("status"))
+        self.assertNotIn("\x1b", on_terminal("status", NO_COLOR="1"))
+        self.assertNotIn("\x1b", on_terminal("status", TERM="dumb"))
+        self.assertNotIn("\x1b", on_terminal("status", "--json"))
+
+    def test_nothing_is_left_at_the_master(self) -> None:
+        self.assertEqual(referee("status").returncode, 0)
+        state = rosgraph.Master("/test").getSystemState()
+        self.assertNotIn("/referee_", str(state))  # this test's own node is /referee
+
+
+class TestNoCore(unittest.TestCase):
+    def assert_told_soon(self, hint: str, *words: str, **environment: str) -> None:
+        began = time.monotonic()
+        done = referee(*(words or ["status"]), **environment)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn(hint, done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1)
+        self.assertLess(time.monotonic() - began, SOON_S)
+
+    def test_no_master(self) -> None:
+        self.assert_told_soon("set ROS_MASTER_URI", ROS_MASTER_URI="http://127.0.0.1:9")
+
+    def test_a_master_that_hangs(self) -> None:
+        with socket.socket() as mute:
+            mute.bind(("127.0.0.1", 0))
+            mute.listen(5)
+            self.assert_told_soon("does not answer", ROS_MASTER_URI=f"http://127.0.0.1:{mute.getsockname()[1]}")
+
+    def test_no_core(self) -> None:
+        self.assert_told_soon("roslaunch roah_rsbb roah_rsbb.launch")
+        self.assert_told_soon("no core", "run", "Home A", "--wait", "0.5")
+
+    def test_a_core_that_hangs_behind_its_last_message(self) -> None:
+        core = FakeCore(auto_publish=False)
+        core.publish(clock=time.time() - 60)
+        self.assert_told_soon("silent")
+        core.close()
+
+    def test_a_core_that_does_not_answer_a_command(self) -> None:
+        core = FakeCore()
+        core.answer_gate.clear()
+        done = referee("connect", "Home A")
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("did not answer", done.stderr)
+        core.close()
+
+
+class TestWatch(WithCore):
+    def test_what_happens_is_told_in_lines_with_their_time(self) -> None:
+        watch = self.start("watch", "--zone", "Home A")
+        watch.line(lambda line: "allowed now" in line)
+        self.zone.command("connect")
+        self.assertRegex(watch.line(lambda line: "CONNECTED" in line), r"^\d\d:\d\d:\d\dZ Home A: CONNECTED to mbot")
+        self.zone.scores[DOOR] = 1
+        watch.line(lambda line: line.endswith(f"Home A: score: {DOOR[0]}: {DOOR[1]}: no -> yes"))
+        self.zone.online_data += "12:00:00Z visitor: postman\n"
+        watch.line(lambda line: line == "12:00:00Z Home A: online data: visitor: postman")
+        self.core.zones["Home B"].command("connect")
+        self.zone.warnings.append("Robot is silent")
+        watch.line(lambda line: line.endswith("Home A: WARNING: Robot is silent"))
+        self.core.robots.pop(0)
+        watch.line(lambda line: line.endswith("robot TestingTeam mbot is GONE: not heard any more"))
+        watch.process.send_signal(signal.SIGINT)
+        self.assertEqual(watch.end(), 0)
+        self.assertFalse([line for line in watch.seen if "Home B" in line])
+
+    def test_the_core_is_restarted(self) -> None:
+        watch = self.start("watch", "--json")
+        self.assertEqual(len(watch.event("start")["box"]["zones"]), 2)
+        self.core.close()
+        watch.event("core", what="silent")
+        self.core = RestartedCore()
+        self.core.ready = True
+        watch.event("core", what="back")
+        watch.event("core", what="restarted", box_uuid="another")
+        self.core.zones["Home B"].command("next")
+        watch.event("event", zone="Home B", code="HWV")
+
+    def test_a_reader_that_goes_away_ends_it(self) -> None:
+        reading, writing = os.pipe()
+        watch = subprocess.Popen([*REFEREE, "watch"], stdout=writing, stderr=subprocess.PIPE)
+        os.close(writing)
+        os.read(reading, 1)
+        os.close(reading)
+        while watch.poll() is None:  # it notices when it has something to say
+            self.core.robots.append(("TestingTeam", f"robot {len(self.core.robots)}", 0.0))
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                watch.wait(0.5)
+        self.assertEqual((watch.returncode, watch.stderr.read()), (0, b""))
+        watch.stderr.close()
+
+
+class TestRun(WithCore):
+    def _running(self, *words: str) -> Referee:
+        run = self.start("run", "Home A", "--json", *words)
+        run.event("state", phase="running")
+        return run
+
+    def test_a_whole_run_begun_before_the_core_is_there(self) -> None:
+        self.core.close()
+        run = self.start("run", "home a", "--wait", "15", "--json", "--event", "HWV", "--score", "door=yes")
+        self.core = FakeCore()
+        zone = self.core.zones["Home A"]
+        run.event("score", item=DOOR[1], value=1)
+        zone.online_data += "12:00:00Z visitor: postman\n"
+        run.event("online_data")
+        zone.phase, zone.end_reason = "ended", "completed"
+        result = run.event("result")
+        self.assertEqual(run.end(), 0)
+        self.assertEqual((result["ok"], result["end_reason"], result["event"]["code"]), (True, "completed", "HWV"))
+        self.assertEqual(result["score"][0]["value"], 1)
+        self.assertEqual([call[0] for call in self.core.calls], ["next", "connect", "start", "set_score", "disconnect"])
+
+    def test_its_text_ends_with_score_sheet_and_verdict(self) -> None:
+        run = self.start("run", "Home A")
+        run.line(lambda line: "RUNNING" in line)
+        self.zone.phase, self.zone.end_reason = "ended", "timeout"
+        run.line(lambda line: line.startswith("Score sheet: HGTKMH"))
+        run.line(lambda line: line == "Home A: the run did not complete: timeout")
+        self.assertEqual(run.end(), 4)
+
+    def test_an_interrupt_is_a_referees_stop(self) -> None:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            run = self._running()
+            run.process.send_signal(number)
+            self.assertEqual(run.event("result")["end_reason"], "stopped")
+            self.assertEqual(run.end(), 130)
+            self.assertEqual([call[0] for call in self.core.calls[-2:]], ["stop", "disconnect"])
+
+    def test_a_terminal_that_is_closed_leaves_the_run_as_it_is(self) -> None:
+        run = self._running()
+        run.process.send_signal(signal.SIGHUP)
+        self.assertEqual(run.process.wait(LIMIT_S), 129)
+        self.assertEqual([call[0] for call in self.core.calls], ["connect", "start"])
+
+    def test_the_run_goes_on_over_a_restart_of_the_core(self) -> None:
+        run = self._running()
+        self.core.close()
+        run.event("core", what="silent")
+        self.core = RestartedCore()
+        zone = self.core.zones["Home A"]
+        zone.command("connect")
+        zone.command("start")
+        self.core.ready = True
+        run.event("core", what="restarted")
+        zone.phase, zone.end_reason = "ended", "completed"
+        self.assertEqual(run.end(), 0)
+
+
+if __name__ == "__main__":
+    rospy.init_node("referee_test", disable_signals=True)
+    rostest.rosrun("roah_rsbb", "referee", "referee_test")
