@@ -1,13 +1,13 @@
 """A Box in simulated time, which jumps from deadline to deadline, and robots that say what a test tells them."""
 
+from helpers.competition import UTC0, competition
+from helpers.effect_rules import EffectRules
 from roah_rsbb.core import effects, views
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import BoxState, RobotState
-
-from helpers.competition import UTC0, competition
 
 MONO0 = 1000.0
 
@@ -25,7 +25,8 @@ def beacon_bytes(beacon):
 class BoxDriver:
     """Holds a box, the time, and what came of its effects.
 
-    It begins when the box has listened long enough to connect robots, unless `listening`.
+    It begins when the box has listened long enough to connect robots, unless `listening`. All effects are held
+    against `EffectRules`.
     """
 
     def __init__(self, config=None, settings=None, last_port=None, beacon_size=beacon_bytes, listening=False):
@@ -33,6 +34,7 @@ class BoxDriver:
         self.now = Now(MONO0, UTC0)
         self.box = Box(config or competition(tbm=["HGTKMH"]), self.settings, beacon_size, last_port)
         self.unusable_ports = set()
+        self._rules = EffectRules()
         self.effects = []  # all of them, in the order in which they were carried out
         self.channels = {}  # port -> host that is sent to, of channels that are open
         self.states = {}  # port -> messages sent, each as often as it was handed over
@@ -142,6 +144,7 @@ class BoxDriver:
 
     def _carry_out(self, effect):
         self.effects.append(effect)
+        self._rules.see(effect)
         if isinstance(effect, effects.OpenChannel):
             if effect.port in self.unusable_ports:
                 self.box.on_channel_failed(self.now, effect.port, "Address already in use")

@@ -1,0 +1,48 @@
+"""A zone's way through its schedule."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from helpers.competition import competition
+from roah_rsbb.core.run import EndReason
+from roah_rsbb.core.zone import Zone
+
+
+def _zone(*codes):
+    return Zone(competition(tbm=codes).zones[0])
+
+
+def test_a_zone_begins_at_its_first_event():
+    zone = _zone("HGTKMH", "HWV", "HCFGAC")
+    assert (zone.event.benchmark.code, zone.at_first, zone.at_last) == ("HGTKMH", True, False)
+    zone.move(1)
+    assert (zone.event.benchmark.code, zone.at_first, zone.at_last) == ("HWV", False, False)
+    zone.move(1)
+    assert (zone.event.benchmark.code, zone.at_first, zone.at_last) == ("HCFGAC", False, True)
+    zone.move(-1)
+    assert zone.event.benchmark.code == "HWV"
+
+
+def test_a_zone_with_one_event_is_at_both_ends():
+    zone = _zone("HWV")
+    assert zone.at_first and zone.at_last
+
+
+@pytest.mark.parametrize("auto_next", [True, False])
+@pytest.mark.parametrize("reason", [None, *EndReason])
+def test_only_a_completed_run_moves_the_zone_on(auto_next, reason):
+    zone = _zone("HGTKMH", "HWV")
+    zone.run = run = SimpleNamespace(end_reason=reason)
+    zone.leave(auto_next)
+    moved = auto_next and reason is EndReason.COMPLETED
+    assert (zone.index, zone.run) == (int(moved), None)
+    # The log of the last run stays to be read, until the zone shows another event.
+    assert zone.last_run is (None if moved else run)
+
+
+def test_after_the_last_event_there_is_no_next():
+    zone = _zone("HGTKMH")
+    zone.run = SimpleNamespace(end_reason=EndReason.COMPLETED)
+    zone.leave(auto_next=True)
+    assert (zone.index, zone.run) == (0, None)

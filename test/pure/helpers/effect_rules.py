@@ -1,0 +1,74 @@
+"""Rules that the effects of a box obey in every test: the order of them, and what run logs may contain.
+
+What must be on record comes before what leaves the box because of it (architecture, rule 5).
+"""
+
+from roah_rsbb.core import run_log
+from roah_rsbb.core.run_log import KINDS, LogKind
+
+
+def _fits(kind, value):
+    if kind is LogKind.UINT8:
+        return type(value) is int and 0 <= value <= 255
+    if kind is LogKind.STRING:
+        return type(value) is str
+    if kind is LogKind.SCORE:
+        return [type(part) for part in value] == [str, str, int] and 0 <= value[2] < 2**31
+    return value is None
+
+
+class EffectRules:
+    """Sees all effects of one box, in their order, and raises AssertionError at the first that breaks a rule."""
+
+    def __init__(self):
+        self._taken = set()  # ports on record
+        self._opened = set()  # ports of channels
+        self._bags = set()  # ports of run logs that are open
+        self._last = {}  # (port, topic) -> last value logged
+
+    def see(self, effect):
+        name = "_" + type(effect).__name__
+        if hasattr(self, name):
+            getattr(self, name)(effect)
+
+    def _PortTaken(self, effect):
+        assert effect.port not in self._taken, f"port {effect.port} is used twice"
+        self._taken.add(effect.port)
+
+    def _OpenChannel(self, effect):
+        assert effect.port in self._taken, "a channel is opened before its port is on record"
+        self._opened.add(effect.port)
+
+    def _AimChannel(self, effect):
+        assert effect.port in self._opened
+
+    def _CloseChannel(self, effect):
+        self._opened.remove(effect.port)
+
+    def _RunOpened(self, effect):
+        assert effect.port in self._taken
+        self._bags.add(effect.port)
+
+    def _RunLogged(self, effect):
+        assert effect.port in self._bags, "an entry for a run log that is not open"
+        assert effect.topic in KINDS, effect.topic
+        assert _fits(KINDS[effect.topic], effect.value), effect
+        self._last[effect.port, effect.topic] = effect.value
+
+    def _RunClosed(self, effect):
+        assert self._last[effect.port, run_log.END] is None
+        self._bags.remove(effect.port)
+
+    def _SendState(self, effect):
+        state = effect.message.state
+        topics = (run_log.STATE, run_log.BOX_STATE, run_log.STATE_NAME)
+        logged = [self._last.get((effect.port, topic)) for topic in topics]
+        assert logged == [state, state, state.name], "a state leaves before it is on record"
+
+    def _SetDevice(self, effect):
+        topic = run_log.device_topic(effect.device)
+        assert effect.value in [value for (_, known), value in self._last.items() if known == topic]
+
+    def _TimeoutRung(self, effect):
+        descs = [value for (_, topic), value in self._last.items() if topic == run_log.STATE_DESC]
+        assert "Stopped due to timeout" in descs, "the timeout rings before it is on record"
