@@ -1,0 +1,137 @@
+"""What arrives on the public channel: other boxes, robots, floods, things that cannot be read."""
+
+import pytest
+
+from helpers.box_driver import BoxDriver
+from helpers.competition import competition
+from roah_rsbb.core import effects, views
+from roah_rsbb.core.effects import GiveUp, Level
+from roah_rsbb.core.settings import Settings
+
+
+@pytest.mark.parametrize("after", [0.0, 2.5, 4.999])
+def test_a_box_that_hears_another_one_at_first_gives_up_and_names_it(after):
+    driver = BoxDriver(listening=True)
+    driver.run(after)
+    driver.taken()
+    driver.event(driver.box.on_foreign_box, "10.0.0.99")
+    give_up, = driver.taken(GiveUp)
+    assert give_up.reason.startswith("Another RSBB is running at 10.0.0.99: stop that one")
+
+
+@pytest.mark.parametrize("after", [5.0, 1000.0])
+def test_a_box_that_hears_another_one_later_warns_every_referee_and_goes_on(after):
+    driver = BoxDriver(competition(a=["HWV"], b=["HGTKMH"]), listening=True)
+    driver.run(after)
+    robot = driver.executing("a")
+    driver.taken()
+    for _ in range(5):
+        driver.event(driver.box.on_foreign_box, "10.0.0.99")
+        driver.run(1)
+    taken = driver.taken(GiveUp, effects.Notice)
+    assert not any(isinstance(effect, GiveUp) for effect in taken)
+    errors = [e for e in taken if isinstance(e, effects.Notice) and e.level is Level.ERROR]
+    assert [(e.text, e.zone) for e in errors] == [
+        ("ANOTHER RSBB is transmitting from 10.0.0.99: stop it, robots obey both", "")
+    ]
+    assert "ANOTHER RSBB" in views.status(driver.box, driver.now)
+    robot.completes()
+    driver.run(20)
+    assert views.status(driver.box, driver.now) == "OK"
+
+
+def test_the_status_tells_that_the_box_listens():
+    driver = BoxDriver(listening=True)
+    assert views.status(driver.box, driver.now) == "Listening for another box before transmitting: 5 s"
+    driver.run(5)
+    assert views.status(driver.box, driver.now) == "OK"
+
+
+def test_a_box_that_need_not_listen_connects_at_once():
+    driver = BoxDriver(settings=Settings(listen_duration=0.0), listening=True)
+    driver.robot().beacon()
+    assert driver.off("connect") == []
+
+
+def test_a_robot_is_told_of_when_it_appears():
+    driver = BoxDriver()
+    driver.taken()
+    driver.robot().beacon(5)
+    assert driver.notices() == ["Robot r1 of team Alpha is active at 10.0.0.2"]
+    assert views.robots(driver.box, driver.now) == [("Alpha", "r1", pytest.approx(0.0), driver.now.utc)]
+
+
+def test_two_hosts_with_one_name_are_told_to_every_referee():
+    driver = BoxDriver()
+    one, two = driver.robot(host="10.0.0.2"), driver.robot(host="10.0.0.3", skew=5.0)
+    one.beacon()
+    driver.taken()
+    for _ in range(5):
+        driver.run(1)
+        one.beacon()
+        two.beacon()
+    text = "Two robots call themselves r1 of team Alpha: 10.0.0.2 and 10.0.0.3. Give one another robot_name"
+    assert driver.notices(Level.WARNING) == [text]
+    assert text in views.status(driver.box, driver.now)
+    assert driver.off("connect") == []  # the first one's clock is right
+    driver.command("connect")
+    assert driver.channels == {6667: "10.0.0.2"}
+
+
+def test_a_rival_that_sends_beacons_during_the_run_moves_nothing():
+    driver = BoxDriver()
+    robot = driver.executing()
+    rival = driver.robot(host="10.0.0.66", skew=9.0)
+    for _ in range(5):
+        robot.says(after=1.0)
+        rival.beacon()
+    assert driver.channels == {robot.port: robot.host}
+    assert driver.run_in().link.times_valid
+    assert "Two robots call themselves r1" in views.status(driver.box, driver.now)
+
+
+def test_a_flood_of_robots_is_bounded_and_the_run_goes_on():
+    driver = BoxDriver(competition(a=["HWV"], b=["HGTKMH"]))
+    robot = driver.executing("a")
+    driver.taken()
+    for i in range(1000):
+        driver.event(driver.box.on_robot_beacon, f"10.1.{i // 250}.{i % 250}", f"Team {i}", "x", (2**62, -i))
+        if i % 100 == 0:
+            robot.says()
+    assert len(views.robots(driver.box, driver.now)) == 250
+    assert len(driver.notices(Level.WARNING)) == 1
+    late = driver.robot(name="r2", host="10.0.0.3")
+    late.beacon()
+    assert driver.off("connect", "b") == []
+    robot.completes()
+    driver.run(60)
+    assert len(views.robots(driver.box, driver.now)) == 0
+
+
+@pytest.mark.parametrize("team, name", [("", ""), ("x" * 1000, "r"), ("Alpha", "")])
+def test_names_that_no_robot_has_are_told_and_not_listed(team, name):
+    driver = BoxDriver()
+    driver.taken()
+    driver.event(driver.box.on_robot_beacon, "10.0.0.5", team, name, (0, 0))
+    assert driver.notices() == [
+        "Beacons from 10.0.0.5 are ignored: too many robots, or a name empty or too long"
+    ]
+    assert views.robots(driver.box, driver.now) == []
+
+
+def test_complaints_of_the_public_channel_are_shown_for_a_while():
+    driver = BoxDriver()
+    driver.event(driver.box.on_complaint, "10.0.0.9 sends frames of version 1")
+    assert driver.notices(Level.WARNING)[-1] == "10.0.0.9 sends frames of version 1"
+    assert views.status(driver.box, driver.now) == "10.0.0.9 sends frames of version 1"
+    driver.run(11)
+    assert views.status(driver.box, driver.now) == "OK"
+
+
+def test_trouble_of_this_computer_is_told_once():
+    driver = BoxDriver()
+    driver.taken()
+    for _ in range(3):
+        driver.event(driver.box.on_trouble, "the disk is full: free it")
+    assert driver.notices(Level.ERROR) == ["the disk is full: free it"]
+    assert views.status(driver.box, driver.now) == "the disk is full: free it"

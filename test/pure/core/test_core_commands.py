@@ -1,0 +1,263 @@
+"""The referee's buttons: what each needs, and every reason why it is off. The same reasons refuse the command."""
+
+import pytest
+
+from helpers.box_driver import BoxDriver
+from helpers.competition import competition, event
+from roah_rsbb.core import effects
+from roah_rsbb.core.commands import COMMANDS
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.run import EndReason, Phase
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.states import BoxState, RobotState
+
+
+def _refused(driver, command, zone="tbm"):
+    """The reasons of a refusal, after which nothing must have changed."""
+    before = _snapshot(driver)
+    with pytest.raises(Refused) as refused:
+        driver.command(command, zone)
+    assert _snapshot(driver) == before
+    assert driver.taken() == []
+    return refused.value.reasons
+
+
+def _snapshot(driver):
+    driver.taken()
+    return [
+        (z.index, z.run, z.run and (z.run.phase, z.run.end_reason, z.run.message)) for z in driver.box.zones.values()
+    ]
+
+
+def _all_off(driver, zone="tbm"):
+    return {command: driver.off(command, zone) for command in COMMANDS}
+
+
+NOTHING_CONNECTED = {
+    "disconnect": ["No run is connected"],
+    "start": ["No run is connected: press connect first"],
+    "stop": ["No run is connected: there is nothing to stop"],
+}
+
+
+def test_there_are_exactly_these_commands():
+    assert set(COMMANDS) == {"connect", "disconnect", "start", "stop", "previous", "next"}
+
+
+def test_without_a_robot():
+    driver = BoxDriver(competition(tbm=["HGTKMH", "HWV", "HCFGAC"]))
+    assert _all_off(driver) == {
+        "connect": ["No robot of team Alpha is active: none of its beacons arrives on UDP port 6666"],
+        "previous": ["This is the zone's first event"],
+        "next": [],
+        **NOTHING_CONNECTED,
+    }
+    driver.command("next")
+    assert (driver.off("previous"), driver.off("next")) == ([], [])
+    driver.command("next")
+    assert (driver.off("previous"), driver.off("next")) == ([], ["This is the zone's last event"])
+
+
+def test_connected():
+    driver = BoxDriver(competition(tbm=["HGTKMH"]))
+    driver.connected()
+    connected = "A run is connected: disconnect it first"
+    assert _all_off(driver) == {
+        "connect": ["Already connected"],
+        "disconnect": [], "start": [], "stop": [],
+        "previous": [connected, "This is the zone's first event"],
+        "next": [connected, "This is the zone's last event"],
+    }
+
+
+def test_running():
+    driver = BoxDriver()
+    driver.executing()
+    off = _all_off(driver)
+    assert (off["start"], off["stop"], off["disconnect"]) == (["Already started"], [], [])
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_whatever_is_off_is_refused_with_the_same_reasons_and_changes_nothing(command):
+    scenes = [BoxDriver(competition(tbm=["HGTKMH"])), BoxDriver(), BoxDriver(), BoxDriver(listening=True)]
+    scenes[1].connected()
+    scenes[2].executing()
+    for driver in scenes:
+        off = driver.off(command)
+        if off:
+            assert _refused(driver, command) == off
+
+
+def test_connect_while_the_box_listens_names_all_that_is_missing():
+    config = competition(tbm=[event("HNF")])
+    driver = BoxDriver(config, Settings(max_datagram=50), listening=True, last_port=65535)
+    driver.robot(skew=0.15).beacon()
+    listening, module, skew, ports, size = _refused(driver, "connect")
+    assert listening == "The box is still listening for another box, for 5 s"
+    assert module == "No benchmarking module for HNF is connected"
+    assert skew.startswith("Clock skew of robot r1 of team Alpha is +0.150 s, it must be below 0.100 s")
+    assert "synchronise" in skew
+    assert ports.startswith("All UDP ports up to 65535 are used up")
+    assert size.startswith("The beacon may need 132 bytes with one more robot, and robots may read only 50")
+
+
+@pytest.mark.parametrize("code", ["HOPF", "HNF", "HPPF", "HPFF", "HGMF", "HOMF", "STB"])
+def test_what_a_module_drives_cannot_be_connected_without_one(code):
+    driver = BoxDriver(competition(tbm=[event(code)]))
+    driver.robot().beacon()
+    assert _refused(driver, "connect") == [f"No benchmarking module for {code} is connected"]
+
+
+def test_a_benchmark_for_all_robots_needs_none_of_one_team():
+    driver = BoxDriver(competition(tbm=[event("HSUF", team="ALL")]))
+    assert _refused(driver, "connect") == ["HSUF needs all robots at once, which this box does not run"]
+
+
+@pytest.mark.parametrize("skew, fits", [
+    (0.05, True), (-0.05, True), (0.15, False), (-0.15, False), (0.125, False), (-0.125, False), (0.124, True),
+])
+def test_connect_and_start_need_a_skew_below_the_allowed_one(skew, fits):
+    driver = BoxDriver(settings=Settings(allowed_skew=0.125))  # exact in binary
+    robot = driver.robot(skew=skew)
+    robot.beacon()
+    if not fits:
+        reason, = _refused(driver, "connect")
+        assert f"is {skew:+.3f} s, it must be below 0.125 s" in reason
+        robot.skew = 0.0
+        robot.beacon()  # the clock was put right: believed after the window
+        driver.run(3.0)
+        robot.beacon()
+    driver.command("connect")
+    robot.port = driver.run_in().port
+    robot.skew = skew
+    robot.says()
+    if fits:
+        driver.command("start")
+    else:
+        reason, = _refused(driver, "start")
+        assert reason.startswith(f"Clock skew of the robot is {skew:+.3f} s, it must be below 0.125 s")
+
+
+def test_the_command_itself_checks_the_skew_not_what_the_button_showed():
+    driver = BoxDriver()
+    robot = driver.robot()
+    robot.beacon(3)
+    assert driver.off("connect") == []
+    robot.skew = 0.5
+    robot.beacon()
+    assert "Clock skew" in _refused(driver, "connect")[0]
+
+
+def test_connect_needs_a_robot_that_was_heard_within_the_timeout():
+    driver = BoxDriver(settings=Settings(robot_timeout=30.0))
+    driver.robot().beacon()
+    driver.run(30.0)
+    assert driver.off("connect") == []
+    driver.run(0.1)
+    assert "No robot of team Alpha is active" in _refused(driver, "connect")[0]
+
+
+def test_a_skew_that_is_not_known_is_told():
+    driver = BoxDriver()
+    robot = driver.robot()
+    robot.beacon(3)
+    driver.set_clock(+0.02)
+    assert driver.off("connect") == []
+    driver.set_clock(+1.0)
+    assert _refused(driver, "connect") == ["Clock skew of robot r1 of team Alpha is not known yet"]
+
+
+def test_start_needs_an_answer_of_the_robot():
+    driver = BoxDriver()
+    driver.robot().beacon()
+    driver.command("connect")
+    assert _refused(driver, "start") == ["Robot has not answered on the private channel yet"]
+    driver.run(10)
+    assert _refused(driver, "start") == ["Robot has not answered on the private channel yet"]
+    driver.event(driver.box.on_unreadable, driver.run_in().port, "10.0.0.2: wrong password?")
+    assert _refused(driver, "start") == [
+        "Robot has not answered on the private channel yet", "10.0.0.2: wrong password?"
+    ]
+
+
+def test_every_reason_against_a_start_is_listed():
+    driver = BoxDriver(competition(tbm=[event(timeout=60)]))
+    robot = driver.executing()
+    driver.command("stop")
+    robot.skew = -200
+    for _ in range(3):
+        robot.says(RobotState.EXECUTING, after=1.5)
+    driver.run(60)
+    over, silent, skew, state = _refused(driver, "start")
+    assert over.startswith("The run's time is up (it went on after the stop)")
+    assert silent == "No message from the robot for 60 s"
+    assert skew.startswith("Clock skew of the robot is -200")
+    assert state == "Robot has not stopped yet: it reports EXECUTING"
+
+
+def test_start_after_the_boxs_clock_was_set_waits_for_the_next_message():
+    driver = BoxDriver()
+    robot = driver.connected()
+    driver.set_clock(100)
+    robot.skew -= 100
+    assert "Clock skew of the robot is not known" in _refused(driver, "start")[0]
+    robot.skew = 0.0
+    robot.says()
+    driver.command("start")
+
+
+def test_the_first_stop_ends_the_run_and_the_second_leaves_it():
+    driver = BoxDriver()
+    driver.executing()
+    driver.command("stop")
+    run = driver.run_in()
+    assert (run.phase, run.end_reason, run.message.state) == (Phase.ENDED, EndReason.STOPPED, BoxState.STOP)
+    driver.command("stop")
+    assert driver.run_in() is None
+
+
+def test_stop_leaves_a_run_that_never_started():
+    driver = BoxDriver()
+    driver.connected()
+    driver.command("stop")
+    assert driver.run_in() is None
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_an_unknown_zone_is_refused_with_the_nearest(command):
+    driver = BoxDriver(competition(tbm=["HGTKMH"], fbm=["HWV"]))
+    assert _refused(driver, command, "tmb") == ["no zone 'tmb': did you mean 'tbm'?"]
+    assert _refused(driver, command, "nowhere") == ["no zone 'nowhere': there is 'tbm', 'fbm'"]
+
+
+def test_scores_and_other_calls_need_a_run_in_a_zone():
+    driver = BoxDriver()
+    box = driver.box
+    for method, arguments in (
+        (box.set_score, ("Penalized", "bumps", 1)), (box.manual_operation_complete, ()), (box.omf_switches, ()),
+    ):
+        with pytest.raises(Refused, match="No run is connected: press connect first"):
+            driver.event(method, "tbm", *arguments)
+        with pytest.raises(Refused, match="no zone 'tmb': did you mean 'tbm'"):
+            driver.event(method, "tmb", *arguments)
+
+
+def test_calls_that_make_no_sense_in_a_task_benchmark():
+    driver = BoxDriver()
+    driver.connected()
+    with pytest.raises(Refused, match="no manual operation is asked for in zone 'tbm'"):
+        driver.event(driver.box.manual_operation_complete, "tbm")
+    with pytest.raises(Refused, match="zone 'tbm' runs HGTKMH: only HOMF has switches"):
+        driver.event(driver.box.omf_switches, "tbm")
+
+
+def test_disconnect_ends_the_channel_without_a_last_message():
+    driver = BoxDriver()
+    robot = driver.executing()
+    driver.taken()
+    driver.command("disconnect")
+    taken = driver.taken()
+    assert not any(isinstance(effect, effects.SendState) for effect in taken)
+    assert effects.CloseChannel(robot.port) in taken
+    assert driver.box.beacon().robots == ()
+    assert driver.channels == {}

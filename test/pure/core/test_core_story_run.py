@@ -1,0 +1,337 @@
+"""Runs as a referee would tell of them: start, stop, restart, timeout, completion, the next event."""
+
+import pytest
+
+from helpers.box_driver import BoxDriver
+from helpers.competition import competition, event
+from roah_rsbb.core import effects, run_log
+from roah_rsbb.core.effects import Level
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.run import EndReason, Phase
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.states import BoxState, RobotState
+
+
+def _minute(settings=None):
+    """A box whose run may take 60 s."""
+    return BoxDriver(competition(tbm=[event(timeout=60.0), event("HWV", timeout=60.0)]), settings)
+
+
+def _ended(driver):
+    run = driver.run_in()
+    return None if run.phase is not Phase.ENDED else run.end_reason
+
+
+@pytest.mark.parametrize("code", ["HGTKMH", "HWV", "HCFGAC"])
+def test_a_whole_task_benchmark(code):
+    driver = BoxDriver(competition(tbm=[code]))
+    robot = driver.robot()
+    robot.beacon(3)
+    driver.command("connect")
+    robot.port = driver.run_in().port
+    robot.lives(3)
+    assert driver.run_in().phase is Phase.CONNECTED
+    driver.command("start")
+    robot.executes()
+    robot.lives(100)
+    assert driver.run_in().phase is Phase.RUNNING
+    robot.completes()
+    assert _ended(driver) is EndReason.COMPLETED
+    assert driver.taken(effects.TimeoutRung) == []
+    driver.command("disconnect")
+    assert driver.run_in() is None
+    assert driver.logged(robot.port, run_log.STATE_NAME) == ["STOP", "PREPARE", "WAITING_RESULT", "STOP"]
+
+
+def test_a_run_times_out_exactly_at_its_deadline():
+    driver = _minute()
+    robot = driver.connected()
+    driver.command("start")
+    robot.executes()
+    passed = driver.now.mono - driver.run_in().clock.deadline() + 60
+    robot.lives(59)
+    driver.run(1 - passed - 1e-6)
+    assert _ended(driver) is None
+    driver.run(1e-6)
+    assert _ended(driver) is EndReason.TIMEOUT
+    assert driver.taken(effects.TimeoutRung) == [effects.TimeoutRung("tbm")]
+    assert driver.states[robot.port][-1].state is BoxState.STOP
+
+
+def test_the_box_wants_to_be_ticked_at_the_deadline():
+    driver = _minute()
+    driver.connected()
+    driver.command("start")
+    deadline = driver.now.mono + 60
+    assert driver.run_in().clock.deadline() == deadline
+    driver.run(10)  # the silence was told
+    assert driver.box.deadline() == deadline
+
+
+@pytest.mark.parametrize("late", [0.0, 0.05, 10.0])
+def test_a_result_after_the_deadline_comes_too_late_even_if_nobody_ticked_the_box(late):
+    driver = _minute()
+    robot = driver.executing()
+    driver.jump(driver.run_in().clock.deadline() - driver.now.mono + late)
+    robot.state = RobotState.RESULT_TX
+    robot.send(robot.report())
+    assert _ended(driver) is EndReason.TIMEOUT
+    assert driver.taken(effects.TimeoutRung) == [effects.TimeoutRung("tbm")]
+
+
+def test_a_result_just_before_the_deadline_counts():
+    driver = _minute()
+    robot = driver.executing()
+    driver.jump(driver.run_in().clock.deadline() - driver.now.mono - 1e-3)
+    robot.state = RobotState.RESULT_TX
+    robot.send(robot.report())
+    assert _ended(driver) is EndReason.COMPLETED
+    driver.run(10)
+    assert driver.taken(effects.TimeoutRung) == []
+
+
+def test_a_run_of_a_robot_that_never_prepares_times_out_too():
+    driver = _minute()
+    robot = driver.connected()
+    driver.command("start")
+    robot.lives(61)
+    assert _ended(driver) is EndReason.TIMEOUT
+
+
+def test_a_run_that_waits_for_its_start_has_no_timeout():
+    driver = _minute()
+    robot = driver.connected()
+    robot.lives(1000)
+    assert driver.run_in().phase is Phase.CONNECTED
+    assert driver.run_in().timer(driver.now) == 60.0
+
+
+def test_the_total_timeout_ends_a_run():
+    driver = BoxDriver(competition(tbm=[event(timeout=10.0, total_timeout=30.0)]))
+    driver.connected()
+    driver.command("start")
+    driver.run(29.9)
+    assert _ended(driver) is None
+    driver.run(0.2)
+    assert _ended(driver) is EndReason.TIMEOUT
+
+
+def test_after_a_timeout_there_is_no_start_but_a_new_run():
+    driver = _minute()
+    robot = driver.executing()
+    robot.lives(60)
+    robot.says(RobotState.STOP)
+    with pytest.raises(Refused) as refused:
+        driver.command("start")
+    assert refused.value.reasons == ["The run ended by timeout: disconnect, and connect for a new run"]
+    driver.command("disconnect")
+    assert driver.view().event.benchmark.code == "HGTKMH"  # the same event again
+    again = driver.connected()
+    assert again.port == robot.port + 1
+    driver.command("start")
+    assert driver.run_in().timer(driver.now) == 60.0
+
+
+def test_a_stopped_run_goes_on_and_its_clock_did_so_too():
+    driver = _minute()
+    robot = driver.executing()
+    robot.lives(20)
+    driver.command("stop")
+    assert driver.box_state() is BoxState.STOP
+    robot.says(RobotState.STOP)
+    robot.lives(15)
+    driver.command("start")
+    assert driver.run_in().phase is Phase.RUNNING
+    assert driver.run_in().end_reason is None
+    assert driver.box_state() is BoxState.PREPARE
+    assert driver.run_in().timer(driver.now) == pytest.approx(60 - 35, abs=0.1)
+    robot.executes()
+    robot.lives(26)
+    assert _ended(driver) is EndReason.TIMEOUT
+
+
+def test_a_run_can_be_stopped_and_started_again_and_again():
+    driver = _minute()
+    robot = driver.connected()
+    for _ in range(5):
+        driver.command("start")
+        robot.executes()
+        driver.command("stop")
+        robot.says(RobotState.STOP)
+    driver.command("start")
+    robot.executes()
+    robot.completes()
+    assert _ended(driver) is EndReason.COMPLETED
+    assert driver.logged(robot.port, run_log.STATE) == [0, *[1, 3, 0] * 6]
+
+
+def test_a_run_that_was_stopped_is_not_started_after_its_time():
+    driver = _minute()
+    robot = driver.executing()
+    driver.command("stop")
+    robot.says(RobotState.STOP)
+    robot.lives(61)
+    assert _ended(driver) is EndReason.STOPPED  # stopped runs do not time out
+    assert driver.taken(effects.TimeoutRung) == []
+    with pytest.raises(Refused, match="time is up .it went on after the stop.: disconnect, and connect for a new run"):
+        driver.command("start")
+
+
+def test_the_time_after_a_stop_is_shown():
+    driver = _minute(Settings(after_stop_duration=120.0))
+    robot = driver.executing()
+    driver.command("stop")
+    assert driver.view().timer == 120.0
+    robot.lives(50)
+    assert driver.view().timer == pytest.approx(70.0)
+    robot.lives(100)
+    assert driver.view().timer == 0.0
+
+
+def test_a_robot_that_restarts_in_the_middle_is_prepared_again():
+    driver = _minute()
+    robot = driver.executing()
+    for state in (RobotState.STOP, RobotState.PREPARING):
+        robot.says(state)
+        assert driver.box_state() is BoxState.PREPARE
+        robot.executes()
+    assert any("fell back to STOP" in text for text in driver.notices(Level.INFO))
+    robot.completes()
+    assert _ended(driver) is EndReason.COMPLETED
+
+
+def test_a_robot_that_did_not_hear_of_the_start_of_its_task_is_waited_for():
+    driver = _minute()
+    robot = driver.connected()
+    driver.command("start")
+    robot.says(RobotState.WAITING_GOAL)
+    for _ in range(5):
+        robot.says(RobotState.WAITING_GOAL)
+        assert driver.box_state() is BoxState.WAITING_RESULT
+
+
+def test_disconnect_in_the_middle_of_a_run():
+    driver = _minute()
+    robot = driver.executing()
+    driver.command("disconnect")
+    assert driver.run_in() is None
+    assert driver.view().event.benchmark.code == "HGTKMH"
+    robot.says(RobotState.RESULT_TX)  # nobody listens any more
+    driver.run(100)
+    assert driver.taken(effects.TimeoutRung) == []
+    assert driver.bags[robot.port][-1] == (run_log.END, None)
+
+
+def test_a_completed_run_that_is_disconnected_moves_the_zone_on():
+    driver = _minute()
+    driver.executing().completes()
+    assert driver.view().event.benchmark.code == "HGTKMH"
+    driver.command("disconnect")
+    assert driver.view().event.benchmark.code == "HWV"
+    driver.executing().completes()
+    driver.command("disconnect")
+    assert driver.view().event.benchmark.code == "HWV"  # it was the last one
+
+
+def test_a_zone_stays_where_it_is_if_auto_next_is_off():
+    driver = _minute(Settings(auto_next=False))
+    driver.executing().completes()
+    driver.command("disconnect")
+    assert driver.view().event.benchmark.code == "HGTKMH"
+    driver.command("next")
+    assert driver.view().event.benchmark.code == "HWV"
+
+
+def test_a_zone_stays_where_it_is_after_a_run_that_was_not_completed():
+    driver = _minute()
+    driver.executing()
+    driver.command("stop")
+    driver.command("disconnect")
+    assert driver.view().event.benchmark.code == "HGTKMH"
+
+
+def test_scores_are_marked_from_connect_to_disconnect():
+    driver = _minute()
+    robot = driver.connected()
+
+    def mark(value):
+        driver.score("Penalized", "bumps", value)
+        return [v for g in driver.view().scoring for item, v in g.items if item.desc == "bumps"]
+
+    assert mark(1) == [1]
+    driver.command("start")
+    assert mark(2) == [2]
+    robot.executes()
+    robot.completes()
+    assert mark(5) == [5]
+    driver.command("stop")
+    with pytest.raises(Refused):
+        mark(6)
+    assert driver.logged(robot.port, run_log.SCORE) == [("Penalized", "bumps", v) for v in (1, 2, 5)]
+
+
+def test_a_score_that_is_refused_is_not_logged():
+    driver = _minute()
+    robot = driver.connected()
+    driver.taken()
+    for group, desc, value in (("Penalized", "bumps", -1), ("Penalized", "bump", 1), ("x", "bumps", 1)):
+        with pytest.raises(Refused):
+            driver.score(group, desc, value)
+    assert driver.taken() == []
+    assert driver.logged(robot.port, run_log.SCORE) == []
+
+
+def test_a_new_run_begins_with_an_empty_sheet_and_log():
+    driver = _minute(Settings(auto_next=False))
+    robot = driver.connected()
+    driver.score("Penalized", "bumps", 3)
+    robot.says(notifications=("hello",))
+    driver.command("disconnect")
+    assert "hello" in driver.view().online_data  # still to be read
+    driver.connected()
+    assert "hello" not in driver.view().online_data
+    assert {value for group in driver.view().scoring for _, value in group.items} == {0}
+
+
+def test_every_string_is_logged_once():
+    driver = BoxDriver(competition(tbm=["HWV"]))
+    robot = driver.executing()
+    for texts in (["ring"], ["ring"], ["ring", "deli"], ["deli"], [], ["deli"]):
+        robot.says(notifications=tuple(texts), visitor=tuple(texts))
+    for topic in ("/notification", "/visitor"):
+        assert driver.logged(robot.port, topic) == ["ring", "deli", "deli"]
+    robot.send(robot.last._replace(notifications=("new",)))  # the same time: a duplicate
+    assert driver.logged(robot.port, "/notification") == ["ring", "deli", "deli"]
+
+
+def test_the_same_text_in_two_fields_is_logged_in_both():
+    driver = BoxDriver(competition(tbm=["HWV"]))
+    robot = driver.executing()
+    robot.says(activation_event=("x",), visitor=("x",), final_command=("x",))
+    assert [driver.logged(robot.port, t) for t in ("/activation_event", "/visitor", "/command", "/notification")] == [
+        ["x"], ["x"], ["x"], []
+    ]
+    lines = [line.split(" ", 1)[1] for line in driver.view().online_data.splitlines()]
+    assert lines == ["activation_event: x", "visitor: x", "final_command: x"]
+
+
+def test_a_new_run_hears_strings_anew():
+    driver = BoxDriver(competition(tbm=["HWV"]), Settings(auto_next=False))
+    for _ in range(2):
+        robot = driver.connected()
+        robot.says(notifications=("ring",))
+        assert driver.logged(robot.port, "/notification") == ["ring"]
+        driver.command("disconnect")
+
+
+def test_the_panels_texts_are_bounded():
+    driver = BoxDriver(settings=Settings(display_log_size=500))
+    robot = driver.executing()
+    for i in range(50):
+        robot.says(notifications=(f"{i} " + "x" * 100,))
+        driver.score("Penalized", "bumps", i)
+    view = driver.view()
+    assert len(view.log) <= 500
+    assert len(view.online_data) <= 500
+    assert "49 x" in view.online_data
+    assert "48 -> 49" in view.log
