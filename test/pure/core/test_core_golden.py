@@ -1,0 +1,134 @@
+"""Sessions of the original box and client, replayed: our box answers the client as the original did, sooner."""
+
+import itertools
+
+import pytest
+
+from helpers.box_driver import MONO0, BoxDriver
+from helpers.competition import competition, event
+from helpers.golden import PASSWORD, load
+from roah_rsbb.comm.ciphers import Key
+from roah_rsbb.comm.frame import decode_private, decode_public
+from roah_rsbb.core.clock import Now, wire_seconds
+from roah_rsbb.core.effects import SetDevice
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.run import EndReason
+from roah_rsbb.nodes import wire_convert
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.states import BoxState
+
+PUBLIC_PORT = 6666
+ROBOT_HOST = "10.99.0.2"
+COMMANDS = ("connect", "start", "stop", "disconnect")
+
+
+def _sessions_acts(name):
+    """(time, what) in order: a message and its sender's host, or a command of the referee."""
+    key = Key(PASSWORD)
+    acts = []
+    for record in load(name):
+        datagram = bytes.fromhex(record["hex"])
+        public = record["dport"] == PUBLIC_PORT
+        message = decode_public(datagram) if public else decode_private(datagram, key)
+        acts.append((record["t_rel"], (message, record["src"])))
+    acts += [(e["t_rel"], e["step"]) for e in load(f"{name}.events") if e.get("step") in COMMANDS]
+    return sorted(acts, key=lambda act: act[0])
+
+
+class Replay:
+    """Our box in the place of the original one."""
+
+    def __init__(self, name, code, timeout=120.0):
+        self.driver = BoxDriver(competition(teams=["TestingTeam"], tbm=[
+            event(code, team="TestingTeam", timeout=timeout)
+        ]))
+        self.originals, self.ours = [], []  # (time, state) at each change
+        self.refused = []
+        self.port = None
+        self.run = None
+        acts = _sessions_acts(name)
+        beacon = next(what[0] for _, what in acts if isinstance(what, tuple) and isinstance(what[0], pb.RobotBeacon))
+        start = next(time for time, what in acts if isinstance(what, tuple) and what[0] is beacon)
+        self._utc0 = wire_seconds(wire_convert.time_of(beacon.time)) - start
+        for time, what in acts:
+            self._pass_time(time)
+            if isinstance(what, str):
+                self._command(what)
+            else:
+                self._message(time, *what)
+
+    def _pass_time(self, time):
+        driver = self.driver
+        self._note(self.ours, driver.now.mono - MONO0 - 10)
+        mono = MONO0 + 10 + time
+        deadline = driver.box.deadline()
+        if deadline is not None and driver.now.mono < deadline <= mono:
+            driver.now = Now(deadline, self._utc0 + deadline - MONO0 - 10)
+            driver.event(driver.box.tick)
+            self._note(self.ours, deadline - MONO0 - 10)
+        driver.now = Now(mono, self._utc0 + time)
+        driver.event(driver.box.tick)
+
+    def _note(self, states, time, state=None):
+        if state is None and self.driver.run_in() is None:
+            return
+        state = self.driver.box_state() if state is None else state
+        if not states or states[-1][1] is not state:
+            states.append((time, state))
+
+    def _command(self, command):
+        try:
+            self.driver.command(command)
+        except Refused as refused:
+            self.refused.append((command, refused.reasons))
+        self.run = self.driver.run_in() or self.run
+        self.port = self.run.port
+
+    def _message(self, time, message, host):
+        driver = self.driver
+        if host != ROBOT_HOST:
+            if isinstance(message, pb.BenchmarkState):
+                self._note(self.originals, time, BoxState(message.benchmark_state))
+        elif isinstance(message, pb.RobotBeacon):
+            time = wire_convert.time_of(message.time)
+            driver.event(driver.box.on_robot_beacon, host, message.team_name, message.robot_name, time)
+        elif isinstance(message, pb.RobotState) and self.port is not None:
+            driver.event(driver.box.on_robot_report, self.port, host, wire_convert.report_of(message))
+
+
+@pytest.mark.parametrize("name, code", [
+    ("HGTKMH_2015", "HGTKMH"), ("HGTKMH_2020", "HGTKMH"), ("HCFGAC_2015", "HCFGAC"),
+])
+def test_the_box_goes_through_the_same_states_and_sooner(name, code):
+    replay = Replay(name, code)
+    assert replay.refused == []
+    assert [state for _, state in replay.ours] == [state for _, state in replay.originals] == [
+        BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT, BoxState.STOP
+    ]
+    assert all(ours <= original for (ours, _), (original, _) in zip(replay.ours, replay.originals))
+    assert replay.run.end_reason is EndReason.COMPLETED
+    assert replay.driver.run_in() is None  # disconnected, or left by stop
+    assert replay.run.link.times_valid
+
+
+def test_a_timeout():
+    """The original let the referee start again after it; that is refused here (wire protocol, State machines)."""
+    replay = Replay("TIMEOUT_2015", "HGTKMH", timeout=5.0)
+    assert replay.run.end_reason is EndReason.TIMEOUT
+    originals = list(itertools.islice(replay.originals, 4))
+    assert [state for _, state in replay.ours] == [state for _, state in originals]
+    assert all(ours <= original for (ours, _), (original, _) in zip(replay.ours, originals))
+    assert replay.refused[0] == ("start", ["The run ended by timeout: disconnect, and connect for a new run"])
+
+
+def test_a_2015_clients_devices_tablet_and_final_command():
+    replay = Replay("HCFGAC_2015", "HCFGAC")
+    assert replay.driver.taken(SetDevice) == [
+        # It always sends all of them: so its first word on each counts, from its second message on.
+        *(("tbm", device, value) for device, value in (
+            ("switch_1", 1), ("switch_2", 0), ("switch_3", 0), ("dimmer", 0), ("blinds", 0), ("dimmer", 70),
+            ("blinds", 100),  # when the run was over, and not left yet
+        )),
+    ]
+    assert replay.driver.box.tablet.display_map is True
+    assert replay.driver.logged(replay.port, "/command") == ["open the blinds"]

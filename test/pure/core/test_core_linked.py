@@ -1,0 +1,203 @@
+"""Box and robot, linked by a network that loses, doubles, delays and swaps datagrams."""
+
+import random
+
+import pytest
+
+from helpers.competition import competition, event
+from helpers.linked_world import FakeLink, World, assert_legal
+from roah_rsbb.core.run import EndReason, Phase
+from roah_rsbb.states import BoxState, RobotState
+
+STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT
+TOPICS = {
+    "notifications": "/notification", "activation_event": "/activation_event", "visitor": "/visitor",
+    "final_command": "/command",
+}
+
+LINKS = {
+    "perfect": {"jitter": False},
+    "swaps a little": {},
+    "loses": {"loss": 0.4},
+    "doubles": {"double": 0.5},
+    "swaps": {"late": 0.5, "longest_delay": 0.3},
+    "delays": {"late": 0.3, "longest_delay": 1.5},
+    "everything": {"loss": 0.3, "double": 0.3, "late": 0.3, "longest_delay": 1.0},
+}
+
+
+def _world(link, seed, *codes, **of_event):
+    config = competition(tbm=[event(code, **of_event) for code in codes])
+    return World(config, FakeLink(random.Random(seed), **LINKS[link]))
+
+
+def _connected(world, zone="tbm", **of_robot):
+    robot = world.add_robot(**of_robot)
+    world.press("connect", zone)
+    return robot
+
+
+def _ended(world, zone="tbm"):
+    return world.box.run_in(zone).phase is Phase.ENDED
+
+
+@pytest.mark.parametrize("code", ["HGTKMH", "HWV", "HCFGAC"])
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("link", LINKS)
+def test_every_task_benchmark_completes(link, seed, code):
+    world = _world(link, f"{seed}{code}", code)
+    robot = _connected(world, skew=random.Random(seed).uniform(-0.05, 0.05))
+    world.press("start")
+    run = world.box.run_in()
+    assert world.run_until(lambda: _ended(world), 300)
+    assert run.end_reason is EndReason.COMPLETED
+    assert_legal(world, run.port, robot)
+    assert robot.tasks >= 1
+    assert world.run_until(lambda: robot.session.progress.state is RobotState.STOP, 30)
+    world.press("disconnect")
+    assert world.run_until(lambda: robot.session.link is None, 30)
+
+
+def test_on_a_perfect_link_nothing_is_done_twice():
+    world = _world("perfect", 0, "HGTKMH")
+    robot = _connected(world)
+    world.press("start")
+    port = world.box.run_in().port
+    world.run_until(lambda: _ended(world), 60)
+    world.run(2)
+    assert world.box_states(port) == [STOP, PREPARE, WAITING_RESULT, STOP]
+    assert robot.states == [*RobotState, RobotState.STOP]
+    assert robot.troubles == []
+    assert world.stale == 0
+
+
+def test_a_change_is_answered_at_once():
+    """From the robot's message to the box's answer there is nothing but the network."""
+    world = _world("perfect", 0, "HGTKMH")
+    robot = _connected(world, prepare_s=1.0, execute_s=2.0)
+    world.press("start")
+    started = world.mono
+    world.run_until(lambda: robot.tasks, 10)
+    assert world.mono - started < 1.0 + 4 * 0.001
+    world.run_until(lambda: _ended(world), 10)
+    assert world.mono - started < 3.0 + 6 * 0.001
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("link", LINKS)
+def test_every_string_is_logged_exactly_once(link, seed):
+    world = _world(link, seed, "HWV")
+    rng = random.Random(seed)
+    robot = _connected(world, execute_s=15.0)
+    world.press("start")
+    port = world.box.run_in().port
+    assert world.run_until(lambda: robot.tasks, 60)
+    said = {field: [] for field in TOPICS}
+    for _ in range(25):
+        field = rng.choice(sorted(TOPICS))
+        said[field].append(rng.choice(["ring", "deli man", "postman"]))
+        robot.session.add_string(field, said[field][-1])
+        world.run(rng.choice([0.0, 0.01, 0.3]))
+    assert world.run_until(lambda: robot.session.link.strings_pending == 0, 120)
+    assert {field: world.box.logged(port, topic) for field, topic in TOPICS.items()} == said
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_stale_datagrams_come_and_move_nothing(seed):
+    """The world itself compares what each stale one did: see `World._at_box`."""
+    world = _world("everything", seed, "HWV")
+    _connected(world)
+    world.press("start")
+    world.run(20)
+    assert world.stale > 5
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_stop_and_start_again(seed):
+    world = _world("everything", seed, "HGTKMH")
+    robot = _connected(world, execute_s=8.0)
+    port = world.box.run_in().port
+    for _ in range(3):
+        world.press("start")
+        assert world.run_until(lambda: world.box.box_state() is WAITING_RESULT, 60)
+        world.run(1.0)
+        world.press("stop")
+        assert world.run_until(lambda: robot.session.progress.state is RobotState.STOP, 30)
+    world.press("start")
+    assert world.run_until(lambda: _ended(world), 120)
+    assert world.box.run_in().end_reason is EndReason.COMPLETED
+    assert_legal(world, port, robot)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_timeout_reaches_the_robot(seed):
+    world = _world("everything", seed, "HGTKMH", timeout=20.0)
+    robot = _connected(world, execute_s=1000.0)
+    world.press("start")
+    started = world.mono
+    assert world.run_until(lambda: _ended(world), 100)
+    assert world.mono - started == pytest.approx(20.0)
+    assert world.box.run_in().end_reason is EndReason.TIMEOUT
+    assert world.run_until(lambda: robot.session.progress.state is RobotState.STOP, 10)
+
+
+@pytest.mark.parametrize("when", [0.5, 1.5, 4.0])
+def test_a_robot_that_crashes_and_comes_back_completes(when):
+    world = _world("everything", 1, "HGTKMH")
+    robot = _connected(world)
+    world.press("start")
+    world.run(when)
+    robot.crash()
+    assert world.run_until(lambda: _ended(world), 120)
+    assert world.box.run_in().end_reason is EndReason.COMPLETED
+
+
+@pytest.mark.parametrize("skew", [-1000.0, -5.0, 5.0, 1000.0])
+def test_a_robot_whose_clock_is_set_in_the_middle_completes(skew):
+    world = _world("loses", 3, "HGTKMH")
+    robot = _connected(world, execute_s=10.0)
+    world.press("start")
+    assert world.run_until(lambda: robot.tasks, 60)
+    world.run(2)
+    robot.set_clock(skew)
+    assert world.run_until(lambda: _ended(world), 120)
+    assert world.box.run_in().end_reason is EndReason.COMPLETED
+
+
+@pytest.mark.parametrize("skew", [0.15, -0.15])
+def test_a_robot_with_a_skewed_clock_is_not_connected(skew):
+    world = _world("perfect", 0, "HGTKMH")
+    robot = world.add_robot(skew=skew)
+    world.run(10)
+    reason, = world.box.off("connect")
+    assert reason.startswith(f"Clock skew of robot r1 of team Alpha is {skew:+.1f}")
+    robot.skew = 0.05
+    world.press("connect")
+
+
+def test_two_zones_at_once():
+    config = competition(a=["HWV"], b=[event("HGTKMH", team="Beta")])
+    world = World(config, FakeLink(random.Random(5), **LINKS["everything"]))
+    one = _connected(world, "a")
+    two = _connected(world, "b", team="Beta", execute_s=9.0)
+    world.press("start", "a")
+    world.press("start", "b")
+    assert world.run_until(lambda: _ended(world, "a") and _ended(world, "b"), 120)
+    for zone, robot in (("a", one), ("b", two)):
+        run = world.box.run_in(zone)
+        assert run.end_reason is EndReason.COMPLETED
+        assert_legal(world, run.port, robot)
+
+
+def test_a_robot_hears_of_devices_and_tablet_that_it_commands():
+    world = _world("everything", 2, "HCFGAC")
+    robot = _connected(world, execute_s=30.0)
+    world.press("start")
+    assert world.run_until(lambda: robot.tasks, 60)
+    robot.session.set_device("dimmer", 70)
+    robot.session.display_map(True)
+    port = world.box.run_in().port
+    assert world.run_until(lambda: world.box.logged(port, "/rsbb_log/devices/dimmer") == [70], 20)
+    assert world.run_until(lambda: world.box.box.tablet.display_map, 20)
+    world.run(5)
+    assert world.box.logged(port, "/rsbb_log/devices/dimmer") == [70]

@@ -1,0 +1,224 @@
+"""What must hold whatever happens: any order of events, any link, any times."""
+
+import contextlib
+import itertools
+import random
+
+import pytest
+
+from helpers.box_driver import BoxDriver
+from helpers.competition import TEAMS, competition, event
+from helpers.linked_world import FakeLink, World, assert_legal
+from roah_rsbb.core import views
+from roah_rsbb.core.commands import COMMANDS
+from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.run import EndReason, Phase
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.timeline import Timeline, Verdict
+from roah_rsbb.robot.machine import IllegalEvent
+from roah_rsbb.states import BoxState, RobotState
+
+hypothesis = pytest.importorskip("hypothesis")
+given, st = hypothesis.given, hypothesis.strategies
+
+few = hypothesis.settings(max_examples=25, deadline=None, derandomize=True, print_blob=False)
+many = hypothesis.settings(max_examples=150, deadline=None, derandomize=True, print_blob=False)
+
+ZONES = ("a", "b", "c")
+INT64 = st.integers(-(2**63), 2**63 - 1)
+NAMES = st.sampled_from([*TEAMS, "", "nobody's", "x" * 200])
+TEXTS = st.lists(st.sampled_from(["", "a", "b\n", "é" * 50]), max_size=3).map(tuple)
+PERCENT = st.none() | st.integers(0, 2**32 - 1)
+FLAG = st.none() | st.booleans()
+PORTS = st.integers(6666, 6672)
+HOSTS = st.sampled_from(["10.0.0.2", "10.0.0.3"])
+
+
+def _reports(times):
+    return st.builds(
+        RobotReport, times, st.integers(0, 2), st.sampled_from(RobotState), TEXTS, TEXTS, TEXTS, TEXTS,
+        FLAG, FLAG, FLAG, PERCENT, PERCENT, FLAG,
+    )
+
+
+@st.composite
+def _events(draw):
+    """Method of the box, and its arguments; None for a time means now."""
+    kind = draw(st.sampled_from(["command"] * 6 + ["report"] * 6 + ["beacon"] * 3 + ["score", "other", "pass", "set"]))
+    zone = draw(st.sampled_from([*ZONES, "d"]))
+    if kind == "command":
+        return "command", (zone, draw(st.sampled_from(sorted(COMMANDS))))
+    if kind == "report":
+        return "on_robot_report", (draw(PORTS), draw(HOSTS), draw(_reports(st.none() | st.tuples(INT64, INT64))))
+    if kind == "beacon":
+        team, robot = draw(NAMES), draw(st.sampled_from(["r1", "r2"]))
+        return "on_robot_beacon", (draw(HOSTS), team, robot, draw(st.none() | st.tuples(INT64, INT64)))
+    if kind == "score":
+        return "set_score", (zone, draw(st.sampled_from(["Penalized", ""])), "bumps", draw(INT64))
+    if kind == "pass":
+        return "pass", (draw(st.sampled_from([0.0, 0.05, 1.0, 3.0, 20.0, 1000.0])),)
+    if kind == "set":
+        return "set", (draw(st.sampled_from([-1e9, -1.0, 1.0, 1e9])),)
+    return draw(st.sampled_from([
+        ("on_foreign_box", ("10.0.0.9",)), ("on_complaint", ("bad",)), ("on_unreadable", (6667, "bad")),
+        ("on_trouble", ("bad",)), ("on_channel_failed", (6667, "in use")), ("on_devices", (DevicesState(dimmer=5),)),
+        ("on_tablet", (TabletState(True, (2**63 - 1, -1), (-(2**63), 0), float("nan"), float("inf")),)),
+        ("manual_operation_complete", (zone,)), ("omf_switches", (zone,)), ("tick", ()),
+    ]))
+
+
+def _apply(driver, name, arguments):
+    if name == "pass":
+        driver.run(*arguments)
+        return
+    if name == "set":
+        driver.set_clock(*arguments)
+        return
+    now = driver.robot().time()
+    if name == "on_robot_report":
+        port, host, report = arguments
+        arguments = (port, host, report._replace(time=now if report.time is None else report.time))
+    elif name == "on_robot_beacon":
+        arguments = (*arguments[:3], now if arguments[3] is None else arguments[3])
+    try:
+        driver.event(getattr(driver.box, name), *arguments)
+    except Refused as refused:
+        assert refused.reasons and all(refused.reasons)
+
+
+@many
+@given(st.lists(_events(), max_size=60))
+def test_no_order_of_events_breaks_the_box(sequence):
+    """Nothing but a refusal is raised; the rules of effects hold (the driver sees to that)."""
+    config = competition(
+        a=["HCFGAC", "HWV"], b=[event("HGTKMH", team="Beta", timeout=30.0), event("HNF", team="Beta")], c=["HGTKMH"]
+    )
+    driver = BoxDriver(config, Settings(display_log_size=300))
+    for name, arguments in sequence:
+        _apply(driver, name, arguments)
+        runs = driver.box.runs()
+        assert len({run.robot for run in runs}) == len(runs)
+        assert len({run.port for run in runs}) == len(runs)
+        for run in runs:
+            assert (run.phase is Phase.RUNNING) is (run.message.state is not BoxState.STOP)
+            assert run.message.state is not BoxState.GOAL_TX
+            assert len(run.log.text) <= 300
+        assert {r.port for r in driver.box.beacon().robots} == set(driver.channels) == {run.port for run in runs}
+        for view in views.zones(driver.box, driver.now):
+            assert view.state
+            assert view.timer >= 0
+        assert views.status(driver.box, driver.now)
+
+
+@many
+@given(st.data())
+def test_what_is_off_is_refused_and_what_is_on_is_not(data):
+    """A button and its command never disagree, wherever a run is."""
+    driver = BoxDriver(competition(a=["HWV", "HGTKMH"], b=["HCFGAC"], c=[event("HGTKMH", team="Beta")]))
+    robots = [driver.robot(team, name) for team, name in (("Alpha", "r1"), ("Alpha", "r2"), ("Beta", "r1"))]
+    for _ in range(data.draw(st.integers(1, 25))):
+        robot = data.draw(st.sampled_from(robots))
+        robot.beacon()
+        for run in driver.box.runs():
+            if run.robot == (robot.team, robot.name):
+                robot.port = run.port
+                robot.says(data.draw(st.sampled_from(RobotState)), after=data.draw(st.sampled_from([0.1, 1.0, 4.0])))
+        zone = data.draw(st.sampled_from(ZONES))
+        command = data.draw(st.sampled_from(sorted(COMMANDS)))
+        off = driver.off(command, zone)
+        try:
+            driver.command(command, zone)
+            assert off == []
+        except Refused as refused:
+            assert refused.reasons == off
+
+
+@many
+@given(st.lists(st.tuples(st.floats(0.0, 2.4), st.integers(-(2**80), 2**80)), max_size=40))
+def test_a_timeline_that_is_not_quiet_only_ever_rises(messages):
+    timeline = Timeline()
+    mono, newest, newest_mono = 0.0, None, 0.0
+    for after, time in messages:
+        mono += after
+        verdict = timeline.judge(mono, time)
+        is_newer = newest is None or time > newest
+        assert (verdict is Verdict.FRESH) is is_newer
+        if verdict is Verdict.CLOCK_SET_BACK:
+            assert mono - newest_mono >= 2.5
+        if verdict in (Verdict.FRESH, Verdict.CLOCK_SET_BACK):
+            newest, newest_mono = time, mono
+
+
+LINK = st.fixed_dictionaries({
+    "loss": st.floats(0, 0.45), "double": st.floats(0, 0.5), "late": st.floats(0, 0.5),
+    "longest_delay": st.floats(0.01, 1.5), "jitter": st.booleans(),
+})
+
+
+@few
+@given(
+    LINK, st.integers(0, 2**32), st.sampled_from(["HGTKMH", "HWV", "HCFGAC"]), st.floats(0.01, 3), st.floats(0.01, 9)
+)
+def test_every_benchmark_completes_on_every_link(link, seed, code, prepare_s, execute_s):
+    world = World(competition(tbm=[code]), FakeLink(random.Random(seed), **link))
+    robot = world.add_robot(prepare_s=prepare_s, execute_s=execute_s)
+    world.press("connect", limit_s=300)
+    port = world.box.run_in().port
+    world.press("start", limit_s=300)
+    assert world.run_until(lambda: world.box.run_in().phase is Phase.ENDED, 550)
+    assert world.box.run_in().end_reason is EndReason.COMPLETED
+    assert_legal(world, port, robot)
+
+
+@few
+@given(LINK, st.integers(0, 2**32), st.lists(st.tuples(
+    st.sampled_from(["notifications", "activation_event", "visitor", "final_command"]),
+    st.sampled_from(["a", "b", "c" * 300]), st.sampled_from([0.0, 0.05, 1.0]),
+), max_size=20))
+def test_every_string_is_logged_exactly_once_and_in_order_on_every_link(link, seed, said):
+    world = World(competition(tbm=["HWV"]), FakeLink(random.Random(seed), **link))
+    robot = world.add_robot(execute_s=1000.0)
+    world.press("connect", limit_s=300)
+    port = world.box.run_in().port
+    assert world.run_until(lambda: world.box.box.run_at(port).robot_state is not None, 100)
+    # From here on the robot's channel stays open: a straggling beacon of before connect can no longer come.
+    world.run(3.0)
+    for field, text, after in said:
+        robot.session.add_string(field, text)
+        world.run(after)
+    assert world.run_until(lambda: robot.session.link.strings_pending == 0, 300)
+    for field, topic in (
+        ("notifications", "/notification"), ("activation_event", "/activation_event"), ("visitor", "/visitor"),
+        ("final_command", "/command"),
+    ):
+        assert world.box.logged(port, topic) == [text for known, text, _ in said if known == field]
+
+
+@few
+@given(LINK, st.integers(0, 2**32), st.lists(
+    st.tuples(st.sampled_from(["start", "stop", "disconnect", "connect", "crash", "end_execute", "set clock"]),
+              st.floats(0.0, 4.0)),
+    max_size=15,
+))
+def test_whatever_referee_and_robot_do_both_ends_keep_to_their_tables(link, seed, acts):
+    world = World(competition(tbm=["HWV"]), FakeLink(random.Random(seed), **link))
+    robot = world.add_robot()
+    world.press("connect", limit_s=300)
+    for act, after in acts:
+        if act == "crash":
+            robot.crash()
+        elif act == "set clock":
+            robot.set_clock(robot.skew + (-50 if len(acts) % 2 else 50))
+        elif act == "end_execute":
+            with contextlib.suppress(IllegalEvent):
+                robot.session.end_execute()
+        elif not world.box.off(act):
+            world.press(act)
+        world.run(after)
+    for port in world.box.states:
+        world_states = [state for state, _ in itertools.groupby(m.state for m in world.box.states[port])]
+        assert BoxState.GOAL_TX not in world_states
+    if not any(act in ("crash", "set clock") for act, _ in acts):
+        for port in world.box.states:
+            assert_legal(world, port, robot)
