@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """The other panels, the plugins, the window, the public display, and the launch files that open them."""
 
 import importlib
