@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """A core for tests of panels: real ROS messages and services, a referee's view of a run, no robots.
 
 `FakeCore` lives in a test's process and does what the test tells it to. As a program it is a core to try
@@ -48,6 +48,7 @@ class FakeZone:
         self.name = name
         self.index = 0
         self.phase = "idle"
+        self.robot = "mbot"
         self.end_reason = ""
         self.started = 0.0
         self.left_s = EVENTS[0][4]
@@ -175,7 +176,7 @@ class FakeCore:
         for zone in self.zones.values():
             connected = zone.phase != "idle"
             details = ZoneDetails(zone=zone.name, phase=zone.phase, end_reason=zone.end_reason)
-            details.robot = "mbot" if connected else ""
+            details.robot = zone.robot if connected else ""
             details.port = 6667 if connected else 0
             details.warnings = list(zone.warnings)
             for command, reasons in zone.off().items():

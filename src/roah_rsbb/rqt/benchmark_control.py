@@ -219,9 +219,8 @@ class BenchmarkControlPanel(Panel):
             return
         tones = {"start": widgets.RUNNING, "stop": widgets.ALARM if running else None, "connect": widgets.READY}
         reasons = getattr(details, f"{command.field}_off") if details else ()
-        button.allow(allowed, reasons, tones.get(command.service))
-        if allowed and command.service == "stop" and not running:
-            button.setToolTip(STOP_LEAVES_TIP)
+        leaves = STOP_LEAVES_TIP if command.service == "stop" and not running else ""
+        button.allow(allowed, reasons, tones.get(command.service), leaves)
 
     # -- commands -----------------------------------------------------------------------------------
 
@@ -253,7 +252,7 @@ class BenchmarkControlPanel(Panel):
         zone, button = self.model.zone_name, self.buttons[service]
         label = f"{COMMANDS[service].label} {zone}"
         if not button.is_on():
-            self._answer.warn(f"{label}: {texts.bullets(button.toolTip().splitlines())}")
+            self._answer.warn(f"{label}: {button.why_off or 'just pressed'}")
         elif self.client.presses.press(time.monotonic(), (service, zone)):
             self._press(service)
         elif self.client.presses.armed(time.monotonic()) == (service, zone):

@@ -89,6 +89,10 @@ def ask(parent: QWidget, question: str, details: str, yes: str, then) -> QMessag
     return box
 
 
+# Place for an answer that keeps it while it is empty, lines.
+LINES = 2
+
+
 class Answer(QLabel):
     """The line where a panel shows what became of the last command."""
 
@@ -96,6 +100,8 @@ class Answer(QLabel):
         """`reserved`: it keeps its place while it is empty, so that nothing jumps when it is not."""
         super().__init__(parent)
         self._reserved = reserved
+        if reserved:
+            self.setFixedHeight(round(LINES * self.fontMetrics().lineSpacing() + widgets.em()))
         self.setWordWrap(True)
         self.setTextFormat(Qt.PlainText)
         self.setTextInteractionFlags(Qt.TextSelectableByMouse)
@@ -123,6 +129,7 @@ class Answer(QLabel):
 
     def _show(self, text: str, style: str) -> None:
         self.setText(text)
+        self.setToolTip(widgets.tip(text.strip()))  # all of it, also where it is too long for its place
         if not self._reserved:
             self.setVisible(text != " ")
         widgets.set_style(self, f"QLabel {{ padding: 0.2em; {style} }}")

@@ -53,6 +53,15 @@ def set_style(widget: QWidget, style: str) -> None:
         widget.setStyleSheet(style)
 
 
+def tip(text: str) -> str:
+    """A tooltip that shows `text` as it is; Qt breaks long lines only of what it takes for HTML."""
+    return f"<p>{_escaped(text)}</p>" if text else ""
+
+
+def _escaped(text: str) -> str:
+    return html.escape(text).replace("\n", "<br>")
+
+
 class Badge(QLabel):
     """A short text on a colour."""
 
@@ -87,10 +96,9 @@ class Notices(QTextEdit):
 
 
 def _notice_html(text: str, alarm: bool) -> str:
-    escaped = html.escape(text).replace("\n", "<br>")
     if not alarm:
-        return f'<p style="margin: 0">{escaped}</p>'
-    return f'<p style="margin: 0; background-color: {OLD.background}; color: {OLD.text}"><b>⚠ {escaped}</b></p>'
+        return f'<p style="margin: 0">{_escaped(text)}</p>'
+    return f'<p style="margin: 0; background-color: {OLD.background}; color: {OLD.text}"><b>⚠ {_escaped(text)}</b></p>'
 
 
 class FittedText(QWidget):
@@ -146,6 +154,7 @@ class CommandButton(QPushButton):
         self.setFocusPolicy(Qt.TabFocus)
         self._explanation = explanation
         self._allowed = False
+        self.why_off = ""  # every reason, a line each; empty: it is on
         self._held = QTimer(self, singleShot=True)
         self._held.timeout.connect(self._apply)
         self.setEnabled(False)
@@ -158,10 +167,13 @@ class CommandButton(QPushButton):
     def minimumSizeHint(self) -> QSize:
         return self.sizeHint()
 
-    def allow(self, allowed: bool, reasons: Sequence[str] = (), tone: Optional[Tone] = None) -> None:
-        """Switch it on or off; `tone`: colour while it is on."""
+    def allow(
+        self, allowed: bool, reasons: Sequence[str] = (), tone: Optional[Tone] = None, explanation: str = ""
+    ) -> None:
+        """Switch it on or off; `tone`: colour while it is on; `explanation`: instead of the usual one."""
         self._allowed = allowed
-        self.setToolTip(self._explanation if allowed else texts.bullets(reasons or ("Not possible now",)))
+        self.why_off = "" if allowed else texts.bullets(reasons or ("Not possible now",))
+        self.setToolTip(tip(self.why_off or explanation or self._explanation))
         on = allowed and tone is not None
         set_style(self, _button_style(tone) if on else "")
         self._apply()
