@@ -147,6 +147,7 @@ def test_stopped_by_the_referee_and_started_again():
                 await box.until(lambda: box.robot_state is RobotState.EXECUTING)
                 assert (client.state, client.benchmark) == (RobotState.EXECUTING, "HGTKMH")
                 box.stop()
+                await box.until(lambda: behaviour.happened[-1] == ("cancelled",))
                 await box.until(lambda: box.robot_state is RobotState.STOP)
             box.listed = False
             beacons = len(box.beacons)
@@ -236,9 +237,12 @@ def test_one_phase_begins_when_the_cancelled_one_has_ended():
             if len(order) == 1:
                 try:
                     await asyncio.get_event_loop().create_future()
-                finally:
-                    await asyncio.sleep(0.2)  # a robot that brakes
+                except asyncio.CancelledError:
+                    await asyncio.sleep(0.2)  # a robot that brakes, and then says that it is done
                     order.append("ends")
+            else:
+                await asyncio.sleep(0.2)
+                order.append("ready")
 
     async def body():
         async with SmallBox() as box, running(box, Slow()):
@@ -248,10 +252,25 @@ def test_one_phase_begins_when_the_cancelled_one_has_ended():
             box.stop()
             await box.until(lambda: box.robot_state is RobotState.STOP)
             box.start()
-            await box.until(lambda: box.robot_state is RobotState.EXECUTING)
+            # Not before the second one is ready: the first one's word does not count any more.
+            await box.until(lambda: box.robot_state not in (RobotState.STOP, RobotState.PREPARING))
+            assert order == ["begins", "ends", "begins", "ready"]
 
     asyncio.run(body())
-    assert order == ["begins", "ends", "begins"]
+
+
+def test_what_is_sent_can_be_lost_too():
+    network = {"passes": True}
+
+    async def body():
+        async with SmallBox() as box, running(box, Recorder(), passes=lambda: network["passes"]):
+            await box.until(lambda: box.received)
+            network["passes"] = False  # in the middle of the first burst
+            ticks = []
+            await box.until(lambda: ticks.append(len(box.received)) or len(ticks) > 15)
+            assert ticks[-1] - ticks[0] <= 1  # what was under way
+
+    asyncio.run(body())
 
 
 def test_a_wrong_password_is_reported():

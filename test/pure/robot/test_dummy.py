@@ -90,7 +90,7 @@ def _executes_until_stopped(code, **options):
             box.start()
             await box.until(lambda: box.robot_state is RobotState.EXECUTING)
             heard = len(box.received)
-            await box.until(lambda: len(box.received) >= heard + 11)  # the burst: half a second
+            await box.until(lambda: len(box.received) >= heard + 6)  # of its burst: 0.3 s
             assert box.robot_state is RobotState.EXECUTING
             box.stop()
             await box.until(lambda: box.robot_state is RobotState.STOP)

@@ -114,6 +114,13 @@ def test_a_straggler_moves_nothing(linked):
     linked.box_says(BoxState.WAITING_RESULT, "HNF")
     for state in BoxState:
         linked.box_says(state, "HNF", acknowledge=older)
+    # Also when the box has been saying the same for long.
+    for _ in range(5):
+        linked.run(1)
+        linked.beacon()
+        linked.box_says(BoxState.WAITING_RESULT, "HNF")
+    for state in BoxState:
+        linked.box_says(state, "HNF", acknowledge=older)
     assert linked.state is RobotState.EXECUTING
     assert linked.take_news() == []
 
@@ -196,6 +203,10 @@ def test_an_acknowledgement_typed_by_hand_ends_strings(bench):
     _by_hand(bench, BoxState.PREPARE, "HWV")
     bench.run(2)
     assert list(bench.last.visitor) == []
+    # The owner may leave the time out afterwards: by hand nothing is ever overtaken.
+    _by_hand(bench, BoxState.STOP, "HWV", acknowledge=(int(UTC0) + 100, 0))
+    _by_hand(bench, BoxState.PREPARE, "HWV")
+    assert bench.state is RobotState.PREPARING
 
 
 def test_an_override_that_was_not_ends_nothing(linked):
