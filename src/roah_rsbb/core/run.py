@@ -216,7 +216,6 @@ class Run:
     def _set_state(self, now: Now, state: BoxState, desc: str) -> None:
         self.desc = desc
         self.message = self.message._replace(state=state)
-        self.saving.restart()
         for topic, value in (
             (run_log.STATE, int(state)), (run_log.STATE_NAME, state.name), (run_log.STATE_DESC, desc),
             (run_log.BOX_STATE, int(state)), (run_log.BOX_PAYLOAD, self.message.lines()),

@@ -54,10 +54,6 @@ class SavingWatch:
         self._timeout = settings.check_messages_saved_timeout if settings.check_messages_saved else None
         self._since: Optional[float] = None
 
-    def restart(self) -> None:
-        """The box's state changed: begin to watch anew."""
-        self._since = None
-
     def see(self, now: Now, box: BoxState, report: RobotReport) -> None:
         """Take a fresh message of the robot."""
         executing = box is BoxState.WAITING_RESULT and report.state is RobotState.EXECUTING

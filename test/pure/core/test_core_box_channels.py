@@ -56,6 +56,7 @@ def test_a_channel_that_cannot_be_opened_takes_the_next_port():
         f"UDP port {port} cannot be used for the private channel: Address already in use" for port in (6667, 6668)
     ]
     assert set(driver.states) == {6669}
+    assert [e.port for e in taken if isinstance(e, effects.RunClosed)] == [6667, 6668]
 
 
 def test_a_run_is_given_up_after_many_ports():
@@ -86,6 +87,16 @@ def test_the_last_port_that_cannot_be_opened_ends_the_run():
     assert _ports(_connect(driver)) == [65535]
     assert driver.run_in() is None
     assert "All UDP ports" in driver.off("connect")[0]
+
+
+def test_a_robot_that_went_meanwhile_gets_no_other_port():
+    driver = BoxDriver()
+    _connect(driver)
+    driver.run(40)
+    assert driver.box.robots.all(driver.now) == []
+    driver.event(driver.box.on_channel_failed, 6667, "gone")
+    assert driver.run_in() is None
+    assert _ports(driver.taken()) == []
 
 
 def test_news_of_a_channel_that_is_gone_are_none():

@@ -90,6 +90,19 @@ def test_a_rival_that_sends_beacons_during_the_run_moves_nothing():
     assert "Two robots call themselves r1" in views.status(driver.box, driver.now)
 
 
+def test_a_robot_that_gets_another_address_in_its_run_is_no_rival_of_itself():
+    driver = BoxDriver()
+    robot = driver.executing()
+    robot.host = "10.0.0.77"
+    robot.says()
+    assert driver.channels == {robot.port: "10.0.0.77"}
+    driver.command("disconnect")
+    robot.beacon()
+    assert views.status(driver.box, driver.now) == "OK"
+    driver.command("connect")
+    assert driver.channels == {robot.port + 1: "10.0.0.77"}
+
+
 def test_a_flood_of_robots_is_bounded_and_the_run_goes_on():
     driver = BoxDriver(competition(a=["HWV"], b=["HGTKMH"]))
     robot = driver.executing("a")

@@ -80,10 +80,9 @@ def test_only_executing_counts(watch, box, robot):
     assert watch.deadline() is None
 
 
-def test_a_new_state_of_the_box_begins_anew(watch):
+def test_a_robot_that_executes_again_is_watched_anew(watch):
     watch.see(at(10.0), BoxState.WAITING_RESULT, _report(0))
-    watch.restart()
-    assert watch.deadline() is None
+    watch.see(at(12.0), BoxState.STOP, _report(0))
     watch.see(at(20.0), BoxState.WAITING_RESULT, _report(0))
     assert watch.deadline() == 25.0
 

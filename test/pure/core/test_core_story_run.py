@@ -213,8 +213,10 @@ def test_a_robot_that_did_not_hear_of_the_start_of_its_task_is_waited_for():
 def test_disconnect_in_the_middle_of_a_run():
     driver = _minute()
     robot = driver.executing()
+    run = driver.run_in()
     driver.command("disconnect")
     assert driver.run_in() is None
+    assert (run.phase, run.end_reason) == (Phase.ENDED, EndReason.STOPPED)
     assert driver.view().event.benchmark.code == "HGTKMH"
     robot.says(RobotState.RESULT_TX)  # nobody listens any more
     driver.run(100)

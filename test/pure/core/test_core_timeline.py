@@ -54,6 +54,12 @@ def test_a_straggler_from_before_the_clock_was_set_back_does_not_lock_the_robot_
     assert verdicts[2:] == ["stale", "stale", "stale", "clock set back", "fresh"]
 
 
+def test_a_clock_that_was_set_back_is_believed_on_a_network_that_doubles_everything():
+    sent = [(0, 0), (1, 1), (2, -10), (3, -9), (4, -8), (5, -7)]
+    verdicts = _judged(*[(mono + i / 100, time) for mono, time in sent for i in range(2)])
+    assert verdicts[8:] == ["clock set back", "duplicate", "fresh", "duplicate"]
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_a_clock_set_back_is_found_on_a_network_that_doubles_and_swaps(seed):
     rng = random.Random(seed)
