@@ -42,6 +42,7 @@ class CoreDriver:
         self._give_up = give_up
         self._timer: Optional[asyncio.TimerHandle] = None
         self._carrying_out = False
+        self._beacon_wanted = False
         self._unopened: Dict[int, bool] = {}
         self._hands = {
             effects.PortTaken: self._port_taken,
@@ -49,7 +50,7 @@ class CoreDriver:
             effects.AimChannel: lambda e: self._radio.aim(e.port, e.host),
             effects.CloseChannel: lambda e: self._radio.close_channel(e.port),
             effects.SendState: lambda e: self._radio.send_state(e.port, e.message, e.how),
-            effects.SendBeacon: lambda e: self._radio.send_beacon(),
+            effects.SendBeacon: self._want_beacon,
             effects.TimeoutRung: lambda e: self._ring_timeout(),
             effects.SetDevice: self._set_device,
             effects.RunOpened: self._run_opened,
@@ -86,6 +87,9 @@ class CoreDriver:
                 for effect in todo:
                     self._do(effect)
                 todo = self.box.take_effects()
+            if self._beacon_wanted:
+                self._beacon_wanted = False
+                self._radio.send_beacon()
         finally:
             self._carrying_out = False
 
@@ -102,6 +106,11 @@ class CoreDriver:
         if self._timer is not None:
             self._timer.cancel()
         self._timer = None if deadline is None else self._loop.call_at(deadline, self.tick)
+
+    def _want_beacon(self, _effect: effects.SendBeacon) -> None:
+        """The beacon says what is true when it leaves, so it leaves after all else, also after what another
+        port puts on record when the first one could not be opened."""
+        self._beacon_wanted = True
 
     def _port_taken(self, effect: effects.PortTaken) -> None:
         try:

@@ -3,11 +3,9 @@
 import time
 from typing import List
 
-import rospy
-
 from roah_rsbb.core import views
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now, WireTime, wire_seconds
+from roah_rsbb.core.clock import Now, WireTime
 from roah_rsbb.core.messages import DevicesState
 from roah_rsbb.core.scoring import ScoreGroup
 from roah_rsbb.msg import (
@@ -21,20 +19,7 @@ from roah_rsbb.msg import (
     ZoneState,
 )
 from roah_rsbb.msg import DevicesState as DevicesStateMsg
-
-# What a ROS time and a ROS duration can hold, in seconds.
-_MAX_TIME = 2**32 - 1
-_MAX_DURATION = 2**31 - 1
-
-
-def ros_time(utc: float) -> rospy.Time:
-    """A UTC time in seconds; one that a ROS time cannot hold becomes the nearest that it can."""
-    return rospy.Time.from_sec(min(max(utc, 0.0), _MAX_TIME))
-
-
-def ros_duration(seconds: float) -> rospy.Duration:
-    """A duration in seconds; one that a ROS duration cannot hold becomes the nearest that it can."""
-    return rospy.Duration.from_sec(min(max(seconds, -_MAX_DURATION), _MAX_DURATION))
+from roah_rsbb.nodes.ros_times import ros_duration, ros_time, ros_wire_time
 
 
 def devices_of(message: DevicesStateMsg) -> DevicesState:
@@ -60,8 +45,8 @@ def to_gui(box: Box, now: Now, zone_views: List[views.ZoneView], addr: str) -> C
         zones=[_zone_state(view) for view in zone_views],
         tablet_last_beacon=ros_time(0.0 if box.tablet_heard is None else box.tablet_heard.utc),
         tablet_display_map=tablet.display_map,
-        tablet_call_time=ros_time(wire_seconds(tablet.call_time)),
-        tablet_position_time=ros_time(wire_seconds(tablet.position_time)),
+        tablet_call_time=ros_wire_time(tablet.call_time),
+        tablet_position_time=ros_wire_time(tablet.position_time),
         tablet_position_x=tablet.position_x,
         tablet_position_y=tablet.position_y,
     )
