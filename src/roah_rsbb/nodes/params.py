@@ -48,8 +48,10 @@ class Params:
         return self._check(name, value, value in choices, "one of " + ", ".join(choices), default)
 
     def path(self, name: str, default: Optional[str] = None) -> str:
-        """A path, with ~ and variables replaced."""
-        return os.path.abspath(os.path.expandvars(os.path.expanduser(self.text(name, default) or ".")))
+        """A path, with ~ and variables replaced; without a default it must be given."""
+        value = self._get(name, default)
+        path = self._check(name, value, isinstance(value, str) and value != "", "a path", default or ".")
+        return os.path.abspath(os.path.expandvars(os.path.expanduser(path)))
 
     def done(self) -> None:
         """Raise `BadParams` if anything was wrong."""

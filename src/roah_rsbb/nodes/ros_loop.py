@@ -3,7 +3,7 @@
 import asyncio
 import concurrent.futures
 import signal
-from typing import Callable, TypeVar
+from typing import Any, Callable, Dict, TypeVar
 
 import rospy
 
@@ -13,11 +13,19 @@ T = TypeVar("T")
 ANSWER_TIMEOUT_S = 5.0
 
 
+def _tell(_loop: asyncio.AbstractEventLoop, context: Dict[str, Any]) -> None:
+    """A timer or reader that failed must not fail silently; the others go on."""
+    error = context.get("exception")
+    trace = (type(error), error, error.__traceback__) if error is not None else None
+    rospy.logerr("internal error: %s", context["message"], exc_info=trace)
+
+
 class RosLoop:
     """An asyncio loop that lives as long as the ROS node. Made after `rospy.init_node(disable_signals=True)`."""
 
     def __init__(self) -> None:
         self.loop = asyncio.new_event_loop()
+        self.loop.set_exception_handler(_tell)
         self._why = "shutdown"
 
     def call(self, function: Callable[[], T]) -> T:
