@@ -41,6 +41,31 @@ def _message(entry: effects.RunLogged):
     return Empty()
 
 
+class _Bag:
+    """A bag that grows."""
+
+    def __init__(self, path: str) -> None:
+        """Raises OSError."""
+        self.path = path
+        self._file = open(path, "w+b")  # noqa: SIM115 (closed with the bag)
+        self._bag = rosbag.Bag(self._file, "w")
+        self._dirty = False
+
+    def write(self, entry: effects.RunLogged, utc: float) -> None:
+        self._bag.write(entry.topic, _message(entry), rospy.Time.from_sec(utc))
+        self._dirty = True
+
+    def flush(self) -> None:
+        """Hand all to the system, so that it outlives this process; `rosbag reindex` then makes it readable."""
+        if self._dirty:
+            self._dirty = False
+            self._bag.flush()
+            self._file.flush()  # without this the index stays behind, and the rest cannot be read without it
+
+    def close(self) -> None:
+        self._bag.close()
+
+
 class RunLogWriter:
     """Writes the bags of all runs. `on_trouble` is called from the writer's thread with a text."""
 
@@ -49,8 +74,7 @@ class RunLogWriter:
         self._box_uuid = box_uuid
         self._on_trouble = on_trouble
         self._jobs: queue.Queue[Optional[Callable[[], None]]] = queue.Queue()
-        self._bags: Dict[int, rosbag.Bag] = {}
-        self._dirty: Dict[int, bool] = {}
+        self._bags: Dict[int, _Bag] = {}
         self.files: Dict[int, str] = {}  # path of each run's log by the run's port
         self._thread = threading.Thread(target=self._work, name="run logs", daemon=True)
         self._thread.start()
@@ -108,7 +132,7 @@ class RunLogWriter:
     def _open(self, port: int, path: str) -> None:
         try:
             os.makedirs(self._log_dir, exist_ok=True)
-            self._bags[port] = rosbag.Bag(path, "w")
+            self._bags[port] = _Bag(path)
         except (OSError, rosbag.ROSBagException) as error:
             self._trouble(path, error)
 
@@ -117,34 +141,28 @@ class RunLogWriter:
         if bag is None:
             return
         try:
-            bag.write(entry.topic, _message(entry), rospy.Time.from_sec(utc))
-            self._dirty[entry.port] = True
+            bag.write(entry, utc)
         except (OSError, ValueError, rosbag.ROSBagException) as error:
             self._give_up(entry.port, error)
 
     def _flush(self) -> None:
-        for port in [port for port, dirty in self._dirty.items() if dirty]:
-            self._dirty[port] = False
+        for port, bag in list(self._bags.items()):
             try:
-                self._bags[port].flush()
+                bag.flush()
             except (OSError, ValueError, rosbag.ROSBagException) as error:
                 self._give_up(port, error)
 
     def _close(self, port: int) -> None:
-        bag = self._bags.get(port)
+        bag = self._bags.pop(port, None)
         if bag is None:
             return
         try:
             bag.close()
         except (OSError, ValueError, rosbag.ROSBagException) as error:
-            self._trouble(bag.filename, error)
-        self._bags.pop(port, None)
-        self._dirty.pop(port, None)
+            self._trouble(bag.path, error)
 
     def _give_up(self, port: int, error: Exception) -> None:
-        bag = self._bags.pop(port)
-        self._dirty.pop(port, None)
-        self._trouble(bag.filename, error)
+        self._trouble(self._bags.pop(port).path, error)
 
     def _trouble(self, path: str, error: Exception) -> None:
         self._on_trouble(f"The run log {path} cannot be written: {error}. Free or mend the disk of log_dir")
