@@ -178,5 +178,5 @@ class CoreRadio:
         self._event(self._box.on_complaint, text)
 
     def _on_private_complaint(self, port: int, text: str) -> None:
-        rospy.logwarn("private channel %d: %s", port, text)
+        rospy.logwarn("%s", text)
         self._event(self._box.on_unreadable, port, text)
