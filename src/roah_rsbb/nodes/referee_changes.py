@@ -3,7 +3,7 @@
 import re
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.nodes.referee_state import Box, Robot, Zone, lines_of
+from roah_rsbb.nodes.referee_state import Box, Zone, lines_of
 from roah_rsbb.rqt import tail
 
 # Numbers in a warning (seconds, skews) change all the time: the warning stays the same one.
@@ -42,24 +42,20 @@ def _of_box(old: Box, new: Box, zone: Optional[str]) -> Iterator[Change]:
     if old.box_uuid != new.box_uuid:
         yield change("core", what="restarted", box_uuid=new.box_uuid)
     yield from _warnings(new.clock_utc_s, "", old.warnings, new.warnings)
-    before, after = _robots(old, zone), _robots(new, zone)
+    teams = {z.event.team for z in (*old.zones, *new.zones) if zone in (None, z.zone)}
+    before, after = (
+        {(r.team, r.robot): r for r in box.robots if zone is None or r.team in teams} for box in (old, new)
+    )
     for key in after.keys() - before.keys():
         yield change("robot", what="came", team=key[0], robot=key[1], skew_s=after[key].skew_s)
     for key in before.keys() - after.keys():
         yield change("robot", what="gone", team=key[0], robot=key[1], skew_s=before[key].skew_s)
 
 
-def _robots(box: Box, zone: Optional[str]) -> Dict[Tuple[str, str], Robot]:
-    teams = {z.event.team for z in box.zones if zone in (None, z.zone)}
-    return {(r.team, r.robot): r for r in box.robots if zone is None or r.team in teams}
-
-
 def _of_zone(old: Zone, new: Zone, utc_s: float) -> Iterator[Change]:
     def change(kind: str, **facts: Any) -> Change:
         return Change(utc_s, kind, new.zone, facts)
 
-    if old.event != new.event:
-        yield change("event", **new.event._asdict())
     scores = list(_scores(old, new))
     for text in _lines(old.log, new.log):
         # What is told as a score need not be told as the core's line on it, too.
@@ -74,6 +70,8 @@ def _of_zone(old: Zone, new: Zone, utc_s: float) -> Iterator[Change]:
         yield change("online_data", text=text)
     if new.manual_operation != old.manual_operation:
         yield change("manual_operation", text=new.manual_operation)
+    if new.event != old.event:
+        yield change("event", **new.event._asdict())
     yield from _warnings(utc_s, new.zone, old.warnings, new.warnings)
 
 

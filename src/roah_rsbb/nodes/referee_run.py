@@ -55,7 +55,8 @@ class RunScript:
         self._tell = tell
         self._follower = Follower(link, plan.zone)
         self._began = False  # connected by us (or just about to be)
-        self._uuid = ""  # of the core that we connected the run with
+        self._event = self._zone().event
+        self._uuid = link.box.box_uuid  # of the core that has our run
         self._scores: List[Tuple[Item, int]] = []
         self._unmarked = ""  # what could not be marked
 
@@ -82,6 +83,7 @@ class RunScript:
             raise _Failed(Exit.REFUSED, f"a run is in zone '{zone.zone}' already ({zone.phase}): disconnect it first")
         if self._plan.event is not None:
             self._go_to(self._plan.event)
+        self._event = self._zone().event
         while True:
             self._connect()
             self._resolve_scores()
@@ -97,15 +99,22 @@ class RunScript:
                 seen.append(f"{event.code}/{event.round}/{event.run}")
                 if self._zone().off[command]:
                     break
-                self._link.command(command, self._plan.zone)
-                self._settle()
+                self._move(command)
             else:
                 return
         while self._zone().event != start and not self._zone().off["next"]:
-            self._link.command("next", self._plan.zone)
-            self._settle()
+            self._move("next")
         there_are = ", ".join(dict.fromkeys(seen))
         raise BadWord(f"no event {wanted} in zone '{self._plan.zone}': there are {there_are}")
+
+    def _move(self, command: str) -> None:
+        """Go to the next or previous event; a core that goes meanwhile is waited for, and nothing is moved then."""
+        try:
+            self._link.command(command, self._plan.zone)
+            self._settle()
+        except NoCore as gone:
+            self._note(f"waiting for the core: {gone}")
+            self._until_heard()
 
     def _connect(self) -> None:
         self._attempt("connect", IDLE)
@@ -142,9 +151,11 @@ class RunScript:
         deadline = self._link.now() + self._plan.wait_s
         told: Tuple[str, ...] = ()
         while self._zone().phase == phase:
-            reasons = tuple(self._zone().off[command])
+            gone: Optional[NoCore] = None
             if phase == IDLE:
                 self._began = False
+                self._hold_event()
+            reasons = tuple(self._zone().off[command])
             if not reasons:
                 try:
                     self._began = True
@@ -154,15 +165,27 @@ class RunScript:
                 except Refused as refused:
                     self._began = phase != IDLE
                     reasons = tuple(refused.reasons)  # it changed meanwhile
-                except NoCore as gone:
-                    reasons = (str(gone),)  # it may come back
+                except NoCore as error:
+                    gone = error  # it may come back
+                    reasons = ("the core does not answer",)
             for reason in news(told, reasons):
                 self._note(f"waiting to {command}: {reason}")
             told = reasons
             left = deadline - self._link.now()
             if left <= 0:
-                raise Refused(list(reasons))
+                raise gone or Refused(list(reasons))
             self._step(min(left, STEP_S))
+
+    def _hold_event(self) -> None:
+        """Never connect for another event than the one meant: a core that was restarted may be at its first one."""
+        if self._zone().event == self._event:
+            return
+        self._settle()  # the two topics of a core that begins may come one after the other
+        event = self._zone().event
+        if self._link.box.box_uuid == self._uuid:
+            raise _Failed(Exit.REFUSED, f"another referee moved the zone to {event.code}/{event.round}/{event.run}")
+        self._uuid = self._link.box.box_uuid
+        self._go_to(EventWanted(self._event.code, self._event.round, self._event.run))
 
     def _resolve_scores(self) -> None:
         self._scores = []
@@ -173,7 +196,8 @@ class RunScript:
     def _to_the_end(self) -> Outcome:
         while self._zone().phase == RUNNING:
             self._step(STEP_S)
-        self._settle()
+        with contextlib.suppress(NoCore):  # the last lines and scores, if they come
+            self._settle()
         zone = self._zone()
         if zone.phase != ENDED:
             raise _Failed(Exit.NOT_COMPLETED, self._how_it_went())
@@ -246,6 +270,12 @@ class RunScript:
             self._tell(change)
         if self._link.silence_s > GIVE_UP_S:
             raise NoCore(f"the core has been silent for {GIVE_UP_S:.0f} s")
+
+    def _until_heard(self) -> None:
+        """Go on once the core, which did not answer, publishes again."""
+        self._step(STEP_S)  # what it said before is still to come in
+        while self._link.silence_s > STEP_S:
+            self._step(STEP_S)
 
     def _settle(self) -> None:
         """Go on once what the last command did is published."""

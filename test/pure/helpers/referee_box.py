@@ -68,6 +68,7 @@ class FakeLink:
         self.time = 0.0
         self.heard = 0.0
         self.silent = False
+        self.dead = False  # silent, and no service answers
         self.extra_off: Dict[str, List[str]] = {}
         self.box = box(self._with_off(zone()))
         self.commands: List[str] = []
@@ -91,10 +92,17 @@ class FakeLink:
         """End the run."""
         self.change(phase=ENDED, end_reason=reason)
 
+    def die(self) -> None:
+        """The core's process is gone."""
+        self.silent = self.dead = True
+
     def restart(self, **fields) -> None:
         """The core is started again; without `fields` its zone has no run any more."""
+        self.silent = self.dead = False
+        self.index = 0
         self.box = self.box._replace(box_uuid=self.box.box_uuid + "'")
-        self.change(**(fields or {"phase": IDLE, "robot": "", "port": 0, "score": (), "end_reason": ""}))
+        self.change(**(fields or {"phase": IDLE, "robot": "", "port": 0, "score": (), "end_reason": "",
+                                  "event": EVENTS[0]}))
 
     def block(self, command: str, *reasons: str) -> None:
         """Reasons why a command is off, beside its own; none: it is free again."""
@@ -118,20 +126,20 @@ class FakeLink:
         return self.time - self.heard
 
     def next(self, limit_s: float) -> Optional[Box]:
-        """One tick, or None after `limit_s` of silence."""
-        if limit_s <= 0:
-            return None
-        self.time += min(limit_s, TICK_S)
-        while True:
-            due = [plan for plan in self._plans if plan[0] <= self.time]
-            if not due:
-                break
-            self._plans.remove(due[0])
-            due[0][1]()
-        if self.silent:
-            return None
-        self.heard = self.time
-        return self.box
+        """The next tick, or None after `limit_s` of silence."""
+        deadline = self.time + limit_s
+        while self.time < deadline:
+            self.time = min(self.time + TICK_S, deadline)
+            while True:
+                due = [plan for plan in self._plans if plan[0] <= self.time]
+                if not due:
+                    break
+                self._plans.remove(due[0])
+                due[0][1]()
+            if not self.silent:
+                self.heard = self.time
+                return self.box
+        return None
 
     def settle(self) -> Box:
         """Two ticks."""
@@ -143,6 +151,8 @@ class FakeLink:
     def command(self, command: str, name: str) -> None:
         """Carry a command out as the core would."""
         assert name == self.zone.zone
+        if self.dead:
+            raise NoCore("gone")
         self.commands.append(command)
         answer = (self.answers.get(command) or [None]).pop(0)
         if answer is not None:

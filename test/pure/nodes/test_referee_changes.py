@@ -113,3 +113,8 @@ def test_one_zone_is_followed_with_its_own_teams_robots_and_the_whole_box():
         ("warning", ""), ("robot", ""), ("log", "Home A"),
     ]
     assert len(_facts(old, new)) == 5
+
+
+def test_a_robot_does_not_come_because_the_zone_is_followed_to_its_teams_event():
+    others = EVENTS[0]._replace(team="Others")
+    assert "robot" not in [kind for kind, _, _ in _facts(box(zone()), box(zone(event=others)), zone="Home A")]

@@ -181,12 +181,45 @@ def test_an_event_that_is_not_there_leaves_the_zone_where_it_was(link):
     assert "connect" not in link.commands
 
 
+def test_a_restart_on_the_way_to_the_event_is_waited_out(link):
+    link.at(0.3, link.die)
+    link.at(9, link.restart)
+    link.at(20, lambda: link.end("completed"))
+    outcome, told = _run(link, event=event_wanted("HCFGAC"))
+    assert outcome.status is Exit.OK
+    assert outcome.zone.event.code == "HCFGAC"
+    assert ("note", "waiting for the core: silent") in told
+    assert link.commands == ["next", "next", "next", "next", "next", "connect", "start", "disconnect"]
+
+
+def test_a_zone_that_another_referee_moves_is_not_connected(link):
+    link.block("connect", "No robot")
+    link.at(2, lambda: link.change(event=EVENTS[1]))
+    link.at(2, lambda: link.block("connect"))
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.REFUSED
+    assert "moved the zone to HWV/1/2" in outcome.text
+    assert "connect" not in link.commands
+
+
+def test_a_core_that_begins_at_its_first_event_again_is_moved_back(link):
+    link.index = 2
+    link.change(event=EVENTS[2])
+    link.block("connect", "No robot")
+    link.at(2, link.die)
+    link.at(8, link.restart)
+    link.at(9, lambda: link.block("connect"))
+    link.at(15, lambda: link.end("completed"))
+    outcome, _ = _run(link)
+    assert outcome.zone.event == EVENTS[2]
+    assert link.commands == ["next", "next", "connect", "start", "disconnect"]
+
+
 # -- a core that goes away ------------------------------------------------------------------------
 
 
 def test_a_core_that_resumes_the_run_after_a_restart(link):
-    link.at(5, lambda: setattr(link, "silent", True))
-    link.at(15, lambda: setattr(link, "silent", False))
+    link.at(5, link.die)
     link.at(15, lambda: link.restart(phase="running"))
     link.at(20, lambda: link.end("completed"))
     outcome, told = _run(link)
@@ -217,7 +250,14 @@ def test_a_core_that_goes_during_the_command_is_waited_for(link):
     link.at(5, lambda: link.end("completed"))
     outcome, told = _run(link)
     assert outcome.status is Exit.OK
-    assert ("note", "waiting to connect: gone") in told
+    assert ("note", "waiting to connect: the core does not answer") in told
+
+
+def test_a_core_that_stays_gone_before_connect_ends_it_as_such(link):
+    link.at(0.1, link.die)
+    outcome, _ = _run(link, wait_s=4.0, event=event_wanted("HGTKMH"))
+    assert outcome.status is Exit.NO_CORE
+    assert outcome.text == "gone: THE RUN MAY STILL BE GOING ON, look with 'referee status'"
 
 
 def test_a_core_that_stays_silent_ends_it_and_the_referee_is_warned(link):
