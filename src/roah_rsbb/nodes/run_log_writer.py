@@ -146,11 +146,14 @@ class RunLogWriter:
             self._give_up(entry.port, error)
 
     def _flush(self) -> None:
-        for port, bag in list(self._bags.items()):
-            try:
-                bag.flush()
-            except (OSError, ValueError, rosbag.ROSBagException) as error:
-                self._give_up(port, error)
+        for port in list(self._bags):
+            self._flush_one(port)
+
+    def _flush_one(self, port: int) -> None:
+        try:
+            self._bags[port].flush()
+        except (OSError, ValueError, rosbag.ROSBagException) as error:
+            self._give_up(port, error)
 
     def _close(self, port: int) -> None:
         bag = self._bags.pop(port, None)
