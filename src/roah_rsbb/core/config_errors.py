@@ -5,12 +5,15 @@ was found and what was expected (architecture, rule 7), and all of them come in 
 """
 
 import difflib
+import itertools
 from typing import Any, Dict, Iterable, List, NamedTuple, Optional
 
 from roah_rsbb.core.refused import did_you_mean
 
-# More than anybody reads; a hostile file must not grow the report without end.
+# More than anybody reads; a hostile file must not grow the report, or the time it takes, without end.
 MAX_ERRORS = 1000
+# Looking for the nearest of very many words takes long; no competition has so many teams.
+_MAX_CHOICES = 200
 
 _LONGEST_EXCERPT = 60
 _LINES_SHOWN = 10
@@ -50,10 +53,10 @@ class ConfigErrors(Exception):
     `str()` is the whole report, one error a line. No password is ever part of it.
     """
 
-    def __init__(self, errors: List[ConfigError], left_out: int = 0) -> None:
+    def __init__(self, errors: List[ConfigError]) -> None:
         lines = [str(error) for error in errors]
-        if left_out:
-            lines.append(f"... and {left_out} more errors: correct those above first")
+        if len(errors) >= MAX_ERRORS:
+            lines.append(f"... and perhaps more: reading ended at {MAX_ERRORS} errors")
         super().__init__("\n".join(lines))
         self.errors = errors
 
@@ -64,14 +67,12 @@ class Report:
     def __init__(self) -> None:
         self.errors: List[ConfigError] = []
         self.warnings: List[str] = []
-        self._left_out = 0
 
     def error(self, place: Place, found: str, expected: str) -> None:
-        """Note an error; the first `MAX_ERRORS` are kept, the others counted."""
-        if len(self.errors) < MAX_ERRORS:
-            self.errors.append(ConfigError(place.file, place.line, place.column, found, expected))
-        else:
-            self._left_out += 1
+        """Note an error; raises `ConfigErrors` at once when there are `MAX_ERRORS` of them."""
+        self.errors.append(ConfigError(place.file, place.line, place.column, found, expected))
+        if len(self.errors) >= MAX_ERRORS:
+            self.raise_errors()
 
     def once(self, seen: Dict[Any, Place], thing: Any, place: Place, found: str, expected: str) -> None:
         """Note an error if `thing` was seen before; `seen` holds where each thing stands first."""
@@ -89,7 +90,7 @@ class Report:
             return
         files = list(dict.fromkeys(error.file for error in self.errors))
         ordered = sorted(self.errors, key=lambda error: (files.index(error.file), error.line, error.column))
-        raise ConfigErrors(ordered, self._left_out)
+        raise ConfigErrors(ordered)
 
 
 def quote(text: str) -> str:
@@ -101,7 +102,7 @@ def quote(text: str) -> str:
 
 def nearest(word: str, choices: Iterable[str]) -> Optional[str]:
     """The choice that `word` was probably meant to be, upper and lower case ignored; None: no idea."""
-    by_folded = {choice.casefold(): choice for choice in choices}
+    by_folded = {choice.casefold(): choice for choice in itertools.islice(choices, _MAX_CHOICES)}
     near = difflib.get_close_matches(word[:100].casefold(), list(by_folded), n=1)
     return by_folded[near[0]] if near else None
 

@@ -39,7 +39,7 @@ class PasswordsFile:
         if not root.pairs and root.whole:
             report.error(root.place, "no teams", _SHAPE)
         readable = [self._line(key, value) for key, value in root.pairs]
-        if root.whole and all(readable):
+        if root.whole and readable and all(readable):
             self.teams = {key.text for key, _ in root.pairs}
 
     def _line(self, key: Scalar, value: Node) -> bool:

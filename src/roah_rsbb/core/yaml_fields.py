@@ -186,6 +186,11 @@ def sequence(
     return node.items
 
 
+def _word(key: Scalar) -> str:
+    """What an unknown key was meant to be: only its beginning where the blank after the colon is missing."""
+    return key.text.split(":")[0]
+
+
 def _why_no_value(key: Scalar, value: Node) -> str:
     """Why an unknown key without value may be none at all, as in ``{run:1, desc: Hits, or damages}``."""
     if not isinstance(value, Scalar) or value.text or value.quoted:
@@ -214,10 +219,10 @@ def fields(
     unknown = [(key, value) for key, value in node.pairs if key.text not in known]
     for key, value in unknown:
         if not isinstance(value, Unusable):
-            expected = f"a key of {what}{suggestion(key.text, known)}{_why_no_value(key, value)}"
+            expected = f"a key of {what}{suggestion(_word(key), known)}{_why_no_value(key, value)}"
             report.error(key.place, f"the unknown key {quote(key.text)} in {what}", expected)
     # A misspelt key is one mistake, not two; and a pair that could not be read may be what is missing.
-    misspelt = {nearest(key.text, known) for key, _ in unknown}
+    misspelt = {nearest(_word(key), known) for key, _ in unknown}
     missing = [key for key in required if key not in found and key not in misspelt]
     if missing and node.whole and not any(isinstance(value, Unusable) for _, value in unknown):
         examples = listing(f"'{key}: {required[key]}'" for key in missing)

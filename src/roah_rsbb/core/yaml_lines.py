@@ -19,7 +19,7 @@ import yaml
 from roah_rsbb.core.config_errors import Place, Report, line_list, nearest, quote
 from roah_rsbb.core.yaml_syntax import explain
 
-# A schedule of ten thousand runs. Reading this much takes PyYAML about two seconds.
+# A schedule of ten thousand runs. Reading this much takes PyYAML two to six seconds.
 MAX_BYTES = 1_000_000
 # Configuration files are at most seven levels deep.
 MAX_DEPTH = 20
@@ -145,6 +145,7 @@ class _Builder:
         # PyYAML also counts U+2028 and the like as line ends; editors do not.
         self._line_starts = [0] + [m.end() for m in _LINE_END.finditer(text) if m.end() < len(text)]
         self._last: Optional[yaml.Event] = None
+        self._open_brackets: List[Place] = []
         try:
             self._loader = yaml.SafeLoader(text)
         except yaml.reader.ReaderError as error:
@@ -182,6 +183,9 @@ class _Builder:
             if end.line > begin.line:
                 found = f"a quote that is opened here and closed only in line {end.line}"
                 raise _Stop(begin, found, "a quote at the text's end, too") from None
+        if "<stream end>" in error.problem and self._open_brackets:
+            found = "a '[' or '{' that is opened here and never closed"
+            raise _Stop(self._open_brackets[-1], found, "a ']' or '}' at its end") from None
         stop = self._place(error.problem_mark.index)
         start = self._line_starts[stop.line - 1]
         why = explain(error, self._text[start : start + stop.column - 1])
@@ -199,7 +203,6 @@ class _Builder:
         return f" (and at the beginning of line {line_list(others)})"
 
     def _place(self, index: int) -> Place:
-        index = min(index, len(self._text))
         line = bisect.bisect_right(self._line_starts, index) - 1
         return Place(self._path, line + 1, index - self._line_starts[line] + 1)
 
@@ -214,10 +217,8 @@ class _Builder:
             return self._unusable(place, "*", "an alias")
         if isinstance(event, yaml.ScalarEvent):
             node = self._scalar(event, place)
-        elif isinstance(event, yaml.SequenceStartEvent):
-            node = self._sequence(place, depth)
         else:
-            node = self._mapping(place, depth)
+            node = self._collection(event, place, depth)
         if event.anchor is not None:
             return self._unusable(place, "&", "an anchor")
         if event.tag is not None:
@@ -237,6 +238,15 @@ class _Builder:
             self._report.error(place, "an escape (\\u...) that is not a character", "the character itself")
             return Unusable(place)
         return Scalar(place, event.value, not event.implicit[0], self._secret)
+
+    def _collection(self, event: yaml.CollectionStartEvent, place: Place, depth: int) -> Node:
+        read = self._sequence if isinstance(event, yaml.SequenceStartEvent) else self._mapping
+        if not event.flow_style:
+            return read(place, depth)
+        self._open_brackets.append(place)
+        node = read(place, depth)
+        self._open_brackets.pop()
+        return node
 
     def _sequence(self, place: Place, depth: int) -> Sequence:
         items: List[Node] = []
@@ -260,6 +270,8 @@ class _Builder:
                     self._report.error(key.place, "a map or a sequence as key", "a text, e.g. 'name: value'")
             elif key.text in pairs:
                 again.append(key)
+                # Which of the values is meant, and under which key, is anybody's guess.
+                pairs[key.text] = (pairs[key.text][0], Unusable(value.place))
             else:
                 pairs[key.text] = (key, value)
             event = self._next()

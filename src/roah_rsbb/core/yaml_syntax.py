@@ -44,7 +44,11 @@ _EXPLANATIONS: Tuple[Tuple[str, Explanation], ...] = (
     ),
     (
         "sequence entries are not allowed",
-        Explanation(False, "a '- ' in the middle of a line", "each '- item' on a line of its own"),
+        Explanation(
+            False,
+            "a '- ' that cannot stand here",
+            "each '- item' on a line of its own, under the others, below a line that ends with ':'",
+        ),
     ),
     (
         "mapping keys are not allowed",
@@ -83,6 +87,8 @@ _EXPLANATIONS: Tuple[Tuple[str, Explanation], ...] = (
     ),
     ("YAML document", Explanation(False, "a '%YAML' line of a version other than 1", "no such line")),
     ("tag handle", Explanation(False, "a '%TAG' line", "no such line")),
+    ("but found '}'", Explanation(False, "a '}' without its '{'", "as many '{' as '}'")),
+    ("but found ']'", Explanation(False, "a ']' without its '['", "as many '[' as ']'")),
     (
         "<document start>",
         Explanation(False, "a line that does not belong to what stands above", _INDENTATION),
@@ -107,7 +113,14 @@ _EXPLANATIONS: Tuple[Tuple[str, Explanation], ...] = (
             "'{key: value, key: value}', and a pair of quotes around a text that contains [ ] { } , or ': '",
         ),
     ),
-    ("expected the node content", _QUOTES._replace(at_begin=False)),
+    (
+        "expected the node content",
+        Explanation(
+            False,
+            "a comma, a bracket or another sign where a value should begin",
+            f"a value, or {_QUOTES.expected}",
+        ),
+    ),
 )
 
 _UNKNOWN = Explanation(False, "something that is not YAML", "'key: value' and '- item' lines")
