@@ -58,7 +58,7 @@ class ActiveRobotsPanel(Panel):
         return (
             robot.team,
             robot.robot,
-            f"{robot.skew.to_sec():+.3f} s".replace("-", "−"),
+            texts.skew(robot.skew.to_sec()),
             runs.get((robot.team, robot.robot), "–"),
             texts.ago(self.model.clock_s - robot.beacon.to_sec()),
         )

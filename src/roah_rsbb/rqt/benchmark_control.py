@@ -50,6 +50,13 @@ PHASES: Dict[str, Tuple[str, widgets.Tone, str]] = {
     "running": ("▶ RUNNING", widgets.RUNNING, "Time left"),
     "ended": ("■ ENDED", widgets.ENDED, "Time left after the stop"),
 }
+# (phase, command) that usually follows: it stands out, once it is possible.
+NEXT_STEP = {
+    ("idle", "connect"): widgets.READY,
+    ("connected", "start"): widgets.RUNNING,
+    ("running", "stop"): widgets.ALARM,
+    ("ended", "disconnect"): widgets.READY,
+}
 UNKNOWN_PHASE = ("–", widgets.IDLE, "Time")
 END_REASONS = {"no_messages_saved": "no data saved"}
 
@@ -176,7 +183,7 @@ class BenchmarkControlPanel(Panel):
         self._event["team"].setText(zone.team)
         when = texts.scheduled(zone.schedule.to_sec(), self.model.clock_s)
         self._event["facts"].setText(
-            f"{zone.name}   ·   round {zone.round}, run {zone.run}   ·   scheduled {when} UTC   ·   "
+            f"{zone.name} · round {zone.round}, run {zone.run} · scheduled {when} UTC · "
             f"limit {texts.countdown(zone.timeout.to_sec())}"
         )
 
@@ -217,10 +224,10 @@ class BenchmarkControlPanel(Panel):
             # A run that may still go on can be stopped, if the command only gets through.
             button.allow(allowed and command.service == "stop", [SILENT], widgets.ALARM if running else None)
             return
-        tones = {"start": widgets.RUNNING, "stop": widgets.ALARM if running else None, "connect": widgets.READY}
         reasons = getattr(details, f"{command.field}_off") if details else ()
+        tone = NEXT_STEP.get((details.phase if details else "", command.service))
         leaves = STOP_LEAVES_TIP if command.service == "stop" and not running else ""
-        button.allow(allowed, reasons, tones.get(command.service), leaves)
+        button.allow(allowed, reasons, tone, leaves)
 
     # -- commands -----------------------------------------------------------------------------------
 

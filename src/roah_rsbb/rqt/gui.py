@@ -17,8 +17,9 @@ from roah_rsbb.rqt import display
 RQT_MODULES = ("rqt_gui", "rqt_gui_py", "qt_gui")
 NO_RQT = "rqt is not installed: install ros-noetic-rqt-gui and ros-noetic-rqt-gui-py, or use gui:=window"
 _RUN_RQT = "import sys; from rqt_gui.main import Main; sys.exit(Main(filename='rqt').main())"
-# rqt remembers which plugins there were: look again, ours may be new.
-RQT = [sys.executable, "-c", _RUN_RQT, "--force-discover"]
+# rqt remembers which plugins there were: look again, ours may be new. The layout is frozen and locked, so that
+# no panel is lost by a slip of the hand; who wants another one starts an rqt of their own.
+RQT = [sys.executable, "-c", _RUN_RQT, "--force-discover", "--lock-perspective", "--freeze-layout"]
 WINDOW = [sys.executable, "-c", "from roah_rsbb.rqt.window import main; main()", "--of-launch"]
 PUBLIC = [sys.executable, "-c", "from roah_rsbb.rqt.public import main; main()"]
 
@@ -89,6 +90,7 @@ def main() -> None:
     parser.add_argument("--gui", choices=("auto", "rqt", "window", "public"), default="auto")
     parser.add_argument("--reopen", type=_bool, default=False, metavar="true|false",
                         help="open the window again also when it was closed")
+    parser.add_argument("--perspective", metavar="FILE", help="layout of the panels in rqt")
     arguments, rest = parser.parse_known_args(sys.argv[1:])
     has_rqt = all(importlib.util.find_spec(name) is not None for name in RQT_MODULES)
     choice = choose(arguments.gui, display.has_display(), has_rqt)
@@ -96,7 +98,8 @@ def main() -> None:
         _say(choice.text)
     if choice.command is None:
         sys.exit(choice.code)
-    sys.exit(Keeper(choice.command + rest, arguments.reopen).run())
+    layout = ["--perspective-file", arguments.perspective] if choice.command is RQT and arguments.perspective else []
+    sys.exit(Keeper(choice.command + layout + rest, arguments.reopen).run())
 
 
 def _bool(text: str) -> bool:

@@ -2,7 +2,7 @@
 
 from typing import Optional
 
-from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtCore import Qt, QTimer
 from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QMessageBox, QSizePolicy, QVBoxLayout, QWidget
 
 from roah_rsbb.rqt import texts, widgets
@@ -91,6 +91,8 @@ def ask(parent: QWidget, question: str, details: str, yes: str, then) -> QMessag
 
 # Place for an answer that keeps it while it is empty, lines.
 LINES = 2
+# What went well is no news after this long; what failed stays.
+DONE_MS = 4000
 
 
 class Answer(QLabel):
@@ -100,6 +102,8 @@ class Answer(QLabel):
         """`reserved`: it keeps its place while it is empty, so that nothing jumps when it is not."""
         super().__init__(parent)
         self._reserved = reserved
+        self._done = QTimer(self, singleShot=True)
+        self._done.timeout.connect(self.clear_answer)
         if reserved:
             self.setFixedHeight(round(LINES * self.fontMetrics().lineSpacing() + widgets.em()))
         self.setWordWrap(True)
@@ -122,12 +126,14 @@ class Answer(QLabel):
             self._show(f"✘ {what} failed: {outcome.error}", f"background: {tone.background}; color: {tone.text};")
         else:
             self._show(f"✔ {what}: done", "")
+            self._done.start(DONE_MS)
 
     def clear_answer(self) -> None:
         """Show nothing."""
         self._show(" ", "")
 
     def _show(self, text: str, style: str) -> None:
+        self._done.stop()
         self.setText(text)
         self.setToolTip(widgets.tip(text.strip()))  # all of it, also where it is too long for its place
         if not self._reserved:

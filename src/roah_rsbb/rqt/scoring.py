@@ -108,7 +108,7 @@ class ScoringPanel(Panel):
         self._stack.addWidget(self._nothing)
         self._stack.addWidget(self._area)
         self.body.addLayout(self._stack, 1)
-        self._answer = Answer()
+        self._answer = Answer(reserved=False)
         self.body.addWidget(self._answer)
 
     # -- showing ------------------------------------------------------------------------------------

@@ -50,6 +50,11 @@ def moment(utc_s: float, now_utc_s: float) -> str:
     return f"{time_of_day(utc_s)} UTC ({ago(now_utc_s - utc_s)})"
 
 
+def skew(seconds: float) -> str:
+    """A clock skew, in milliseconds; one that rounds to zero is never negative."""
+    return f"{round(seconds, 3) + 0.0:+.3f} s".replace("-", "−")
+
+
 def silence(seconds: Optional[float]) -> str:
     """What a panel says while the core is silent; None: it was never heard."""
     if seconds is None:

@@ -1,4 +1,7 @@
-"""Which windows a client opens."""
+"""Which windows a client opens, and how long it keeps them open."""
+
+import signal
+import sys
 
 import pytest
 
@@ -25,3 +28,32 @@ def test_rqt_that_is_not_there_is_named_with_its_remedy():
     assert (choice.command, choice.code) == (None, 1)
     assert "ros-noetic-rqt-gui-py" in choice.text
     assert "gui:=window" in choice.text
+
+
+@pytest.fixture
+def keep(monkeypatch):
+    """Runs a Python program under a Keeper, and gives its exit code."""
+    monkeypatch.setattr(gui, "REOPEN_S", 0.0)
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    yield lambda program, reopen: gui.Keeper([sys.executable, "-S", "-c", program], reopen).run()
+    for number, handler in zip((signal.SIGINT, signal.SIGTERM), before):
+        signal.signal(number, handler)
+
+
+COUNT = "import sys; f = open({path!r}, 'a'); f.write('x'); f.close(); sys.exit({code})"
+
+
+@pytest.mark.parametrize(("code", "reopen", "lives"), [
+    (0, False, 1),  # it was closed
+    (0, True, gui.MAX_SHORT_LIVES),  # it belongs to the box, but something closes it at once, each time
+    (3, False, gui.MAX_SHORT_LIVES),  # it cannot work at all
+])
+def test_a_window_is_opened_again_but_not_for_ever(keep, tmp_path, code, reopen, lives):
+    path = tmp_path / "lives"
+    assert keep(COUNT.format(path=str(path), code=code), reopen) == code
+    assert len(path.read_text()) == lives
+
+
+def test_the_end_of_the_launch_is_the_windows_end(keep):
+    asks_parent_to_end = "import os, signal, time; os.kill(os.getppid(), signal.SIGTERM); time.sleep(60)"
+    assert keep(asks_parent_to_end, True) == 0

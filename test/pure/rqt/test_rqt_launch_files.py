@@ -1,6 +1,7 @@
 """Launch and plugin files say what the panels rely on."""
 
 import ast
+import json
 import pathlib
 from xml.etree import ElementTree
 
@@ -45,3 +46,9 @@ def test_all_plugins_are_in_one_group_of_the_menu():
     assert {e.get("base_class_type") for e in PLUGINS.iter("class")} == {"rqt_gui_py::Plugin"}
     export = ElementTree.parse(ROOT / "package.xml").getroot().find("export/rqt_gui")
     assert export.get("plugin") == "${prefix}/plugin.xml"
+
+
+def test_the_layout_for_rqt_opens_every_plugin_once():
+    layout = json.loads((ROOT / "resource" / "roah_rsbb.perspective").read_text(encoding="utf-8"))
+    running = ast.literal_eval(layout["groups"]["pluginmanager"]["keys"]["running-plugins"]["repr"])
+    assert running == {f"roah_rsbb/{element.get('name')}": [1] for element in PLUGINS.iter("class")}

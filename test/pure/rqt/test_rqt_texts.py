@@ -59,3 +59,10 @@ def test_silence_names_its_length():
     assert texts.silence(None) == "OLD: waiting for the core"
     assert texts.silence(0.8) == "OLD: no news from the core for 1 s"
     assert texts.silence(12.3) == "OLD: no news from the core for 12 s"
+
+
+@pytest.mark.parametrize(("seconds", "shown"), [
+    (0.0123, "+0.012 s"), (-0.0871, "−0.087 s"), (-0.0001, "+0.000 s"), (0.0, "+0.000 s"),
+])
+def test_a_skew_has_a_sign(seconds, shown):
+    assert texts.skew(seconds) == shown
