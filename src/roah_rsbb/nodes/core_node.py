@@ -4,6 +4,7 @@ The only place where the core meets rospy. Its topics, services and parameters a
 interface, plus /core/details.
 """
 
+import signal
 import sys
 import uuid
 from typing import Callable
@@ -229,4 +230,6 @@ def main() -> None:
             rospy.logfatal("%s", line)
         status = 1
         _end_launch()
+    # The process ends now: roslaunch, which interrupts all its nodes, could only add a traceback.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.exit(status)
