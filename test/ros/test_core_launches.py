@@ -1,0 +1,140 @@
+#!/usr/bin/python3
+"""Launching and ending: the whole dummy set-up, configurations that cannot work, another box on the network."""
+
+import os
+import re
+from typing import Dict
+
+import rospy
+from box_case import LISTENER, PACKAGE, NetworkCase, main
+from box_client import BoxClient
+from programs import Program
+from robots import BOX, BROADCAST, CONFIG, RSBB_PORT, empty_beacon
+from run_logs import RunLog
+from std_srvs.srv import Empty
+from waiting import LIMIT_S, wait_until
+
+from roah_rsbb.states import BoxState
+
+FOREIGN_BOX = "127.0.0.5"
+LOST = "192.0.2.1"  # reserved for documentation: no machine has it
+LOG_DIR = os.path.join(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros")), "roah_rsbb_test")
+NETWORK = {"rsbb_host": BROADCAST, "rsbb_port": RSBB_PORT, "bind_host": BOX, "log_dir": LOG_DIR}
+BROKEN = {f"{name}_file": CONFIG / "broken" / f"{name}.yaml" for name in ("benchmarks", "schedule", "passwords")}
+GOOD = {
+    "benchmarks_file": CONFIG / "short_benchmarks.yaml", "schedule_file": CONFIG / "boxes.yaml",
+    "passwords_file": CONFIG / "passwords.yaml",
+}
+# Line by line: file and line, what is found there.
+ERRORS = (
+    r"benchmarks\.yaml:2: found the text 'HGTKM' as code; expected .*did you mean 'HGTKMH'",
+    r"benchmarks\.yaml:3: found a benchmark without desc",
+    r"benchmarks\.yaml:3: found the text 'soon' as timeout; expected a number of seconds",
+    r"passwords\.yaml:2: found a tab; expected spaces",
+    r"schedule\.yaml:3: found the text 'yesterday' as scheduled_time; expected a date and time in UTC",
+    r"schedule\.yaml:4: found a second zone 'Home'",
+    r"schedule\.yaml:5: found an empty sequence as schedule of zone 'Home'",
+)
+# Every parameter of the ROS interface that can be wrong by itself, and those that are new.
+WRONG_PARAMS = {
+    "rsbb_port": 0, "rsbb_cypher": "rot13", "robot_timeout": 0, "allowed_skew": "wide", "after_stop_duration": -1,
+    "display_log_size": 1.5, "check_messages_saved": "maybe", "check_messages_saved_timeout": -1,
+    "private_mode": "loud", "max_datagram": 10, "auto_next": "perhaps", "listen_duration": 1000,
+}
+NO_PARAMS = ("benchmarks_file", "schedule_file", "passwords_file")
+
+
+class LaunchCase(NetworkCase):
+    def launch(self, name: str, **arguments: object) -> Program:
+        """Start a launch file of the package."""
+        return self._leaving(Program(
+            "roslaunch", PACKAGE, name, "gui:=none",
+            *(f"{argument}:={value}" for argument, value in {**NETWORK, **arguments}.items()),
+        ))
+
+    def core(self, name: str, params: Dict[str, object]) -> Program:
+        """Start a core alone, under another name."""
+        return self._leaving(Program(
+            "rosrun", PACKAGE, "roah_rsbb_core", f"__name:={name}",
+            *(f"_{param}:={value}" for param, value in params.items()),
+        ))
+
+    def assert_not_mendable(self, launched: Program, texts: tuple) -> None:
+        """The launch ended by itself, after it told what is wrong."""
+        launched.wait_ended()
+        for text in texts:
+            self.assertRegex(launched.text, text)
+        self.assertNotIn("Traceback", launched.text)
+
+
+class TestConfigurationsThatCannotWork(LaunchCase):
+    def test_errors_of_all_files_are_told_at_once(self) -> None:
+        alone = self.core("broken_core", {**NETWORK, **BROKEN})
+        launched = self.launch("roah_rsbb.launch", **BROKEN)
+        self.assertEqual(alone.wait_ended(), 1)
+        told = [line for line in alone.lines if "[FATAL]" in line]
+        self.assertEqual(len(told), len(ERRORS), alone.text)
+        for line, error in zip(told, ERRORS):
+            self.assertRegex(line, error)
+        self.assertNotIn("Traceback", alone.text)
+        self.assert_not_mendable(launched, ERRORS)
+        self.assertNotIn("Listening on UDP", launched.text)
+
+    def test_wrong_parameters_are_told_at_once(self) -> None:
+        core = self.core("wrong_core", WRONG_PARAMS)
+        self.assertEqual(core.wait_ended(), 1)
+        for param, value in WRONG_PARAMS.items():
+            with self.subTest(param):
+                self.assertIn(f"parameter /wrong_core/{param}: found {value!r}, expected ", core.text)
+        for param in NO_PARAMS:
+            with self.subTest(param):
+                self.assertIn(f"parameter /wrong_core/{param}: found nothing, expected ", core.text)
+
+    def test_an_address_that_this_machine_does_not_have(self) -> None:
+        core = self.core("lost_core", {**NETWORK, **GOOD, "bind_host": LOST})
+        self.assertEqual(core.wait_ended(), 1)
+        self.assertIn(f"{LOST} is not an address of this machine", core.text)
+        self.assertIn("correct bind_host", core.text)
+
+    def test_another_box_ends_the_launch(self) -> None:
+        foreign = self.participant(FOREIGN_BOX)
+        launched = self.launch("roah_rsbb.launch", **GOOD)
+        launched.wait_printed("Listening on UDP")
+        foreign.send(empty_beacon())
+        self.assert_not_mendable(launched, (rf"\[FATAL\].*Another RSBB is running at {re.escape(FOREIGN_BOX)}",))
+
+
+class TestDummySetUp(LaunchCase):
+    """One launch file starts all that is needed; a service ends it."""
+
+    ZONE = "Testing TestingTeam"
+
+    def test_from_launch_to_shutdown(self) -> None:
+        listener = self.participant(LISTENER)
+        launched = self.launch("roah_rsbb_dummy.launch")
+        box = BoxClient()
+        self.addCleanup(box.close)
+        box.wait_heard()
+        box.wait_details(self.ZONE, lambda d: any("still listening" in reason for reason in d.connect_off),
+                         "connect is off while the box only listens")
+        self.assertIn("The box is still listening for another box", box.refusal("connect", self.ZONE))
+        self.assertIsNone(listener.beacon)
+        wait_until(lambda: listener.beacon, "the box transmits")
+        self.assertRegex(box.gui.status, r"^OK$|: [01] s$", "it listened for the whole time")
+
+        box.connect(self.ZONE)
+        box.start(self.ZONE)
+        box.wait_text(self.ZONE, "Benchmark completed by the robot")
+        self.assertGreater(box.zone_details(self.ZONE).messages_saved, 0)
+        path = box.zone_details(self.ZONE).log_file
+
+        rospy.wait_for_service("/roah_rsbb_shutdown", LIMIT_S)
+        rospy.ServiceProxy("/roah_rsbb_shutdown", Empty)()
+        self.assertEqual(launched.wait_ended(), 0)
+        self.assertNotIn("Traceback", launched.text)
+        states = RunLog.complete(path).values("/rsbb_log/rsbb_state")
+        self.assertEqual(states, [BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT, BoxState.STOP])
+
+
+if __name__ == "__main__":
+    main("test_core_launches")
