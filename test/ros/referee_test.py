@@ -5,12 +5,9 @@ import contextlib
 import json
 import os
 import pty
-import queue
 import signal
 import socket
 import subprocess
-import sys
-import threading
 import time
 import unittest
 
@@ -18,10 +15,10 @@ import rosgraph
 import rospy
 import rostest
 from fake_core import FakeCore
+from referee_program import COMMAND, Referee, referee
+from waiting import LIMIT_S
 
-REFEREE = [sys.executable, "-c", "from roah_rsbb.nodes.referee import main; main()"]
 DOOR = ("Achievements", "The robot detects the door with changed state")
-LIMIT_S = 20.0
 # What does not answer must be told in 2 to 3 s; the machine may be busy.
 SOON_S = 6.0
 
@@ -43,56 +40,10 @@ class RestartedCore(FakeCore):
         return message
 
 
-class Referee:
-    """A referee that runs; its lines are read as they come."""
-
-    def __init__(self, *words: str, **environment: str) -> None:
-        self.process = subprocess.Popen(
-            [*REFEREE, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-            env={**os.environ, **environment},
-        )
-        self.seen = []
-        self._lines = queue.Queue()
-        threading.Thread(target=self._read, daemon=True).start()
-
-    def _read(self) -> None:
-        for line in self.process.stdout:
-            self._lines.put(line.rstrip("\n"))
-        self._lines.put(None)
-
-    def line(self, fits) -> str:
-        """The next line that fits."""
-        while True:
-            line = self._lines.get(timeout=LIMIT_S)
-            assert line is not None, f"it ended: {self.process.stderr.read()}; before: {self.seen}"
-            self.seen.append(line)
-            if fits(line):
-                return line
-
-    def event(self, kind: str, **facts) -> dict:
-        """The next JSON line of a kind with these facts."""
-        def fits(line: str) -> bool:
-            made = json.loads(line)
-            return made["kind"] == kind and all(made[name] == value for name, value in facts.items())
-        return json.loads(self.line(fits))
-
-    def end(self) -> int:
-        """Wait for its end; returns the exit status."""
-        status = self.process.wait(LIMIT_S)
-        self.process.stderr.close()
-        return status
-
-
-def referee(*words: str, **environment: str) -> subprocess.CompletedProcess:
-    """A referee, from its start to its end."""
-    return subprocess.run([*REFEREE, *words], capture_output=True, text=True, timeout=LIMIT_S,
-                          env={**os.environ, **environment})
-
-
 def on_terminal(*words: str, **environment: str) -> str:
     """What a referee shows on a terminal."""
     master, slave = pty.openpty()
-    process = subprocess.Popen([*REFEREE, *words], stdout=slave, env={**os.environ, "TERM": "xterm", **environment})
+    process = subprocess.Popen([*COMMAND, *words], stdout=slave, env={**os.environ, "TERM": "xterm", **environment})
     os.close(slave)
     shown = b""
     with contextlib.suppress(OSError):  # the terminal's other end is closed
@@ -109,19 +60,15 @@ class WithCore(unittest.TestCase):
     def setUp(self) -> None:
         self.core = FakeCore()
         self.zone = self.core.zones["Home A"]
-        self.referees = []
 
     def tearDown(self) -> None:
-        for one in self.referees:
-            if one.process.poll() is None:
-                one.process.kill()
-                one.process.wait()
         self.core.close()
 
     def start(self, *words: str) -> Referee:
         """A referee that is ended with the test."""
-        self.referees.append(Referee(*words))
-        return self.referees[-1]
+        started = Referee(*words)
+        self.addCleanup(started.close)
+        return started
 
 
 class TestCommands(WithCore):
@@ -228,21 +175,22 @@ class TestNoCore(unittest.TestCase):
 class TestWatch(WithCore):
     def test_what_happens_is_told_in_lines_with_their_time(self) -> None:
         watch = self.start("watch", "--zone", "Home A")
-        watch.line(lambda line: "allowed now" in line)
+        watch.line(lambda line: "allowed now" in line, "the status")
         self.zone.command("connect")
-        self.assertRegex(watch.line(lambda line: "CONNECTED" in line), r"^\d\d:\d\d:\d\dZ Home A: CONNECTED to mbot")
+        connected = watch.line(lambda line: "CONNECTED" in line, "connected")
+        self.assertRegex(connected, r"^\d\d:\d\d:\d\dZ Home A: CONNECTED to mbot on UDP port 6667$")
         self.zone.scores[DOOR] = 1
-        watch.line(lambda line: line.endswith(f"Home A: score: {DOOR[0]}: {DOOR[1]}: no -> yes"))
+        watch.wait_printed(f"Home A: score: {DOOR[0]}: {DOOR[1]}: no -> yes")
         self.zone.online_data += "12:00:00Z visitor: postman\n"
-        watch.line(lambda line: line == "12:00:00Z Home A: online data: visitor: postman")
+        watch.wait_printed("\n12:00:00Z Home A: online data: visitor: postman")
         self.core.zones["Home B"].command("connect")
         self.zone.warnings.append("Robot is silent")
-        watch.line(lambda line: line.endswith("Home A: WARNING: Robot is silent"))
+        watch.wait_printed("Z Home A: WARNING: Robot is silent")
         self.core.robots.pop(0)
-        watch.line(lambda line: line.endswith("robot TestingTeam mbot is GONE: not heard any more"))
-        watch.process.send_signal(signal.SIGINT)
-        self.assertEqual(watch.end(), 0)
-        self.assertFalse([line for line in watch.seen if "Home B" in line])
+        watch.wait_printed("Z robot TestingTeam mbot is GONE: not heard any more")
+        watch.signal(signal.SIGINT)
+        self.assertEqual(watch.wait_ended(), 0)
+        self.assertFalse([line for line in watch.lines if "Home B" in line])
 
     def test_the_core_is_restarted(self) -> None:
         watch = self.start("watch", "--json")
@@ -258,7 +206,7 @@ class TestWatch(WithCore):
 
     def test_a_reader_that_goes_away_ends_it(self) -> None:
         reading, writing = os.pipe()
-        watch = subprocess.Popen([*REFEREE, "watch"], stdout=writing, stderr=subprocess.PIPE)
+        watch = subprocess.Popen([*COMMAND, "watch"], stdout=writing, stderr=subprocess.PIPE)
         os.close(writing)
         os.read(reading, 1)
         os.close(reading)
@@ -286,31 +234,31 @@ class TestRun(WithCore):
         run.event("online_data")
         zone.phase, zone.end_reason = "ended", "completed"
         result = run.event("result")
-        self.assertEqual(run.end(), 0)
+        self.assertEqual(run.wait_ended(), 0)
         self.assertEqual((result["ok"], result["end_reason"], result["event"]["code"]), (True, "completed", "HWV"))
         self.assertEqual(result["score"][0]["value"], 1)
         self.assertEqual([call[0] for call in self.core.calls], ["next", "connect", "start", "set_score", "disconnect"])
 
     def test_its_text_ends_with_score_sheet_and_verdict(self) -> None:
         run = self.start("run", "Home A")
-        run.line(lambda line: "RUNNING" in line)
+        run.wait_printed("RUNNING")
         self.zone.phase, self.zone.end_reason = "ended", "timeout"
-        run.line(lambda line: line.startswith("Score sheet: HGTKMH"))
-        run.line(lambda line: line == "Home A: the run did not complete: timeout")
-        self.assertEqual(run.end(), 4)
+        run.wait_printed("Score sheet: HGTKMH")
+        run.wait_printed("\nHome A: the run did not complete: timeout")
+        self.assertEqual(run.wait_ended(), 4)
 
     def test_an_interrupt_is_a_referees_stop(self) -> None:
         for number in (signal.SIGINT, signal.SIGTERM):
             run = self._running()
-            run.process.send_signal(number)
+            run.signal(number)
             self.assertEqual(run.event("result")["end_reason"], "stopped")
-            self.assertEqual(run.end(), 130)
+            self.assertEqual(run.wait_ended(), 130)
             self.assertEqual([call[0] for call in self.core.calls[-2:]], ["stop", "disconnect"])
 
     def test_a_terminal_that_is_closed_leaves_the_run_as_it_is(self) -> None:
         run = self._running()
-        run.process.send_signal(signal.SIGHUP)
-        self.assertEqual(run.process.wait(LIMIT_S), 129)
+        run.signal(signal.SIGHUP)
+        self.assertEqual(run.wait_ended(), 129)
         self.assertEqual([call[0] for call in self.core.calls], ["connect", "start"])
 
     def test_the_run_goes_on_over_a_restart_of_the_core(self) -> None:
@@ -324,7 +272,7 @@ class TestRun(WithCore):
         self.core.ready = True
         run.event("core", what="restarted")
         zone.phase, zone.end_reason = "ended", "completed"
-        self.assertEqual(run.end(), 0)
+        self.assertEqual(run.wait_ended(), 0)
 
 
 if __name__ == "__main__":

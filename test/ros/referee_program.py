@@ -1,0 +1,47 @@
+"""The terminal's referee as a program of its own, for tests."""
+
+import json
+import os
+import subprocess
+import sys
+from typing import Callable
+
+from programs import Program
+from waiting import LIMIT_S, wait_until
+
+COMMAND = (sys.executable, "-c", "from roah_rsbb.nodes.referee import main; main()")
+
+
+def referee(*words: str, **environment: str) -> subprocess.CompletedProcess:
+    """A referee, from its start to its end."""
+    return subprocess.run([*COMMAND, *words], capture_output=True, text=True, timeout=LIMIT_S,
+                          env={**os.environ, **environment})
+
+
+class Referee(Program):
+    """A referee that runs. Its lines are asked for in their order."""
+
+    def __init__(self, *words: str) -> None:
+        self._next = 0
+        super().__init__(*COMMAND, *words)
+
+    def signal(self, number: int) -> None:
+        """Send it a signal."""
+        self._process.send_signal(number)
+
+    def line(self, fits: Callable[[str], bool], what: str) -> str:
+        """Wait for the next line that fits."""
+        def found() -> str:
+            while self._next < len(self.lines):
+                self._next += 1
+                if fits(self.lines[self._next - 1]):
+                    return self.lines[self._next - 1]
+            return ""
+        return wait_until(found, lambda: f"{what} is printed; it printed\n{self.text}")
+
+    def event(self, kind: str, **facts: object) -> dict:
+        """Wait for the next JSON line of a kind with these facts."""
+        def fits(line: str) -> bool:
+            made = json.loads(line)
+            return made["kind"] == kind and all(made.get(name) == value for name, value in facts.items())
+        return json.loads(self.line(fits, f"{kind} {facts}"))
