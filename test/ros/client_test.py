@@ -37,6 +37,7 @@ from roah_rsbb.rqt.window import Window
 
 HERE = pathlib.Path(__file__).resolve().parent
 PLUGIN_XML = HERE.parent.parent / "plugin.xml"
+LAUNCH = HERE.parent.parent / "launch"
 PUBLIC_TOPIC = "/core/to_public"
 
 
@@ -316,7 +317,7 @@ class TestPrograms(unittest.TestCase):
         wait_until(lambda: not client.model.is_old, "the new one is heard")
 
     def test_a_client_opens_comes_back_after_a_crash_and_ends_by_its_exit(self) -> None:
-        launch = self.start("roslaunch", "roah_rsbb", "roah_rsbb_client.launch", "gui:=window", "zone:=Home B")
+        launch = self.start("roslaunch", str(LAUNCH / "roah_rsbb_client.launch"), "gui:=window", "zone:=Home B")
         wait_until(lambda: _names("/roah_rsbb_gui"), "the window is a node", 30)
         node = _names("/roah_rsbb_gui")[0]
         namespace = node.rpartition("/")[0]
@@ -338,7 +339,7 @@ class TestPrograms(unittest.TestCase):
         self.assertEqual(_names("/roah_rsbb_gui"), [])  # it took its leave of the master
 
     def test_the_public_display_opens_and_ends(self) -> None:
-        launch = self.start("roslaunch", "roah_rsbb", "roah_rsbb_public.launch")
+        launch = self.start("roslaunch", str(LAUNCH / "roah_rsbb_public.launch"))
         wait_until(lambda: _names("/roah_rsbb_public"), "the display is a node", 30)
         launch.send_signal(signal.SIGINT)
         wait_until(lambda: launch.poll() is not None, "it ends", 30)

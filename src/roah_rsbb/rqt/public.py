@@ -47,6 +47,7 @@ def main() -> None:
     timer = QTimer()
     timer.timeout.connect(looker.look)
     timer.start(LOOK_MS)
+    shown.setGeometry(app.primaryScreen().geometry())  # for a screen without a window manager
     shown.showFullScreen()
     code = application.run(app)
     timer.stop()

@@ -146,11 +146,11 @@ class PublicDisplay(QWidget):
         shown = lines[:max(0, int((high - top) / (NEXT_ROW * high)))]
         if not shown:
             _write(painter, QRectF(left, top, wide, NEXT_ROW * high), "The schedule is done", size, TEXT, Qt.AlignLeft)
-        times = max((_width(line.time, size) for line in shown), default=0.0)
-        teams = min(max((_width(line.team, size, bold=True) for line in shown), default=0.0), 0.4 * wide)
+        times = min(max((_width(line.time, 0.8 * size) for line in shown), default=0.0), 0.3 * wide)
+        teams = min(max((_width(line.team, size, bold=True) for line in shown), default=0.0), 0.35 * wide)
         for line in shown:
             row = QRectF(left, top, wide, NEXT_ROW * high)
-            _write(painter, row, line.time, size, FAINT, Qt.AlignLeft)
+            _write(painter, QRectF(left, top, times, row.height()), line.time, 0.8 * size, FAINT, Qt.AlignLeft)
             x = left + times + edge
             _write(painter, QRectF(x, top, teams, row.height()), line.team, size, TEXT, Qt.AlignLeft, bold=True)
             x += teams + edge

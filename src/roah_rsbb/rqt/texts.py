@@ -1,5 +1,6 @@
 """Times, durations and counts as the panels write them. All clocks are UTC, as the schedule is."""
 
+import contextlib
 import math
 import time
 from typing import Optional
@@ -26,10 +27,14 @@ def scheduled(utc_s: float, today_utc_s: float) -> str:
 
 
 def short_time(moment: str, clock: str) -> str:
-    """`moment` ("2015-12-31 10:00:00") without its seconds, and without its date if it is the clock's."""
+    """`moment` ("2015-12-31 10:00:00") in short: "10:00" on the clock's day, "31 Dec 10:00" on another."""
     date, _, hours = moment.strip().rpartition(" ")
     shown = hours[:-3] if hours.count(":") == 2 else hours
-    return shown if date == clock.strip().rpartition(" ")[0] else f"{date} {shown}".strip()
+    if date == clock.strip().rpartition(" ")[0]:
+        return shown
+    with contextlib.suppress(ValueError):  # a date that is none is shown as it came
+        date = time.strftime("%d %b", time.strptime(date, "%Y-%m-%d")).lstrip("0")
+    return f"{date} {shown}".strip()
 
 
 def ago(seconds: float) -> str:

@@ -6,7 +6,7 @@ from typing import Dict
 
 import rospy
 from python_qt_binding.QtCore import QSettings, Qt
-from python_qt_binding.QtWidgets import QDockWidget, QMainWindow
+from python_qt_binding.QtWidgets import QApplication, QDockWidget, QMainWindow
 
 from roah_rsbb.rqt import application, display, widgets
 from roah_rsbb.rqt.client import Client
@@ -16,6 +16,8 @@ from roah_rsbb.rqt.panels import PANELS
 
 # Raise it when the set of panels changes: an older layout would hide the new ones.
 LAYOUT_VERSION = 1
+# At its first start the window takes this share of the screen's width and height.
+MOST_OF_SCREEN = 0.95
 
 
 class PanelSettings:
@@ -93,7 +95,7 @@ class Window(QMainWindow):
         d["LogDisplayPanel"].raise_()
         d["ActiveRobotsPanel"].raise_()
         unit = round(widgets.em())
-        self.resize(80 * unit, 45 * unit)
+        self.resize(QApplication.primaryScreen().availableSize() * MOST_OF_SCREEN)
         self.resizeDocks([d["BenchmarkControlPanel"], d["ScoringPanel"]], [36 * unit, 44 * unit], Qt.Horizontal)
         self.resizeDocks([d["LogDisplayPanel"], d["ActiveRobotsPanel"]], [22 * unit, 22 * unit], Qt.Horizontal)
         self.resizeDocks([d["ScoringPanel"], d["LogDisplayPanel"]], [29 * unit, 16 * unit], Qt.Vertical)
