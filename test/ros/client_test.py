@@ -1,21 +1,16 @@
 #!/usr/bin/python3
-"""The other panels, the plugins, the window, the public display, and the launch files that open them."""
+"""The other panels, the plugins, the window and the public display, with a fake core."""
 
 import importlib
-import os
 import pathlib
-import signal
-import subprocess
 import sys
 import tempfile
 import time
 import types
 import unittest
-import xmlrpc.client
 from xml.etree import ElementTree
 
 import rosgraph
-import rosnode
 import rospy
 import rostest
 from fake_core import FakeCore
@@ -37,7 +32,6 @@ from roah_rsbb.rqt.window import Window
 
 HERE = pathlib.Path(__file__).resolve().parent
 PLUGIN_XML = HERE.parent.parent / "plugin.xml"
-LAUNCH = HERE.parent.parent / "launch"
 PUBLIC_TOPIC = "/core/to_public"
 
 
@@ -278,79 +272,6 @@ class TestPublicDisplay(CoreCase):
         self.core._public.publish(message)
         self.wait_shown(lambda: self.display._message == message, "it is shown")
         self.assertGreater(self.count(public_display.RUNNING_BACKGROUND), 10)
-
-
-def _names(end: str) -> list:
-    return [name for name in rosnode.get_node_names() if name.endswith(end)]
-
-
-def _end(process: subprocess.Popen) -> None:
-    if process.poll() is None:
-        process.send_signal(signal.SIGINT)
-        process.wait(20)
-
-
-class TestPrograms(unittest.TestCase):
-    """Programs and launch files, with a core in another process."""
-
-    def start(self, *command: str, **environment: str) -> subprocess.Popen:
-        process = subprocess.Popen(command, env={**os.environ, **environment}, stderr=subprocess.PIPE, text=True)
-        self.addCleanup(process.stderr.close)
-        self.addCleanup(_end, process)
-        return process
-
-    def start_core(self) -> subprocess.Popen:
-        return self.start(sys.executable, str(HERE / "fake_core.py"))
-
-    def pid_of(self, node: str) -> int:
-        return xmlrpc.client.ServerProxy(rosgraph.Master("/t").lookupNode(node)).getPid("/t")[2]
-
-    def test_a_core_that_was_killed_is_found_again(self) -> None:
-        core = self.start_core()
-        client = Client.acquire()
-        self.addCleanup(Client.release)
-        wait_until(lambda: not client.model.is_old, "the core is heard")
-        core.kill()
-        took = wait_until(lambda: client.model.is_old, "it is gone")
-        self.assertLess(took, 2.0)
-        self.start_core()
-        wait_until(lambda: not client.model.is_old, "the new one is heard")
-
-    def test_a_client_opens_comes_back_after_a_crash_and_ends_by_its_exit(self) -> None:
-        launch = self.start("roslaunch", str(LAUNCH / "roah_rsbb_client.launch"), "gui:=window", "zone:=Home B")
-        wait_until(lambda: _names("/roah_rsbb_gui"), "the window is a node", 30)
-        node = _names("/roah_rsbb_gui")[0]
-        namespace = node.rpartition("/")[0]
-        self.assertTrue(namespace.startswith("/roah_rsbb_client"), node)
-        self.assertEqual(rospy.get_param(f"{namespace}/current_zone"), "Home B")
-        first = self.pid_of(node)
-        os.kill(first, signal.SIGKILL)
-
-        def is_back() -> bool:
-            try:
-                return self.pid_of(node) != first
-            except (OSError, rosgraph.MasterException):
-                return False
-
-        wait_until(is_back, "the window is opened again", 30)
-        rospy.wait_for_service(f"{namespace}/roah_rsbb_shutdown", 10)
-        rospy.ServiceProxy(f"{namespace}/roah_rsbb_shutdown", Empty)()
-        wait_until(lambda: launch.poll() is not None, "the client ends", 30)
-        self.assertEqual(_names("/roah_rsbb_gui"), [])  # it took its leave of the master
-
-    def test_the_public_display_opens_and_ends(self) -> None:
-        launch = self.start("roslaunch", str(LAUNCH / "roah_rsbb_public.launch"))
-        wait_until(lambda: _names("/roah_rsbb_public"), "the display is a node", 30)
-        launch.send_signal(signal.SIGINT)
-        wait_until(lambda: launch.poll() is not None, "it ends", 30)
-        self.assertEqual(_names("/roah_rsbb_public"), [])
-
-    def test_without_a_display_one_line_and_no_error(self) -> None:
-        gui = self.start("rosrun", "roah_rsbb", "roah_rsbb_gui", "--gui", "auto", DISPLAY="", WAYLAND_DISPLAY="")
-        _, said = gui.communicate(timeout=30)
-        self.assertEqual(gui.returncode, 0)
-        self.assertEqual(len(said.splitlines()), 1, said)
-        self.assertIn("No display", said)
 
 
 if __name__ == "__main__":
