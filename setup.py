@@ -1,13 +1,102 @@
-"""The Python package `roah_rsbb`, for catkin (which reads this file, and installs with it)."""
+"""The Python package `roah_rsbb`: all of it for catkin, what needs no ROS for pip.
+
+catkin reads this file (calling a `setup` of its own), and runs its command `install`. It gets all rooms;
+CMake generates roah_rsbb.pb and installs the programs.
+
+pip, which asks for a wheel, gets the rooms for teams without ROS (docs/robot_without_ros.md), with roah_rsbb.pb.
+"""
+
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
 
 from setuptools import find_packages, setup
+from setuptools.command.build_py import build_py
 
-setup(
-    name="roah_rsbb",
-    version="0.1.0",
-    description="RoAH RSBB: the Referee, Scoring and Benchmarking Box of a home-robot competition",
-    license="BSD-3-Clause",
-    packages=find_packages("src"),
-    package_dir={"": "src"},
-    python_requires=">=3.8",
-)
+PROTO = pathlib.Path("proto", "roah_rsbb_msgs.proto")
+# Python code of these protoc versions needs a protobuf runtime of 3.20 or later, and demands no later one of it.
+# Older ones write what protobuf 4 refuses (Ubuntu 20.04 has 3.6), later ones refuse runtimes older than themselves.
+FIRST_PROTOC, BEFORE_PROTOC = (3, 20), (26, 0)
+RUNTIME = "protobuf>=3.20.2,<8"
+# It brings protoc 25.1, and has wheels for Python 3.8 to 3.12.
+COMPILER = "grpcio-tools>=1.62,<1.63; python_version<'3.13'"
+
+COMMON = {
+    "name": "roah_rsbb",
+    "version": "0.1.0",
+    "description": "RoAH RSBB: the Referee, Scoring and Benchmarking Box of a home-robot competition",
+    "license": "BSD-3-Clause",
+    "package_dir": {"": "src"},
+    "python_requires": ">=3.8",
+}
+
+
+def usable_protoc():
+    """The protoc on PATH, if its Python code works with the runtimes that we declare; else None."""
+    protoc = shutil.which("protoc")
+    if protoc is None:
+        return None
+    said = subprocess.run([protoc, "--version"], stdout=subprocess.PIPE, text=True, check=False).stdout
+    version = tuple(int(number) for number in re.findall("[0-9]+", said)[:2])
+    return protoc if FIRST_PROTOC <= version < BEFORE_PROTOC else None
+
+
+class BuildWithProtobuf(build_py):
+    """Also generates roah_rsbb.pb."""
+
+    def run(self):
+        super().run()
+        package = pathlib.Path(self.build_lib, "roah_rsbb", "pb")
+        package.mkdir(parents=True, exist_ok=True)
+        arguments = ["-I", str(PROTO.parent), f"--python_out={package}", str(PROTO)]
+        protoc = usable_protoc()
+        if protoc is not None:
+            status = subprocess.run([protoc, *arguments], check=False).returncode
+        else:
+            status = _compiler()(["protoc", *arguments])
+        if status != 0:
+            raise SystemExit(f"roah_rsbb: protoc could not read {PROTO}")
+        (package / "__init__.py").touch()
+
+
+def _compiler():
+    try:
+        from grpc_tools import protoc
+    except ImportError:
+        raise SystemExit(
+            "roah_rsbb: neither a protoc of version 3.20 to 25 is on PATH, nor is grpcio-tools here: "
+            "install one of them (protobuf-compiler of Debian 12 is such a protoc)"
+        ) from None
+    return protoc.main
+
+
+def setup_for_pip():
+    """A wheel of the rooms without ROS, or what leads to it."""
+    if {"develop", "editable_wheel"} & set(sys.argv):
+        raise SystemExit("roah_rsbb: 'pip install -e' has no place for roah_rsbb.pb, which is generated: leave -e out")
+    # build/ is CMake's, and what an earlier build left there would end up in the wheel.
+    with tempfile.TemporaryDirectory() as build_base:
+        setup(
+            packages=find_packages("src", include=["roah_rsbb", "roah_rsbb.comm*", "roah_rsbb.robot*"]),
+            cmdclass={"build_py": BuildWithProtobuf},
+            options={"build": {"build_base": build_base}},
+            install_requires=[RUNTIME, "cryptography>=2.8"],
+            setup_requires=[] if usable_protoc() else [COMPILER],
+            entry_points={
+                "console_scripts": [
+                    "roah_rsbb_dummy_robot = roah_rsbb.robot.dummy:main",
+                ],
+            },
+            **COMMON,
+        )
+
+
+# catkin's command line has egg_info and install, or (when it only reads) no command at all.
+PIP_COMMANDS = {"egg_info", "dist_info", "sdist", "bdist_wheel", "develop", "editable_wheel"}
+if "install" not in sys.argv and PIP_COMMANDS & set(sys.argv):
+    setup_for_pip()
+else:
+    setup(packages=find_packages("src"), **COMMON)
