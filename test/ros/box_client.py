@@ -18,7 +18,10 @@ class Refusal(Exception):
 
 
 class BoxClient:
-    """Follows one core and commands it. `prefix` stands before all names of a core that was remapped."""
+    """Follows one core and commands it. `prefix` stands before all names of a core that was remapped.
+
+    Each topic comes in its own time: what one of them told need not be in another one's last message yet.
+    """
 
     def __init__(self, prefix: str = "") -> None:
         self.gui: Optional[CoreToGui] = None
@@ -115,8 +118,10 @@ class BoxClient:
     def connect(self, zone: str) -> int:
         """Connect as soon as the button is on; returns the private port once it is known."""
         self.wait_zone(zone, lambda z: z.connect_enabled, "connect is on")
+        # The details may be a moment behind, and still tell of the run before.
+        old = self.zone_details(zone).port
         self.command("connect", zone)
-        return self.wait_details(zone, lambda d: d.port, "the run has a port")
+        return self.wait_details(zone, lambda d: d.port != old and d.port, "the run has a port")
 
     def start(self, zone: str) -> None:
         """Start as soon as the button is on."""

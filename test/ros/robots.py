@@ -262,10 +262,10 @@ class RawRobot:
         self._network.do(lambda: self._private.send(message))
         return message
 
-    def wait_acknowledged(self, message: pb.RobotState) -> None:
-        """Wait until the box acknowledges a message."""
-        wait_until(
-            lambda: any(state.acknowledgement == message.time for state in list(self.received)),
+    def wait_acknowledged(self, message: pb.RobotState) -> pb.BenchmarkState:
+        """Wait until the box acknowledges a message; returns its answer."""
+        return wait_until(
+            lambda: next((state for state in list(self.received) if state.acknowledgement == message.time), None),
             "the box acknowledges the message",
         )
 

@@ -180,7 +180,7 @@ class TestWhatIsPublished(BoxCase):
         self.assertEqual([zone.zone for zone in gui.zones], zones)
         self.assertEqual([zone.zone for zone in self.box.details.zones], zones)
         self.assertEqual([zone.code for zone in gui.zones], ["HGTKMH", "HGTKMH", "HOPF"])
-        self.assertEqual(len(self.box.public.schedule), 11 + 12 + 11)
+        wait_until(lambda: len(self.box.public.schedule) == 11 + 12 + 11, "the public sees the whole schedule")
         times = [line.time for line in self.box.public.schedule]
         self.assertEqual(times, sorted(times))
         self.assertEqual({line.running for line in self.box.public.schedule}, {False})

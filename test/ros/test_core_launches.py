@@ -3,7 +3,7 @@
 
 import os
 import re
-from typing import Dict
+import unittest
 
 import rospy
 from box_case import LISTENER, PACKAGE, NetworkCase, main
@@ -52,37 +52,38 @@ class LaunchCase(NetworkCase):
             *(f"{argument}:={value}" for argument, value in {**NETWORK, **arguments}.items()),
         ))
 
-    def core(self, name: str, params: Dict[str, object]) -> Program:
-        """Start a core alone, under another name."""
-        return self._leaving(Program(
-            "rosrun", PACKAGE, "roah_rsbb_core", f"__name:={name}",
-            *(f"_{param}:={value}" for param, value in params.items()),
-        ))
 
-    def assert_not_mendable(self, launched: Program, texts: tuple) -> None:
-        """The launch ended by itself, after it told what is wrong."""
-        launched.wait_ended()
-        for text in texts:
-            self.assertRegex(launched.text, text)
-        self.assertNotIn("Traceback", launched.text)
+class TestCoresThatCannotStart(unittest.TestCase):
+    """Cores alone, all started at once, each under a name of its own."""
 
+    PARAMS = {"broken_core": {**NETWORK, **BROKEN}, "wrong_core": WRONG_PARAMS,
+              "lost_core": {**NETWORK, **GOOD, "bind_host": LOST}}
 
-class TestConfigurationsThatCannotWork(LaunchCase):
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.cores = {}
+        for name, params in cls.PARAMS.items():
+            core = cls.cores[name] = Program("rosrun", PACKAGE, "roah_rsbb_core", f"__name:={name}",
+                                             *(f"_{param}:={value}" for param, value in params.items()))
+            cls.addClassCleanup(core.close)
+
+    def ended(self, name: str) -> Program:
+        """The core, once it ended as it should: with status 1, and not by a mistake of its own."""
+        core = self.cores[name]
+        self.assertEqual(core.wait_ended(), 1)
+        self.assertNotIn("Traceback", core.text)
+        self.assertNotIn("Listening on UDP", core.text)
+        return core
+
     def test_errors_of_all_files_are_told_at_once(self) -> None:
-        alone = self.core("broken_core", {**NETWORK, **BROKEN})
-        launched = self.launch("roah_rsbb.launch", **BROKEN)
-        self.assertEqual(alone.wait_ended(), 1)
-        told = [line for line in alone.lines if "[FATAL]" in line]
-        self.assertEqual(len(told), len(ERRORS), alone.text)
+        core = self.ended("broken_core")
+        told = [line for line in core.lines if "[FATAL]" in line]
+        self.assertEqual(len(told), len(ERRORS), core.text)
         for line, error in zip(told, ERRORS):
             self.assertRegex(line, error)
-        self.assertNotIn("Traceback", alone.text)
-        self.assert_not_mendable(launched, ERRORS)
-        self.assertNotIn("Listening on UDP", launched.text)
 
     def test_wrong_parameters_are_told_at_once(self) -> None:
-        core = self.core("wrong_core", WRONG_PARAMS)
-        self.assertEqual(core.wait_ended(), 1)
+        core = self.ended("wrong_core")
         for param, value in WRONG_PARAMS.items():
             with self.subTest(param):
                 self.assertIn(f"parameter /wrong_core/{param}: found {value!r}, expected ", core.text)
@@ -91,12 +92,25 @@ class TestConfigurationsThatCannotWork(LaunchCase):
                 self.assertIn(f"parameter /wrong_core/{param}: found nothing, expected ", core.text)
 
     def test_an_address_that_this_machine_does_not_have(self) -> None:
-        core = self.core("lost_core", {**NETWORK, **GOOD, "bind_host": LOST})
-        self.assertEqual(core.wait_ended(), 1)
+        core = self.ended("lost_core")
         self.assertIn(f"{LOST} is not an address of this machine", core.text)
         self.assertIn("correct bind_host", core.text)
 
-    def test_another_box_ends_the_launch(self) -> None:
+
+class TestLaunchesThatCannotWork(LaunchCase):
+    """What cannot be mended by starting the core again ends the launch."""
+
+    def assert_not_mendable(self, launched: Program, texts: tuple) -> None:
+        """The launch ended by itself, after it told what is wrong."""
+        launched.wait_ended()
+        for text in texts:
+            self.assertRegex(launched.text, text)
+        self.assertNotIn("Traceback", launched.text)
+
+    def test_a_wrong_configuration(self) -> None:
+        self.assert_not_mendable(self.launch("roah_rsbb.launch", **BROKEN), ERRORS)
+
+    def test_another_box(self) -> None:
         foreign = self.participant(FOREIGN_BOX)
         launched = self.launch("roah_rsbb.launch", **GOOD)
         launched.wait_printed("Listening on UDP")

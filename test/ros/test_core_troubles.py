@@ -45,7 +45,7 @@ class TestTime(BoxCase):
         box.connect("Restart")
         box.start("Restart")
         robot.wait_did("execute HGTKMH")
-        box.wait_phase("Restart", "running")
+        box.wait_zone("Restart", lambda z: z.timer.to_sec() < 600, "the time runs")
         ends = self.end_of_time("Restart")
         self.assertEqual(box.refusal("start", "Restart"), "Already started")
         self.assertEqual(box.refusal("connect", "Restart"), "Already connected")
@@ -74,7 +74,8 @@ class TestTime(BoxCase):
         run = [PREPARE, WAITING_RESULT, STOP]
         self.assertEqual(log.values("/rsbb_log/rsbb_state"), [STOP, *run, *run])
         self.assertEqual(log.entries[-1][0], "/rsbb_log/end")
-        self.assertEqual(box.zone("Restart").code, "HGTKMH", "a run that was not completed keeps the zone at its event")
+        box.wait_zone("Restart", lambda z: z.connect_enabled and z.code == "HGTKMH",
+                      "the zone stays at the event of a run that was not completed")
         self.assertIn("nothing to stop", box.refusal("stop", "Restart"))
 
     def end_of_time(self, zone: str) -> float:
