@@ -34,6 +34,11 @@ _LIKELY_CAUSE = {
 }
 
 
+def likely_cause(reason: Reason) -> str:
+    """What a bad datagram likely means, with the remedy: one or two sentences."""
+    return _LIKELY_CAUSE[reason]
+
+
 class OnceASecond:
     """Counts events, and tells at most once a second how many there were since it last did."""
 
@@ -90,7 +95,7 @@ class Complaints:
         count = entry.reports.take(now_mono)
         what = "a bad datagram" if count == 1 else f"{count} bad datagrams"
         host, port = sender
-        return f"{channel}: {what} from {host}:{port}: {bad}. {_LIKELY_CAUSE[bad.reason]}"
+        return f"{channel}: {what} from {host}:{port}: {bad}. {likely_cause(bad.reason)}"
 
     def totals(self) -> Dict[Tuple[str, str], int]:
         """(sender's host, reason) to the number of datagrams since the start.

@@ -114,10 +114,18 @@ def decode_public(datagram: bytes) -> Any:
     return _message(payload, public=True)
 
 
-def decode_private(datagram: bytes, key: Key) -> Any:
-    """The BenchmarkState or RobotState in a frame encrypted with the key; else raises BadDatagram only.
+class PrivateFrame(NamedTuple):
+    """A frame of a private channel, not decrypted yet."""
 
-    Any of the four ciphers is accepted, a plain frame never.
+    cipher: Cipher
+    iv: bytes
+    ciphertext: bytes
+
+
+def open_private(datagram: bytes) -> PrivateFrame:
+    """The frame in a datagram of a private channel, as far as it can be read without a key.
+
+    Raises BadDatagram only. Any of the four ciphers is accepted, a plain frame never.
     """
     cipher, size = _open(datagram)
     if cipher is Cipher.NONE:
@@ -130,7 +138,13 @@ def decode_private(datagram: bytes, key: Key) -> Any:
     came = len(datagram) - _HEADER.size
     if size not in (len(ciphertext), came):
         raise BadDatagram(Reason.SIZE, f"its header announces {size} bytes, {came} came")
-    payload = key.decrypt(cipher, datagram[_HEADER.size:start], ciphertext)
+    return PrivateFrame(cipher, datagram[_HEADER.size:start], ciphertext)
+
+
+def decode_private(datagram: bytes, key: Key) -> Any:
+    """The BenchmarkState or RobotState in a frame encrypted with the key; else raises BadDatagram only."""
+    cipher, iv, ciphertext = open_private(datagram)
+    payload = key.decrypt(cipher, iv, ciphertext)
     if payload is None:
         raise BadDatagram(Reason.UNDECRYPTABLE, "the padding is wrong")
     # One of 256 wrong keys gives a padding that looks right; the component id then tells.
