@@ -18,12 +18,12 @@ from gui_testing import QMessageBox, answer, click, question, show, wait_until
 from python_qt_binding.QtCore import QObject, QSettings
 from std_srvs.srv import Empty
 
+from roah_rsbb.client.feed import Feed
 from roah_rsbb.msg import CoreToPublic
 from roah_rsbb.rqt import public_display
 from roah_rsbb.rqt.active_robots import ActiveRobotsPanel
 from roah_rsbb.rqt.client import Client
 from roah_rsbb.rqt.core_status import CoreStatusPanel
-from roah_rsbb.rqt.feed import Feed
 from roah_rsbb.rqt.log_display import LogDisplayPanel
 from roah_rsbb.rqt.online_data import OnlineDataPanel
 from roah_rsbb.rqt.panels import PANELS

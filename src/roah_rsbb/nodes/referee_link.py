@@ -12,12 +12,12 @@ from typing import Any, Callable, Optional
 import rosgraph
 import rospy
 
+from roah_rsbb.client import refusals
+from roah_rsbb.client.feed import Feed
 from roah_rsbb.core.refused import Refused
 from roah_rsbb.msg import CoreDetails, CoreToGui, Score
-from roah_rsbb.nodes import refusals
 from roah_rsbb.nodes.referee_exits import NoCore
 from roah_rsbb.nodes.referee_state import Box, box_of
-from roah_rsbb.rqt.feed import Feed
 from roah_rsbb.srv import Zone, ZoneScore
 
 GUI_TOPIC, DETAILS_TOPIC = "/core/to_gui", "/core/details"

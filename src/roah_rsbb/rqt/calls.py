@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, NamedTuple, Optional
 import rospy
 from python_qt_binding.QtCore import QObject, QTimer, Signal
 
-from roah_rsbb.nodes import refusals
+from roah_rsbb.client import refusals
 
 # After this long the referee is told that there was no answer; what comes later is ignored.
 TIMEOUT_S = 5.0

@@ -2,8 +2,8 @@
 
 from typing import Optional
 
+from roah_rsbb.client.feed import Feed
 from roah_rsbb.rqt.calls import Calls
-from roah_rsbb.rqt.feed import Feed
 from roah_rsbb.rqt.model import TOPICS, Model
 from roah_rsbb.rqt.presses import DoublePress
 from roah_rsbb.rqt.zone_parameter import ZoneParameter

@@ -27,7 +27,7 @@ SILENT_REDRAW_S = 0.5
 class Model(QObject):
     """The newest messages, how old they are, and which zone is shown.
 
-    `feed` and `zone_parameter` are those of `roah_rsbb.rqt.feed` and `…zone_parameter`, or something
+    `feed` and `zone_parameter` are those of `roah_rsbb.client.feed` and `…zone_parameter`, or something
     that behaves like them.
     """
 

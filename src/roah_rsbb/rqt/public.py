@@ -6,9 +6,9 @@ import time
 import rospy
 from python_qt_binding.QtCore import QTimer
 
+from roah_rsbb.client.feed import Feed
 from roah_rsbb.msg import CoreToPublic
 from roah_rsbb.rqt import application, display
-from roah_rsbb.rqt.feed import Feed
 from roah_rsbb.rqt.model import RENEW_S
 from roah_rsbb.rqt.public_display import PublicDisplay
 

@@ -53,7 +53,7 @@ def line_of(event: ScheduleInfo, clock: str) -> Line:
 
 
 class PublicDisplay(QWidget):
-    """A full screen without controls. `feed` is a `roah_rsbb.rqt.feed.Feed` of `topic`."""
+    """A full screen without controls. `feed` is a `roah_rsbb.client.feed.Feed` of `topic`."""
 
     def __init__(self, feed, topic: str, parent: Optional[QWidget] = None) -> None:
         super().__init__(parent)

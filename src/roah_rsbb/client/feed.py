@@ -1,4 +1,4 @@
-"""Subscriptions whose newest message waits for the Qt thread to take it.
+"""Subscriptions whose newest message waits until somebody takes it: a Qt timer, or a terminal.
 
 rospy calls back in threads of its own; a callback only puts the message down. Registering with the
 master blocks while the master cannot be reached, so a worker thread does that, too.

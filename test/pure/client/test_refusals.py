@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.nodes import refusals
+from roah_rsbb.client import refusals
 
 RAISED = "service [/core/connect] responded with an error: "
 
