@@ -1,0 +1,148 @@
+"""tools/install_deps, with stand-ins for the package manager."""
+
+import os
+import pathlib
+import re
+import subprocess
+from typing import List
+
+import pytest
+
+PROGRAM = pathlib.Path(__file__).resolve().parents[3] / "tools" / "install_deps"
+DEBIAN = "ID=debian\nVERSION_ID=12\n"
+UBUNTU = "ID=ubuntu\nVERSION_ID=20.04\n"
+
+# Each stand-in notes how it was called. What is installed, and what the package lists have, are files' lines.
+STAND_INS = {
+    "dpkg-query": 'printf "installed %s\\n" $(cat "$STATE/installed")',
+    "apt-cache": 'grep -qx -- "${@: -1}" "$STATE/unknown" && exit 100; exit 0',
+    "apt-get": 'echo "apt-get $*" >> "$STATE/calls"; exit "$(cat "$STATE/apt_status")"',
+    "id": 'cat "$STATE/uid"',
+    "sudo": 'echo "sudo $*" >> "$STATE/calls"; [ -e "$STATE/may_sudo" ] || exit 1; [ "$1" = -n ] && shift; "$@"',
+}
+
+
+class Machine:
+    """A machine with stand-ins."""
+
+    def __init__(self, path: pathlib.Path) -> None:
+        self.path = path
+        for name, text in STAND_INS.items():
+            (path / name).write_text(f"#!/bin/bash\n{text}\n")
+            (path / name).chmod(0o755)
+        self.write("installed", "")
+        self.write("unknown", "")
+        self.write("uid", "0")
+        self.write("apt_status", "0")
+        self.write("release", DEBIAN)
+
+    def write(self, name: str, text: str) -> None:
+        """Set something about the machine."""
+        (self.path / name).write_text(text)
+
+    def install(self) -> "subprocess.CompletedProcess[str]":
+        """Run install_deps, without a terminal."""
+        return subprocess.run(
+            ["/bin/bash", str(PROGRAM)], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False,
+            env={"PATH": f"{self.path}:{os.defpath}:/usr/bin:/bin", "STATE": str(self.path),
+                 "OS_RELEASE": str(self.path / "release")},
+        )
+
+    @property
+    def calls(self) -> str:
+        """How apt-get and sudo were called, one a line."""
+        calls = self.path / "calls"
+        return calls.read_text() if calls.exists() else ""
+
+    def wanted(self) -> List[str]:
+        """What is installed where nothing is there."""
+        self.write("installed", "")
+        assert self.install().returncode == 0
+        words = re.search(r"Timeout=\d+ (.*)", self.calls).group(1).split()
+        (self.path / "calls").unlink()
+        return words
+
+
+@pytest.fixture
+def machine(tmp_path: pathlib.Path) -> Machine:
+    return Machine(tmp_path)
+
+
+@pytest.mark.parametrize("release, some", [
+    (DEBIAN, {"catkin", "catkin-lint", "python3-rospy", "protobuf-compiler", "rosbash"}),
+    (UBUNTU, {"ros-noetic-catkin", "python3-catkin-lint", "ros-noetic-rospy", "ros-noetic-rqt-gui"}),
+])
+def test_names_are_the_distribution_s(machine: Machine, release: str, some: set) -> None:
+    machine.write("release", release)
+    wanted = machine.wanted()
+    assert some <= set(wanted)
+    assert len(wanted) == len(set(wanted))
+    assert (release is UBUNTU) == any(name.startswith("ros-noetic-") for name in wanted)
+
+
+@pytest.mark.parametrize("release", [DEBIAN, UBUNTU])
+def test_with_everything_there_nothing_is_done(machine: Machine, release: str) -> None:
+    machine.write("release", release)
+    machine.write("installed", "\n".join(machine.wanted()))
+    machine.write("uid", "1000")
+    done = machine.install()
+    assert (done.returncode, done.stdout, done.stderr, machine.calls) == (0, "", "", "")
+
+
+def test_only_what_is_missing_is_installed(machine: Machine) -> None:
+    wanted = machine.wanted()
+    machine.write("installed", "\n".join(set(wanted) - {"cmake", "rosbash"}))
+    assert machine.install().returncode == 0
+    update, install = machine.calls.splitlines()
+    assert "update" in update
+    assert install.endswith(" cmake rosbash")
+    assert "sudo" not in machine.calls
+
+
+def test_without_the_right_one_line_names_the_command(machine: Machine) -> None:
+    machine.write("installed", "\n".join(set(machine.wanted()) - {"xvfb"}))
+    machine.write("uid", "1000")
+    done = machine.install()
+    assert done.returncode != 0
+    assert len(done.stderr.splitlines()) == 1
+    assert "'apt-get install xvfb'" in done.stderr
+    assert "apt-get" not in machine.calls
+
+
+def test_sudo_is_used_where_it_asks_for_nothing(machine: Machine) -> None:
+    machine.write("installed", "\n".join(set(machine.wanted()) - {"xvfb"}))
+    machine.write("uid", "1000")
+    machine.write("may_sudo", "")
+    assert machine.install().returncode == 0
+    assert re.search(r"^sudo env .*apt-get install .* xvfb$", machine.calls, re.MULTILINE)
+
+
+@pytest.mark.parametrize("unknown, remedy", [
+    ("ros-noetic-rospy", "add the ROS Noetic package source"),
+    ("python3-catkin-lint", "add the ROS Noetic package source"),
+    ("python3-hypothesis", "universe"),
+])
+def test_a_missing_package_source_is_named_with_its_remedy(machine: Machine, unknown: str, remedy: str) -> None:
+    machine.write("release", UBUNTU)
+    machine.write("unknown", unknown)
+    done = machine.install()
+    assert done.returncode != 0
+    assert len(done.stderr.splitlines()) == 1
+    assert unknown in done.stderr
+    assert remedy in done.stderr
+    assert "apt-get install" not in machine.calls
+
+
+@pytest.mark.parametrize("release", ["ID=arch\nPRETTY_NAME='Arch Linux'\n", "ID=debian\nVERSION_ID=11\n"])
+def test_another_system_is_told_in_one_line(machine: Machine, release: str) -> None:
+    machine.write("release", release)
+    done = machine.install()
+    assert done.returncode != 0
+    assert len(done.stderr.splitlines()) == 1
+    assert "neither Debian 12 nor Ubuntu 20.04" in done.stderr
+    assert machine.calls == ""
+
+
+def test_a_failure_of_the_package_manager_is_a_failure(machine: Machine) -> None:
+    machine.write("apt_status", "100")
+    assert machine.install().returncode != 0

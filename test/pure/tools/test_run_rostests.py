@@ -1,0 +1,168 @@
+"""tools/run_rostests, with a stand-in for rostest."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+from typing import List
+
+import pytest
+
+PROGRAM = pathlib.Path(__file__).resolve().parents[3] / "tools" / "run_rostests"
+
+# The stand-in runs the test "file" as a shell script. `cases` writes a result as rostest does.
+ROSTEST = """#!/bin/bash
+cases() {
+  mkdir -p "$ROS_TEST_RESULTS_DIR/roah_rsbb"
+  echo "<testsuite>$1</testsuite>" > "$ROS_TEST_RESULTS_DIR/roah_rsbb/rosunit-some.xml"
+  echo "<testsuite><testcase name='testsome'>$2</testcase></testsuite>" \
+    > "$ROS_TEST_RESULTS_DIR/roah_rsbb/rostest-some.xml"
+}
+good() { cases "<testcase name='a'/>"; }
+. "$1"
+"""
+
+
+class Runner:
+    """A folder with tests, and the program on it."""
+
+    def __init__(self, path: pathlib.Path) -> None:
+        self.path = path
+        (path / "bin").mkdir()
+        (path / "bin" / "rostest").write_text(ROSTEST)
+        (path / "bin" / "rostest").chmod(0o755)
+
+    def start(self, *options: str, **tests: str) -> "subprocess.Popen[str]":
+        """Start the program on tests of these names and texts."""
+        paths = []
+        for name, text in tests.items():
+            paths.append(self.path / f"{name}.test")
+            paths[-1].write_text(text + "\n")
+        return subprocess.Popen(
+            [sys.executable, str(PROGRAM), "--results", str(self.path / "results"), *options, *map(str, paths)],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+            env={"PATH": f"{self.path / 'bin'}:/usr/bin:/bin", "HERE": str(self.path), "ROS_HOSTNAME": "elsewhere",
+                 "ROS_MASTER_URI": "http://elsewhere:11311"},
+        )
+
+    def run(self, *options: str, **tests: str) -> "subprocess.CompletedProcess[str]":
+        """Run the program on tests of these names and texts."""
+        process = self.start(*options, **tests)
+        output, _ = process.communicate()
+        return subprocess.CompletedProcess([], process.returncode, output)
+
+    def lines(self, name: str) -> List[str]:
+        """What the tests wrote into a file."""
+        return (self.path / name).read_text().split()
+
+
+@pytest.fixture
+def runner(tmp_path: pathlib.Path) -> Runner:
+    return Runner(tmp_path)
+
+
+def ended(pid: int) -> bool:
+    """Whether a process is gone, or only waits for somebody to ask how it ended."""
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z"
+    except OSError:
+        return True
+
+
+def test_all_passed(runner: Runner) -> None:
+    done = runner.run(one="good", two="good")
+    assert done.returncode == 0
+    assert done.stdout.splitlines()[-1] == "rostests: 2 of 2 passed"
+    assert sorted(line.split(" (")[0] for line in done.stdout.splitlines()[:-1]) == ["ok     one", "ok     two"]
+
+
+@pytest.mark.parametrize("text, why", [
+    ("cases '<testcase><failure/></testcase><testcase><error/></testcase><testcase/>'", "2 test cases failed"),
+    ("cases '' '<failure>it left no result</failure>'", "1 test cases failed"),
+    ("good; exit 3", "rostest ended with status 3"),
+    ("cases '<testcase'", "its result rosunit-some.xml cannot be read"),
+    ("cases ''", "it ran no test case"),
+    ("true", "it ran no test case"),
+])
+def test_a_test_that_failed_fails_the_run_with_its_reason(runner: Runner, text: str, why: str) -> None:
+    done = runner.run(one="good", two=text)
+    assert done.returncode == 1
+    assert any(line.startswith("FAILED two (") and line.endswith(f": {why}") for line in done.stdout.splitlines())
+    assert done.stdout.splitlines()[-1] == "rostests: 1 of 2 passed; failed: two"
+
+
+def test_what_a_failed_test_and_its_nodes_printed_is_shown(runner: Runner) -> None:
+    logs = "cd $ROS_LOG_DIR; mkdir run; echo of a node > run/core-1.log; echo env > rostest-1.log"
+    done = runner.run(one=f"echo of the test; mkdir $ROS_LOG_DIR; {logs}; false", two="echo of a good one; good")
+    assert "of the test" in done.stdout
+    assert "of a node" in done.stdout
+    assert "env" not in done.stdout.split()
+    assert "of a good one" not in done.stdout
+
+
+def test_a_test_that_hangs_is_ended(runner: Runner) -> None:
+    done = runner.run("--time-limit", "0.3", one="echo $$ > $HERE/pid; sleep 60")
+    assert done.returncode == 1
+    assert "it did not end within 0.3 s" in done.stdout
+    assert ended(int(*runner.lines("pid")))
+
+
+def test_what_a_test_left_running_is_ended(runner: Runner) -> None:
+    done = runner.run(one="setsid sleep 60 & echo $! > $HERE/pid; good")
+    assert done.returncode == 0
+    assert ended(int(*runner.lines("pid")))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_ends_all_tests(runner: Runner, number: int) -> None:
+    os.mkfifo(str(runner.path / "begun"))
+    long = "echo $$ > $HERE/pid; echo > $HERE/begun; sleep 60"
+    process = runner.start("--jobs", "1", one=long, two="touch $HERE/two")
+    (runner.path / "begun").read_text()  # ends when the first one has begun
+    process.send_signal(number)
+    output, _ = process.communicate()
+    assert process.returncode == 130
+    assert "interrupted" in output
+    assert ended(int(*runner.lines("pid")))
+    assert not (runner.path / "two").exists()
+
+
+def test_tests_side_by_side_have_slots_and_folders_of_their_own(runner: Runner) -> None:
+    # Each opens the pipe at one end, so that both can go on only when both are there.
+    os.mkfifo(str(runner.path / "meet"))
+    folders = "$ROS_HOME $ROS_LOG_DIR $ROS_TEST_RESULTS_DIR"
+    note = f"echo $ROAH_TEST_SLOT >> $HERE/slots; echo {folders} >> $HERE/folders; good"
+    done = runner.run("--jobs", "2", one=f"echo > $HERE/meet; {note}", two=f"read < $HERE/meet; {note}")
+    assert done.returncode == 0
+    assert len(set(runner.lines("slots"))) == 2
+    assert len(set(runner.lines("folders"))) == 6
+
+
+def test_two_runs_on_one_machine_have_slots_of_their_own(runner: Runner) -> None:
+    os.mkfifo(str(runner.path / "meet"))
+    note = "echo $ROAH_TEST_SLOT >> $HERE/slots; good"
+    first = runner.start(one=f"echo > $HERE/meet; {note}")
+    second = runner.run(two=f"read < $HERE/meet; {note}")
+    first.communicate()
+    assert (first.returncode, second.returncode) == (0, 0)
+    assert len(set(runner.lines("slots"))) == 2
+
+
+def test_the_environment_of_the_shell_does_not_reach_the_master(runner: Runner) -> None:
+    done = runner.run(one='[ -z "$ROS_MASTER_URI$ROS_HOSTNAME" ] && [ $ROS_IP = 127.0.0.1 ] && good')
+    assert done.returncode == 0
+
+
+def test_results_of_an_earlier_run_do_not_count(runner: Runner) -> None:
+    assert runner.run(one="good").returncode == 0
+    assert "it ran no test case" in runner.run(one="true").stdout
+
+
+def test_a_test_that_is_not_there_is_named(runner: Runner) -> None:
+    done = subprocess.run(
+        [sys.executable, str(PROGRAM), "nothing.test"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        env={"PATH": f"{runner.path / 'bin'}:/usr/bin:/bin"}, check=False,
+    )
+    assert done.returncode == 2
+    assert "nothing.test" in done.stdout
