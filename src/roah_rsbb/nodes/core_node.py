@@ -6,6 +6,7 @@ interface, plus /core/details.
 
 import signal
 import sys
+import threading
 import uuid
 from typing import Callable
 
@@ -34,7 +35,7 @@ GUI_PERIOD_S = 0.1
 PUBLIC_EVERY = 5
 DETAILS_EVERY = 10
 
-# The node that ends the launch may still be starting.
+# The node that ends the launch may still be starting, and ending takes its time.
 END_LAUNCH_S = 10.0
 
 # Private channels: how the box answers robots.
@@ -210,14 +211,22 @@ class CoreNode:
 
 
 def _end_launch() -> None:
-    """What cannot be mended by starting again ends the whole launch, if this node was launched in one."""
+    """What cannot be mended by starting again ends the whole launch, if this node was launched in one.
+
+    Returns once roslaunch interrupts this process, too: it would start one that ended before that again.
+    """
     if not rospy.get_param("~end_launch", False):
         return
+    interrupted = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: interrupted.set())
     try:
         rospy.wait_for_service("roah_rsbb_shutdown", timeout=END_LAUNCH_S)
         rospy.ServiceProxy("roah_rsbb_shutdown", EmptySrv)()
     except (rospy.ROSException, rospy.ServiceException) as error:
         rospy.logerr("the launch could not be ended: %s", error)
+    else:
+        interrupted.wait(END_LAUNCH_S)
 
 
 def main() -> None:
