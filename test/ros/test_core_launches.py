@@ -101,10 +101,11 @@ class TestLaunchesThatCannotWork(LaunchCase):
     """What cannot be mended by starting the core again ends the launch."""
 
     def assert_not_mendable(self, launched: Program, texts: tuple) -> None:
-        """The launch ended by itself, after it told what is wrong."""
+        """The launch ended by itself, after it told what is wrong, once: no core was started again."""
         launched.wait_ended()
         for text in texts:
-            self.assertRegex(launched.text, text)
+            self.assertEqual(len(re.findall(text, launched.text)), 1, f"{text} in\n{launched.text}")
+        self.assertEqual(launched.text.count("process[roah_rsbb_core-"), 1, launched.text)
         self.assertNotIn("Traceback", launched.text)
 
     def test_a_wrong_configuration(self) -> None:
