@@ -87,6 +87,7 @@ def setup_for_pip():
             setup_requires=[] if usable_protoc() else [COMPILER],
             entry_points={
                 "console_scripts": [
+                    "roah_rsbb_capture = roah_rsbb.comm.capture.program:main",
                     "roah_rsbb_dummy_robot = roah_rsbb.robot.dummy:main",
                 ],
             },

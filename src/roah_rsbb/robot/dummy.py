@@ -7,18 +7,18 @@ import argparse
 import asyncio
 import contextlib
 import logging
-import os
 import signal
 import sys
-from typing import Callable, List, NoReturn, Optional
+from typing import List, Optional
 
+from roah_rsbb.comm.arguments import Parser, number
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
+from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy_robot import PHASES, DummyOptions, dummy_client
 
 PROGRAM = "dummy_robot"
-PASSWORD_VARIABLE = "ROAH_RSBB_KEY"
 
 _DESCRIPTION = """\
 A robot that only pretends: it joins every run that the box gives it, prepares and executes for as long as
@@ -34,19 +34,6 @@ On one machine with the box give each participant an address of its own, for exa
 """
 
 
-def _number(low: float, high: float) -> Callable[[str], float]:
-    """A type for argparse: a number from `low` to `high`."""
-    def number(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = float("nan")
-        if not low <= value <= high:  # also what is no number at all
-            raise argparse.ArgumentTypeError(f"{text!r} is no number from {low:g} to {high:g}")
-        return value
-    return number
-
-
 def _cipher(label: str) -> Cipher:
     try:
         return cipher_by_label(label)
@@ -54,18 +41,8 @@ def _cipher(label: str) -> Cipher:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
-class _Parser(argparse.ArgumentParser):
-    """Says in one line what is wrong with the arguments."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(2, f"{PROGRAM}: {message} (see --help)\n")
-
-
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
-        prog=PROGRAM, description=_DESCRIPTION, epilog=_EPILOG, allow_abbrev=False,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
     who = parser.add_argument_group("who it is")
     who.add_argument("--team", required=True, help="team name, as in the box's schedule and passwords")
     who.add_argument("--robot", default="DummyRobot", help="robot name (default: %(default)s)")
@@ -87,43 +64,35 @@ def _parser() -> argparse.ArgumentParser:
 def _add_behaviour(parser: argparse.ArgumentParser) -> None:
     usual = DummyOptions()
     work = parser.add_argument_group("how it works")
-    work.add_argument("--prepare-duration", type=_number(0, 1e6), default=usual.prepare_duration, metavar="S",
+    work.add_argument("--prepare-duration", type=number(0, 1e6), default=usual.prepare_duration, metavar="S",
                       help="seconds from PREPARE until it is ready (default: %(default)s)")
-    work.add_argument("--execute-duration", type=_number(0, 1e6), default=usual.execute_duration, metavar="S",
+    work.add_argument("--execute-duration", type=number(0, 1e6), default=usual.execute_duration, metavar="S",
                       help="seconds for each goal (default: %(default)s)")
     wrong = parser.add_argument_group("how it misbehaves")
     wrong.add_argument("--never-end", action="store_true", help="execute until the box stops it")
     wrong.add_argument("--crash-in", choices=PHASES, help="die in the middle of preparing or executing")
-    wrong.add_argument("--skew", type=_number(-1e9, 1e9), default=usual.skew, metavar="S",
+    wrong.add_argument("--skew", type=number(-1e9, 1e9), default=usual.skew, metavar="S",
                        help="seconds by which its clock is ahead (default: %(default)s)")
     wrong.add_argument("--save-nothing", action="store_true", help="say that no offline data is saved")
-    wrong.add_argument("--loss", type=_number(0, 1), default=usual.loss, metavar="SHARE",
+    wrong.add_argument("--loss", type=number(0, 1), default=usual.loss, metavar="SHARE",
                        help="share of the datagrams that are lost, both ways (default: %(default)s)")
     wrong.add_argument("--seed", type=int, help="makes its losses and results the same each time")
 
 
 def _password(options: argparse.Namespace) -> str:
     """The password from wherever it is; ValueError when it is nowhere."""
-    if options.password is not None:
-        return options.password
-    if options.password_file is not None:
-        try:
-            with open(options.password_file, encoding="utf-8") as file:
-                return file.readline().rstrip("\r\n")
-        except (OSError, UnicodeDecodeError) as error:
-            reason = error.strerror if isinstance(error, OSError) else "it is no text in UTF-8"
-            raise ValueError(f"cannot read --password-file {options.password_file}: {reason}") from None
-    if PASSWORD_VARIABLE not in os.environ:
+    password = own_password(options.password, options.password_file)
+    if password is None:
         raise ValueError(f"no password: give --password-file or the environment variable {PASSWORD_VARIABLE}")
-    return os.environ[PASSWORD_VARIABLE]
+    return password
 
 
 async def _run(client: RobotClient) -> None:
     """Run until SIGINT or SIGTERM."""
     loop = asyncio.get_event_loop()
     running = loop.create_task(client.run())
-    for number in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(number, running.cancel)
+    for which in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(which, running.cancel)
     with contextlib.suppress(asyncio.CancelledError):
         await running
 

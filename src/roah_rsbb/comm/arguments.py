@@ -1,0 +1,31 @@
+"""What the programs without ROS share in reading their arguments."""
+
+import argparse
+from typing import Callable, NoReturn
+
+
+class Parser(argparse.ArgumentParser):
+    """Says in one line what is wrong with the arguments; its help keeps the lines of the texts it is given."""
+
+    def __init__(self, prog: str, description: str, epilog: str) -> None:
+        super().__init__(
+            prog=prog, description=description, epilog=epilog, allow_abbrev=False,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+
+    def error(self, message: str) -> NoReturn:
+        """End the program."""
+        self.exit(2, f"{self.prog}: {message} (see --help)\n")
+
+
+def number(low: float, high: float) -> Callable[[str], float]:
+    """A type for argparse: a number from `low` to `high`."""
+    def number_between(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = float("nan")
+        if not low <= value <= high:  # also what is no number at all
+            raise argparse.ArgumentTypeError(f"{text!r} is no number from {low:g} to {high:g}")
+        return value
+    return number_between

@@ -1,0 +1,117 @@
+"""Passwords for programs that need neither ROS nor a YAML library: one team's own, or those of all teams.
+
+The box's passwords file is YAML (`config/passwords.yaml`). Here only what such a file needs is read: a line
+'team: password' for each team, comments, plain and quoted texts. Whatever YAML could take for something
+else is refused, so that a file that is read here says the same to the box.
+"""
+
+import os
+import re
+from typing import Dict, List, Optional, Tuple
+
+PASSWORD_VARIABLE = "ROAH_RSBB_KEY"
+"""The environment variable that holds a team's password."""
+
+_LINE = "a line 'team: password', not indented"
+_QUOTES = "quotes around it"
+# Begins with no character that has a meaning in YAML, and holds no ': ' and no ' #'.
+_PLAIN = re.compile(r"""(?![-?:,\[\]{}#&*!|>'"%@`~=<\s])(?:[^\s:#]|:(?![\s:]|$)|(?<!\s)#|[ ](?![ ]*(?:\#|$)))+""")
+_SINGLE = re.compile(r"'((?:[^']|'')*)'")
+_DOUBLE = re.compile(r'"((?:[^"\\]|\\["\\])*)"')
+# The mark of a YAML document's beginning, below comments only.
+_BEGINNING = re.compile(r"\A((?: *(?:#.*)?\n)*)--- *(?:\n|$)")
+# What YAML reads as a number, a date, a yes, a no or nothing.
+_NO_TEXT = re.compile(
+    r"[-+]?[0-9._][0-9._:,eExXobTZ+a-fA-F -]*|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)"
+    r"|y|Y|n|N|(?i:yes|no|true|false|on|off|null)"
+)
+
+
+class BadPasswords(Exception):
+    """A file that cannot be read; str() names every error with its line, and shows no password."""
+
+
+class _Wrong(Exception):
+    """What is wrong with a line, what was expected."""
+
+
+def own_password(password: Optional[str], file: Optional[str]) -> Optional[str]:
+    """A team's password: itself, or the first line of `file`, or that of the environment; None if there is none.
+
+    ValueError, which names the file, if it cannot be read.
+    """
+    if password is not None:
+        return password
+    if file is None:
+        return os.environ.get(PASSWORD_VARIABLE)
+    try:
+        with open(file, encoding="utf-8") as opened:
+            return opened.readline().rstrip("\r\n")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is no text in UTF-8"
+        raise ValueError(f"cannot read --password-file {file}: {reason}") from None
+
+
+def read_passwords(path: str) -> Dict[str, str]:
+    """Password by team; BadPasswords if there is anything wrong with the file."""
+    try:
+        with open(path, encoding="utf-8-sig") as file:
+            lines = _BEGINNING.sub(r"\1\n", file.read()).split("\n")
+    except OSError as error:
+        raise BadPasswords(f"cannot read {path}: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise BadPasswords(f"cannot read {path}: it is no text in UTF-8: save it as such") from None
+    passwords: Dict[str, str] = {}
+    errors: List[str] = []
+    for number, line in enumerate(lines, 1):
+        try:
+            found = _team_line(line)
+            if found is not None and found[0] in passwords:
+                raise _Wrong("a second line of the same team; expected one line for each team")
+        except _Wrong as wrong:
+            errors.append(f"{path}:{number}: found {wrong}")
+            continue
+        if found is not None:
+            passwords[found[0]] = found[1]
+    if errors:
+        raise BadPasswords("\n".join(errors))
+    if not passwords:
+        raise BadPasswords(f"{path}:1: found no teams; expected {_LINE}")
+    return passwords
+
+
+def _team_line(line: str) -> Optional[Tuple[str, str]]:
+    """Team and password of a line; None for a line without."""
+    if not line.strip(" ") or line.lstrip(" ").startswith("#"):
+        return None
+    if any(not c.isprintable() for c in line):
+        raise _Wrong("a tab or another character that cannot be seen; expected blanks only")
+    if line.startswith(" "):
+        raise _Wrong(f"an indented line; expected {_LINE}")
+    team, rest = _text(line, "the team's name")
+    colon = re.match(r" *:(?: +|$)", rest)
+    if colon is None:
+        raise _Wrong(f"no colon with a blank after it behind the team's name; expected {_LINE}")
+    password, rest = _text(rest[colon.end():], "the password")
+    if not re.fullmatch(r" *| +#.*", rest):
+        raise _Wrong(f"something after the password; expected {_QUOTES}, where it belongs to the password")
+    return team, password
+
+
+def _text(line: str, what: str) -> Tuple[str, str]:
+    """The text at the beginning of `line`, and what follows it."""
+    if not line or line.startswith("#"):
+        raise _Wrong(f"nothing as {what}; expected a text")
+    for pattern, escaped, meant in ((_SINGLE, "''", "'"), (_DOUBLE, r"\\(.)", r"\1")):
+        found = pattern.match(line)
+        if found:
+            text = re.sub(escaped, meant, found.group(1))
+            if not text or text != text.strip():
+                raise _Wrong(f"{what} empty, or with a blank at an end; expected a text")
+            return text, line[found.end():]
+    found = _PLAIN.match(line)
+    if found is None:
+        raise _Wrong(f"{what} beginning with a character that has a meaning in YAML; expected {_QUOTES}")
+    if _NO_TEXT.fullmatch(found.group()):
+        raise _Wrong(f"{what} that YAML takes for a number, a date or a yes or no; expected {_QUOTES}")
+    return found.group(), line[found.end():]
