@@ -19,6 +19,7 @@ from roah_rsbb.nodes.referee_state import (
 
 UTC0 = 1447000000.0  # 2015-11-08 16:26:40Z
 TICK_S = 0.1
+LONG_S = 300.0  # simulated; no test plans anything after that
 ITEMS = (
     Item(1, "Achievements", "Detects the door", "bool", 0),
     Item(2, "Achievements", "Moved furniture", "uint", 0),
@@ -130,6 +131,7 @@ class FakeLink:
         deadline = self.time + limit_s
         while self.time < deadline:
             self.time = min(self.time + TICK_S, deadline)
+            assert self.time < LONG_S, "nothing ends this run"
             while True:
                 due = [plan for plan in self._plans if plan[0] <= self.time]
                 if not due:

@@ -76,7 +76,7 @@ def test_a_zone_with_a_run_is_left_alone(link):
     link.change(phase="running")
     outcome, _ = _run(link)
     assert outcome.status is Exit.REFUSED
-    assert "running" in outcome.text
+    assert "already (running)" in outcome.text
     assert link.commands == []
 
 
@@ -87,6 +87,15 @@ def test_a_referee_who_connects_first_keeps_the_run(link):
     assert outcome.status is Exit.REFUSED
     assert "another referee" in outcome.text
     assert link.commands == []
+
+
+def test_a_referee_who_connects_at_the_same_moment_keeps_the_run(link):
+    link.answers["connect"] = [Refused(["Already connected"])]
+    link.at(0.1, lambda: link.change(phase="connected"))
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.REFUSED
+    assert "another referee" in outcome.text
+    assert link.commands == ["connect"]
 
 
 @pytest.mark.parametrize("reason", ["timeout", "no_messages_saved"])
@@ -188,7 +197,7 @@ def test_a_restart_on_the_way_to_the_event_is_waited_out(link):
     outcome, told = _run(link, event=event_wanted("HCFGAC"))
     assert outcome.status is Exit.OK
     assert outcome.zone.event.code == "HCFGAC"
-    assert ("note", "waiting for the core: silent") in told
+    assert [what for kind, what in told if kind == "note"] == ["waiting for the core: silent"]
     assert link.commands == ["next", "next", "next", "next", "next", "connect", "start", "disconnect"]
 
 
@@ -213,6 +222,16 @@ def test_a_core_that_begins_at_its_first_event_again_is_moved_back(link):
     outcome, _ = _run(link)
     assert outcome.zone.event == EVENTS[2]
     assert link.commands == ["next", "next", "connect", "start", "disconnect"]
+
+
+def test_a_move_after_a_restart_is_another_referees(link):
+    link.index = 2
+    link.change(event=EVENTS[2])
+    link.block("connect", "No robot")
+    link.at(2, link.restart)
+    link.at(6, lambda: link.change(event=EVENTS[1]))
+    outcome, _ = _run(link)
+    assert "moved the zone to HWV/1/2" in outcome.text
 
 
 # -- a core that goes away ------------------------------------------------------------------------
@@ -258,6 +277,29 @@ def test_a_core_that_stays_gone_before_connect_ends_it_as_such(link):
     outcome, _ = _run(link, wait_s=4.0, event=event_wanted("HGTKMH"))
     assert outcome.status is Exit.NO_CORE
     assert outcome.text == "gone: THE RUN MAY STILL BE GOING ON, look with 'referee status'"
+
+
+def test_a_core_that_was_gone_and_then_refuses_is_a_refusal(link):
+    link.answers["connect"] = [NoCore("gone")]
+    link.at(0.1, lambda: link.block("connect", "No robot"))
+    outcome, _ = _run(link, wait_s=4.0)
+    assert (outcome.status, outcome.text) == (Exit.REFUSED, "refused: No robot")
+
+
+def test_a_core_that_goes_when_the_run_is_completed_takes_nothing_from_that(link):
+    link.at(5, lambda: link.end("completed"))
+    link.at(5, link.die)
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.OK
+    assert outcome.text == "the run is completed; it could not be disconnected: gone"
+
+
+def test_a_restart_while_waiting_is_not_blamed_for_what_a_referee_does_later(link):
+    link.block("connect", "No robot")
+    link.at(2, link.restart)
+    link.at(3, lambda: link.block("connect"))
+    link.at(6, lambda: link.change(phase="idle"))
+    assert "another referee disconnected it" in _run(link)[0].text
 
 
 def test_a_core_that_stays_silent_ends_it_and_the_referee_is_warned(link):

@@ -75,6 +75,11 @@ def test_the_score_sheet_has_numbers_values_and_groups():
     ]
 
 
+def test_values_that_were_set_stand_out():
+    sheet = view.score_sheet(running_zone(score=(ITEMS[0]._replace(value=1), ITEMS[1])), view.colour)
+    assert ["\x1b" in line for line in sheet] == [False, False, True, False]
+
+
 def test_a_benchmark_without_items_says_so():
     assert "no scoring items" in view.score_sheet(running_zone(score=()), view.no_colour)[-1]
 

@@ -20,6 +20,12 @@ def test_a_zone_is_found_by_its_name_or_beginning(word, name):
     assert pick_zone(word, ZONES) == name
 
 
+def test_zones_that_differ_in_case_only_are_told_apart():
+    assert pick_zone("home", ["Home", "home", "home 2"]) == "home"
+    with pytest.raises(BadWord):
+        pick_zone("HOME", ["Home", "home"])
+
+
 def test_an_ambiguous_zone_lists_those_that_fit_only():
     with pytest.raises(BadWord) as bad:
         pick_zone("test", ZONES)
