@@ -17,6 +17,10 @@ from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.nodes.core_radio import CoreRadio
 from roah_rsbb.nodes.run_log_writer import RunLogWriter
 
+# Readings of clocks this close together are of one moment; a busy machine takes a few attempts.
+SAME_MOMENT_S = 0.005
+MAX_READINGS = 10
+
 _LOG = {Level.INFO: rospy.loginfo, Level.WARNING: rospy.logwarn, Level.ERROR: rospy.logerr}
 
 
@@ -62,8 +66,15 @@ class CoreDriver:
 
     @staticmethod
     def now() -> Now:
-        """The present moment on both clocks; the loop's clock is the monotonic one."""
-        return Now(time.monotonic(), time.time())
+        """The present moment on both clocks; the loop's clock is the monotonic one.
+
+        A pause of this process between two readings would look like a step of the clock: then read again.
+        """
+        for _ in range(MAX_READINGS):
+            before, utc, mono = time.monotonic(), time.time(), time.monotonic()
+            if mono - before < SAME_MOMENT_S:
+                break
+        return Now(mono, utc)
 
     def event(self, method: Callable[..., object], *args: object) -> None:
         """Put an event into the box, then do what it wants. What the method raises comes out afterwards."""
