@@ -47,9 +47,7 @@ def _connect_off(box: "Box", zone: Zone, now: Now) -> List[str]:
     if listening > 0:
         reasons.append(f"The box is still listening for another box, for {listening:.0f} s")
     kind = zone.event.benchmark.kind
-    if kind is Kind.FUNCTIONALITY:
-        reasons.append(f"No benchmarking module for {zone.event.benchmark.code} is connected")
-    elif kind is Kind.REFEREE_ONLY:
+    if kind is Kind.REFEREE_ONLY:
         reasons.append(f"{zone.event.benchmark.code} needs all robots at once, which this box does not run")
         return reasons
     return reasons + _robot_off(box, zone, now) + box.capacity_off(robot_to_connect(box, zone, now))
@@ -89,6 +87,7 @@ def _start_off(box: "Box", zone: Zone, now: Now) -> List[str]:
         reasons.append(
             "The run's time is up (it went on after the stop): disconnect, and connect for a new run"
         )
+    reasons.extend(run.start_off(now))
     link = run.link
     if link.last is None:
         reasons.append("Robot has not answered on the private channel yet")

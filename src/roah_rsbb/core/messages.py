@@ -45,19 +45,34 @@ class RobotReport(NamedTuple):
         )
 
 
+class GoalMessage(NamedTuple):
+    """A goal as robots are sent it: in the forms of all generations that there are of it."""
+
+    text: str = ""  # YAML, for robots of 2019; empty: not in this form
+    pose: Optional[Tuple[float, float, float]] = None  # for robots of 2015: metres, metres, radians
+    initial_state: Tuple[bool, ...] = ()  # HOMF: of the switches
+    switches: Tuple[int, ...] = ()  # HOMF: to toggle, in this order
+
+
+NO_GOAL = GoalMessage()
+
+
 class BoxMessage(NamedTuple):
     """The BenchmarkState that the box is sending on a private channel."""
 
     benchmark: str  # code, e.g. HGTKMH
     state: BoxState
     acknowledgement: WireTime = NEVER  # `time` of the last RobotState
+    goal: GoalMessage = NO_GOAL  # in GOAL_TX
 
     def lines(self) -> str:
         """The message as YAML lines for the run log."""
-        return (
-            f"benchmark: {self.benchmark}\nstate: {self.state.name}\n"
-            f"acknowledgement: {_yaml(self.acknowledgement)}"
-        )
+        lines = [
+            f"benchmark: {self.benchmark}", f"state: {self.state.name}",
+            f"acknowledgement: {_yaml(self.acknowledgement)}",
+        ]
+        lines += [f"goal_{name}: {_yaml(value)}" for name, value in zip(self.goal._fields, self.goal) if value]
+        return "\n".join(lines)
 
 
 class DevicesState(NamedTuple):

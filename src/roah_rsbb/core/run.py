@@ -6,7 +6,7 @@ when, is decided in `roah_rsbb.core.commands`.
 """
 
 import enum
-from typing import Callable, NamedTuple, Optional, Tuple
+from typing import Callable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects, machine, run_log
 from roah_rsbb.core.benchmarks import Event
@@ -14,7 +14,7 @@ from roah_rsbb.core.clock import Now, clock_text
 from roah_rsbb.core.device_commands import DeviceCommands
 from roah_rsbb.core.effects import Effect, How, Level
 from roah_rsbb.core.link import RobotLink
-from roah_rsbb.core.messages import BoxMessage, RobotReport
+from roah_rsbb.core.messages import NO_GOAL, BoxMessage, GoalMessage, RobotReport
 from roah_rsbb.core.online_data import DisplayText, RepeatedStrings
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.run_clock import RunClock, SavingWatch
@@ -38,6 +38,7 @@ class EndReason(enum.Enum):
     COMPLETED = "Benchmark completed by the robot"
     TIMEOUT = "Stopped due to timeout"
     NO_MESSAGES_SAVED = "Stopped: the robot saves no offline data (messages saved stays 0)"
+    MODULE_FAILED = "Stopped: the benchmarking module cannot go on"
 
 
 class OnlineField(NamedTuple):
@@ -104,6 +105,9 @@ class Run:
         self.clock.start(now)
         self.phase = Phase.RUNNING
         self.end_reason = None
+        self._begin(now)
+
+    def _begin(self, now: Now) -> None:
         self._set_state(now, BoxState.PREPARE, "Robot preparing for the task")
 
     def stop(self, now: Now) -> None:
@@ -207,15 +211,15 @@ class Run:
 
     # -- shared ------------------------------------------------------------------------------------
 
-    def _end(self, now: Now, reason: EndReason) -> None:
+    def _end(self, now: Now, reason: EndReason, desc: str = "") -> None:
         self.phase = Phase.ENDED
         self.end_reason = reason
         self.clock.stop(now)
-        self._set_state(now, BoxState.STOP, reason.value)
+        self._set_state(now, BoxState.STOP, desc or reason.value)
 
-    def _set_state(self, now: Now, state: BoxState, desc: str) -> None:
+    def _set_state(self, now: Now, state: BoxState, desc: str, goal: GoalMessage = NO_GOAL) -> None:
         self.desc = desc
-        self.message = self.message._replace(state=state)
+        self.message = self.message._replace(state=state, goal=goal)
         for topic, value in (
             (run_log.STATE, int(state)), (run_log.STATE_NAME, state.name), (run_log.STATE_DESC, desc),
             (run_log.BOX_STATE, int(state)), (run_log.BOX_PAYLOAD, self.message.lines()),
@@ -249,4 +253,16 @@ class Run:
 
     def timer(self, now: Now) -> float:
         """Seconds left: until the timeout; once ended, of the time after the stop."""
-        return self.clock.left(now, ended=self.phase is Phase.ENDED)
+        return self.clock.shown(now, ended=self.phase is Phase.ENDED)
+
+    def start_off(self, now: Now) -> List[str]:
+        """Why the run cannot be started, apart from its robot's and its clock's reasons."""
+        return []
+
+    def warnings(self, now: Now) -> List[str]:
+        """What the referee should look at now."""
+        return self.link.warnings(now)
+
+    def status_lines(self, now: Now) -> List[str]:
+        """What the referee should know of the run, besides what is the matter and the warnings."""
+        return []

@@ -1,4 +1,4 @@
-"""The times of a run: its countdown, and the watch on the robot's offline data.
+"""The times of a run: its countdowns, and the watch on the robot's offline data.
 
 Both use the monotonic clock only (architecture, rule 4).
 """
@@ -11,40 +11,78 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import BoxState, RobotState
 
 
-class RunClock:
+class Countdown:
+    """Counts from its start to its end, except while it is paused."""
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds = seconds
+        self._deadline: Optional[float] = None  # as if there were no more pauses
+        self._paused_at: Optional[float] = None
+
+    def start(self, now: Now) -> None:
+        """Only the first call starts it."""
+        if self._deadline is None:
+            self._deadline = now.mono + self._seconds
+
+    def pause(self, now: Now) -> None:
+        """Time does not count until `resume`."""
+        if self._deadline is not None and self._paused_at is None:
+            self._paused_at = now.mono
+
+    def resume(self, now: Now) -> None:
+        """Time counts again."""
+        if self._paused_at is not None:
+            self._deadline += now.mono - self._paused_at
+            self._paused_at = None
+
+    @property
+    def paused(self) -> bool:
+        """Whether time does not count at the moment."""
+        return self._paused_at is not None
+
+    def deadline(self) -> Optional[float]:
+        """Monotonic time (s) of its end; None: it is not started, or paused."""
+        return None if self.paused else self._deadline
+
+    def is_over(self, now: Now) -> bool:
+        """Whether the time is up."""
+        deadline = self.deadline()
+        return deadline is not None and now.mono >= deadline
+
+    def left(self, now: Now) -> float:
+        """Seconds left, at least 0."""
+        if self._deadline is None:
+            return self._seconds
+        return max(0.0, self._deadline - (self._paused_at if self.paused else now.mono))
+
+    def elapsed(self, now: Now) -> float:
+        """Seconds that counted so far, at most all."""
+        return self._seconds - self.left(now)
+
+
+class RunClock(Countdown):
     """Counts from the first start to the timeout. Stopped time counts (wire protocol, State machines)."""
 
     def __init__(self, timeout: float, after_stop: float) -> None:
-        self._timeout = timeout
+        super().__init__(timeout)
         self._after_stop = after_stop
-        self._deadline: Optional[float] = None
         self._stopped_at: Optional[float] = None
 
     def start(self, now: Now) -> None:
         """The first start sets the deadline, a later one keeps it."""
-        if self._deadline is None:
-            self._deadline = now.mono + self._timeout
+        super().start(now)
         self._stopped_at = None
 
     def stop(self, now: Now) -> None:
-        """The run was stopped; the deadline stays."""
+        """The run was stopped; the deadline stays, and no pause outlasts the run."""
+        self.resume(now)
         self._stopped_at = now.mono
 
-    def deadline(self) -> Optional[float]:
-        """Monotonic time (s) of the timeout; None: not started yet."""
-        return self._deadline
-
-    def is_over(self, now: Now) -> bool:
-        """Whether the run's time is up."""
-        return self._deadline is not None and now.mono >= self._deadline
-
-    def left(self, now: Now, ended: bool) -> float:
+    def shown(self, now: Now, ended: bool) -> float:
         """Seconds left until the timeout or, in a run that ended, of the time after the stop; at least 0."""
         if ended and self._stopped_at is not None:
             return max(0.0, self._stopped_at + self._after_stop - now.mono)
-        if self._deadline is None:
-            return self._timeout
-        return max(0.0, self._deadline - now.mono)
+        return self.left(now)
 
 
 class SavingWatch:

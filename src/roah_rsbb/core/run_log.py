@@ -27,6 +27,12 @@ NOTIFICATION = "/notification"
 ACTIVATION_EVENT = "/activation_event"
 VISITOR = "/visitor"
 COMMAND = "/command"
+GOAL = "/rsbb_log/bmbox/goal"
+MODULE_SCORE = "/rsbb_log/bmbox/score"
+MANUAL_OPERATION = "/rsbb_log/manual_operation"
+HOPF_RESULT = "/rsbb_log/opf_result"
+RESULT = "/rsbb_log/result"
+SWITCHES = "/rsbb_log/omf_switches"
 
 
 def device_topic(device: str) -> str:
@@ -49,5 +55,6 @@ KINDS: Dict[str, LogKind] = {
     ACTIVATION_EVENT: LogKind.STRING,
     VISITOR: LogKind.STRING,
     COMMAND: LogKind.STRING,
+    **dict.fromkeys((GOAL, MODULE_SCORE, MANUAL_OPERATION, HOPF_RESULT, RESULT, SWITCHES), LogKind.STRING),
     **{device_topic(d): LogKind.UINT8 for d in ("switch_1", "switch_2", "switch_3", "blinds", "dimmer")},
 }

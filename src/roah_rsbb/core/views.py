@@ -85,7 +85,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
     run = zone.run
     shown = run if run is not None else zone.last_run
     off = tuple(tuple(box.reasons_off(now, zone, command)) for command in COMMANDS)
-    warnings = tuple(run.link.warnings(now)) if run is not None else ()
+    warnings = tuple(run.warnings(now)) if run is not None else ()
     view = ZoneView(
         zone=zone.name,
         event=zone.event,
@@ -118,6 +118,7 @@ def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:
             lines.extend(reasons or ("All OK for start",))
         elif not reasons:
             lines.append("May be started again: its time went on")
+    lines.extend(run.status_lines(now))
     if run.robot_state is not None:
         lines.append(f"Messages saved: {run.link.messages_saved}")
     return lines + [f"WARNING: {w}" for w in view.warnings if w not in lines]

@@ -15,15 +15,15 @@ def at(mono):
 
 def test_a_run_counts_from_its_start():
     clock = RunClock(timeout=600.0, after_stop=120.0)
-    assert clock.left(at(50.0), ended=False) == 600.0
+    assert clock.shown(at(50.0), ended=False) == 600.0
     assert clock.deadline() is None
     assert not clock.is_over(at(1e9))
     clock.start(at(100.0))
     assert clock.deadline() == 700.0
-    assert clock.left(at(150.0), ended=False) == 550.0
+    assert clock.shown(at(150.0), ended=False) == 550.0
     assert not clock.is_over(at(699.999))
     assert clock.is_over(at(700.0))
-    assert clock.left(at(800.0), ended=False) == 0.0
+    assert clock.shown(at(800.0), ended=False) == 0.0
 
 
 def test_stopped_time_counts():
@@ -32,7 +32,7 @@ def test_stopped_time_counts():
     clock.stop(at(200.0))
     clock.start(at(300.0))
     assert clock.deadline() == 700.0
-    assert clock.left(at(300.0), ended=False) == 400.0
+    assert clock.shown(at(300.0), ended=False) == 400.0
     clock.stop(at(400.0))
     assert clock.is_over(at(700.0))
 
@@ -41,9 +41,9 @@ def test_after_a_stop_the_time_after_the_stop_is_left():
     clock = RunClock(timeout=600.0, after_stop=120.0)
     clock.start(at(100.0))
     clock.stop(at(200.0))
-    assert clock.left(at(200.0), ended=True) == 120.0
-    assert clock.left(at(250.0), ended=True) == 70.0
-    assert clock.left(at(400.0), ended=True) == 0.0
+    assert clock.shown(at(200.0), ended=True) == 120.0
+    assert clock.shown(at(250.0), ended=True) == 70.0
+    assert clock.shown(at(400.0), ended=True) == 0.0
 
 
 def _report(saved, state=RobotState.EXECUTING):
