@@ -4,14 +4,17 @@ Every public method that takes an event takes `now` too, and leaves its effects 
 command of the referee that makes no sense raises `Refused` and changes nothing.
 """
 
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, List, Optional, Tuple
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.benchmarks import Config
+from roah_rsbb.core.benchmarks import Config, Kind
 from roah_rsbb.core.clock import ClockWatch, Now, WireTime
 from roah_rsbb.core.commands import COMMANDS, NO_RUN, robot_to_connect
 from roah_rsbb.core.effects import Effect, Level
+from roah_rsbb.core.functionality import FunctionalityRun
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, RobotReport, TabletState
+from roah_rsbb.core.module_messages import ModulesState, RunForModule
+from roah_rsbb.core.modules import Modules
 from roah_rsbb.core.refused import Refused, did_you_mean
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots, RobotId
 from roah_rsbb.core.run import Entry, Run, Surroundings
@@ -22,6 +25,8 @@ from roah_rsbb.core.zone import Zone
 # So many ports in a row that cannot be opened mean that no port can.
 MAX_PORTS_TRIED = 20
 LAST_PORT = 65535
+# The benchmark with switches that the referee watches.
+HOMF = "HOMF"
 
 # A beacon must still fit when somebody rings the bell: negative times are the longest on the wire.
 LONGEST_TIME: WireTime = (-1, -1)
@@ -47,6 +52,7 @@ class Box:
         self.devices = DevicesState()
         self.tablet = TabletState()
         self.tablet_heard: Optional[Now] = None
+        self.modules = Modules()
         self.watches = Watches(settings.listen_duration)
         self._clock = ClockWatch()
         self._beacon_size = beacon_size
@@ -63,8 +69,8 @@ class Box:
 
     def deadline(self) -> Optional[float]:
         """Monotonic time (s) at which `tick` must be called at the latest; None: nothing is due."""
-        times = [t for t in (run.deadline() for run in self.runs()) if t is not None]
-        return min(times, default=None)
+        times = [run.deadline() for run in self.runs()] + [self.modules.deadline()]
+        return min((t for t in times if t is not None), default=None)
 
     def tick(self, now: Now) -> None:
         """Do what is due by now. Every other event does this first, so that time-outs come in order."""
@@ -75,6 +81,10 @@ class Box:
             for run in self.runs():
                 run.link.restart_skew()
             self._notice(Level.WARNING, self.watches.clock_stepped(now, step))
+        modules_due = self.modules.deadline()
+        if modules_due is not None and now.mono >= modules_due:
+            self.modules.forget_gone(now)
+            self._tell_runs_of_modules(now)
         for run in self.runs():
             run.tick(now)
 
@@ -140,17 +150,42 @@ class Box:
         self.tick(now)
         self._run_in(zone_name).set_score(now, group, desc, value)
 
-    def manual_operation_complete(self, now: Now, zone_name: str) -> None:
-        """The referee did what a benchmarking module asked for; raises `Refused` if none did."""
-        self.tick(now)
-        self._run_in(zone_name)
-        raise Refused([f"no manual operation is asked for in zone '{zone_name}'"])
+    def manual_operation_complete(self, now: Now, zone_name: str, operation: int = 0, answer: str = "") -> None:
+        """The referee did what a benchmarking module asked for; raises `Refused`.
 
-    def omf_switches(self, now: Now, zone_name: str) -> None:
-        """The referee tells of the switches in HOMF; raises `Refused` in any other benchmark."""
+        `operation`: number of the request that was answered, 0: whatever is asked now. An empty answer is the
+        first of those to choose from.
+        """
         self.tick(now)
         run = self._run_in(zone_name)
-        raise Refused([f"zone '{zone_name}' runs {run.event.benchmark.code}: only HOMF has switches"])
+        if not isinstance(run, FunctionalityRun):
+            raise Refused([f"no manual operation is asked for in zone '{zone_name}'"])
+        run.complete_operation(now, operation, answer)
+
+    def omf_button(self, now: Now, zone_name: str, switch: int) -> None:
+        """HOMF: the referee saw a switch change, numbered from 1; raises `Refused`."""
+        self.tick(now)
+        run = self._homf_run(zone_name)
+        run.sheet_of_switches().press(switch)
+        run.switches_entered(now)
+
+    def omf_damaged(self, now: Now, zone_name: str, damaged: int) -> None:
+        """HOMF: so many switches were damaged; raises `Refused`."""
+        self.tick(now)
+        run = self._homf_run(zone_name)
+        run.sheet_of_switches().damage(damaged)
+        run.switches_entered(now)
+
+    def omf_complete(self, now: Now, zone_name: str) -> None:
+        """HOMF: all was entered that the robot changed; raises `Refused`."""
+        self.tick(now)
+        self._homf_run(zone_name).complete_switches(now)
+
+    def _homf_run(self, zone_name: str) -> FunctionalityRun:
+        run = self._run_in(zone_name)
+        if not isinstance(run, FunctionalityRun) or run.event.benchmark.code != HOMF:
+            raise Refused([f"zone '{zone_name}' runs {run.event.benchmark.code}: only {HOMF} has switches"])
+        return run
 
     def zone(self, name: str) -> Zone:
         """The zone of that name; raises `Refused` with the names that there are."""
@@ -185,8 +220,31 @@ class Box:
         entry = Entry(zone.name, zone.event, robot.id, self._last_port)
         self._emit(effects.PortTaken(entry.port))
         self._emit(effects.OpenChannel(entry.port, robot.id.team, robot.id.robot, robot.host))
-        zone.run = Run(entry, self.settings, Surroundings(self._emit, self._show_map), now)
+        surroundings = Surroundings(self._emit, self._show_map)
+        if zone.event.benchmark.kind is Kind.FUNCTIONALITY:
+            zone.run = FunctionalityRun(entry, self.settings, surroundings, self.modules, now)
+        else:
+            zone.run = Run(entry, self.settings, surroundings, now)
         self._emit(effects.SendBeacon())
+
+    # -- the benchmarking modules -------------------------------------------------------------------
+
+    def on_modules(self, now: Now, state: ModulesState) -> None:
+        """A node of benchmarking modules says what it drives, and where it is in its runs."""
+        self.tick(now)
+        self.modules.hear(now, state)
+        self._tell_runs_of_modules(now)
+
+    def module_runs(self) -> Tuple[RunForModule, ...]:
+        """What benchmarking modules need to know of the runs that they drive."""
+        return tuple(run.for_module() for run in self._functionality_runs())
+
+    def _functionality_runs(self) -> List[FunctionalityRun]:
+        return [run for run in self.runs() if isinstance(run, FunctionalityRun)]
+
+    def _tell_runs_of_modules(self, now: Now) -> None:
+        for run in self._functionality_runs():
+            run.on_modules(now)
 
     # -- the network --------------------------------------------------------------------------------
 

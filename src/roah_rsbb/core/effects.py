@@ -96,6 +96,10 @@ class RunClosed(NamedTuple):
     port: int
 
 
+class ModuleRunsChanged(NamedTuple):
+    """What benchmarking modules need to know changed: publish `Box.module_runs` at once."""
+
+
 class Level(enum.IntEnum):
     """How much a notice matters."""
 
@@ -120,5 +124,5 @@ class GiveUp(NamedTuple):
 
 Effect = Union[
     PortTaken, OpenChannel, AimChannel, CloseChannel, SendState, SendBeacon, TimeoutRung, SetDevice,
-    RunOpened, RunLogged, RunClosed, Notice, GiveUp,
+    RunOpened, RunLogged, RunClosed, ModuleRunsChanged, Notice, GiveUp,
 ]
