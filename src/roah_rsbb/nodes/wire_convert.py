@@ -48,8 +48,16 @@ def tablet_of(message: pb.TabletBeacon) -> TabletState:
 
 def state_message(message: BoxMessage) -> pb.BenchmarkState:
     """A BenchmarkState to send."""
-    made = pb.BenchmarkState(benchmark_type=message.benchmark, benchmark_state=int(message.state))
+    goal = message.goal
+    made = pb.BenchmarkState(
+        benchmark_type=message.benchmark, benchmark_state=int(message.state), initial_state=goal.initial_state,
+        switches=goal.switches,
+    )
     _set_time(made.acknowledgement, message.acknowledgement)
+    if goal.text:
+        made.generic_goal = goal.text
+    if goal.pose is not None:
+        made.target_pose_x, made.target_pose_y, made.target_pose_theta = goal.pose
     return made
 
 
