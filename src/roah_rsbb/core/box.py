@@ -81,10 +81,7 @@ class Box:
             for run in self.runs():
                 run.link.restart_skew()
             self._notice(Level.WARNING, self.watches.clock_stepped(now, step))
-        modules_due = self.modules.deadline()
-        if modules_due is not None and now.mono >= modules_due:
-            self.modules.forget_gone(now)
-            self._tell_runs_of_modules(now)
+        self._miss_modules(now)
         for run in self.runs():
             run.tick(now)
 
@@ -238,6 +235,17 @@ class Box:
     def module_runs(self) -> Tuple[RunForModule, ...]:
         """What benchmarking modules need to know of the runs that they drive."""
         return tuple(run.for_module() for run in self._functionality_runs())
+
+    def _miss_modules(self, now: Now) -> None:
+        """Nodes that are gone by now hold their runs from then on, but not before what was due earlier."""
+        due = self.modules.deadline()
+        while due is not None and due <= now.mono:
+            then = Now(due, now.utc + (due - now.mono))
+            for run in self.runs():
+                run.tick(then)
+            self.modules.forget_gone(then)
+            self._tell_runs_of_modules(then)
+            due = self.modules.deadline()
 
     def _functionality_runs(self) -> List[FunctionalityRun]:
         return [run for run in self.runs() if isinstance(run, FunctionalityRun)]

@@ -92,20 +92,12 @@ def test_connect_while_the_box_listens_names_all_that_is_missing():
     config = competition(tbm=[event("HNF")])
     driver = BoxDriver(config, Settings(max_datagram=50), listening=True, last_port=65535)
     driver.robot(skew=0.15).beacon()
-    listening, module, skew, ports, size = _refused(driver, "connect")
+    listening, skew, ports, size = _refused(driver, "connect")
     assert listening == "The box is still listening for another box, for 5 s"
-    assert module == "No benchmarking module for HNF is connected"
     assert skew.startswith("Clock skew of robot r1 of team Alpha is +0.150 s, it must be below 0.100 s")
     assert "synchronise" in skew
     assert ports.startswith("All UDP ports up to 65535 are used up")
     assert size.startswith("The beacon may need 132 bytes with one more robot, and robots may read only 50")
-
-
-@pytest.mark.parametrize("code", ["HOPF", "HNF", "HPPF", "HPFF", "HGMF", "HOMF", "STB"])
-def test_what_a_module_drives_cannot_be_connected_without_one(code):
-    driver = BoxDriver(competition(tbm=[event(code)]))
-    driver.robot().beacon()
-    assert _refused(driver, "connect") == [f"No benchmarking module for {code} is connected"]
 
 
 def test_a_benchmark_for_all_robots_needs_none_of_one_team():
@@ -234,7 +226,8 @@ def test_scores_and_other_calls_need_a_run_in_a_zone():
     driver = BoxDriver()
     box = driver.box
     for method, arguments in (
-        (box.set_score, ("Penalized", "bumps", 1)), (box.manual_operation_complete, ()), (box.omf_switches, ()),
+        (box.set_score, ("Penalized", "bumps", 1)), (box.manual_operation_complete, ()),
+        (box.omf_button, (1,)), (box.omf_damaged, (1,)), (box.omf_complete, ()),
     ):
         with pytest.raises(Refused, match="No run is connected: press connect first"):
             driver.event(method, "tbm", *arguments)
@@ -247,8 +240,11 @@ def test_calls_that_make_no_sense_in_a_task_benchmark():
     driver.connected()
     with pytest.raises(Refused, match="no manual operation is asked for in zone 'tbm'"):
         driver.event(driver.box.manual_operation_complete, "tbm")
-    with pytest.raises(Refused, match="zone 'tbm' runs HGTKMH: only HOMF has switches"):
-        driver.event(driver.box.omf_switches, "tbm")
+    for method, arguments in (
+        (driver.box.omf_button, (1,)), (driver.box.omf_damaged, (1,)), (driver.box.omf_complete, ()),
+    ):
+        with pytest.raises(Refused, match="zone 'tbm' runs HGTKMH: only HOMF has switches"):
+            driver.event(method, "tbm", *arguments)
 
 
 def test_disconnect_ends_the_channel_without_a_last_message():

@@ -64,7 +64,7 @@ def _events(draw):
         ("on_foreign_box", ("10.0.0.9",)), ("on_complaint", ("bad",)), ("on_unreadable", (6667, "bad")),
         ("on_trouble", ("bad",)), ("on_channel_failed", (6667, "in use")), ("on_devices", (DevicesState(dimmer=5),)),
         ("on_tablet", (TabletState(True, (2**63 - 1, -1), (-(2**63), 0), float("nan"), float("inf")),)),
-        ("manual_operation_complete", (zone,)), ("omf_switches", (zone,)), ("tick", ()),
+        ("manual_operation_complete", (zone,)), ("omf_complete", (zone,)), ("omf_button", (zone, 1)), ("tick", ()),
     ]))
 
 

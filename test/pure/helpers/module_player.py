@@ -1,0 +1,81 @@
+"""A node of benchmarking modules that asks for what a test tells it, beside a box in simulated time."""
+
+from helpers.box_driver import BoxDriver
+from helpers.competition import competition, event
+from roah_rsbb.core.module_messages import ModuleInfo, ModulesState, Progress, Request, RequestKind
+from roah_rsbb.states import RobotState
+
+BEAT_S = 0.5
+
+
+class FakeModules:
+    """Says what it drives, and where it is in the one run that it sees."""
+
+    def __init__(self, driver, *codes, node="n1", problems=(), warnings=()):
+        self.driver = driver
+        self.node = node
+        self.infos = tuple(ModuleInfo(code, tuple(problems), tuple(warnings)) for code in codes)
+        self.progress = {}  # run's identity -> Progress
+
+    def beat(self):
+        """Say it all, once."""
+        state = ModulesState(self.node, self.infos, tuple(self.progress.values()))
+        self.driver.event(self.driver.box.on_modules, state)
+
+    def run(self, zone="tbm"):
+        """What the core tells of the run in a zone."""
+        return next(run for run in self.driver.box.module_runs() if run.zone == zone)
+
+    def says(self, zone="tbm", **fields):
+        """Go on from the last progress in this attempt, with these fields changed."""
+        run = self.run(zone)
+        last = self.progress.get(run.run)
+        if last is None or last.attempt != run.attempt:
+            last = Progress(run.run, run.attempt)
+        self.progress[run.run] = last._replace(**fields)
+        self.beat()
+
+    def asks(self, kind=RequestKind.GOAL, zone="tbm", **fields):
+        """Ask for the next thing."""
+        request = Request(len(self.run(zone).steps) + 1, kind, **fields)
+        self.says(zone, request=request)
+        return request
+
+    def outcome(self, zone="tbm"):
+        """The outcome of the last step; None: it is still open."""
+        return self.run(zone).steps[-1].outcome
+
+    def lives(self, seconds, robot=None):
+        """Let time pass; the node speaks twice a second, the robot says the same once a second."""
+        end = self.driver.now.mono + seconds
+        beats = 0
+        while self.driver.now.mono < end - 1e-9:
+            self.driver.run(min(BEAT_S, end - self.driver.now.mono))
+            self.beat()
+            beats += 1
+            if robot is not None and beats % 2 == 0:
+                robot.says(after=0.0)
+
+
+def functionality(code="HNF", goal=120.0, total=600.0, settings=None, **of_event):
+    """A box, its modules, and a robot: connected, not started yet."""
+    driver = BoxDriver(competition(tbm=[event(code, timeout=goal, total_timeout=total, **of_event)]), settings)
+    modules = FakeModules(driver, code)
+    modules.beat()
+    robot = driver.connected()
+    modules.beat()
+    return driver, modules, robot
+
+
+def started(*args, **kwargs):
+    """The same, started: the module may ask."""
+    driver, modules, robot = functionality(*args, **kwargs)
+    driver.command("start")
+    return driver, modules, robot
+
+
+def does_goal(robot, **result):
+    """The robot goes from PREPARE through its goal to a result."""
+    for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
+        robot.says(state)
+    robot.says(RobotState.RESULT_TX, **result)
