@@ -124,6 +124,9 @@ def test_a_goal_of_homf_carries_switches():
     modules.lives(30.0, robot)
     assert driver.run_in().clock.left(driver.now) == before, "the referee's time does not count"
     driver.event(box.omf_complete, "tbm")
+    driver.command("stop")
+    with pytest.raises(Refused, match="no switches are to be entered"):
+        driver.event(box.omf_button, "tbm", 2)
     assert (modules.outcome().changed, modules.outcome().damaged) == ((2, 1), 1)
 
 
@@ -244,6 +247,21 @@ def test_a_goals_timeout_ends_the_goal_and_not_the_run(states, executing):
     assert not driver.taken(effects.TimeoutRung)
 
 
+def test_a_goals_timeout_that_is_noticed_late_counts_from_when_it_was_due():
+    driver, modules, robot = started()
+    modules.asks(timeout=30.0, **WAYPOINT)
+    robot.says(RobotState.PREPARING)
+    robot.says(RobotState.WAITING_GOAL)
+    assert driver.box.deadline() <= driver.now.mono + 2.0, "the modules must be heard until then"
+    modules.lives(29.0)
+    due = driver.now.utc + 0.998
+    assert driver.box.deadline() == pytest.approx(driver.now.mono + 0.998)
+    driver.jump(1.7)
+    driver.event(driver.box.tick)
+    outcome = modules.outcome()
+    assert (outcome.ended_utc, outcome.executing_s) == (pytest.approx(due, abs=0.01), pytest.approx(29.998))
+
+
 def test_a_goal_without_a_timeout_ends_with_the_run_only():
     driver, modules, robot = started(total=60.0)
     modules.asks(**WAYPOINT)
@@ -308,7 +326,7 @@ def _preparing(modules, robot):
 
 
 def _executing(modules, robot):
-    modules.asks(**WAYPOINT)
+    modules.asks(timeout=50.0, **WAYPOINT)
     for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
         robot.says(state)
 
@@ -326,6 +344,7 @@ def test_stop_and_start_again_anywhere(reach):
     driver.command("stop")
     assert (driver.box_state(), driver.run_in().end_reason) == (BoxState.STOP, EndReason.STOPPED)
     assert driver.run_in().asked is None
+    assert driver.view().timer == pytest.approx(120.0), "of the time after the stop, not of a goal"
     run = modules.run()
     assert (run.attempt, run.running, run.end_reason) == (1, False, "stopped")
     with pytest.raises(Refused):
@@ -354,7 +373,7 @@ def test_scores_are_logged_as_they_grow_and_only_then():
     driver, modules, robot = started()
     scores = (ScoreValue("waypoint 1", "time", "12.5", "s", "Time"), ScoreValue("", "note", '"x"', ""))
     modules.says(scores=scores)
-    modules.lives(3.0)
+    modules.says(status="and so on")
     logged = driver.logged(robot.port, run_log.MODULE_SCORE)
     assert [json.loads(text) for text in logged] == [[
         {"group": "waypoint 1", "name": "time", "value": 12.5, "unit": "s", "desc": "Time"},
@@ -380,8 +399,12 @@ def test_the_referee_sees_what_is_asked_and_what_the_module_says():
     assert "Waypoint 1 of 3" in state
     assert "WARNING: frame robot is 3 s old" in state
     assert [n for n in driver.notices() if "3 s old" in n] == ["Benchmarking module: frame robot is 3 s old"]
-    modules.lives(2.0)
+    modules.says(status="Waypoint 2 of 3")
     assert not [n for n in driver.notices() if "3 s old" in n], "it is told once"
+    driver.command("stop")
+    driver.command("start")
+    assert "Waypoint" not in driver.view().state
+    assert driver.view().warnings == ()
 
 
 # -- requests that make no sense ------------------------------------------------------------------------

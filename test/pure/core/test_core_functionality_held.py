@@ -50,6 +50,13 @@ def test_a_run_whose_module_is_gone_is_held_and_its_clocks_stand():
     assert driver.run_in().phase is Phase.RUNNING
 
 
+def test_a_box_that_notices_late_holds_from_when_the_module_was_gone():
+    driver, modules, _ = started()
+    driver.jump(100.0)
+    driver.event(driver.box.tick)
+    assert driver.run_in().clock.left(driver.now) == pytest.approx(598.0)
+
+
 def test_the_same_module_that_was_only_slow_goes_on():
     driver, modules, robot = started()
     modules.asks(**GOAL)
