@@ -3,14 +3,17 @@
 import itertools
 
 import pytest
+import yaml
 
 from helpers.box_driver import MONO0, BoxDriver
 from helpers.competition import competition, event
 from helpers.golden import PASSWORD, load
+from helpers.module_player import ScriptedModules
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.comm.frame import decode_private, decode_public
 from roah_rsbb.core.clock import Now, wire_seconds
 from roah_rsbb.core.effects import SetDevice
+from roah_rsbb.core.module_messages import RequestKind
 from roah_rsbb.core.refused import Refused
 from roah_rsbb.core.run import EndReason
 from roah_rsbb.nodes import wire_convert
@@ -20,6 +23,7 @@ from roah_rsbb.states import BoxState
 PUBLIC_PORT = 6666
 ROBOT_HOST = "10.99.0.2"
 COMMANDS = ("connect", "start", "stop", "disconnect")
+OPERATION = "manual_operation_complete"
 
 
 def _sessions_acts(name):
@@ -31,17 +35,18 @@ def _sessions_acts(name):
         public = record["dport"] == PUBLIC_PORT
         message = decode_public(datagram) if public else decode_private(datagram, key)
         acts.append((record["t_rel"], (message, record["src"])))
-    acts += [(e["t_rel"], e["step"]) for e in load(f"{name}.events") if e.get("step") in COMMANDS]
+    acts += [(e["t_rel"], e["step"]) for e in load(f"{name}.events") if e.get("step") in (*COMMANDS, OPERATION)]
     return sorted(acts, key=lambda act: act[0])
 
 
 class Replay:
     """Our box in the place of the original one."""
 
-    def __init__(self, name, code, timeout=120.0):
+    def __init__(self, name, code, timeout=120.0, script=None):
         self.driver = BoxDriver(competition(teams=["TestingTeam"], tbm=[
             event(code, team="TestingTeam", timeout=timeout)
         ]))
+        self.modules = None if script is None else ScriptedModules(self.driver, code, script)
         self.originals, self.ours = [], []  # (time, state) at each change
         self.refused = []
         self.port = None
@@ -59,6 +64,8 @@ class Replay:
 
     def _pass_time(self, time):
         driver = self.driver
+        if self.modules is not None:
+            self.modules.go_on()
         self._note(self.ours, driver.now.mono - MONO0 - 10)
         mono = MONO0 + 10 + time
         deadline = driver.box.deadline()
@@ -78,7 +85,10 @@ class Replay:
 
     def _command(self, command):
         try:
-            self.driver.command(command)
+            if command == OPERATION:
+                self.driver.event(self.driver.box.manual_operation_complete, "tbm")
+            else:
+                self.driver.command(command)
         except Refused as refused:
             self.refused.append((command, refused.reasons))
         self.run = self.driver.run_in() or self.run
@@ -111,6 +121,42 @@ def test_the_box_goes_through_the_same_states_and_sooner(name, code):
     assert replay.run.link.times_valid
 
 
+def _goals(name):
+    """The goals that the original sent, as it wrote them."""
+    key = Key(PASSWORD)
+    datagrams = [bytes.fromhex(record["hex"]) for record in load(name) if record["dport"] != PUBLIC_PORT]
+    messages = [decode_private(datagram, key) for datagram in datagrams]
+    return list(dict.fromkeys(m.generic_goal for m in messages if isinstance(m, pb.BenchmarkState) and m.generic_goal))
+
+
+def _waypoint(goal):
+    return RequestKind.GOAL, {"goal": goal, "pose": tuple(yaml.safe_load(goal)), "timeout": 120.0}
+
+
+@pytest.mark.parametrize("name, code, script", [
+    ("HNF_2020", "HNF", [_waypoint(goal) for goal in _goals("HNF_2020")]),
+    ("STB_2020", "STB", [
+        (RequestKind.REFEREE, {"text": "First Manual Operation"}),
+        *((RequestKind.GOAL, {"goal": goal, "timeout": 15.0}) for goal in _goals("STB_2020")),
+        (RequestKind.REFEREE, {"text": "Last Manual Operation"}),
+    ]),
+])
+def test_a_functionality_benchmark_goes_through_the_same_states_and_sooner(name, code, script):
+    replay = Replay(name, code, timeout=600.0, script=script)
+    goals = sum(kind is RequestKind.GOAL for kind, _ in script)
+    assert goals >= 2
+    assert replay.refused == []
+    assert [state for _, state in replay.ours] == [state for _, state in replay.originals] == [
+        BoxState.STOP, *[BoxState.PREPARE, BoxState.GOAL_TX, BoxState.WAITING_RESULT] * goals, BoxState.STOP
+    ]
+    # A manual operation is over when the referee says so; the recording has that a little late.
+    assert all(ours <= original + 0.01 for (ours, _), (original, _) in zip(replay.ours, replay.originals))
+    assert replay.run.end_reason is EndReason.COMPLETED
+    assert [step.outcome.result for step in replay.run.steps if step.request.kind is RequestKind.GOAL] == [
+        "SOME RESULT" if code == "STB" else ""
+    ] * goals
+
+
 def test_a_timeout():
     """The original let the referee start again after it; that is refused here (wire protocol, State machines)."""
     replay = Replay("TIMEOUT_2015", "HGTKMH", timeout=5.0)
@@ -130,5 +176,5 @@ def test_a_2015_clients_devices_tablet_and_final_command():
             ("blinds", 100),  # when the run was over, and not left yet
         )),
     ]
-    assert replay.driver.box.tablet.display_map is True
+    assert replay.driver.box.tablet.state.display_map is True
     assert replay.driver.logged(replay.port, "/command") == ["open the blinds"]

@@ -137,6 +137,7 @@ class World:
         self.box = RadioBox(config, settings)
         self.keys = {team: Key(password) for team, password in config.passwords.items()}
         self.robots = []
+        self.companions = []  # what else lives in this world: deadline() and poll()
         self.mono = self.box.now.mono
         self.stale = 0  # datagrams of robots that came too late
         self.clocks_are_set = False  # then older times may be newer
@@ -173,7 +174,7 @@ class World:
 
     def _next_due(self):
         due = [self._beacon_due, self.box.box.deadline(), *(s.deadline for s in self.box.senders.values())]
-        due += [robot.deadline() for robot in self.robots]
+        due += [one.deadline() for one in (*self.robots, *self.companions)]
         due += [self._air[0][0]] if self._air else []
         return min(time for time in due if time is not None)
 
@@ -190,9 +191,9 @@ class World:
             self._beacon_due = self.mono + BEACON_PERIOD_S
             self.box.effects.append(effects.SendBeacon())
         self._send_of_box()
-        for robot in self.robots:
-            if robot.deadline() <= self.mono:
-                robot.poll()
+        for one in (*self.robots, *self.companions):
+            if one.deadline() <= self.mono:
+                one.poll()
 
     # -- datagrams ------------------------------------------------------------------------------------
 
@@ -284,8 +285,16 @@ LEGAL_ROBOT = {
 }
 
 
-def assert_legal(world, port, robot):
+# What comes in addition where the robot is sent a goal.
+LEGAL_GOAL = {
+    (BoxState.PREPARE, BoxState.GOAL_TX), (BoxState.GOAL_TX, BoxState.WAITING_RESULT),
+    (BoxState.GOAL_TX, BoxState.PREPARE), (BoxState.GOAL_TX, BoxState.STOP),
+}
+
+
+def assert_legal(world, port, robot, explicit_goal=False):
     """Both ends went from state to state as the tables allow it."""
     states = world.box_states(port)
-    assert set(zip(states, states[1:])) <= LEGAL, states
+    legal = LEGAL | LEGAL_GOAL if explicit_goal else LEGAL
+    assert set(zip(states, states[1:])) <= legal, states
     assert set(zip(robot.states, robot.states[1:])) <= LEGAL_ROBOT, robot.states

@@ -57,6 +57,26 @@ class FakeModules:
                 robot.says(after=0.0)
 
 
+class ScriptedModules(FakeModules):
+    """Goes through a script of requests, one after the other, and is finished after the last."""
+
+    def __init__(self, driver, code, script, **kwargs):
+        super().__init__(driver, code, **kwargs)
+        self.script = script  # (kind, fields of the request)
+
+    def go_on(self):
+        """Say what there is to say now: the next request once the last has its outcome."""
+        for run in self.driver.box.module_runs():
+            steps = len(run.steps)
+            if run.running and (not steps or run.steps[-1].outcome is not None):
+                if steps < len(self.script):
+                    kind, fields = self.script[steps]
+                    self.asks(kind, run.zone, **fields)
+                else:
+                    self.says(run.zone, finished=True, request=run.steps[-1].request)
+        self.beat()
+
+
 def functionality(code="HNF", goal=120.0, total=600.0, settings=None, **of_event):
     """A box, its modules, and a robot: connected, not started yet."""
     driver = BoxDriver(competition(tbm=[event(code, timeout=goal, total_timeout=total, **of_event)]), settings)
