@@ -10,6 +10,7 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.benchmarks import Config, Kind
 from roah_rsbb.core.clock import ClockWatch, Now, WireTime
 from roah_rsbb.core.commands import COMMANDS, NO_RUN, robot_to_connect
+from roah_rsbb.core.device_commands import CATERING
 from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.core.functionality import FunctionalityRun
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, RobotReport, TabletState
@@ -19,6 +20,7 @@ from roah_rsbb.core.refused import Refused, did_you_mean
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots, RobotId
 from roah_rsbb.core.run import Entry, Run, Surroundings
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zone import Zone
 
@@ -50,8 +52,7 @@ class Box:
         self.robots = ActiveRobots(settings.robot_timeout, config.passwords)
         self.zones: Dict[str, Zone] = {plan.name: Zone(plan) for plan in config.zones}
         self.devices = DevicesState()
-        self.tablet = TabletState()
-        self.tablet_heard: Optional[Now] = None
+        self.tablet = Tablet()
         self.modules = Modules()
         self.watches = Watches(settings.listen_duration)
         self._clock = ClockWatch()
@@ -106,7 +107,12 @@ class Box:
     def beacon(self) -> Beacon:
         """What the beacon says now."""
         robots = tuple(BenchmarkingRobot(r.robot.team, r.robot.robot, r.port) for r in self.runs())
-        return Beacon(robots, self.devices, self.tablet)
+        return Beacon(robots, self.devices, self.tablet.state)
+
+    def warnings(self, now: Now) -> List[str]:
+        """What every referee should know now."""
+        tablet_is_needed = any(zone.event.benchmark.code == CATERING for zone in self.zones.values())
+        return self.watches.warnings(now) + self.tablet.warnings(now, tablet_is_needed)
 
     def reasons_off(self, now: Now, zone: Zone, command: str) -> List[str]:
         """Every reason why a command to a zone would be refused now; empty: it is allowed."""
@@ -222,6 +228,8 @@ class Box:
             zone.run = FunctionalityRun(entry, self.settings, surroundings, self.modules, now)
         else:
             zone.run = Run(entry, self.settings, surroundings, now)
+        if zone.event.benchmark.code == CATERING:
+            self.tablet.display_map = False  # what the run before left on the tablet is not this robot's
         self._emit(effects.SendBeacon())
 
     # -- the benchmarking modules -------------------------------------------------------------------
@@ -321,11 +329,16 @@ class Box:
         if text:
             self._notice(Level.ERROR, text)
 
-    def on_tablet(self, now: Now, tablet: TabletState) -> None:
-        """A TabletBeacon arrived; which view it shows is not its to say."""
+    def on_tablet(self, now: Now, host: str, beacon: TabletState) -> None:
+        """A TabletBeacon arrived from `host`; which view it shows is not its to say."""
         self.tick(now)
-        self.tablet_heard = now
-        self._set_tablet(tablet._replace(display_map=self.tablet.display_map))
+        before = self.tablet.state
+        heard = self.tablet.hear(now, host, beacon)
+        text = self.watches.tablet(now, host, heard)
+        if text:
+            self._notice(Level.WARNING, text)
+        if self.tablet.state != before:
+            self._emit(effects.SendBeacon())
 
     def on_devices(self, now: Now, devices: DevicesState) -> None:
         """The devices told their state."""
@@ -341,11 +354,8 @@ class Box:
             self._notice(Level.ERROR, text)
 
     def _show_map(self, display_map: bool) -> None:
-        self._set_tablet(self.tablet._replace(display_map=display_map))
-
-    def _set_tablet(self, tablet: TabletState) -> None:
-        if tablet != self.tablet:
-            self.tablet = tablet
+        if display_map != self.tablet.display_map:
+            self.tablet.display_map = display_map
             self._emit(effects.SendBeacon())
 
     # -- shared -------------------------------------------------------------------------------------

@@ -62,7 +62,7 @@ def status(box: Box, now: Now) -> str:
     left = box.listening_left(now)
     if left > 0:
         return f"Listening for another box before transmitting: {left:.0f} s"
-    return "; ".join(box.watches.warnings(now)) or "OK"
+    return "; ".join(box.warnings(now)) or "OK"
 
 
 def zones(box: Box, now: Now) -> List[ZoneView]:

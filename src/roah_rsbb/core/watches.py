@@ -4,6 +4,7 @@ from typing import Dict, List, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.robots import RobotId
+from roah_rsbb.core.tablet import Heard
 
 # A warning stays before the referees' eyes for this long after its last cause.
 REMEMBER_S = 10.0
@@ -63,6 +64,19 @@ class Watches:
             f"Beacons from {host} are ignored: too many robots, or a name empty or too long",
             REMEMBER_S,
         )
+
+    def tablet(self, now: Now, host: str, heard: Heard) -> Optional[str]:
+        """A TabletBeacon that does not count, if it is one."""
+        if heard.absurd:
+            return self._keep(now, ("tablet", "absurd"),
+                              f"The tablet at {host} sends {heard.absurd}. Until then it is ignored", REMEMBER_S)
+        if heard.rival_of:
+            return self._keep(
+                now, ("tablet", "rival"),
+                f"Two tablets are on: {heard.rival_of} counts, {host} is ignored. Switch off the wrong one",
+                REMEMBER_S,
+            )
+        return None
 
     def clock_stepped(self, now: Now, step: float) -> str:
         """The box's own clock was set by `step` seconds."""

@@ -21,6 +21,8 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 Address = Tuple[str, int]
 BEACON_PERIOD_S = 1.0
+# Devices and the tablet change at the pace of whoever sends it: beacons leave no closer together than this.
+BEACON_GAP_S = 0.05
 
 
 class Network(NamedTuple):
@@ -69,6 +71,8 @@ class CoreRadio:
         self._listening = True
         self._privates: Dict[int, _Private] = {}
         self._beacon_timer: Optional[asyncio.TimerHandle] = None
+        self._beacon_soon: Optional[asyncio.TimerHandle] = None
+        self._last_beacon = float("-inf")
         self.public = PublicChannel(
             loop, network.rsbb_host, network.rsbb_port, self._on_public, self._on_complaint,
             bind_host=network.bind_host, max_datagram=network.max_datagram,
@@ -84,8 +88,9 @@ class CoreRadio:
 
     def close(self) -> None:
         """Close all channels."""
-        if self._beacon_timer is not None:
-            self._beacon_timer.cancel()
+        for timer in (self._beacon_timer, self._beacon_soon):
+            if timer is not None:
+                timer.cancel()
         for port in list(self._privates):
             self.close_channel(port)
         self.public.close()
@@ -93,9 +98,22 @@ class CoreRadio:
     # -- what the box wants sent --------------------------------------------------------------------
 
     def send_beacon(self) -> None:
-        """Send a beacon at once (and the regular ones as ever), unless the box only listens."""
-        if not self._listening:
-            self.public.send(wire_convert.beacon_message(self._box.beacon()))
+        """Send a beacon at once (and the regular ones as ever), unless the box only listens.
+
+        Where the last one left just before, it leaves after `BEACON_GAP_S`, and says what is true then.
+        """
+        if self._listening or self._beacon_soon is not None:
+            return
+        gap_left = self._last_beacon + BEACON_GAP_S - self._loop.time()
+        if gap_left > 0:
+            self._beacon_soon = self._loop.call_later(gap_left, self._send_beacon_now)
+        else:
+            self._send_beacon_now()
+
+    def _send_beacon_now(self) -> None:
+        self._beacon_soon = None
+        self._last_beacon = self._loop.time()
+        self.public.send(wire_convert.beacon_message(self._box.beacon()))
 
     def open_channel(self, port: int, team: str, host: Optional[str]) -> None:
         """Open a private channel with the team's key; raises OSError whose text names the remedy."""
@@ -164,7 +182,7 @@ class CoreRadio:
             time = wire_convert.time_of(message.time)
             self._event(self._box.on_robot_beacon, host, message.team_name, message.robot_name, time)
         elif isinstance(message, pb.TabletBeacon):
-            self._event(self._box.on_tablet, wire_convert.tablet_of(message))
+            self._event(self._box.on_tablet, host, wire_convert.tablet_of(message))
         elif isinstance(message, pb.RoahRsbbBeacon):
             self._event(self._box.on_foreign_box, host)
 

@@ -33,7 +33,7 @@ def devices_of(message: DevicesStateMsg) -> DevicesState:
 
 def to_gui(box: Box, now: Now, zone_views: List[views.ZoneView], addr: str) -> CoreToGui:
     """The panels' message; `addr` is the broadcast address in use."""
-    tablet = box.tablet
+    tablet = box.tablet.state
     return CoreToGui(
         clock=ros_time(now.utc),
         status=views.status(box, now),
@@ -43,7 +43,7 @@ def to_gui(box: Box, now: Now, zone_views: List[views.ZoneView], addr: str) -> C
             RobotInfo(r.team, r.robot, ros_duration(r.skew), ros_time(r.last_heard)) for r in views.robots(box, now)
         ],
         zones=[_zone_state(view) for view in zone_views],
-        tablet_last_beacon=ros_time(0.0 if box.tablet_heard is None else box.tablet_heard.utc),
+        tablet_last_beacon=ros_time(0.0 if box.tablet.heard is None else box.tablet.heard.utc),
         tablet_display_map=tablet.display_map,
         tablet_call_time=ros_wire_time(tablet.call_time),
         tablet_position_time=ros_wire_time(tablet.position_time),
@@ -71,7 +71,7 @@ def details(box: Box, now: Now, zone_views: List[views.ZoneView], box_uuid: str,
     return CoreDetails(
         clock=ros_time(now.utc),
         box_uuid=box_uuid,
-        warnings=box.watches.warnings(now),
+        warnings=box.warnings(now),
         zones=[_zone_details(view, log_files) for view in zone_views],
     )
 

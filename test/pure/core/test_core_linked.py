@@ -198,6 +198,6 @@ def test_a_robot_hears_of_devices_and_tablet_that_it_commands():
     robot.session.display_map(True)
     port = world.box.run_in().port
     assert world.run_until(lambda: world.box.logged(port, "/rsbb_log/devices/dimmer") == [70], 20)
-    assert world.run_until(lambda: world.box.box.tablet.display_map, 20)
+    assert world.run_until(lambda: world.box.box.tablet.state.display_map, 20)
     world.run(5)
     assert world.box.logged(port, "/rsbb_log/devices/dimmer") == [70]

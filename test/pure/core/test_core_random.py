@@ -63,7 +63,8 @@ def _events(draw):
     return draw(st.sampled_from([
         ("on_foreign_box", ("10.0.0.9",)), ("on_complaint", ("bad",)), ("on_unreadable", (6667, "bad")),
         ("on_trouble", ("bad",)), ("on_channel_failed", (6667, "in use")), ("on_devices", (DevicesState(dimmer=5),)),
-        ("on_tablet", (TabletState(True, (2**63 - 1, -1), (-(2**63), 0), float("nan"), float("inf")),)),
+        ("on_tablet", ("10.0.0.3", TabletState(True, (2**63 - 1, -1), (-(2**63), 0), float("nan"), float("inf")))),
+        ("on_tablet", ("10.0.0.4", TabletState(False, (5, 0), (7, 999_999_999), 1.5, -2.5))),
         ("manual_operation_complete", (zone,)), ("omf_complete", (zone,)), ("omf_button", (zone, 1)), ("tick", ()),
     ]))
 

@@ -63,12 +63,12 @@ def test_the_left_over_of_a_2015_clients_previous_run_is_not_obeyed(first_run_co
     robot.beacon()
     driver.command("connect")
     robot.port = driver.run_in().port
-    shows_map = driver.box.tablet.display_map
+    shows_map = driver.box.tablet.state.display_map
     robot.says()
     robot.fields = {}
     robot.says()
     assert driver.taken(SetDevice) == []
-    assert driver.box.tablet.display_map is shows_map
+    assert driver.box.tablet.state.display_map is shows_map
     robot.says(dimmer=70)
     assert driver.taken(SetDevice) == [("tbm", "dimmer", 70)]
 
@@ -78,7 +78,7 @@ def test_in_other_benchmarks_devices_are_ignored_with_one_warning(code):
     driver, robot = _catering(code)
     for value in (True, False, True):
         robot.says(switch_1=value, display_map=value)
-    assert driver.box.tablet.display_map is False
+    assert driver.box.tablet.state.display_map is False
     taken = driver.taken()
     assert not any(isinstance(effect, SetDevice) for effect in taken)
     warnings = [e.text for e in taken if isinstance(e, effects.Notice) and e.level is Level.WARNING]
@@ -110,13 +110,13 @@ def test_a_tablet_says_where_it_was_touched_but_not_which_view_it_shows():
     robot.says(display_map=True)
     driver.taken()
     told = TabletState(False, (12, 5), (13, 6), 1.5, -2.5)
-    driver.event(driver.box.on_tablet, told)
+    driver.event(driver.box.on_tablet, "10.0.0.3", told)
     assert driver.box.beacon().tablet == told._replace(display_map=True)
-    assert driver.box.tablet_heard == driver.now
+    assert driver.box.tablet.heard == driver.now
     assert driver.taken(SendBeacon) == [SendBeacon()]
     driver.run(1.0)
-    driver.event(driver.box.on_tablet, told)
-    assert driver.box.tablet_heard == driver.now
+    driver.event(driver.box.on_tablet, "10.0.0.3", told)
+    assert driver.box.tablet.heard == driver.now
     assert driver.taken(SendBeacon) == []
 
 

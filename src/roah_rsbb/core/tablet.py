@@ -1,0 +1,118 @@
+"""The tablet: what it said last, whether that is news, and which view it is to show.
+
+TabletBeacons come in the clear from anybody, over a network that loses, doubles and reorders them. What
+is forwarded matters: original robots take every change of `tablet_call_time` in the beacon for a call,
+also one back to an older time, and a time that a ROS message cannot hold ends them.
+
+So there is one tablet, the host that was heard first; another one takes over once that is silent. A
+time that is older than the one forwarded is a datagram that was overtaken, unless the tablet stays with
+it: then its clock was set back. A time of zero means "never", which undoes nothing: the tablet, or its
+program, was started again.
+"""
+
+import math
+from typing import Generic, List, NamedTuple, Optional, TypeVar
+
+from roah_rsbb.core.clock import Now, WireTime, wire_ns
+from roah_rsbb.core.messages import NEVER, TabletState
+
+T = TypeVar("T")
+
+# The tablet sends a beacon each second; after this long without one it is not there any more.
+SILENT_S = 5.0
+# A silent tablet is before the referees' eyes for this long, where no zone needs it.
+REMEMBER_SILENT_S = 300.0
+# An overtaken datagram is late by milliseconds; who says the same again after this long means it.
+MEANT_S = 0.5
+# What a ROS time holds, in seconds.
+LAST_SECOND = 2**32 - 1
+# Farther from the map's origin than any test bed reaches, in metres.
+MAX_DISTANCE_M = 10_000.0
+
+
+class Heard(NamedTuple):
+    """What one TabletBeacon was; at most one of these holds."""
+
+    absurd: Optional[str] = None  # what is wrong with its values
+    rival_of: Optional[str] = None  # the host of the tablet that counts instead
+
+
+class _Said(NamedTuple, Generic[T]):
+    """A value and the tablet's time of it."""
+
+    time: WireTime
+    value: T
+
+
+class _Newest(Generic[T]):
+    """The value to forward, of one that the tablet repeats with its time."""
+
+    def __init__(self, value: T) -> None:
+        self.said = _Said(NEVER, value)
+        self._older: Optional[_Said] = None
+        self._older_since = 0.0
+
+    def take(self, now: Now, said: _Said, is_certain: bool) -> None:
+        """`is_certain`: no datagram can have been overtaken, as nothing was heard for a while."""
+        if said.time == NEVER:
+            return
+        if is_certain or wire_ns(said.time) >= wire_ns(self.said.time):
+            self.said, self._older = said, None
+        elif said != self._older:
+            self._older, self._older_since = said, now.mono
+        elif now.mono - self._older_since >= MEANT_S:
+            self.said, self._older = said, None
+
+
+class Tablet:
+    """The tablet as the box knows it."""
+
+    def __init__(self) -> None:
+        self.display_map = False  # the view it is to show: True: map, False: call button
+        self.heard: Optional[Now] = None
+        self._host = ""
+        self._call = _Newest(None)
+        self._position = _Newest((0.0, 0.0))
+
+    @property
+    def state(self) -> TabletState:
+        """What the beacon says of the tablet."""
+        position = self._position.said
+        return TabletState(self.display_map, self._call.said.time, position.time, *position.value)
+
+    def hear(self, now: Now, host: str, beacon: TabletState) -> Heard:
+        """Take a TabletBeacon from `host`; which view is shown is not its to say."""
+        absurd = _absurd(beacon)
+        if absurd:
+            return Heard(absurd=absurd)
+        is_certain = self.heard is None or self.silence(now) > SILENT_S
+        if host != self._host and not is_certain:
+            return Heard(rival_of=self._host)
+        self._host = host
+        self.heard = now
+        self._call.take(now, _Said(beacon.call_time, None), is_certain)
+        place = (beacon.position_x, beacon.position_y)
+        self._position.take(now, _Said(beacon.position_time, place), is_certain)
+        return Heard()
+
+    def silence(self, now: Now) -> float:
+        """For how many seconds a tablet that was heard says nothing; 0.0: none was heard yet."""
+        return 0.0 if self.heard is None else now.mono - self.heard.mono
+
+    def warnings(self, now: Now, is_needed: bool) -> List[str]:
+        """What every referee should know; `is_needed`: a zone is at the benchmark that uses the tablet."""
+        silence = self.silence(now)
+        if silence <= SILENT_S or (silence > REMEMBER_SILENT_S and not is_needed):
+            return []
+        return [f"The tablet is silent for {silence:.0f} s: look whether it is on, on the network, and shows its page"]
+
+
+def _absurd(beacon: TabletState) -> Optional[str]:
+    """What no tablet with a sane clock and map says; None: nothing."""
+    for seconds, nanoseconds in (beacon.call_time, beacon.position_time):
+        if not (0 <= seconds <= LAST_SECOND and 0 <= nanoseconds < 1_000_000_000):
+            return f"a time of {seconds} s {nanoseconds} ns: set its clock"
+    for metres in (beacon.position_x, beacon.position_y):
+        if not (math.isfinite(metres) and abs(metres) <= MAX_DISTANCE_M):
+            return f"a position at {metres:g} m: correct its map"
+    return None
