@@ -111,7 +111,7 @@ class FunctionalityRun(Run):
     def sheet_of_switches(self) -> Switches:
         """HOMF: where the referee enters switches; raises `Refused` when there are none."""
         if self.switches is None or self.phase is not Phase.RUNNING:
-            raise Refused([f"no switches are to be entered in zone '{self.zone}': only HOMF has them, from its goal on"])
+            raise Refused([f"zone '{self.zone}' has no switches to enter: only HOMF has them, from its goal on"])
         return self.switches
 
     def switches_entered(self, now: Now) -> None:
@@ -186,11 +186,12 @@ class FunctionalityRun(Run):
             self._changed()
         if progress.failed:
             self._end(now, EndReason.MODULE_FAILED, f"{EndReason.MODULE_FAILED.value}: {progress.failed}")
-        elif progress.finished and self._open_request() is None and _number(progress) == len(self.steps):
+        elif self._open_request() is not None:
+            return
+        elif progress.finished and _number(progress) == len(self.steps):
             self._end(now, EndReason.COMPLETED, "Benchmark complete")
         elif progress.request is not None and progress.request.number == len(self.steps) + 1:
-            if self._open_request() is None:
-                self._open(now, progress.request)
+            self._open(now, progress.request)
 
     def _open(self, now: Now, request: Request) -> None:
         problem = self._problem(request)

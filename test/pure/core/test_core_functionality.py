@@ -125,7 +125,7 @@ def test_a_goal_of_homf_carries_switches():
     assert driver.run_in().clock.left(driver.now) == before, "the referee's time does not count"
     driver.event(box.omf_complete, "tbm")
     driver.command("stop")
-    with pytest.raises(Refused, match="no switches are to be entered"):
+    with pytest.raises(Refused, match="zone 'tbm' has no switches to enter"):
         driver.event(box.omf_button, "tbm", 2)
     assert (modules.outcome().changed, modules.outcome().damaged) == ((2, 1), 1)
 
