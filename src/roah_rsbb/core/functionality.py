@@ -5,7 +5,7 @@ timeouts, but no rule of any benchmark.
 """
 
 import json
-from typing import List, NamedTuple, Optional, Tuple
+from typing import List, Optional, Tuple
 
 from roah_rsbb.core import effects, machine, run_log
 from roah_rsbb.core.clock import Now, clock_text
