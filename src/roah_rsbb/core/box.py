@@ -8,6 +8,7 @@ from typing import Callable, Dict, List, Optional, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.benchmarks import Config, Kind
+from roah_rsbb.core.capacity import LAST_PORT, Capacity
 from roah_rsbb.core.clock import ClockWatch, Now, WireTime
 from roah_rsbb.core.commands import COMMANDS, NO_RUN, robot_to_connect
 from roah_rsbb.core.device_commands import CATERING
@@ -23,17 +24,12 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zone import Zone
+from roah_rsbb.core.zone_run import ZoneRun
 
 # So many ports in a row that cannot be opened mean that no port can.
 MAX_PORTS_TRIED = 20
-LAST_PORT = 65535
 # The benchmark with switches that the referee watches.
 HOMF = "HOMF"
-
-# A beacon must still fit when somebody rings the bell: negative times are the longest on the wire.
-LONGEST_TIME: WireTime = (-1, -1)
-LONGEST_DEVICES = DevicesState(bell=LONGEST_TIME, dimmer=100, blinds=100)
-LONGEST_TABLET = TabletState(call_time=LONGEST_TIME, position_time=LONGEST_TIME)
 
 
 class Box:
@@ -70,7 +66,7 @@ class Box:
 
     def deadline(self) -> Optional[float]:
         """Monotonic time (s) at which `tick` must be called at the latest; None: nothing is due."""
-        times = [run.deadline() for run in self.runs()] + [self.modules.deadline()]
+        times = [run.deadline() for run in self._zone_runs()] + [self.modules.deadline()]
         return min((t for t in times if t is not None), default=None)
 
     def tick(self, now: Now) -> None:
@@ -83,14 +79,14 @@ class Box:
                 run.link.restart_skew()
             self._notice(Level.WARNING, self.watches.clock_stepped(now, step))
         self._miss_modules(now)
-        for run in self.runs():
+        for run in self._zone_runs():
             run.tick(now)
 
     # -- looking ------------------------------------------------------------------------------------
 
     def runs(self) -> List[Run]:
-        """All runs, in the order of the zones."""
-        return [zone.run for zone in self.zones.values() if zone.run is not None]
+        """All runs of single robots, in the order of the zones; each has a private channel."""
+        return [member for run in self._zone_runs() for member in run.members()]
 
     def run_of(self, robot_id: RobotId) -> Optional[Run]:
         """The run that a robot is in; a robot is in one at most in the whole box."""
@@ -118,24 +114,9 @@ class Box:
         """Every reason why a command to a zone would be refused now; empty: it is allowed."""
         return COMMANDS[command].reasons_off(self, zone, now)
 
-    def capacity_off(self, robot: Optional[ActiveRobot]) -> List[str]:
-        """Why there is no room for one more run: ports, or the size of the beacon that lists it."""
-        reasons: List[str] = []
-        if self._last_port >= LAST_PORT:
-            reasons.append(
-                f"All UDP ports up to {LAST_PORT} are used up: start the box with another log_dir, whose "
-                "record of used ports is empty, and if need be with a lower rsbb_port"
-            )
-        if robot is not None:
-            entry = BenchmarkingRobot(robot.id.team, robot.id.robot, self._last_port + 1)
-            size = self._beacon_size(Beacon((*self.beacon().robots, entry), LONGEST_DEVICES, LONGEST_TABLET))
-            if size > self.settings.max_datagram:
-                reasons.append(
-                    f"The beacon may need {size} bytes with one more robot, and robots may read only "
-                    f"{self.settings.max_datagram}: end another run first, or raise max_datagram if all "
-                    "robots are known to read more"
-                )
-        return reasons
+    def capacity(self) -> Capacity:
+        """What there is room for besides the runs that there are."""
+        return Capacity(self._beacon_size, self.settings.max_datagram, self._last_port, self.beacon().robots)
 
     # -- the referee --------------------------------------------------------------------------------
 
@@ -212,7 +193,10 @@ class Box:
         zone.leave(self.settings.auto_next)
         self._emit(effects.SendBeacon())
 
-    def _run_in(self, zone_name: str) -> Run:
+    def _zone_runs(self) -> List[ZoneRun]:
+        return [zone.run for zone in self.zones.values() if zone.run is not None]
+
+    def _run_in(self, zone_name: str) -> ZoneRun:
         run = self.zone(zone_name).run
         if run is None:
             raise Refused([NO_RUN])
@@ -249,7 +233,7 @@ class Box:
         due = self.modules.deadline()
         while due is not None and due <= now.mono:
             then = Now(due, now.utc + (due - now.mono))
-            for run in self.runs():
+            for run in self._zone_runs():
                 run.tick(then)
             self.modules.forget_gone(then)
             self._tell_runs_of_modules(then)
@@ -273,7 +257,7 @@ class Box:
         text = f"UDP port {port} cannot be used for the private channel: {error}"
         self._notice(Level.WARNING, text, zone.name)
         run.close(now)
-        zone.run = None
+        zone.run = zone.run.without(run)
         self._ports_tried[zone.name] += 1
         robot = self.robots.find(run.robot)
         if robot is None or self._ports_tried[zone.name] >= MAX_PORTS_TRIED or self._last_port >= LAST_PORT:

@@ -12,7 +12,6 @@ from roah_rsbb.core.robots import ActiveRobot
 from roah_rsbb.core.run import EndReason, Phase
 from roah_rsbb.core.skew import skew_text, within
 from roah_rsbb.core.zone import Zone
-from roah_rsbb.states import RobotState
 
 if TYPE_CHECKING:  # the box holds the commands, not the other way round
     from roah_rsbb.core.box import Box
@@ -50,7 +49,8 @@ def _connect_off(box: "Box", zone: Zone, now: Now) -> List[str]:
     if kind is Kind.REFEREE_ONLY:
         reasons.append(f"{zone.event.benchmark.code} needs all robots at once, which this box does not run")
         return reasons
-    return reasons + _robot_off(box, zone, now) + box.capacity_off(robot_to_connect(box, zone, now))
+    robot = robot_to_connect(box, zone, now)
+    return reasons + _robot_off(box, zone, now) + box.capacity().off([] if robot is None else [robot.id])
 
 
 def _robot_off(box: "Box", zone: Zone, now: Now) -> List[str]:
@@ -87,20 +87,7 @@ def _start_off(box: "Box", zone: Zone, now: Now) -> List[str]:
         reasons.append(
             "The run's time is up (it went on after the stop): disconnect, and connect for a new run"
         )
-    reasons.extend(run.start_off(now))
-    link = run.link
-    if link.last is None:
-        reasons.append("Robot has not answered on the private channel yet")
-        return reasons + [w for w in link.warnings(now) if w not in reasons]
-    if link.is_silent(now):
-        reasons.extend(link.warnings(now)[:1])
-    if not link.times_valid:
-        skew = "not known" if link.skew is None else skew_text(link.skew)
-        reasons.append(f"Clock skew of the robot is {skew}, it must be below "
-                       f"{box.settings.allowed_skew:.3f} s: synchronise the robot's clock")
-    if link.robot_state is not RobotState.STOP:
-        reasons.append(f"Robot has not stopped yet: it reports {link.last.state.name}")
-    return reasons
+    return reasons + run.start_off(now)
 
 
 def _stop_off(box: "Box", zone: Zone, now: Now) -> List[str]:

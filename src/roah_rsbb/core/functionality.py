@@ -8,7 +8,7 @@ import json
 from typing import List, Optional, Tuple
 
 from roah_rsbb.core import effects, machine, run_log
-from roah_rsbb.core.clock import Now, clock_text
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.manual_operations import Switches, check_answer
 from roah_rsbb.core.messages import GoalMessage, RobotReport
@@ -284,7 +284,7 @@ class FunctionalityRun(Run):
             self._emit(effects.RunLogged(self.port, run_log.RESULT, result))
             if self.event.benchmark.code == HOPF:
                 self._emit(effects.RunLogged(self.port, run_log.HOPF_RESULT, result))
-            self.online_data.add(f"{clock_text(now.utc)} result: {result}")
+            self._tell_online(now, f"result: {result}")
         self._say(now, Level.INFO, f"Goal completed by the robot in {seconds:.1f} s")
         self._close_goal(Outcome(OutcomeKind.DONE, result=result, executing_s=seconds, ended_utc=now.utc))
 
@@ -343,8 +343,8 @@ class FunctionalityRun(Run):
         return left if self._goal is None else min(left, self._goal.clock.left(now))
 
     def start_off(self, now: Now) -> List[str]:
-        """Why no run can be started: the module."""
-        return self._modules.start_off(now, self.event.benchmark.code)
+        """Why the run cannot be started: the module first."""
+        return self._modules.start_off(now, self.event.benchmark.code) + super().start_off(now)
 
     def warnings(self, now: Now) -> List[str]:
         """What the referee should look at: the module first, if it is the matter."""
@@ -370,7 +370,7 @@ class FunctionalityRun(Run):
             minutes, seconds = divmod(int(self.clock.left(now)), 60)
             paused = " (does not count now)" if self.clock.paused else ""
             lines.append(f"Benchmark timeout: {minutes:02d}:{seconds:02d}{paused}")
-        return lines + ([self.module_status] if self.module_status else [])
+        return lines + ([self.module_status] if self.module_status else []) + super().status_lines(now)
 
 
 def _number(progress: Progress) -> int:

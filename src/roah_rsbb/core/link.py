@@ -25,6 +25,8 @@ OLD_TOLD = 3
 # A datagram that could not be read matters as long as nothing good came since, and this long.
 BAD_S = 10.0
 
+NO_ANSWER = "Robot has not answered on the private channel yet"
+
 
 class Heard(NamedTuple):
     """What one message meant."""
@@ -138,12 +140,26 @@ class RobotLink:
             found.append(self._moved)
         return found
 
+    def not_ready(self, now: Now) -> List[str]:
+        """Why the robot cannot be started now, every reason; empty: it can."""
+        if self.last is None:
+            reasons = [NO_ANSWER]
+            return reasons + [w for w in self.warnings(now) if w not in reasons]
+        reasons = self.warnings(now)[:1] if self.is_silent(now) else []
+        if not self.times_valid:
+            skew = "not known" if self.skew is None else skew_text(self.skew)
+            reasons.append(f"Clock skew of the robot is {skew}, it must be below "
+                           f"{self._allowed_skew:.3f} s: synchronise the robot's clock")
+        if self.robot_state is not RobotState.STOP:
+            reasons.append(f"Robot has not stopped yet: it reports {self.last.state.name}")
+        return reasons
+
     def _silent_from(self) -> float:
         return (self.last_heard or self._opened).mono + SILENT_S
 
     def _silence_text(self, now: Now) -> str:
         if self.last_heard is None:
-            return "Robot has not answered on the private channel yet"
+            return NO_ANSWER
         text = f"No message from the robot for {now.mono - self.last_heard.mono:.0f} s"
         if self._old >= OLD_TOLD:
             return f"{text} but old ones: does its clock stand still, or is it set back again and again?"

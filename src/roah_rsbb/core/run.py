@@ -98,6 +98,13 @@ class Run:
         self._emit(effects.RunOpened(self.port, event.team, event.round, event.run))
         self._set_state(now, BoxState.STOP, "Connected: waiting for the robot's first message")
 
+    def members(self) -> Tuple["Run", ...]:
+        """See `ZoneRun`: this run is its only member."""
+        return (self,)
+
+    def without(self, member: "Run") -> None:
+        """See `ZoneRun`: nothing is left of a run without its robot."""
+
     # -- the referee's commands; whether they are allowed was checked before -----------------------
 
     def start(self, now: Now) -> None:
@@ -148,8 +155,11 @@ class Run:
         if saves_nothing and not (out_of_time and self.clock.deadline() <= self.saving.deadline()):
             self._end(now, EndReason.NO_MESSAGES_SAVED)
         elif out_of_time:
-            self._end(now, EndReason.TIMEOUT)
-            self._emit(effects.TimeoutRung(self.zone))
+            self._time_out(now)
+
+    def _time_out(self, now: Now) -> None:
+        self._end(now, EndReason.TIMEOUT)
+        self._emit(effects.TimeoutRung(self.zone))
 
     # -- the robot ----------------------------------------------------------------------------------
 
@@ -192,7 +202,7 @@ class Run:
             any_text = any_text or bool(texts)
             for text in self._strings[field.name].receive(texts):
                 self._emit(effects.RunLogged(self.port, field.topic, text))
-                self.online_data.add(f"{clock_text(now.utc)} {field.name}: {text}{mark}")
+                self._tell_online(now, f"{field.name}: {text}{mark}")
         return any_text
 
     def _take_commands(self, now: Now, report: RobotReport) -> None:
@@ -239,6 +249,10 @@ class Run:
         self._emit(effects.RunLogged(self.port, run_log.CLIENT_STATE, int(report.state)))
         self._emit(effects.RunLogged(self.port, run_log.CLIENT_PAYLOAD, report.lines() + valid))
 
+    def _tell_online(self, now: Now, text: str) -> None:
+        """Show online data to the referee."""
+        self.online_data.add(f"{clock_text(now.utc)} {text}")
+
     def _say(self, now: Now, level: Level, text: str) -> None:
         mark = "" if level is Level.INFO else f"{level.name}: "
         self.log.add(f"{clock_text(now.utc)} {mark}{text}")
@@ -256,8 +270,8 @@ class Run:
         return self.clock.shown(now, ended=self.phase is Phase.ENDED)
 
     def start_off(self, now: Now) -> List[str]:
-        """Why the run cannot be started, apart from its robot's and its clock's reasons."""
-        return []
+        """Why the run cannot be started, apart from its clock's reasons."""
+        return self.link.not_ready(now)
 
     def warnings(self, now: Now) -> List[str]:
         """What the referee should look at now."""
@@ -265,4 +279,4 @@ class Run:
 
     def status_lines(self, now: Now) -> List[str]:
         """What the referee should know of the run, besides what is the matter and the warnings."""
-        return []
+        return [] if self.robot_state is None else [f"Messages saved: {self.link.messages_saved}"]

@@ -6,9 +6,10 @@ from roah_rsbb.core.benchmarks import Event
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.commands import COMMANDS, robot_to_connect
-from roah_rsbb.core.run import Phase, Run
+from roah_rsbb.core.run import Phase
 from roah_rsbb.core.scoring import ScoreGroup
 from roah_rsbb.core.zone import Zone
+from roah_rsbb.core.zone_run import ZoneRun
 
 # A zone without a run has no phase of a run.
 IDLE = "idle"
@@ -36,7 +37,7 @@ class ZoneView(NamedTuple):
     scoring: Tuple[ScoreGroup, ...]
     warnings: Tuple[str, ...]
     phase: str
-    run: Optional[Run]
+    run: Optional[ZoneRun]
 
     def reasons_off(self, command: str) -> Tuple[str, ...]:
         """Why a command would be refused; empty: it is allowed."""
@@ -119,6 +120,4 @@ def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:
         elif not reasons:
             lines.append("May be started again: its time went on")
     lines.extend(run.status_lines(now))
-    if run.robot_state is not None:
-        lines.append(f"Messages saved: {run.link.messages_saved}")
     return lines + [f"WARNING: {w}" for w in view.warnings if w not in lines]

@@ -3,7 +3,8 @@
 from typing import Optional
 
 from roah_rsbb.core.benchmarks import Event, ZonePlan
-from roah_rsbb.core.run import EndReason, Run
+from roah_rsbb.core.run import EndReason
+from roah_rsbb.core.zone_run import ZoneRun
 
 
 class Zone:
@@ -13,8 +14,8 @@ class Zone:
         self.name = plan.name
         self.events = plan.events
         self.index = 0
-        self.run: Optional[Run] = None
-        self.last_run: Optional[Run] = None  # the run before, for its log
+        self.run: Optional[ZoneRun] = None
+        self.last_run: Optional[ZoneRun] = None  # the run before, for its log
 
     @property
     def event(self) -> Event:

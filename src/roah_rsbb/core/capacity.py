@@ -1,0 +1,69 @@
+"""Whether there is room for more runs: private ports, and bytes in the beacon that lists their robots."""
+
+from typing import Callable, List, NamedTuple, Sequence
+
+from roah_rsbb.core.clock import WireTime
+from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, TabletState
+from roah_rsbb.core.robots import RobotId
+
+LAST_PORT = 65535
+
+# A beacon must still fit when somebody rings the bell: negative times are the longest on the wire.
+LONGEST_TIME: WireTime = (-1, -1)
+LONGEST_DEVICES = DevicesState(bell=LONGEST_TIME, dimmer=100, blinds=100)
+LONGEST_TABLET = TabletState(call_time=LONGEST_TIME, position_time=LONGEST_TIME)
+
+
+class Capacity(NamedTuple):
+    """What a box has room for."""
+
+    beacon_size: Callable[[Beacon], int]  # bytes of the datagram that carries a beacon
+    max_datagram: int  # bytes that every robot can read
+    last_port: int  # the highest private port that was ever used
+    listed: Sequence[BenchmarkingRobot]  # robots that are in runs
+
+    def off(self, robots: Sequence[RobotId]) -> List[str]:
+        """Why there is no room for a run of each of these robots besides those that there are."""
+        return self._ports_off(max(1, len(robots))) + self._beacon_off(robots)
+
+    def _ports_off(self, count: int) -> List[str]:
+        left = LAST_PORT - self.last_port
+        if count <= left:
+            return []
+        lack = "are used up" if left <= 0 else f"but {left} are used up, and {count} robots need one each"
+        return [
+            f"All UDP ports up to {LAST_PORT} {lack}: start the box with another log_dir, whose "
+            "record of used ports is empty, and if need be with a lower rsbb_port"
+        ]
+
+    def _beacon_off(self, robots: Sequence[RobotId]) -> List[str]:
+        size = self._size(robots) if robots else 0
+        if size <= self.max_datagram:
+            return []
+        if len(robots) == 1:
+            more, remedy = "one more robot", "end another run first"
+        else:
+            more, remedy = f"{len(robots)} more robots", f"leave only {self._fitting(robots)} of them switched on"
+            remedy += ", end another run first" if self.listed else ""
+        return [
+            f"The beacon may need {size} bytes with {more}, and robots may read only {self.max_datagram}: {remedy}, "
+            "or raise max_datagram if all robots are known to read more"
+        ]
+
+    def _size(self, robots: Sequence[RobotId]) -> int:
+        entries = (
+            BenchmarkingRobot(robot.team, robot.robot, min(self.last_port + number, LAST_PORT))
+            for number, robot in enumerate(robots, 1)
+        )
+        return self.beacon_size(Beacon((*self.listed, *entries), LONGEST_DEVICES, LONGEST_TABLET))
+
+    def _fitting(self, robots: Sequence[RobotId]) -> int:
+        """How many of them there is room for, in their order; found by halving, because sizes take time."""
+        fits, too_many = 0, len(robots)
+        while too_many - fits > 1:
+            middle = (fits + too_many) // 2
+            if self._size(robots[:middle]) <= self.max_datagram:
+                fits = middle
+            else:
+                too_many = middle
+        return fits

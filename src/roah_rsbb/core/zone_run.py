@@ -1,0 +1,59 @@
+"""What zones, commands and views need of a run, of one robot or of all robots at once."""
+
+from typing import List, Optional, Protocol, Sequence
+
+from roah_rsbb.core.benchmarks import Event
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.online_data import DisplayText
+from roah_rsbb.core.run import EndReason, Phase, Run
+from roah_rsbb.core.run_clock import RunClock
+from roah_rsbb.core.scoring import ScoreSheet
+
+
+class ZoneRun(Protocol):
+    """The run in a zone. `Run` is one, for a single robot; `AllRobotsRun` another, which has many of them."""
+
+    event: Event
+    phase: Phase
+    end_reason: Optional[EndReason]
+    desc: str  # what is the matter, in one line
+    clock: RunClock
+    sheet: ScoreSheet
+    log: DisplayText
+    online_data: DisplayText
+
+    def members(self) -> Sequence[Run]:
+        """The runs of single robots in it, each with a private channel of its own."""
+
+    def without(self, member: Run) -> Optional["ZoneRun"]:
+        """What is left of the run without one of its members, which was closed; None: nothing."""
+
+    def start(self, now: Now) -> None:
+        """Start, or start again after a stop; `start_off` was empty."""
+
+    def stop(self, now: Now) -> None:
+        """The referee ends the run."""
+
+    def set_score(self, now: Now, group: str, desc: str, value: int) -> None:
+        """The referee marks a scoring item; raises `Refused`."""
+
+    def close(self, now: Now) -> None:
+        """Leave the run, with all its channels."""
+
+    def deadline(self) -> Optional[float]:
+        """The monotonic time (s) at which `tick` has something to do, if nothing happens before."""
+
+    def tick(self, now: Now) -> None:
+        """Do what is due by now, the members' things, too."""
+
+    def timer(self, now: Now) -> float:
+        """Seconds left, as the referee sees them."""
+
+    def start_off(self, now: Now) -> List[str]:
+        """Why the run cannot be started, apart from its clock's reasons."""
+
+    def warnings(self, now: Now) -> List[str]:
+        """What the referee should look at now."""
+
+    def status_lines(self, now: Now) -> List[str]:
+        """What the referee should know of the run, besides what is the matter and the warnings."""
