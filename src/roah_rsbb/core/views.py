@@ -6,6 +6,9 @@ from roah_rsbb.core.benchmarks import Event
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.commands import COMMANDS, robot_to_connect
+from roah_rsbb.core.functionality import FunctionalityRun
+from roah_rsbb.core.manual_operations import Switches
+from roah_rsbb.core.module_messages import Request, RequestKind, ScoreValue
 from roah_rsbb.core.run import Phase
 from roah_rsbb.core.scoring import ScoreGroup
 from roah_rsbb.core.zone import Zone
@@ -24,6 +27,17 @@ class RobotView(NamedTuple):
     last_heard: float  # UTC seconds
 
 
+class ModuleView(NamedTuple):
+    """What a run has that a benchmarking module drives."""
+
+    operation: Optional[Request] = None  # the manual operation that is asked for
+    switches: Optional[Switches] = None  # HOMF, from the goal on
+    switches_asked: bool = False  # the referee is to confirm them
+    held: bool = False
+    status: str = ""
+    scores: Tuple[ScoreValue, ...] = ()
+
+
 class ZoneView(NamedTuple):
     """A zone, its event and the run in it."""
 
@@ -38,6 +52,7 @@ class ZoneView(NamedTuple):
     warnings: Tuple[str, ...]
     phase: str
     run: Optional[ZoneRun]
+    module: ModuleView
 
     def reasons_off(self, command: str) -> Tuple[str, ...]:
         """Why a command would be refused; empty: it is allowed."""
@@ -99,8 +114,21 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         warnings=warnings,
         phase=IDLE if run is None else run.phase.value,
         run=run,
+        module=_module(run) if isinstance(run, FunctionalityRun) else ModuleView(),
     )
     return view._replace(state="\n".join(_state_lines(box, zone, view, now)))
+
+
+def _module(run: FunctionalityRun) -> ModuleView:
+    asked, running = run.asked, run.phase is Phase.RUNNING
+    return ModuleView(
+        operation=asked if asked is not None and asked.kind is RequestKind.REFEREE else None,
+        switches=run.switches if running else None,
+        switches_asked=asked is not None and asked.kind is RequestKind.SWITCHES,
+        held=run.held,
+        status=run.module_status,
+        scores=run.scores,
+    )
 
 
 def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:

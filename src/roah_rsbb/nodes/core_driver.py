@@ -35,6 +35,7 @@ class CoreDriver:
         run_logs: RunLogWriter,
         ports: PortRecord,
         ring_timeout: Callable[[], None],
+        tell_modules: Callable[[], None],
         give_up: Callable[[str], None],
     ) -> None:
         self._loop = loop
@@ -43,10 +44,12 @@ class CoreDriver:
         self._run_logs = run_logs
         self._ports = ports
         self._ring_timeout = ring_timeout
+        self._tell_modules = tell_modules
         self._give_up = give_up
         self._timer: Optional[asyncio.TimerHandle] = None
         self._carrying_out = False
         self._beacon_wanted = False
+        self._modules_wait = False
         self._unopened: Dict[int, bool] = {}
         self._hands = {
             effects.PortTaken: self._port_taken,
@@ -60,6 +63,7 @@ class CoreDriver:
             effects.RunOpened: self._run_opened,
             effects.RunLogged: lambda e: self._run_logs.logged(e, time.time()),
             effects.RunClosed: lambda e: self._run_logs.closed(e),
+            effects.ModuleRunsChanged: self._want_modules_told,
             effects.Notice: self._notice,
             effects.GiveUp: lambda e: self._give_up(e.reason),
         }
@@ -101,6 +105,9 @@ class CoreDriver:
             if self._beacon_wanted:
                 self._beacon_wanted = False
                 self._radio.send_beacon()
+            if self._modules_wait:
+                self._modules_wait = False
+                self._tell_modules()
         finally:
             self._carrying_out = False
 
@@ -122,6 +129,10 @@ class CoreDriver:
         """The beacon says what is true when it leaves, so it leaves after all else, also after what another
         port puts on record when the first one could not be opened."""
         self._beacon_wanted = True
+
+    def _want_modules_told(self, _effect: effects.ModuleRunsChanged) -> None:
+        """Once an event, after what robots wait for."""
+        self._modules_wait = True
 
     def _port_taken(self, effect: effects.PortTaken) -> None:
         try:

@@ -17,18 +17,16 @@ from std_srvs.srv import Empty as EmptySrv
 from roah_rsbb.comm.ciphers import Cipher, Key, cipher_by_label
 from roah_rsbb.core import config, views
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.commands import COMMANDS
-from roah_rsbb.core.refused import Refused
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.ports import PortRecord
-from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, DevicesState
-from roah_rsbb.nodes import ros_convert
+from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, DevicesState, ModuleRuns, ModulesState
+from roah_rsbb.nodes import module_convert, ros_convert
 from roah_rsbb.nodes.core_driver import CoreDriver
 from roah_rsbb.nodes.core_radio import CoreRadio, Network, beacon_size
+from roah_rsbb.nodes.core_services import CoreServices
 from roah_rsbb.nodes.params import BadParams, Params
 from roah_rsbb.nodes.ros_loop import RosLoop
 from roah_rsbb.nodes.run_log_writer import RunLogWriter
-from roah_rsbb.srv import Zone, ZoneScore, ZoneUInt8
 
 GUI_PERIOD_S = 0.1
 # Every fifth of the panels' messages goes with one for the public.
@@ -100,7 +98,8 @@ class CoreNode:
         self._timeout_topic = rospy.Publisher("/timeout", Empty, queue_size=1)
         self._driver = CoreDriver(
             self._ros.loop, box, self._radio, self._run_logs, ports,
-            ring_timeout=lambda: self._timeout_topic.publish(Empty()), give_up=self._give_up,
+            ring_timeout=lambda: self._timeout_topic.publish(Empty()), tell_modules=self._tell_modules,
+            give_up=self._give_up,
         )
         self._box = box
         self._network = network
@@ -119,9 +118,12 @@ class CoreNode:
             "gui": rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True),
             "public": rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True),
             "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
+            "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
         }
-        self._advertise()
+        CoreServices(self._box, self._ros, self._event)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
+        rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
+        self._tell_modules()
         self._publish_tick()
         self._ros.run()
         self._radio.close()
@@ -140,6 +142,10 @@ class CoreNode:
         devices = ros_convert.devices_of(message)
         self._ros.post(lambda: self._event(self._box.on_devices, devices))
 
+    def _on_modules(self, message: ModulesState) -> None:
+        state = module_convert.state_of(message)
+        self._ros.post(lambda: self._event(self._box.on_modules, state))
+
     def _on_log_trouble(self, text: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_trouble, text))
 
@@ -153,36 +159,10 @@ class CoreNode:
         if problem:
             self._driver.event(self._box.on_trouble, problem)
 
-    # -- services -----------------------------------------------------------------------------------
-
-    def _advertise(self) -> None:
-        box = self._box
-        for command in COMMANDS:
-            self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c))
-        self._serve(
-            "set_score", ZoneScore, lambda r: (box.set_score, r.zone, r.score.group, r.score.desc, r.score.value)
-        )
-        self._serve("manual_operation_complete", Zone, lambda r: (box.manual_operation_complete, r.zone))
-        self._serve("omf_switches/complete", Zone, lambda r: (box.omf_switches, r.zone))
-        for name in ("omf_switches/damaged", "omf_switches/button"):
-            self._serve(name, ZoneUInt8, lambda r: (box.omf_switches, r.zone))
-
-    def _serve(self, name: str, service: type, event_of: Callable[[object], tuple]) -> None:
-        """Offer /core/NAME: `event_of` makes a request the box's method and its arguments.
-
-        A refusal fails the call with its reasons in the error text.
-        """
-
-        def handle(request: object) -> object:
-            try:
-                self._ros.call(lambda: self._event(*event_of(request)))
-            except Refused as refused:
-                raise rospy.ServiceException(str(refused)) from None
-            return service._response_class()
-
-        rospy.Service(f"/core/{name}", service, handle)
-
     # -- topics -------------------------------------------------------------------------------------
+
+    def _tell_modules(self) -> None:
+        self._publish("module_runs", module_convert.runs_message(self._uuid, self._box.module_runs()))
 
     def _publish_tick(self) -> None:
         self._ros.loop.call_later(GUI_PERIOD_S, self._publish_tick)

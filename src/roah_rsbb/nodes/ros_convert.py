@@ -7,7 +7,6 @@ from roah_rsbb.core import views
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now, WireTime
 from roah_rsbb.core.messages import DevicesState
-from roah_rsbb.core.scoring import ScoreGroup
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
@@ -15,11 +14,11 @@ from roah_rsbb.msg import (
     RobotInfo,
     ScheduleInfo,
     ZoneDetails,
-    ZoneScoreGroup,
     ZoneState,
 )
 from roah_rsbb.msg import DevicesState as DevicesStateMsg
 from roah_rsbb.nodes.ros_times import ros_duration, ros_time, ros_wire_time
+from roah_rsbb.nodes.score_convert import group_message, score_message
 
 
 def devices_of(message: DevicesStateMsg) -> DevicesState:
@@ -92,7 +91,7 @@ def _zone_state(view: views.ZoneView) -> ZoneState:
         state=view.state,
         log=view.log,
         online_data=view.online_data,
-        scoring=[_score_group(group) for group in view.scoring],
+        scoring=[group_message(group) for group in view.scoring],
     )
     message.connect_enabled = not view.reasons_off("connect")
     message.disconnect_enabled = not view.reasons_off("disconnect")
@@ -100,16 +99,14 @@ def _zone_state(view: views.ZoneView) -> ZoneState:
     message.stop_enabled = not view.reasons_off("stop")
     message.prev_enabled = not view.reasons_off("previous")
     message.next_enabled = not view.reasons_off("next")
+    module = view.module
+    message.manual_operation = "" if module.operation is None else module.operation.text
+    message.omf = module.switches is not None
+    if module.switches is not None:
+        message.omf_switches = bytes(module.switches.on)
+        message.omf_damaged = module.switches.damaged
+        message.omf_complete = module.switches_asked
     return message
-
-
-def _score_group(group: ScoreGroup) -> ZoneScoreGroup:
-    return ZoneScoreGroup(
-        group_name=group.name,
-        types=bytes(int(item.kind) for item, _ in group.items),
-        descriptions=[item.desc for item, _ in group.items],
-        current_values=[value for _, value in group.items],
-    )
 
 
 def _zone_details(view: views.ZoneView, log_files) -> ZoneDetails:
@@ -137,7 +134,18 @@ def _zone_details(view: views.ZoneView, log_files) -> ZoneDetails:
     message.last_message = ros_time(0.0 if run.link.last_heard is None else run.link.last_heard.utc)
     message.messages_saved = run.link.messages_saved
     message.log_file = log_files.get(run.port, "")
+    _add_module(message, view.module)
     return message
+
+
+def _add_module(message: ZoneDetails, module: views.ModuleView) -> None:
+    if module.operation is not None:
+        message.operation = module.operation.number
+        message.operation_choices = list(module.operation.choices)
+        message.operation_asks_text = module.operation.asks_text
+    message.held = module.held
+    message.module_status = module.status
+    message.module_scores = [score_message(score) for score in module.scores]
 
 
 def _local(utc: float) -> str:

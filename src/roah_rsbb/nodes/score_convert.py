@@ -1,0 +1,35 @@
+"""Between scores, the referee's and the modules', and their ROS messages."""
+
+from roah_rsbb.core.benchmarks import ScoreKind, ScoringItem
+from roah_rsbb.core.module_messages import ScoreValue
+from roah_rsbb.core.scoring import ScoreGroup
+from roah_rsbb.msg import ModuleScore, ZoneScoreGroup
+
+
+def group_message(group: ScoreGroup) -> ZoneScoreGroup:
+    """A group of the referee's scoring items."""
+    return ZoneScoreGroup(
+        group_name=group.name,
+        types=bytes(int(item.kind) for item, _ in group.items),
+        descriptions=[item.desc for item, _ in group.items],
+        current_values=[value for _, value in group.items],
+    )
+
+
+def group_of(message: ZoneScoreGroup) -> ScoreGroup:
+    """A group of the referee's scoring items; an item whose type nobody knows is a count."""
+    kinds = {int(kind): kind for kind in ScoreKind}
+    return ScoreGroup(message.group_name, tuple(
+        (ScoringItem(message.group_name, desc, kinds.get(kind, ScoreKind.UINT)), value)
+        for kind, desc, value in zip(message.types, message.descriptions, message.current_values)
+    ))
+
+
+def score_message(score: ScoreValue) -> ModuleScore:
+    """A line of a module's score."""
+    return ModuleScore(*score)
+
+
+def score_of(message: ModuleScore) -> ScoreValue:
+    """A line of a module's score."""
+    return ScoreValue(message.group, message.name, message.value, message.unit, message.desc)
