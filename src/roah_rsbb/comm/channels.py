@@ -95,13 +95,16 @@ class PublicChannel(_Channel):
         bind_host: str = ANY_HOST,
         max_datagram: int = 1024,
         complaints: Optional[Complaints] = None,
+        apart: bool = False,
     ) -> None:
         """Nothing is opened yet: see `open`.
 
         `on_message(message, (host, port))` and `on_complaint(text)` are called in the loop's thread; what
         they raise is logged and goes no further. `complaints` may be shared between channels.
+        `apart`: beside another participant on one machine, see `Peer`.
         """
-        peer = Peer(loop, rsbb_host, rsbb_port, self._receive, on_complaint, bind_host, max_datagram)
+        peer = Peer(
+            loop, rsbb_host, rsbb_port, self._receive, on_complaint, bind_host, max_datagram, apart=apart)
         super().__init__(
             peer, "public channel", frame.PUBLIC_TYPES, frame.decode_public,
             loop, on_message, on_complaint, complaints)

@@ -38,6 +38,10 @@ class Peer:
     Bound to 0.0.0.0, one socket does all. Bound to an address of its own, so that several participants
     can share a machine, it needs a second socket on the broadcast address: a socket bound to one address
     receives no broadcasts. What the peer itself sent, and hears again as a broadcast, is ignored.
+
+    One that is `apart` shares the machine, and even the address, of another participant: it sends from a
+    port of its own, because that one ignores what seems to be its own, and it hears broadcasts only,
+    because of a unicast datagram only one socket of two would get it.
     """
 
     def __init__(
@@ -50,6 +54,7 @@ class Peer:
         bind_host: str = sockets.ANY_HOST,
         max_datagram: int = 1024,
         shared: bool = True,
+        apart: bool = False,
     ) -> None:
         """`max_datagram`: bytes of the largest datagram to send (any is received).
 
@@ -67,6 +72,8 @@ class Peer:
         self._bind_host = bind_host
         self._max_datagram = max_datagram
         self._shared = shared
+        self._apart = apart
+        self._source_port = port
         self._sockets: List[socket.socket] = []  # the first one sends
         self._own_host: Optional[str] = None
         self._own_host_until_mono = float("-inf")
@@ -88,9 +95,13 @@ class Peer:
             raise sockets.OpenError(
                 errno.EINVAL, f"bind_host {self._bind_host} is a broadcast address: give an address of this "
                               "machine ('ip -4 addr' lists them); only rsbb_host is a broadcast address")
-        self._sockets.append(sockets.listen(self._bind_host, self.port, self._shared))
+        if self._apart:
+            self._sockets.append(sockets.speak(self._bind_host))
+            self._source_port = self._sockets[0].getsockname()[1]
+        else:
+            self._sockets.append(sockets.listen(self._bind_host, self.port, self._shared))
         try:
-            if self._bind_host != sockets.ANY_HOST:
+            if self._apart or self._bind_host != sockets.ANY_HOST:
                 self._listen_to_broadcasts()
         except OSError:
             self._sockets.pop().close()
@@ -103,11 +114,11 @@ class Peer:
         if host is not None:
             self._sockets.append(sockets.listen(host, self.port, shared=True))
             return
-        self._complain(
-            f"no broadcasts are heard on {self._bind_host}:{self.port}: {self.rsbb_host} is not a broadcast "
-            "address of this machine. Set rsbb_host to one ('ip -4 addr' shows them as brd), or bind_host "
-            f"to {sockets.ANY_HOST}"
-        )
+        text = (f"no broadcasts are heard on {self._bind_host}:{self.port}: {self.rsbb_host} is not a broadcast "
+                "address of this machine. Set rsbb_host to one ('ip -4 addr' shows them as brd)")
+        if self._apart:  # it would hear nothing at all
+            raise sockets.OpenError(errno.EADDRNOTAVAIL, text)
+        self._complain(f"{text}, or bind_host to {sockets.ANY_HOST}")
 
     def close(self) -> None:
         """Stop reading and release the port; does nothing if closed."""
@@ -184,7 +195,7 @@ class Peer:
 
     def _is_own(self, sender: Address) -> bool:
         host, port = sender
-        return port == self.port and host == self._source_host()
+        return port == self._source_port and host == self._source_host()
 
     def _source_host(self) -> Optional[str]:
         """The address that this peer's broadcasts come from.

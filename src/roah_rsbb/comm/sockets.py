@@ -30,6 +30,15 @@ def listen(host: str, port: int, shared: bool) -> socket.socket:
     if not 1 <= port <= 65535:
         raise OpenError(errno.EINVAL, f"there is no UDP port {port}: choose an rsbb_port from 1 to 65535, "
                                       "with room above it for private channels")
+    return _bound(host, port, shared)
+
+
+def speak(host: str) -> socket.socket:
+    """The same on a port of its own, which the system chooses: for one who is not to be spoken to."""
+    return _bound(host, 0, shared=False)
+
+
+def _bound(host: str, port: int, shared: bool) -> socket.socket:
     endpoint = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
         endpoint.setblocking(False)

@@ -87,6 +87,25 @@ def test_own_broadcasts_are_ignored(peer, raw, port, bind_host):
     assert sender.datagrams.wait() == [(b"after", raw.getsockname())]
 
 
+@pytest.mark.parametrize("bind_host", [BOX, "0.0.0.0"])
+def test_one_that_is_apart_is_heard_on_its_own_machine_and_takes_nothing_away(peer, raw, port, bind_host):
+    box, apart = peer(bind_host), peer(bind_host, apart=True)
+    assert apart.send(b"from apart", BROADCAST)
+    ((datagram, sender),) = box.datagrams.wait()
+    assert datagram == b"from apart" and sender[1] != port
+    for number in range(20):
+        raw.sendto(b"to the box alone %d" % number, (BOX, port))
+    assert len(box.datagrams.wait(21)) == 21
+    assert box.send(b"to all", BROADCAST)
+    assert apart.datagrams.wait() == [(b"to all", (BOX, port))]
+
+
+def test_one_that_is_apart_does_not_open_where_it_would_hear_nothing(peer):
+    with pytest.raises(OSError, match="not a broadcast address of this machine") as raised:
+        peer("0.0.0.0", rsbb_host="127.0.0.5", apart=True)
+    assert "bind_host" not in str(raised.value)
+
+
 def test_the_own_address_is_asked_for_once_a_second_and_kept_while_unknown(loop, port, inbox, monkeypatch):
     answers = ["10.0.0.1", None, "10.0.0.2"]
     monkeypatch.setattr(sockets, "source_host", lambda destination: answers.pop(0))
