@@ -7,7 +7,7 @@ panels on: `python3 test/ros/fake_core.py`, with a roscore.
 
 import threading
 import time
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, List, NamedTuple, Optional, Set
 
 import rospy
 from std_srvs.srv import Empty
@@ -16,13 +16,14 @@ from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
     CoreToPublic,
+    ModuleScore,
     RobotInfo,
     ScheduleInfo,
     ZoneDetails,
     ZoneScoreGroup,
     ZoneState,
 )
-from roah_rsbb.srv import Zone, ZoneScore
+from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneScore, ZoneUInt8
 
 COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next")
 FIELDS = {"previous": "prev"}
@@ -41,6 +42,15 @@ SCORING = (
 SCHEDULE_START = 1446364800  # 2015-11-01 08:00:00 UTC
 
 
+class Asked(NamedTuple):
+    """A manual operation."""
+
+    operation: int
+    text: str
+    choices: tuple = ()
+    asks_text: bool = False
+
+
 class FakeZone:
     """A zone and the run in it; changes as a real one does, in few strokes."""
 
@@ -57,6 +67,11 @@ class FakeZone:
         self.scores: Dict[tuple, int] = {}
         self.extra_off: Dict[str, List[str]] = {}  # command to reasons why it is off, beside its own
         self.warnings: List[str] = []
+        self.asked: Optional[Asked] = None  # manual operation
+        self.module_scores: List[ModuleScore] = []
+        self.switches: Optional[Set[int]] = None  # HOMF: those that are on
+        self.damaged = 0
+        self.switches_asked = False
 
     def off(self) -> Dict[str, List[str]]:
         """Why each command is off."""
@@ -131,7 +146,13 @@ class FakeCore:
         self._services = [
             rospy.Service(f"/core/{c}", Zone, lambda request, c=c: self._on_command(c, request)) for c in COMMANDS
         ]
-        self._services.append(rospy.Service("/core/set_score", ZoneScore, self._on_score))
+        self._services += [
+            rospy.Service("/core/set_score", ZoneScore, self._on_score),
+            rospy.Service("/core/manual_operation_answer", ManualOperationAnswer, self._on_operation),
+            rospy.Service("/core/omf_switches/complete", Zone, self._on_switches_complete),
+            rospy.Service("/core/omf_switches/button", ZoneUInt8, self._on_switch),
+            rospy.Service("/core/omf_switches/damaged", ZoneUInt8, self._on_damaged),
+        ]
         self._timer = rospy.Timer(rospy.Duration(0.1), self._tick) if auto_publish else None
 
     def close(self) -> None:
@@ -179,6 +200,10 @@ class FakeCore:
             details.robot = zone.robot if connected else ""
             details.port = 6667 if connected else 0
             details.warnings = list(zone.warnings)
+            details.module_scores = list(zone.module_scores)
+            if zone.asked is not None:
+                details.operation, details.operation_asks_text = zone.asked.operation, zone.asked.asks_text
+                details.operation_choices = list(zone.asked.choices)
             for command, reasons in zone.off().items():
                 setattr(details, f"{FIELDS.get(command, command)}_off", reasons)
             zones.append(details)
@@ -210,6 +235,10 @@ class FakeCore:
         for command, reasons in off.items():
             setattr(state, f"{FIELDS.get(command, command)}_enabled", not reasons)
         state.log, state.online_data = zone.log, zone.online_data
+        state.manual_operation = "" if zone.asked is None else zone.asked.text
+        if zone.switches is not None:
+            state.omf, state.omf_switches = True, bytes(sorted(zone.switches))
+            state.omf_damaged, state.omf_complete = zone.damaged, zone.switches_asked
         state.scoring = [] if zone.phase == "idle" else _scoring(zone.scores)
         return state
 
@@ -233,6 +262,30 @@ class FakeCore:
         self.calls.append(("set_score", request.zone, score.group, score.desc, score.value))
         self._answer()
         self.zones[request.zone].scores[(score.group, score.desc)] = score.value
+        return []
+
+    def _on_operation(self, request: object) -> list:
+        self.calls.append(("operation", request.zone, request.operation, request.answer))
+        self._answer()
+        self.zones[request.zone].asked = None
+        return []
+
+    def _on_switch(self, request: object) -> list:
+        self.calls.append(("switch", request.zone, request.data))
+        self._answer()
+        self.zones[request.zone].switches ^= {request.data}
+        return []
+
+    def _on_damaged(self, request: object) -> list:
+        self.calls.append(("damaged", request.zone, request.data))
+        self._answer()
+        self.zones[request.zone].damaged = request.data
+        return []
+
+    def _on_switches_complete(self, request: object) -> list:
+        self.calls.append(("switches complete", request.zone))
+        self._answer()
+        self.zones[request.zone].switches_asked = False
         return []
 
     def _answer(self) -> None:

@@ -43,7 +43,8 @@ def _value(text: str) -> str:
     if value is None or isinstance(value, bool):
         return _WORDS[value]
     if isinstance(value, float):
-        return f"{value:.3f}".rstrip("0").rstrip(".") if math.isfinite(value) else str(value)
+        # "+ 0.0" makes a small negative number no "-0".
+        return f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".") if math.isfinite(value) else str(value)
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 

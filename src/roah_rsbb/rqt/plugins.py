@@ -9,6 +9,8 @@ from roah_rsbb.rqt.benchmark_control import BenchmarkControlPanel
 from roah_rsbb.rqt.client import Client
 from roah_rsbb.rqt.core_status import CoreStatusPanel
 from roah_rsbb.rqt.log_display import LogDisplayPanel
+from roah_rsbb.rqt.manual_operation import ManualOperationPanel
+from roah_rsbb.rqt.omf_switches import OmfSwitchesPanel
 from roah_rsbb.rqt.online_data import OnlineDataPanel
 from roah_rsbb.rqt.panel import Panel
 from roah_rsbb.rqt.scoring import ScoringPanel
@@ -55,6 +57,10 @@ class Scoring(PanelPlugin):
     PANEL = ScoringPanel
 
 
+class ManualOperation(PanelPlugin):
+    PANEL = ManualOperationPanel
+
+
 class ActiveRobots(PanelPlugin):
     PANEL = ActiveRobotsPanel
 
@@ -65,3 +71,7 @@ class OnlineData(PanelPlugin):
 
 class LogDisplay(PanelPlugin):
     PANEL = LogDisplayPanel
+
+
+class OmfSwitches(PanelPlugin):
+    PANEL = OmfSwitchesPanel

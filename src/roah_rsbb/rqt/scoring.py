@@ -1,7 +1,8 @@
-"""Scoring: the referee's score sheet of a task benchmark (manual, section 5.4)."""
+"""Scoring: what the referee scores, and what the benchmarking module did (manual, section 5.4)."""
 
+import html
 from functools import partial
-from typing import Callable, Dict, List, NamedTuple, Tuple
+from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtWidgets import (
@@ -16,7 +17,8 @@ from python_qt_binding.QtWidgets import (
     QWidget,
 )
 
-from roah_rsbb.msg import Score, ZoneScoreGroup, ZoneState
+from roah_rsbb.client.module_scores import by_group
+from roah_rsbb.msg import ModuleScore, Score, ZoneScoreGroup, ZoneState
 from roah_rsbb.rqt import widgets
 from roah_rsbb.rqt.calls import Outcome
 from roah_rsbb.rqt.panel import Answer, Panel
@@ -90,6 +92,27 @@ class ScoreRow(QWidget):
         return button
 
 
+class ModuleScores(QScrollArea):
+    """What the benchmarking module scored so far, to read only. Without a score it is not there."""
+
+    def __init__(self) -> None:
+        super().__init__(widgetResizable=True)
+        self.setFrameShape(QFrame.NoFrame)
+        self.text = widgets.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignTop), 1.2)
+        self.text.setTextFormat(Qt.RichText)
+        self.text.setTextInteractionFlags(Qt.TextSelectableByMouse)
+        self.setWidget(self.text)
+        self.hide()
+
+    def show_scores(self, scores: Sequence[ModuleScore], is_old: bool) -> None:
+        """Show these lines; they grow while the run goes on."""
+        self.setVisible(bool(scores))
+        self.text.setEnabled(not is_old)
+        shown = _scores_html(scores)
+        if shown != self.text.text():
+            self.text.setText(shown)
+
+
 class ScoringPanel(Panel):
     """All items of the run, in their groups."""
 
@@ -108,6 +131,8 @@ class ScoringPanel(Panel):
         self._stack.addWidget(self._nothing)
         self._stack.addWidget(self._area)
         self.body.addLayout(self._stack, 1)
+        self.module_scores = ModuleScores()
+        self.body.addWidget(self.module_scores, 1)
         self._answer = Answer(reserved=False)
         self.body.addWidget(self._answer)
 
@@ -124,8 +149,9 @@ class ScoringPanel(Panel):
             self._sheet = sheet
             self._build(shapes)
             self._answer.clear_answer()
+        details = self.model.zone_details
+        self.module_scores.show_scores(() if details is None else details.module_scores, self.model.is_old)
         if not shapes:
-            details = self.model.zone_details
             connected = details is not None and details.robot != ""
             self._nothing.setText(NO_ITEMS if connected else NO_RUN)
         elif zone is not None:
@@ -187,6 +213,17 @@ class ScoringPanel(Panel):
             if following is not None:
                 self._send(item, following)
         self.show_model()
+
+
+def _scores_html(scores: Sequence[ModuleScore]) -> str:
+    rows = []
+    for group, lines in by_group(scores):
+        rows.append(f'<tr><td colspan="2"><b>{html.escape(group)}</b></td></tr>')
+        rows += [
+            f"<tr><td>{html.escape(line.name)}&nbsp;&nbsp;</td><td><b>{html.escape(line.value)}</b></td></tr>"
+            for line in lines
+        ]
+    return f"<p>Score of the benchmarking module</p><table>{''.join(rows)}</table>" if rows else ""
 
 
 def _shapes(zone: ZoneState) -> List[_Shape]:

@@ -15,7 +15,7 @@ from roah_rsbb.rqt.panel import Panel
 from roah_rsbb.rqt.panels import PANELS
 
 # Raise it when the set of panels changes: an older layout would hide the new ones.
-LAYOUT_VERSION = 1
+LAYOUT_VERSION = 2
 # At its first start the window takes this share of the screen's width and height.
 MOST_OF_SCREEN = 0.95
 
@@ -92,6 +92,9 @@ class Window(QMainWindow):
         self.tabifyDockWidget(d["LogDisplayPanel"], d["OnlineDataPanel"])
         self.tabifyDockWidget(d["ActiveRobotsPanel"], d["CoreStatusPanel"])
         self.tabifyDockWidget(d["ActiveRobotsPanel"], d["TabletStatusPanel"])
+        self.tabifyDockWidget(d["ScoringPanel"], d["ManualOperationPanel"])
+        self.tabifyDockWidget(d["ScoringPanel"], d["OmfSwitchesPanel"])
+        d["ScoringPanel"].raise_()
         d["LogDisplayPanel"].raise_()
         d["ActiveRobotsPanel"].raise_()
         unit = round(widgets.em())

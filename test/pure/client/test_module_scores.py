@@ -7,7 +7,7 @@ from roah_rsbb.core.module_messages import ScoreValue
 
 
 @pytest.mark.parametrize("value, unit, text", [
-    ("12", "", "12"), ("0.12399999", "m", "0.124 m"), ("2.0", "s", "2 s"), ("-0.0004", "rad", "-0 rad"),
+    ("12", "", "12"), ("0.12399999", "m", "0.124 m"), ("2.0", "s", "2 s"), ("-0.0004", "rad", "0 rad"),
     ("true", "", "yes"), ("false", "", "no"), ("null", "m", "–"), ('"mug"', "", "mug"), ('""', "", ""),
     ("[1, 2]", "m", "[1, 2] m"), ("no JSON", "", "no JSON"), ("1e400", "", "inf"), ("NaN", "m", "nan m"),
 ])
