@@ -7,10 +7,11 @@ command of the referee that makes no sense raises `Refused` and changes nothing.
 from typing import Callable, Dict, List, Optional, Tuple
 
 from roah_rsbb.core import effects
+from roah_rsbb.core.all_robots import AllRobotsRun
 from roah_rsbb.core.benchmarks import Config, Kind
 from roah_rsbb.core.capacity import LAST_PORT, Capacity
 from roah_rsbb.core.clock import ClockWatch, Now, WireTime
-from roah_rsbb.core.commands import COMMANDS, NO_RUN, robot_to_connect
+from roah_rsbb.core.commands import COMMANDS, NO_RUN, robots_to_connect
 from roah_rsbb.core.device_commands import CATERING
 from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.core.functionality import FunctionalityRun
@@ -26,7 +27,7 @@ from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zone import Zone
 from roah_rsbb.core.zone_run import ZoneRun
 
-# So many ports in a row that cannot be opened mean that no port can.
+# So many ports that cannot be opened, more than there are robots to connect, mean that no port can.
 MAX_PORTS_TRIED = 20
 # The benchmark with switches that the referee watches.
 HOMF = "HOMF"
@@ -55,7 +56,7 @@ class Box:
         self._beacon_size = beacon_size
         self._last_port = max(settings.rsbb_port, last_port or 0)
         self._effects: List[Effect] = []
-        self._ports_tried: Dict[str, int] = {}  # by zone, of the run being connected
+        self._failures_left: Dict[str, int] = {}  # by zone, of channels of the run being connected
 
     # -- driving ------------------------------------------------------------------------------------
 
@@ -180,10 +181,11 @@ class Box:
 
     def connect(self, now: Now, zone: Zone) -> None:
         """Begin a run in a zone whose *connect* is allowed."""
-        robot = robot_to_connect(self, zone, now)
-        assert robot is not None, "connect was checked before"
-        self._ports_tried[zone.name] = 0
-        self._open_run(now, zone, robot)
+        robots = robots_to_connect(self, zone, now)
+        assert robots, "connect was checked before"
+        self._failures_left[zone.name] = MAX_PORTS_TRIED + len(robots) - 1
+        for robot in robots:
+            self._open_run(now, zone, robot)
 
     def leave(self, now: Now, zone: Zone) -> None:
         """Disconnect the run in a zone."""
@@ -208,7 +210,11 @@ class Box:
         self._emit(effects.PortTaken(entry.port))
         self._emit(effects.OpenChannel(entry.port, robot.id.team, robot.id.robot, robot.host))
         surroundings = Surroundings(self._emit, self._show_map)
-        if zone.event.benchmark.kind is Kind.FUNCTIONALITY:
+        if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
+            whole = zone.run or AllRobotsRun(zone.name, zone.event, self.settings, surroundings, now)
+            whole.add(now, entry)
+            zone.run = whole
+        elif zone.event.benchmark.kind is Kind.FUNCTIONALITY:
             zone.run = FunctionalityRun(entry, self.settings, surroundings, self.modules, now)
         else:
             zone.run = Run(entry, self.settings, surroundings, now)
@@ -249,7 +255,7 @@ class Box:
     # -- the network --------------------------------------------------------------------------------
 
     def on_channel_failed(self, now: Now, port: int, error: str) -> None:
-        """The channel on `port` could not be opened: take the next port, or give the run up."""
+        """The channel on `port` could not be opened: take the next port, or give this robot's run up."""
         run = self.run_at(port)
         if run is None:
             return
@@ -258,13 +264,14 @@ class Box:
         self._notice(Level.WARNING, text, zone.name)
         run.close(now)
         zone.run = zone.run.without(run)
-        self._ports_tried[zone.name] += 1
+        self._failures_left[zone.name] -= 1
         robot = self.robots.find(run.robot)
-        if robot is None or self._ports_tried[zone.name] >= MAX_PORTS_TRIED or self._last_port >= LAST_PORT:
-            self._notice(Level.ERROR, "No private channel could be opened: the run was not begun", zone.name)
-            self._emit(effects.SendBeacon())
+        if robot is not None and self._failures_left[zone.name] > 0 and self._last_port < LAST_PORT:
+            self._open_run(now, zone, robot)
             return
-        self._open_run(now, zone, robot)
+        given_up = "the run was not begun" if zone.run is None else f"{run.robot} does not take part"
+        self._notice(Level.ERROR, f"No private channel could be opened: {given_up}", zone.name)
+        self._emit(effects.SendBeacon())
 
     def on_robot_beacon(self, now: Now, host: str, team: str, robot: str, time: WireTime) -> None:
         """A RobotBeacon arrived from `host`."""

@@ -4,13 +4,14 @@ The same reasons that switch a panel's button off refuse the command itself, bec
 changed since the panel was drawn.
 """
 
-from typing import TYPE_CHECKING, Callable, Dict, List, NamedTuple, Optional
+from typing import TYPE_CHECKING, Callable, Dict, List, NamedTuple, Sequence
 
+from roah_rsbb.core import all_robots_choice
 from roah_rsbb.core.benchmarks import Kind
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.robots import ActiveRobot
 from roah_rsbb.core.run import EndReason, Phase
-from roah_rsbb.core.skew import skew_text, within
+from roah_rsbb.core.skew import skew_off
 from roah_rsbb.core.zone import Zone
 
 if TYPE_CHECKING:  # the box holds the commands, not the other way round
@@ -30,12 +31,12 @@ class Command(NamedTuple):
 # -- connect --------------------------------------------------------------------------------------
 
 
-def robot_to_connect(box: "Box", zone: Zone, now: Now) -> Optional[ActiveRobot]:
-    """The team's robot that *connect* would take: one that is in no run, heard just now, longest known."""
-    for robot in box.robots.of_team(now, zone.event.team):
-        if box.run_of(robot.id) is None:
-            return robot
-    return None
+def robots_to_connect(box: "Box", zone: Zone, now: Now) -> Sequence[ActiveRobot]:
+    """The robots that *connect* would take: all that can take part, or the team's one that is in no run, heard
+    just now, longest known."""
+    if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
+        return all_robots_choice.choose(box, zone, now).fit
+    return [robot for robot in box.robots.of_team(now, zone.event.team) if box.run_of(robot.id) is None][:1]
 
 
 def _connect_off(box: "Box", zone: Zone, now: Now) -> List[str]:
@@ -45,30 +46,23 @@ def _connect_off(box: "Box", zone: Zone, now: Now) -> List[str]:
     listening = box.listening_left(now)
     if listening > 0:
         reasons.append(f"The box is still listening for another box, for {listening:.0f} s")
-    kind = zone.event.benchmark.kind
-    if kind is Kind.REFEREE_ONLY:
-        reasons.append(f"{zone.event.benchmark.code} needs all robots at once, which this box does not run")
-        return reasons
-    robot = robot_to_connect(box, zone, now)
-    return reasons + _robot_off(box, zone, now) + box.capacity().off([] if robot is None else [robot.id])
+    robots = robots_to_connect(box, zone, now)
+    if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
+        reasons += all_robots_choice.nobody_off(box, zone, now)
+    else:
+        reasons += _robot_off(box, zone, now, robots)
+    return reasons + box.capacity().off([robot.id for robot in robots])
 
 
-def _robot_off(box: "Box", zone: Zone, now: Now) -> List[str]:
+def _robot_off(box: "Box", zone: Zone, now: Now, robots: Sequence[ActiveRobot]) -> List[str]:
     team = zone.event.team
-    robot = robot_to_connect(box, zone, now)
-    if robot is None:
+    if not robots:
         busy = [(r, box.run_of(r.id)) for r in box.robots.of_team(now, team)]
         if not busy:
             return [f"No robot of team {team} is active: none of its beacons arrives on UDP port "
                     f"{box.settings.rsbb_port}"]
         return [f"Robot {r.id} is in a run in zone {run.zone}" for r, run in busy if run is not None]
-    skew = robot.skew.seconds
-    if within(skew, box.settings.allowed_skew):
-        return []
-    if skew is None:
-        return [f"Clock skew of robot {robot.id} is not known yet"]
-    return [f"Clock skew of robot {robot.id} is {skew_text(skew)}, it must be below "
-            f"{box.settings.allowed_skew:.3f} s: synchronise the robot's clock"]
+    return skew_off(f"robot {robots[0].id}", robots[0].skew.seconds, box.settings.allowed_skew)
 
 
 # -- start, stop, disconnect ----------------------------------------------------------------------

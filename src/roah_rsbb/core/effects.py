@@ -80,6 +80,7 @@ class RunOpened(NamedTuple):
     team: str
     round: int
     run: int
+    robot: str = ""  # its name, where more than one robot of the team may be in the run
 
 
 class RunLogged(NamedTuple):

@@ -8,7 +8,7 @@ from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now, wire_ns, wire_seconds
 from roah_rsbb.core.messages import RobotReport
-from roah_rsbb.core.skew import SkewEstimate, skew_text, within
+from roah_rsbb.core.skew import SkewEstimate, skew_off, skew_text, within
 from roah_rsbb.core.timeline import Timeline, Verdict
 from roah_rsbb.states import RobotState
 
@@ -146,10 +146,7 @@ class RobotLink:
             reasons = [NO_ANSWER]
             return reasons + [w for w in self.warnings(now) if w not in reasons]
         reasons = self.warnings(now)[:1] if self.is_silent(now) else []
-        if not self.times_valid:
-            skew = "not known" if self.skew is None else skew_text(self.skew)
-            reasons.append(f"Clock skew of the robot is {skew}, it must be below "
-                           f"{self._allowed_skew:.3f} s: synchronise the robot's clock")
+        reasons += skew_off("the robot", self.skew, self._allowed_skew)
         if self.robot_state is not RobotState.STOP:
             reasons.append(f"Robot has not stopped yet: it reports {self.last.state.name}")
         return reasons

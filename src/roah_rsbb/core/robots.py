@@ -99,6 +99,10 @@ class ActiveRobots:
         for robot_id in gone:
             del self._robots[robot_id]
 
+    def has_password(self, team: str) -> bool:
+        """Whether a team is one of the competition's: only those have passwords."""
+        return team in self._teams
+
     def find(self, robot_id: RobotId) -> Optional[ActiveRobot]:
         """The robot of that name, if it was heard at all."""
         return self._robots.get(robot_id)

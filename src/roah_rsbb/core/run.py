@@ -9,7 +9,7 @@ import enum
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects, machine, run_log
-from roah_rsbb.core.benchmarks import Event
+from roah_rsbb.core.benchmarks import ALL_TEAMS, Event
 from roah_rsbb.core.clock import Now, clock_text
 from roah_rsbb.core.device_commands import DeviceCommands
 from roah_rsbb.core.effects import Effect, How, Level
@@ -18,7 +18,7 @@ from roah_rsbb.core.messages import NO_GOAL, BoxMessage, GoalMessage, RobotRepor
 from roah_rsbb.core.online_data import DisplayText, RepeatedStrings
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.run_clock import RunClock, SavingWatch
-from roah_rsbb.core.scoring import ScoreSheet
+from roah_rsbb.core.scoring import ScoreSheet, score_text
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import BoxState, RobotState
 
@@ -72,6 +72,13 @@ class Surroundings(NamedTuple):
     show_map: Callable[[bool], None]  # switch the tablet: True: map, False: call button
 
 
+def said_in(log: DisplayText, now: Now, level: Level, text: str, zone: str) -> effects.Notice:
+    """Add what is told to the referee to the log shown; returns the notice that is to be emitted, too."""
+    mark = "" if level is Level.INFO else f"{level.name}: "
+    log.add(f"{clock_text(now.utc)} {mark}{text}")
+    return effects.Notice(level, text, zone)
+
+
 class Run:
     """One run of a task benchmark: its robot has no explicit goal."""
 
@@ -95,7 +102,9 @@ class Run:
         self.desc = ""  # what is the matter, in one line
         self._last_logged: Optional[Tuple[RobotReport, bool]] = None
         self.message = BoxMessage(event.benchmark.code, BoxState.STOP)
-        self._emit(effects.RunOpened(self.port, event.team, event.round, event.run))
+        # Where all robots run at once, a team may have several.
+        name = self.robot.robot if event.team == ALL_TEAMS else ""
+        self._emit(effects.RunOpened(self.port, self.robot.team, event.round, event.run, name))
         self._set_state(now, BoxState.STOP, "Connected: waiting for the robot's first message")
 
     def members(self) -> Tuple["Run", ...]:
@@ -125,7 +134,7 @@ class Run:
         """The referee marks a scoring item; raises `Refused` if there is no such item or value."""
         old = self.sheet.set(group, desc, value)
         self._emit(effects.RunLogged(self.port, run_log.SCORE, (group, desc, value)))
-        self._say(now, Level.INFO, f"Score: {group}: {desc} {old} -> {value}")
+        self._say(now, Level.INFO, score_text(group, desc, old, value))
 
     def close(self, now: Now) -> None:
         """Leave the run. The box sends no last message: its state simply ends."""
@@ -254,9 +263,7 @@ class Run:
         self.online_data.add(f"{clock_text(now.utc)} {text}")
 
     def _say(self, now: Now, level: Level, text: str) -> None:
-        mark = "" if level is Level.INFO else f"{level.name}: "
-        self.log.add(f"{clock_text(now.utc)} {mark}{text}")
-        self._emit(effects.Notice(level, text, self.zone))
+        self._emit(said_in(self.log, now, level, text, self.zone))
 
     # -- for the referee's eyes --------------------------------------------------------------------
 

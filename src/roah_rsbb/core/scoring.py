@@ -12,6 +12,11 @@ from roah_rsbb.core.refused import Refused, did_you_mean
 MAX_VALUE = 2**31 - 1
 
 
+def score_text(group: str, desc: str, old: int, value: int) -> str:
+    """An item's change for the referee's eyes."""
+    return f"Score: {group}: {desc} {old} -> {value}"
+
+
 class ScoreGroup(NamedTuple):
     """A group as the panels show it: items and their values, in the file's order."""
 

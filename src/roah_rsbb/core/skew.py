@@ -7,7 +7,7 @@ best one. Benchmarks may start only within `allowed_skew` (manual, section 1).
 """
 
 from collections import deque
-from typing import Deque, Optional, Tuple
+from typing import Deque, List, Optional, Tuple
 
 # Three beacons: a clock that was put right is believed after this long.
 WINDOW_S = 2.5
@@ -44,6 +44,16 @@ class SkewEstimate:
 def within(skew: Optional[float], allowed: float) -> bool:
     """Whether a skew is known and below the allowed one, in both directions (manual, section 1)."""
     return skew is not None and abs(skew) < allowed
+
+
+def skew_off(whose: str, skew: Optional[float], allowed: float) -> List[str]:
+    """Why a skew (s) keeps a robot from a benchmark; empty: it does not."""
+    if within(skew, allowed):
+        return []
+    if skew is None:
+        return [f"Clock skew of {whose} is not known yet"]
+    return [f"Clock skew of {whose} is {skew_text(skew)}, it must be below {allowed:.3f} s: "
+            "synchronise the robot's clock"]
 
 
 def skew_text(skew: float) -> str:

@@ -1,14 +1,17 @@
 """The box as the referees and the public see it: plain values, made from the box at one moment."""
 
-from typing import List, NamedTuple, Optional, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core.benchmarks import Event
+from roah_rsbb.core.all_robots import AllRobotsRun, Counts
+from roah_rsbb.core.all_robots_choice import outsiders
+from roah_rsbb.core.benchmarks import Event, Kind
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.commands import COMMANDS, robot_to_connect
+from roah_rsbb.core.commands import COMMANDS, robots_to_connect
 from roah_rsbb.core.functionality import FunctionalityRun
 from roah_rsbb.core.manual_operations import Switches
 from roah_rsbb.core.module_messages import Request, RequestKind, ScoreValue
+from roah_rsbb.core.robots import ActiveRobot
 from roah_rsbb.core.run import Phase
 from roah_rsbb.core.scoring import ScoreGroup
 from roah_rsbb.core.zone import Zone
@@ -38,6 +41,14 @@ class ModuleView(NamedTuple):
     scores: Tuple[ScoreValue, ...] = ()
 
 
+class AllRobotsView(NamedTuple):
+    """What a run has in which all robots take part."""
+
+    first_port: int
+    counts: Counts
+    robots: Tuple[str, ...]  # each robot and what it is doing
+
+
 class ZoneView(NamedTuple):
     """A zone, its event and the run in it."""
 
@@ -53,6 +64,7 @@ class ZoneView(NamedTuple):
     phase: str
     run: Optional[ZoneRun]
     module: ModuleView
+    all_robots: Optional[AllRobotsView]  # where all run at once
 
     def reasons_off(self, command: str) -> Tuple[str, ...]:
         """Why a command would be refused; empty: it is allowed."""
@@ -101,7 +113,9 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
     run = zone.run
     shown = run if run is not None else zone.last_run
     off = tuple(tuple(box.reasons_off(now, zone, command)) for command in COMMANDS)
-    warnings = tuple(run.warnings(now)) if run is not None else ()
+    warnings = [] if run is None else run.warnings(now)
+    if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
+        warnings += outsiders(box, zone, now)
     view = ZoneView(
         zone=zone.name,
         event=zone.event,
@@ -111,10 +125,11 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         log="" if shown is None else shown.log.text,
         online_data="" if shown is None else shown.online_data.text,
         scoring=() if run is None else tuple(run.sheet.groups()),
-        warnings=warnings,
+        warnings=tuple(warnings),
         phase=IDLE if run is None else run.phase.value,
         run=run,
         module=_module(run) if isinstance(run, FunctionalityRun) else ModuleView(),
+        all_robots=_all_robots(run, now) if isinstance(run, AllRobotsRun) else None,
     )
     return view._replace(state="\n".join(_state_lines(box, zone, view, now)))
 
@@ -131,15 +146,16 @@ def _module(run: FunctionalityRun) -> ModuleView:
     )
 
 
+def _all_robots(run: AllRobotsRun, now: Now) -> AllRobotsView:
+    return AllRobotsView(run.members()[0].port, run.counts(), tuple(run.robots(now)))
+
+
 def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:
     """What is the matter first, then what the referee must know, a line each."""
     run = view.run
     if run is None:
-        reasons = view.reasons_off("connect")
-        if reasons:
-            return list(reasons)
-        robot = robot_to_connect(box, zone, now)
-        return [f"Robot ready to accept connection: {robot.id}"] if robot is not None else []
+        lines = list(view.reasons_off("connect")) or [_ready(robots_to_connect(box, zone, now))]
+        return lines + _warning_lines(view, lines)
     lines = [] if run.phase is Phase.CONNECTED else [run.desc]
     if run.phase is not Phase.RUNNING:
         reasons = view.reasons_off("start")
@@ -148,4 +164,14 @@ def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:
         elif not reasons:
             lines.append("May be started again: its time went on")
     lines.extend(run.status_lines(now))
-    return lines + [f"WARNING: {w}" for w in view.warnings if w not in lines]
+    return lines + _warning_lines(view, lines)
+
+
+def _ready(robots: Sequence[ActiveRobot]) -> str:
+    if len(robots) == 1:
+        return f"Robot ready to accept connection: {robots[0].id}"
+    return f"{len(robots)} robots ready to accept connection: {', '.join(str(robot.id) for robot in robots)}"
+
+
+def _warning_lines(view: ZoneView, lines: List[str]) -> List[str]:
+    return [f"WARNING: {warning}" for warning in view.warnings if warning not in lines]

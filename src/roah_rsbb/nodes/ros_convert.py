@@ -7,6 +7,7 @@ from roah_rsbb.core import views
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now, WireTime
 from roah_rsbb.core.messages import DevicesState
+from roah_rsbb.core.run import Run
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
@@ -125,6 +126,15 @@ def _zone_details(view: views.ZoneView, log_files) -> ZoneDetails:
     if run is None:
         return message
     message.end_reason = "" if run.end_reason is None else run.end_reason.name.lower()
+    if view.all_robots is not None:
+        _add_all_robots(message, view.all_robots)
+    else:
+        _add_robot(message, run, log_files)
+    _add_module(message, view.module)
+    return message
+
+
+def _add_robot(message: ZoneDetails, run: Run, log_files) -> None:
     message.robot = run.robot.robot
     message.port = run.port
     message.box_state = run.message.state.name
@@ -134,8 +144,14 @@ def _zone_details(view: views.ZoneView, log_files) -> ZoneDetails:
     message.last_message = ros_time(0.0 if run.link.last_heard is None else run.link.last_heard.utc)
     message.messages_saved = run.link.messages_saved
     message.log_file = log_files.get(run.port, "")
-    _add_module(message, view.module)
-    return message
+
+
+def _add_all_robots(message: ZoneDetails, view: views.AllRobotsView) -> None:
+    count = len(view.robots)
+    message.robot = "1 robot" if count == 1 else f"{count} robots"
+    message.port = view.first_port
+    message.robots_preparing, message.robots_executing, message.robots_stopped = view.counts
+    message.robots = view.robots
 
 
 def _add_module(message: ZoneDetails, module: views.ModuleView) -> None:

@@ -100,11 +100,6 @@ def test_connect_while_the_box_listens_names_all_that_is_missing():
     assert size.startswith("The beacon may need 132 bytes with one more robot, and robots may read only 50")
 
 
-def test_a_benchmark_for_all_robots_needs_none_of_one_team():
-    driver = BoxDriver(competition(tbm=[event("HSUF", team="ALL")]))
-    assert _refused(driver, "connect") == ["HSUF needs all robots at once, which this box does not run"]
-
-
 @pytest.mark.parametrize("skew, fits", [
     (0.05, True), (-0.05, True), (0.15, False), (-0.15, False), (0.125, False), (-0.125, False), (0.124, True),
 ])
