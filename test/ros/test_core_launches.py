@@ -48,7 +48,7 @@ class LaunchCase(NetworkCase):
     def launch(self, name: str, **arguments: object) -> Program:
         """Start a launch file of the package."""
         return self._leaving(Program(
-            "roslaunch", PACKAGE, name, "gui:=none",
+            "roslaunch", PACKAGE, name, "gui:=none", "tablet_port:=0",
             *(f"{argument}:={value}" for argument, value in {**NETWORK, **arguments}.items()),
         ))
 

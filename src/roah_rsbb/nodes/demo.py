@@ -20,6 +20,7 @@ LAUNCH_LOG = os.path.join(LOG_DIR, "launch.log")
 # What a loopback demonstration needs: all on this machine, heard by nobody else.
 BROADCAST_HOST, BOX_HOST = "127.255.255.255", "127.0.0.1"
 FIRST_UDP_PORT, UDP_PORT_STEP = 6666, 100
+FIRST_TABLET_PORT = 8080
 # A dummy run takes seconds; the robot is found after the box has listened for another one.
 WAIT_FOR_ROBOT_S = 40
 STOP_S = 15
@@ -36,9 +37,11 @@ def _free_port(kind: socket.SocketKind, host: str, first: int, step: int) -> int
 
 def _launch_command(gui: str, master_port: int) -> List[str]:
     udp_port = _free_port(socket.SOCK_DGRAM, BROADCAST_HOST, FIRST_UDP_PORT, UDP_PORT_STEP)
+    tablet_port = _free_port(socket.SOCK_STREAM, BOX_HOST, FIRST_TABLET_PORT, 1)
     return [
         "roslaunch", "-p", str(master_port), "roah_rsbb", "roah_rsbb_dummy.launch", f"gui:={gui}",
         f"rsbb_host:={BROADCAST_HOST}", f"bind_host:={BOX_HOST}", f"rsbb_port:={udp_port}", f"log_dir:={LOG_DIR}",
+        f"tablet_port:={tablet_port}",
     ]
 
 

@@ -1,0 +1,207 @@
+"""A tablet on the command line: `python -m roah_rsbb.tablet.dummy --help`, `rosrun roah_rsbb dummy_tablet`.
+
+No ROS is needed; what roslaunch adds to the arguments of a node is left aside.
+"""
+
+import argparse
+import asyncio
+import contextlib
+import logging
+import math
+import os
+import signal
+import sys
+import time
+from typing import List, Optional, Tuple
+
+from roah_rsbb.comm.arguments import Parser
+from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.tablet.radio import TabletRadio
+from roah_rsbb.tablet.state import TabletState
+
+PROGRAM = "dummy_tablet"
+# How long --once waits for the box.
+ANSWER_S = 10.0
+_READ_BYTES = 4096
+
+_log = logging.getLogger(PROGRAM)
+
+_DESCRIPTION = """\
+A tablet without a screen: sends its beacon each second, says which view the box wants shown, and calls or
+picks positions when you type
+
+  call          Granny Annie calls the robot
+  1.5 -2.0      she picks the position x 1.5 m, y -2.0 m
+
+Ctrl-C, or the end of the input, ends it; until then the box knows that the tablet is there.
+"""
+
+_EPILOG = f"""\
+From a script: '{PROGRAM} --call --once' calls, waits until the box has told it to all, and ends; the exit status
+is 1 if the box did not within {ANSWER_S:.0f} s. On one machine with the box add --host 127.255.255.255.
+"""
+
+
+def _position(text: str) -> Tuple[float, float]:
+    """Two numbers, as 1.5,-2.0 or 1.5 -2.0; ValueError for anything else."""
+    words = text.replace(",", " ").split()
+    x, y = (float(word) for word in words) if len(words) == 2 else (math.nan, math.nan)
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise ValueError(f"'{text}' is no position: write x and y in metres, such as 1.5 -2.0")
+    return x, y
+
+
+def _position_argument(text: str) -> Tuple[float, float]:
+    try:
+        return _position(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
+    parser.add_argument("--call", action="store_true", help="call at once")
+    parser.add_argument("--position", type=_position_argument, metavar="X,Y",
+                        help="pick a position at once, in metres (--position=-1,2 if it begins with a minus)")
+    parser.add_argument("--once", action="store_true", help="end when the box has told it to all")
+    parser.add_argument("--host", default="10.255.255.255",
+                        help="the network's broadcast address (default: %(default)s)")
+    parser.add_argument("--port", type=int, default=6666, help="public UDP port (default: %(default)s)")
+    parser.add_argument("--bind", default=ANY_HOST, metavar="HOST",
+                        help="own address, where this machine has several (default: %(default)s)")
+    return parser
+
+
+class DummyTablet:
+    """The tablet, told what to do line by line."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop, host: str, port: int, bind: str) -> None:
+        self._state = TabletState()
+        self._loop = loop
+        self._heard = asyncio.Event()
+        self._shown: Optional[bool] = None
+        self._told: Tuple[bool, bool] = (False, False)
+        self._radio = TabletRadio(loop, self._state, self._on_box, _log.warning, host, port, bind)
+        self._radio.present = True
+
+    def open(self) -> None:
+        """Begin to send. Raises OSError whose text names the remedy."""
+        self._radio.open()
+
+    def close(self) -> None:
+        """Be gone."""
+        self._radio.close()
+
+    def call(self) -> None:
+        """Granny Annie calls."""
+        self._state.call(time.time_ns())
+        self._touched()
+
+    def place(self, position: Tuple[float, float]) -> None:
+        """She picks a position."""
+        self._state.place(time.time_ns(), *position)
+        self._touched()
+
+    def take(self, line: str) -> None:
+        """Do what was typed."""
+        if line == "call":
+            self.call()
+        elif line:
+            try:
+                self.place(_position(line))
+            except ValueError as error:
+                _log.error("%s; or 'call'", error)
+
+    async def until_told(self) -> bool:
+        """Wait until the box repeats all that was touched; False: it did not in time."""
+        async def told() -> None:
+            while not self._is_told():
+                self._heard.clear()
+                await self._heard.wait()
+        try:
+            await asyncio.wait_for(told(), ANSWER_S)
+        except asyncio.TimeoutError:
+            return False
+        return True
+
+    def _is_told(self) -> bool:
+        state = self._state
+        return (state.hears_box(self._loop.time())
+                and (state.call_is_told or state.call_time == (0, 0))
+                and (state.position_is_told or state.position_time == (0, 0)))
+
+    def _touched(self) -> None:
+        self._told = (self._state.call_is_told, self._state.position_is_told)
+        self._radio.changed()
+
+    def _on_box(self, changed: bool) -> None:
+        self._heard.set()
+        if not changed:
+            return
+        if self._state.display_map != self._shown:
+            self._shown = self._state.display_map
+            _log.info("the box wants the %s shown", "map" if self._shown else "call button")
+        told = (self._state.call_is_told, self._state.position_is_told)
+        for what, before, now in zip(("call", "position"), self._told, told):
+            if now and not before:
+                _log.info("the box has told the %s to all", what)
+        self._told = told
+
+
+def _follow_input(loop: asyncio.AbstractEventLoop, tablet: DummyTablet, ended: asyncio.Event) -> None:
+    """Take lines from a terminal or pipe; their end is the program's, where somebody could type."""
+    pending = b""
+
+    def read() -> None:
+        nonlocal pending
+        data = os.read(sys.stdin.fileno(), _READ_BYTES)
+        *lines, pending = (pending + data).split(b"\n")
+        for line in lines:
+            tablet.take(line.decode(errors="replace").strip())
+        pending = pending[-_READ_BYTES:]
+        if not data:
+            loop.remove_reader(sys.stdin)
+            ended.set()
+    with contextlib.suppress(OSError, ValueError):  # a file or nothing: it only beacons, as in a launch
+        loop.add_reader(sys.stdin, read)
+
+
+async def _run(options: argparse.Namespace) -> int:
+    loop = asyncio.get_event_loop()
+    tablet = DummyTablet(loop, options.host, options.port, options.bind)
+    tablet.open()
+    ended = asyncio.Event()
+    for which in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(which, ended.set)
+    try:
+        if options.call:
+            tablet.call()
+        if options.position is not None:
+            tablet.place(options.position)
+        if options.once:
+            if await tablet.until_told():
+                return 0
+            _log.error("the box did not tell it to all: is it running there, and no other tablet on?")
+            return 1
+        _follow_input(loop, tablet, ended)
+        await ended.wait()
+        return 0
+    finally:
+        tablet.close()
+
+
+def main(arguments: Optional[List[str]] = None) -> None:
+    """Run the program with these arguments (default: those of the process)."""
+    given = sys.argv[1:] if arguments is None else arguments
+    # roslaunch appends __name:=... and __log:=..., and may be given any other remapping.
+    options = _parser().parse_args([argument for argument in given if ":=" not in argument])
+    logging.basicConfig(level=logging.INFO, stream=sys.stdout, format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
+    try:
+        status = asyncio.run(_run(options))
+    except OSError as error:
+        sys.exit(f"{PROGRAM}: {error}")
+    sys.exit(status)
+
+
+if __name__ == "__main__":
+    main()

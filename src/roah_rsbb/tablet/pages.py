@@ -1,0 +1,103 @@
+"""What pages in browsers and the tablet say to each other: JSON texts in, JSON texts out. No I/O.
+
+A page says `{"do": "here"}` every two seconds, `{"do": "call"}`, or `{"do": "place", "u": 0.25, "v": 0.5}`
+(a point of the map's image, see `maps`). It is told all that it shows, each second and after every change.
+"""
+
+import json
+import math
+from typing import Any, Dict, Optional
+
+from roah_rsbb.tablet.maps import Map
+from roah_rsbb.tablet.state import TabletState
+
+HERE, CALL, PLACE = "here", "call", "place"
+
+# The box repeats a touch within milliseconds; pages say that it does not after this long.
+UNANSWERED_S = 3.0
+
+
+class Refusal(Exception):
+    """What a page asked for is not done; the text is for who touched it."""
+
+
+class Pages:
+    """One tablet, as its pages show it and touch it."""
+
+    def __init__(self, state: TabletState, plan: Optional[Map]) -> None:
+        """`plan`: the map; None: there is none, and no position can be touched."""
+        self._state = state
+        self._map = plan
+        self._touched_mono = float("-inf")
+
+    def do(self, now_mono: float, time_ns: int, text: object) -> bool:
+        """Do what a page asks for; whether it touched the tablet. Raises `Refusal`."""
+        asked = _parse(text)
+        what = asked.get("do")
+        if what == HERE:
+            return False
+        if what not in (CALL, PLACE):
+            raise Refusal("This page is of another version: reload it")
+        if not self._state.hears_box(now_mono):
+            raise Refusal("The box is silent: nothing was sent")
+        if what == CALL:
+            self._state.call(time_ns)
+        else:
+            self._place(time_ns, asked)
+        self._touched_mono = now_mono
+        return True
+
+    def _place(self, time_ns: int, asked: Dict[str, Any]) -> None:
+        u, v = asked.get("u"), asked.get("v")
+        if self._map is None:
+            raise Refusal("There is no map")
+        if not (_is_fraction(u) and _is_fraction(v)):
+            raise Refusal("That place is not on the map")
+        self._state.place(time_ns, *self._map.to_metres(u, v))
+
+    def text(self, now_mono: float) -> str:
+        """What every page is to show now."""
+        state = self._state
+        return json.dumps({
+            "box": state.hears_box(now_mono),
+            "view": "map" if state.display_map else "call",
+            "call": {"time": _milliseconds(state.call_time), "told": state.call_is_told},
+            "place": {"time": _milliseconds(state.position_time), "told": state.position_is_told, **self._shown()},
+            "unanswered": now_mono - self._touched_mono > UNANSWERED_S,
+            "map": self._plan(),
+        })
+
+    def _shown(self) -> Dict[str, float]:
+        u, v = (0.0, 0.0) if self._map is None else self._map.to_image(self._state.x, self._state.y)
+        return {"x": self._state.x, "y": self._state.y, "u": u, "v": v}
+
+    def _plan(self) -> Optional[Dict[str, object]]:
+        plan = self._map
+        if plan is None:
+            return None
+        return {
+            "image": f"map.png?{plan.version}", "width": plan.width, "height": plan.height, "negate": plan.negate
+        }
+
+
+def refusal_text(refusal: Refusal) -> str:
+    """What the page that asked is told."""
+    return json.dumps({"refused": str(refusal)})
+
+
+def _parse(text: object) -> Dict[str, Any]:
+    try:
+        asked = json.loads(text) if isinstance(text, str) else None
+    except (ValueError, RecursionError):
+        asked = None
+    return asked if isinstance(asked, dict) else {}
+
+
+def _is_fraction(value: object) -> bool:
+    return (isinstance(value, (int, float)) and not isinstance(value, bool)
+            and math.isfinite(value) and 0.0 <= value <= 1.0)
+
+
+def _milliseconds(time) -> int:
+    """A time for a browser's Date; 0: never."""
+    return time[0] * 1000 + time[1] // 1_000_000

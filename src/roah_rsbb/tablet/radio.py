@@ -1,0 +1,94 @@
+"""The tablet's side of the public channel: TabletBeacons out, the box's beacons in."""
+
+import asyncio
+from typing import Callable, Optional, Tuple
+
+from roah_rsbb.comm.channels import PublicChannel
+from roah_rsbb.comm.sender import StateSender
+from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.tablet.state import BoxSaid, TabletState
+
+
+class TabletRadio:
+    """Sends the state of a tablet while that is `present`: each second, and at once when it changed.
+
+    It stands apart from other participants of this machine (see `comm.peer.Peer`): the box itself may run
+    here, and would ignore what comes from its own address and port.
+    """
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        state: TabletState,
+        on_box: Callable[[bool], None],
+        on_complaint: Callable[[str], None],
+        rsbb_host: str = "10.255.255.255",
+        rsbb_port: int = 6666,
+        bind_host: str = ANY_HOST,
+    ) -> None:
+        """Nothing is opened yet. `on_box(changed)` is called for each beacon of the box."""
+        self._loop = loop
+        self._state = state
+        self._on_box = on_box
+        self._sender = StateSender()
+        self._present = False
+        self._timer: Optional[asyncio.TimerHandle] = None
+        self._channel = PublicChannel(
+            loop, rsbb_host, rsbb_port, self._on_message, on_complaint, bind_host=bind_host, apart=True
+        )
+
+    def open(self) -> None:
+        """Begin to listen, and to send if present. Raises OSError whose text names the remedy."""
+        self._channel.open()
+        self.changed()
+
+    def close(self) -> None:
+        """End all of it."""
+        if self._timer is not None:
+            self._timer.cancel()
+        self._channel.close()
+
+    @property
+    def present(self) -> bool:
+        """Whether there is a tablet: what is not there sends nothing, and the referee sees that it is silent."""
+        return self._present
+
+    @present.setter
+    def present(self, present: bool) -> None:
+        if present and not self._present:
+            self._present = True
+            self.changed()
+        self._present = present
+
+    def changed(self) -> None:
+        """Something was touched: send it now, and again a few times, as any datagram may be lost."""
+        self._sender.changed(self._loop.time())
+        self._send_due()
+
+    def _send_due(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        if not self._channel.is_open:
+            return
+        if self._sender.due(self._loop.time()) and self._present:
+            self._channel.send(_beacon(self._state))
+        self._timer = self._loop.call_at(self._sender.deadline, self._send_due)
+
+    def _on_message(self, message: object, _address: Tuple[str, int]) -> None:
+        if isinstance(message, pb.RoahRsbbBeacon):
+            said = BoxSaid(
+                message.tablet_display_map,
+                (message.tablet_call_time.sec, message.tablet_call_time.nsec),
+                (message.tablet_position_time.sec, message.tablet_position_time.nsec),
+            )
+            self._on_box(self._state.on_box(self._loop.time(), said))
+
+
+def _beacon(state: TabletState) -> pb.TabletBeacon:
+    call, place = state.call_time, state.position_time
+    return pb.TabletBeacon(
+        last_call=pb.Time(sec=call[0], nsec=call[1]), last_pos=pb.Time(sec=place[0], nsec=place[1]),
+        x=state.x, y=state.y,
+    )

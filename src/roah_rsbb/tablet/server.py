@@ -1,0 +1,219 @@
+"""The web server of the tablet: a page, its map, and a WebSocket for each browser that shows it.
+
+Everybody in the network may open it; so nothing that a browser sends is kept or costs much.
+"""
+
+import asyncio
+import errno
+import os
+import socket
+import time
+from typing import Callable, Dict, List, Optional
+
+from tornado import httpserver, netutil, web, websocket
+
+from roah_rsbb.comm.sockets import ANY_HOST, OpenError
+from roah_rsbb.tablet.maps import Map
+from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
+
+# More than one venue has tablets.
+MAX_PAGES = 32
+# A page says that it is there every two seconds; a phone that sleeps does not say that it goes.
+PAGE_SILENT_S = 6.0
+# More messages a second are no fingers' work.
+MAX_MESSAGES_A_SECOND = 20
+_MAX_MESSAGE_BYTES = 1024
+_MAX_BODY_BYTES = 1024
+_MAX_HEADER_BYTES = 16 * 1024
+_IDLE_S = 30.0
+_TELL_PERIOD_S = 1.0
+
+# Nothing from elsewhere is loaded or runs, and no other site shows this one in a frame.
+_HEADERS = {
+    "Content-Security-Policy": "default-src 'self'; connect-src 'self' ws: wss:; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-cache",
+    "Server": "roah_rsbb",
+}
+
+
+class TabletServer:
+    """Serves one tablet to any number of browsers; all methods belong to the thread of the asyncio loop."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        pages: Pages,
+        plan: Optional[Map],
+        folder: str,
+        on_touch: Callable[[], None],
+        on_presence: Callable[[bool], None],
+    ) -> None:
+        """`folder`: the page's files. `on_touch()` is called when a page touched the tablet, `on_presence(there)`
+        each second: whether any page is open."""
+        self._loop = loop
+        self._pages = pages
+        self._on_touch = on_touch
+        self._on_presence = on_presence
+        self._sockets: Dict[PageSocket, float] = {}  # to the monotonic time it was last heard
+        self._present_until_mono = float("-inf")
+        self._timer: Optional[asyncio.TimerHandle] = None
+        self._listening: List[socket.socket] = []
+        application = web.Application(
+            [
+                (r"/pages", PageSocket, {"server": self}),
+                (r"/map\.png", MapHandler, {"plan": plan}),
+                (r"/(.*)", FileHandler, {"path": folder, "default_filename": "index.html"}),
+            ],
+            websocket_max_message_size=_MAX_MESSAGE_BYTES,
+            default_handler_class=web.ErrorHandler, default_handler_args={"status_code": 404},
+            log_function=lambda handler: None,
+        )
+        self._http = httpserver.HTTPServer(
+            application, max_body_size=_MAX_BODY_BYTES, max_header_size=_MAX_HEADER_BYTES,
+            idle_connection_timeout=_IDLE_S, body_timeout=_IDLE_S,
+        )
+
+    def open(self, host: str, port: int) -> int:
+        """Begin to serve (port 0: any free one); returns the port. Raises OSError whose text names the remedy."""
+        try:
+            # IPv4 only, as the rest; without address re-use by another program.
+            self._listening = netutil.bind_sockets(port, None if host == ANY_HOST else host, socket.AF_INET)
+        except OSError as error:
+            raise OpenError(error.errno, f"cannot serve the tablet's page on {host}:{port}: "
+                                         f"{_remedy(error, port)}") from error
+        self._http.add_sockets(self._listening)
+        self._tell_each_second()
+        return self._listening[0].getsockname()[1]
+
+    def close(self) -> None:
+        """End all of it; does nothing if closed."""
+        if self._timer is not None:
+            self._timer.cancel()
+        for page in list(self._sockets):
+            page.close()
+        self._http.stop()
+        self._listening = []
+
+    def tell(self) -> None:
+        """Something changed: tell all pages now."""
+        text = self._pages.text(self._loop.time())
+        for page in list(self._sockets):
+            page.tell(text)
+
+    def _tell_each_second(self) -> None:
+        self._timer = self._loop.call_later(_TELL_PERIOD_S, self._tell_each_second)
+        now = self._loop.time()
+        for page, heard in list(self._sockets.items()):
+            if now - heard > PAGE_SILENT_S:
+                self.forget(page)
+                page.close()
+        self._note_presence()
+        self.tell()
+
+    def _note_presence(self) -> None:
+        # A page that was just closed still counts: its last touch is still being sent.
+        now = self._loop.time()
+        if self._sockets:
+            self._present_until_mono = now + PAGE_SILENT_S
+        self._on_presence(now <= self._present_until_mono)
+
+    # -- for its pages' sockets ---------------------------------------------------------------------
+
+    def add(self, page: "PageSocket") -> bool:
+        """A browser opened the page; False: there are too many."""
+        if len(self._sockets) >= MAX_PAGES:
+            return False
+        self._sockets[page] = self._loop.time()
+        self._note_presence()
+        page.tell(self._pages.text(self._loop.time()))
+        return True
+
+    def forget(self, page: "PageSocket") -> None:
+        """A browser left."""
+        self._sockets.pop(page, None)
+
+    def receive(self, page: "PageSocket", text: object) -> None:
+        """A page says or asks for something."""
+        now = self._loop.time()
+        if page in self._sockets:
+            self._sockets[page] = now
+        try:
+            touched = self._pages.do(now, time.time_ns(), text)
+        except Refusal as refusal:
+            page.tell(refusal_text(refusal))
+            return
+        if touched:
+            self._on_touch()
+            self.tell()
+
+
+class PageSocket(websocket.WebSocketHandler):
+    """The connection of one browser. Only our own page may open it: tornado compares Origin and Host."""
+
+    def initialize(self, server: TabletServer) -> None:
+        self._server = server
+        self._second = 0
+        self._messages = 0
+
+    def open(self, *_args: str, **_kwargs: str) -> None:
+        self.set_nodelay(True)
+        if not self._server.add(self):
+            self.close(1013, "too many pages are open: close one")
+
+    def on_message(self, message: object) -> None:
+        second = int(time.monotonic())
+        self._messages = self._messages + 1 if second == self._second else 1
+        self._second = second
+        if self._messages <= MAX_MESSAGES_A_SECOND:
+            self._server.receive(self, message)
+
+    def on_close(self) -> None:
+        self._server.forget(self)
+
+    def tell(self, text: str) -> None:
+        """Send a text; a browser that does not read is left behind."""
+        try:
+            self.write_message(text)
+        except websocket.WebSocketClosedError:
+            self._server.forget(self)
+
+
+class MapHandler(web.RequestHandler):
+    """The map's image."""
+
+    def initialize(self, plan: Optional[Map]) -> None:
+        self._plan = plan
+
+    def set_default_headers(self) -> None:
+        _set_headers(self)
+
+    def get(self) -> None:
+        if self._plan is None:
+            raise web.HTTPError(404)
+        self.set_header("Content-Type", "image/png")
+        self.write(self._plan.png)
+
+
+class FileHandler(web.StaticFileHandler):
+    """The page's own files."""
+
+    def set_extra_headers(self, path: str) -> None:
+        _set_headers(self)
+
+
+def _set_headers(handler: web.RequestHandler) -> None:
+    for name, value in _HEADERS.items():
+        handler.set_header(name, value)
+
+
+def _remedy(error: OSError, port: int) -> str:
+    if error.errno == errno.EADDRINUSE:
+        return (f"another program uses the port: end it ('ss -tlpn sport = :{port}' shows it), or choose another "
+                "tablet_port")
+    if error.errno == errno.EACCES:
+        return "not permitted: choose a tablet_port above 1023"
+    if error.errno == errno.EADDRNOTAVAIL:
+        return "that is not an address of this machine: correct tablet_host"
+    return os.strerror(error.errno or 0)
