@@ -218,7 +218,7 @@ class World:
             if not sender.due(self.mono):
                 continue
             message = wire_convert.state_message(run.message)
-            datagram = encode(message, Cipher.AES_128_CBC, self.keys[run.event.team])
+            datagram = encode(message, Cipher.AES_128_CBC, self.keys[run.robot.team])
             for robot in self.robots:
                 if robot.host == self.box.channels[port]:
                     self._send(self._at_robot, robot, port, datagram)
@@ -241,7 +241,7 @@ class World:
         run = box.run_at(port)
         if run is None:
             return
-        message = decode_private(datagram, self.keys[run.event.team])
+        message = decode_private(datagram, self.keys[run.robot.team])
         assert isinstance(message, pb.RobotState)
         report = wire_convert.report_of(message)
         before = self._moved(run)
