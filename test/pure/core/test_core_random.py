@@ -25,7 +25,7 @@ given, st = hypothesis.given, hypothesis.strategies
 few = hypothesis.settings(max_examples=25, deadline=None, derandomize=True, print_blob=False)
 many = hypothesis.settings(max_examples=150, deadline=None, derandomize=True, print_blob=False)
 
-ZONES = ("a", "b", "c")
+ZONES = ("a", "b", "c", "all")
 INT64 = st.integers(-(2**63), 2**63 - 1)
 NAMES = st.sampled_from([*TEAMS, "", "nobody's", "x" * 200])
 TEXTS = st.lists(st.sampled_from(["", "a", "b\n", "é" * 50]), max_size=3).map(tuple)
@@ -93,7 +93,8 @@ def _apply(driver, name, arguments):
 def test_no_order_of_events_breaks_the_box(sequence):
     """Nothing but a refusal is raised; the rules of effects hold (the driver sees to that)."""
     config = competition(
-        a=["HCFGAC", "HWV"], b=[event("HGTKMH", team="Beta", timeout=30.0), event("HNF", team="Beta")], c=["HGTKMH"]
+        a=["HCFGAC", "HWV"], b=[event("HGTKMH", team="Beta", timeout=30.0), event("HNF", team="Beta")], c=["HGTKMH"],
+        all=[event("HSUF", team="ALL", timeout=30.0)],
     )
     driver = BoxDriver(config, Settings(display_log_size=300))
     for name, arguments in sequence:
@@ -116,7 +117,9 @@ def test_no_order_of_events_breaks_the_box(sequence):
 @given(st.data())
 def test_what_is_off_is_refused_and_what_is_on_is_not(data):
     """A button and its command never disagree, wherever a run is."""
-    driver = BoxDriver(competition(a=["HWV", "HGTKMH"], b=["HCFGAC"], c=[event("HGTKMH", team="Beta")]))
+    driver = BoxDriver(competition(
+        a=["HWV", "HGTKMH"], b=["HCFGAC"], c=[event("HGTKMH", team="Beta")], all=[event("HSUF", team="ALL")]
+    ))
     robots = [driver.robot(team, name) for team, name in (("Alpha", "r1"), ("Alpha", "r2"), ("Beta", "r1"))]
     for _ in range(data.draw(st.integers(1, 25))):
         robot = data.draw(st.sampled_from(robots))
