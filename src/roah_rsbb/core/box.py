@@ -108,8 +108,9 @@ class Box:
 
     def warnings(self, now: Now) -> List[str]:
         """What every referee should know now."""
-        tablet_is_needed = any(zone.event.benchmark.code == CATERING for zone in self.zones.values())
-        return self.watches.warnings(now) + self.tablet.warnings(now, tablet_is_needed)
+        catering = any(zone.event.benchmark.code == CATERING for zone in self.zones.values())
+        devices = self.watches.devices_warnings() if catering else []
+        return self.watches.warnings(now) + devices + self.tablet.warnings(now, catering)
 
     def reasons_off(self, now: Now, zone: Zone, command: str) -> List[str]:
         """Every reason why a command to a zone would be refused now; empty: it is allowed."""
@@ -337,6 +338,21 @@ class Box:
         if devices != self.devices:
             self.devices = devices
             self._emit(effects.SendBeacon())
+
+    def on_devices_status(self, now: Now, connected: bool, text: str) -> None:
+        """The devices node says whether it reaches the devices' controller; `text` says how, or why not."""
+        self.tick(now)
+        self.watches.devices(connected, text)
+
+    def on_device_refused(self, now: Now, zone_name: str, device: str, value: int, reason: str) -> None:
+        """A robot's command to a device (`SetDevice`) could not be carried out."""
+        self.tick(now)
+        text = self.watches.device_refused(now, device, value, reason)
+        run = self.zones[zone_name].run
+        if isinstance(run, Run) and run.event.benchmark.code == CATERING:
+            run.warn(now, text)
+        else:  # the run that it came from was left since
+            self._notice(Level.WARNING, text, zone_name)
 
     def on_trouble(self, now: Now, text: str) -> None:
         """Something on this computer does not work; `text` names the remedy. Every referee is told."""

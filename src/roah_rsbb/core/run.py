@@ -136,6 +136,10 @@ class Run:
         self._emit(effects.RunLogged(self.port, run_log.SCORE, (group, desc, value)))
         self._say(now, Level.INFO, score_text(group, desc, old, value))
 
+    def warn(self, now: Now, text: str) -> None:
+        """What goes wrong around this run: its referee reads it in the log."""
+        self._say(now, Level.WARNING, text)
+
     def close(self, now: Now) -> None:
         """Leave the run. The box sends no last message: its state simply ends."""
         if self.phase is Phase.RUNNING:

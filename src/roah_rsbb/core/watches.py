@@ -22,6 +22,7 @@ class Watches:
         self._started: Optional[float] = None
         # (kind, cause) -> (monotonic time until which it is shown, text)
         self._kept: Dict[Tuple[str, object], Tuple[float, str]] = {}
+        self._devices_trouble = ""
 
     def start(self, now: Now) -> None:
         """The first call begins the time in which the box only listens."""
@@ -77,6 +78,20 @@ class Watches:
                 REMEMBER_S,
             )
         return None
+
+    def devices(self, connected: bool, text: str) -> None:
+        """The devices node reaches the devices' controller, or not, as `text` says."""
+        self._devices_trouble = "" if connected else f"Home devices: {text}"
+
+    def devices_warnings(self) -> List[str]:
+        """What is the matter with the devices' controller, for as long as it is."""
+        return [self._devices_trouble] if self._devices_trouble else []
+
+    def device_refused(self, now: Now, device: str, value: int, reason: str) -> str:
+        """A robot's command to a device could not be carried out."""
+        text = f"{device} was not set to {value} as the robot commanded: {reason}"
+        self._keep(now, ("device", device), text, REMEMBER_S)
+        return text
 
     def clock_stepped(self, now: Now, step: float) -> str:
         """The box's own clock was set by `step` seconds."""

@@ -36,6 +36,7 @@ class CoreDriver:
         ports: PortRecord,
         ring_timeout: Callable[[], None],
         tell_modules: Callable[[], None],
+        set_device: Callable[[effects.SetDevice], None],
         give_up: Callable[[str], None],
     ) -> None:
         self._loop = loop
@@ -59,7 +60,7 @@ class CoreDriver:
             effects.SendState: lambda e: self._radio.send_state(e.port, e.message, e.how),
             effects.SendBeacon: self._want_beacon,
             effects.TimeoutRung: lambda e: self._ring_timeout(),
-            effects.SetDevice: self._set_device,
+            effects.SetDevice: set_device,
             effects.RunOpened: self._run_opened,
             effects.RunLogged: lambda e: self._run_logs.logged(e, time.time()),
             effects.RunClosed: lambda e: self._run_logs.closed(e),
@@ -155,9 +156,6 @@ class CoreDriver:
         if self._unopened.pop(effect.port, False):
             return  # the box tries again on another port: no log for this one
         self._run_logs.opened(effect, time.time())
-
-    def _set_device(self, effect: effects.SetDevice) -> None:
-        rospy.loginfo("zone %s: device %s is to be set to %d", effect.zone, effect.device, effect.value)
 
     @staticmethod
     def _notice(effect: effects.Notice) -> None:

@@ -17,13 +17,15 @@ from std_srvs.srv import Empty as EmptySrv
 from roah_rsbb.comm.ciphers import Cipher, Key, cipher_by_label
 from roah_rsbb.core import config, views
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.ports import PortRecord
-from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, DevicesState, ModuleRuns, ModulesState
+from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, DevicesState, DevicesStatus, ModuleRuns, ModulesState
 from roah_rsbb.nodes import module_convert, ros_convert
 from roah_rsbb.nodes.core_driver import CoreDriver
 from roah_rsbb.nodes.core_radio import CoreRadio, Network, beacon_size
 from roah_rsbb.nodes.core_services import CoreServices
+from roah_rsbb.nodes.device_calls import DeviceCalls
 from roah_rsbb.nodes.params import BadParams, Params
 from roah_rsbb.nodes.ros_loop import RosLoop
 from roah_rsbb.nodes.run_log_writer import RunLogWriter
@@ -96,10 +98,11 @@ class CoreNode:
         self._radio = CoreRadio(self._ros.loop, network, keys, box, self._event)
         self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble)
         self._timeout_topic = rospy.Publisher("/timeout", Empty, queue_size=1)
+        self._device_calls = DeviceCalls(self._on_device_refused)
         self._driver = CoreDriver(
             self._ros.loop, box, self._radio, self._run_logs, ports,
             ring_timeout=lambda: self._timeout_topic.publish(Empty()), tell_modules=self._tell_modules,
-            give_up=self._give_up,
+            set_device=self._device_calls.set, give_up=self._give_up,
         )
         self._box = box
         self._network = network
@@ -122,6 +125,7 @@ class CoreNode:
         }
         CoreServices(self._box, self._ros, self._event)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
+        rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
         rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
         self._tell_modules()
         self._publish_tick()
@@ -141,6 +145,12 @@ class CoreNode:
     def _on_devices(self, message: DevicesState) -> None:
         devices = ros_convert.devices_of(message)
         self._ros.post(lambda: self._event(self._box.on_devices, devices))
+
+    def _on_devices_status(self, message: DevicesStatus) -> None:
+        self._ros.post(lambda: self._event(self._box.on_devices_status, message.connected, message.text))
+
+    def _on_device_refused(self, wish: SetDevice, reason: str) -> None:
+        self._ros.post(lambda: self._event(self._box.on_device_refused, wish.zone, wish.device, wish.value, reason))
 
     def _on_modules(self, message: ModulesState) -> None:
         state = module_convert.state_of(message)
