@@ -47,10 +47,10 @@ class _Goal:
         self.clock = Countdown(request.timeout or float("inf"))
         if request.timeout:
             self.clock.start(now)
-        self.told_mono: Optional[float] = None  # when the robot was first told to execute
+        self.told: Optional[Now] = None  # when the robot was first told to execute
 
     def executing_s(self, mono: float) -> float:
-        return 0.0 if self.told_mono is None else max(0.0, mono - self.told_mono)
+        return 0.0 if self.told is None else max(0.0, mono - self.told.mono)
 
 
 class FunctionalityRun(Run):
@@ -243,6 +243,7 @@ class FunctionalityRun(Run):
             elapsed_s=self._elapsed_s,
             goal_timeout=event.benchmark.timeout,
             total_timeout=event.benchmark.total_timeout,
+            told_utc=0.0 if self._goal is None or self._goal.told is None else self._goal.told.utc,
             sheet=tuple(self.sheet.groups()),
             steps=tuple(self.steps),
             kept=self._kept,
@@ -266,7 +267,9 @@ class FunctionalityRun(Run):
         explicit = goal.request.explicit_goal
         step = machine.step(self.message.state, report.state, explicit)
         if step is machine.Step.EXECUTE:
-            goal.told_mono = now.mono if goal.told_mono is None else goal.told_mono
+            if goal.told is None:
+                goal.told = now
+                self._changed()
             if explicit:
                 self._set_state(now, BoxState.GOAL_TX, "Robot prepared, goal sent", goal.message)
             else:

@@ -87,6 +87,7 @@ class RunForModule(NamedTuple):
     elapsed_s: float = 0.0  # seconds that count of the attempt, when it ended
     goal_timeout: float = 0.0  # seconds, from the benchmarks file
     total_timeout: float = 0.0  # seconds, from the benchmarks file
+    told_utc: float = 0.0  # UTC seconds when the robot was first told to execute the goal under way; 0: not yet
     sheet: Tuple[ScoreGroup, ...] = ()  # the referee's own scores
     steps: Tuple[Step, ...] = ()
     kept: str = ""  # JSON that the module asked to keep

@@ -53,7 +53,9 @@ def test_a_whole_run_with_waypoints_and_manual_operations():
     modules.asks(timeout=120.0, **WAYPOINT)
     assert driver.box_state() is BoxState.PREPARE
     robot.says(RobotState.PREPARING)
+    assert modules.run().told_utc == 0.0
     robot.says(RobotState.WAITING_GOAL, after=3.0)
+    assert modules.run().told_utc == driver.now.utc
     message = driver.run_in().message
     assert (message.state, message.goal) == (BoxState.GOAL_TX, GoalMessage("[1.0, 2.0, 0.5]", (1.0, 2.0, 0.5)))
     robot.says(RobotState.EXECUTING)
@@ -63,6 +65,7 @@ def test_a_whole_run_with_waypoints_and_manual_operations():
     robot.says(RobotState.RESULT_TX)
     outcome = modules.outcome()
     assert outcome.kind is OutcomeKind.DONE
+    assert modules.run().told_utc == 0.0
     assert outcome.executing_s == pytest.approx(20.0, abs=0.01), "from the goal on, without the preparation"
     assert outcome.ended_utc == driver.now.utc
     assert driver.box_state() is BoxState.WAITING_RESULT, "until the module asks for the next thing"
