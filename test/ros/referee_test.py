@@ -14,9 +14,11 @@ import unittest
 import rosgraph
 import rospy
 import rostest
-from fake_core import FakeCore
+from fake_core import Asked, FakeCore
 from referee_program import COMMAND, Referee, referee
-from waiting import LIMIT_S
+from waiting import LIMIT_S, wait_until
+
+from roah_rsbb.msg import ModuleScore
 
 DOOR = ("Achievements", "The robot detects the door with changed state")
 # What does not answer must be told in 2 to 3 s; the machine may be busy.
@@ -122,6 +124,29 @@ class TestCommands(WithCore):
         self.assertEqual(self.core.calls[0], ("set_score", "Home A", *DOOR, 1))
         self.assertEqual(len(self.core.calls), 4)
         self.assertEqual(referee("score", "Home A", "door").returncode, 2)
+
+    def test_a_manual_operation_is_done_and_answered(self) -> None:
+        done = referee("done", "Home A")
+        self.assertEqual((done.returncode, done.stderr.count("nothing is asked of the referee now")), (1, 1))
+        self.zone.asked = Asked(4, "No pose of the robot", ("try again", "skip"))
+        self.assertIn("TO DO by the referee: No pose of the robot (try again / skip)", referee("status").stdout)
+        self.assertEqual(referee("done", "Home A", "fly").returncode, 2)
+        self.assertEqual(referee("done", "Home A", "--operation", "3").returncode, 1)
+        self.assertEqual(self.core.calls, [])
+        done = referee("done", "Home A", "sk", "--operation", "4")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(self.core.calls, [("operation", "Home A", 4, "skip")])
+        self.assertNotIn("TO DO", done.stdout)
+
+    def test_switches_are_entered(self) -> None:
+        self.zone.switches, self.zone.switches_asked = {1, 2}, True
+        self.assertIn("switches that are on: 1, 2; damaged: 0; TO DO", referee("switches", "Home A").stdout)
+        self.assertEqual(referee("switches", "Home A", "--press", "300").returncode, 2)
+        done = referee("switches", "Home A", "--press", "2", "--press", "3", "--damaged", "1", "--confirm")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(self.core.calls, [("switch", "Home A", 2), ("switch", "Home A", 3), ("damaged", "Home A", 1),
+                                           ("switches complete", "Home A")])
+        self.assertIn("switches that are on: 1, 3; damaged: 1\n", done.stdout)
 
     def test_colour_on_a_terminal_only_and_not_where_it_is_unwanted(self) -> None:
         self.assertIn("\x1b[", on_terminal("status"))
@@ -246,6 +271,37 @@ class TestRun(WithCore):
         run.wait_printed("Score sheet: HGTKMH")
         run.wait_printed("\nHome A: the run did not complete: timeout")
         self.assertEqual(run.wait_ended(), 4)
+
+    def test_manual_operations_are_typed(self) -> None:
+        """By a script, ahead of the questions."""
+        run = self._typing(b"\nsk\n")
+        self.zone.asked = Asked(1, "Place the mug")
+        self.wait_call("operation", "Home A", 1, "")
+        self.zone.asked = Asked(2, "No pose", ("try again", "skip"))
+        self.wait_call("operation", "Home A", 2, "skip")
+        self.zone.module_scores = [ModuleScore("goal 1", "time", "1.25", "s", "Time")]
+        self.zone.phase, self.zone.end_reason = "ended", "completed"
+        shown = run.communicate(timeout=LIMIT_S)[0].decode()
+        for text in ("TO DO by the referee: Place the mug", "press Enter when it is done",
+                     "no more input: manual operations are left", "module's score: goal 1: Time: 1.25 s",
+                     "Score of the benchmarking module\n    goal 1\n        1.25 s  Time"):
+            self.assertIn(text, shown)
+        self.assertEqual(run.returncode, 0)
+
+    def _typing(self, text: bytes) -> subprocess.Popen:
+        """A run whose referee has typed this."""
+        run = subprocess.Popen([*COMMAND, "run", "Home A", "--operations", "typed"], stdin=subprocess.PIPE,
+                               stdout=subprocess.PIPE)
+        self.addCleanup(run.kill)
+        run.stdin.write(text)
+        run.stdin.close()
+        run.stdin = None
+        self.wait_call("start", "Home A")
+        return run
+
+    def wait_call(self, *call: object) -> None:
+        """Wait until the core was called so."""
+        wait_until(lambda: call in self.core.calls, lambda: f"{call} is called; there were {self.core.calls}")
 
     def test_an_interrupt_is_a_referees_stop(self) -> None:
         for number in (signal.SIGINT, signal.SIGTERM):

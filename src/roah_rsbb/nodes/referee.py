@@ -19,9 +19,9 @@ from roah_rsbb.nodes.referee_changes import Change
 from roah_rsbb.nodes.referee_exits import Exit, NoCore
 from roah_rsbb.nodes.referee_follow import Follower
 from roah_rsbb.nodes.referee_link import Link
-from roah_rsbb.nodes.referee_run import Outcome, Plan, RunScript
+from roah_rsbb.nodes.referee_run import Operations, Outcome, Plan, RunScript
 from roah_rsbb.nodes.referee_state import CONNECTED, IDLE, as_json
-from roah_rsbb.nodes.referee_words import BadWord, pick_item, pick_zone, value_of
+from roah_rsbb.nodes.referee_words import BadWord, answer_of, pick_item, pick_zone, value_of
 
 WATCH_STEP_S = 1.0
 
@@ -98,12 +98,17 @@ def _watch(link: Link, options, output: Output) -> Exit:
 def _command(link: Link, options, output: Output) -> Exit:
     name = _zone_name(link, options.zone)
     link.command(options.command, name)
+    return _say_done(link, name, output, options.command)
+
+
+def _say_done(link: Link, name: str, output: Output, command: str) -> Exit:
+    """Write how the zone is after a command."""
     box = link.settle()
     zone = box.zone(name)
     if output.json:
-        output.object({"ok": True, "command": options.command, "zone": name, "state": zone})
+        output.object({"ok": True, "command": command, "zone": name, "state": zone})
     else:
-        output.lines([f"{options.command}: done", *view.zone_lines(zone, box.clock_utc_s, output.paint)])
+        output.lines([f"{command}: done", *view.zone_lines(zone, box.clock_utc_s, output.paint)])
     return Exit.OK
 
 
@@ -127,8 +132,33 @@ def _score(link: Link, options, output: Output) -> Exit:
     return Exit.OK
 
 
+def _done(link: Link, options, output: Output) -> Exit:
+    name = _zone_name(link, options.zone)
+    operation = link.box.zone(name).operation
+    if operation is None:
+        raise Refused(["nothing is asked of the referee now"])
+    if options.operation not in (None, operation.number):
+        raise Refused([f"operation {options.operation} is over; now the referee is asked to: {operation.text}"])
+    link.complete_operation(name, operation.number, answer_of(options.answer, operation))
+    return _say_done(link, name, output, "done")
+
+
+def _switches(link: Link, options, output: Output) -> Exit:
+    name = _zone_name(link, options.zone)
+    for switch in options.press:
+        link.press_switch(name, switch)
+    if options.damaged is not None:
+        link.set_damaged(name, options.damaged)
+    if options.confirm:
+        link.confirm_switches(name)
+    return _say_done(link, name, output, "switches")
+
+
 def _run(link: Link, options, output: Output) -> Exit:
-    plan = Plan(_zone_name(link, options.zone), options.wait, options.event, tuple(options.score), options.keep)
+    plan = Plan(
+        _zone_name(link, options.zone), options.wait, options.event, tuple(options.score), options.keep,
+        Operations(options.operations),
+    )
     outcome = RunScript(link, plan, output.change).run()
     _show_outcome(plan.zone, outcome, output)
     return outcome.status
@@ -139,7 +169,7 @@ def _show_outcome(name: str, outcome: Outcome, output: Output) -> None:
     if output.json:
         run: Dict[str, Any] = {} if zone is None else {
             "event": zone.event, "end_reason": zone.end_reason, "robot": zone.robot, "score": zone.score,
-            "log_file": zone.log_file,
+            "module_score": zone.module_score, "log_file": zone.log_file,
         }
         output.object({"kind": "result", "ok": outcome.status is Exit.OK, "exit": int(outcome.status), "zone": name,
                        "text": outcome.text, **run})
@@ -157,7 +187,7 @@ def _zone_name(link: Link, word: str) -> str:
 
 
 _DO: Dict[str, Callable[[Link, Any, Output], Exit]] = {
-    "status": _status, "watch": _watch, "score": _score, "run": _run,
+    "status": _status, "watch": _watch, "score": _score, "done": _done, "switches": _switches, "run": _run,
 }
 
 

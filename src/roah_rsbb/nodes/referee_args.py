@@ -4,7 +4,8 @@ import argparse
 import math
 from typing import Callable, List, TypeVar
 
-from roah_rsbb.nodes.referee_words import event_wanted, score_wanted
+from roah_rsbb.nodes.referee_run import Operations
+from roah_rsbb.nodes.referee_words import BadWord, byte_of, event_wanted, score_wanted
 
 T = TypeVar("T")
 
@@ -54,6 +55,8 @@ def parser() -> argparse.ArgumentParser:
         one = _add(commands, name, text, [f"{PROG} {name} 'Home A'"])
         one.add_argument("zone", metavar="ZONE", help=_ZONE)
     _score(commands)
+    _done(commands)
+    _switches(commands)
     _run(commands)
     return top
 
@@ -96,11 +99,36 @@ def _score(commands) -> None:
     one.add_argument("value", metavar="VALUE", nargs="?", help="a number, yes or no, or +N or -N to count on from now")
 
 
+def _done(commands) -> None:
+    one = _add(
+        commands, "done", "say that a manual operation is done, and answer it",
+        [f"{PROG} done 'Home A'", f"{PROG} done 'Home A' skip", f"{PROG} done 'Home A' --operation 3"],
+    )
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument("answer", metavar="ANSWER", nargs="?", default="",
+                     help="one of those to choose from, or a beginning of it; without it: the first one")
+    one.add_argument("--operation", metavar="N", type=int, help="only if it is still this one ('status --json' has it)")
+
+
+def _switches(commands) -> None:
+    one = _add(
+        commands, "switches", "HOMF: show the switches, or enter what changed",
+        [f"{PROG} switches 'Home A'", f"{PROG} switches 'Home A' --press 2 --press 3",
+         f"{PROG} switches 'Home A' --damaged 1 --confirm"],
+    )
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument("--press", metavar="N", action="append", default=[], type=_type("0 to 255", _byte),
+                     help="this switch changed; may be repeated, the order counts")
+    one.add_argument("--damaged", metavar="N", type=_type("0 to 255", _byte), help="so many were damaged")
+    one.add_argument("--confirm", action="store_true", help="all is entered: the run goes on")
+
+
 def _run(commands) -> None:
     one = _add(
         commands, "run", "take a robot through a whole run: connect, start, score sheet, disconnect",
         [f"{PROG} run 'Home A'", f"{PROG} run 'Home A' --event HWV/1/2 --wait 300",
-         f"{PROG} run 'Home A' --score door=yes --score furniture=2 --keep"],
+         f"{PROG} run 'Home A' --score door=yes --score furniture=2 --keep",
+         f"{PROG} run 'Home A' --event HNF --operations typed"],
     )
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
     one.add_argument(
@@ -117,6 +145,11 @@ def _run(commands) -> None:
         help="set a scoring item once the run is started; may be repeated",
     )
     one.add_argument("--keep", action="store_true", help="stay connected at the end")
+    one.add_argument(
+        "--operations", choices=[who.value for who in Operations], default=Operations.OTHERS.value,
+        help="who does manual operations: others, at a panel or with 'done' (default); automatic: each is completed "
+             "at once, with its first answer; typed: asked for here, on standard input",
+    )
 
 
 def _type(form: str, read: Callable[[str], T]) -> Callable[[str], T]:
@@ -129,6 +162,13 @@ def _type(form: str, read: Callable[[str], T]) -> Callable[[str], T]:
             raise argparse.ArgumentTypeError(f"'{text}' is not of the form {form}") from None
 
     return convert
+
+
+def _byte(text: str) -> int:
+    try:
+        return byte_of(text)
+    except BadWord as bad:
+        raise ValueError(str(bad)) from None
 
 
 def _seconds(text: str) -> float:

@@ -3,11 +3,12 @@
 import re
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.nodes.referee_state import Box, Zone, lines_of
+from roah_rsbb.nodes.referee_state import Box, Operation, Zone, lines_of
 from roah_rsbb.rqt import tail
 
 # Numbers in a warning (seconds, skews) change all the time: the warning stays the same one.
 _NUMBER = re.compile(r"[+-]?\d+(\.\d+)?")
+NOTHING_ASKED = Operation(0, "", (), False)
 
 
 class Change(NamedTuple):
@@ -68,8 +69,16 @@ def _of_zone(old: Zone, new: Zone, utc_s: float) -> Iterator[Change]:
         yield change("score", **score)
     for text in _lines(old.online_data, new.online_data):
         yield change("online_data", text=text)
-    if new.manual_operation != old.manual_operation:
-        yield change("manual_operation", text=new.manual_operation)
+    if new.operation != old.operation:
+        asked = new.operation or NOTHING_ASKED
+        yield change("manual_operation", operation=asked.number, text=asked.text, choices=list(asked.choices),
+                     asks_text=asked.asks_text)
+    if new.switches != old.switches and new.switches is not None:
+        yield change("switches", **new.switches._asdict())
+    for score in _module_scores(old, new):
+        yield change("module_score", **score)
+    if new.module_status not in ("", old.module_status):
+        yield change("module_status", text=new.module_status)
     if new.event != old.event:
         yield change("event", **new.event._asdict())
     yield from _warnings(utc_s, new.zone, old.warnings, new.warnings)
@@ -91,6 +100,15 @@ def _scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:
         if was != item.value:
             yield {"number": item.number, "group": item.group, "item": item.item, "type": item.type,
                    "old": was, "value": item.value}
+
+
+def _module_scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:
+    """The lines of a module's score that have another value."""
+    before = {(score.group, score.name): score.value for score in old.module_score}
+    for score in new.module_score:
+        was = before.get((score.group, score.name))
+        if was != score.value:
+            yield {**score._asdict(), "old": was}
 
 
 def _lines(old: str, new: str) -> List[str]:

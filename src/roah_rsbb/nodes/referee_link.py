@@ -18,7 +18,7 @@ from roah_rsbb.core.refused import Refused
 from roah_rsbb.msg import CoreDetails, CoreToGui, Score
 from roah_rsbb.nodes.referee_exits import NoCore
 from roah_rsbb.nodes.referee_state import Box, box_of
-from roah_rsbb.srv import Zone, ZoneScore
+from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneScore, ZoneUInt8
 
 GUI_TOPIC, DETAILS_TOPIC = "/core/to_gui", "/core/details"
 
@@ -132,6 +132,8 @@ class Link:
             self._details = details.message
         if self._gui is None or self._details is None or not (is_news or details):
             return False
+        if self._gui.clock < self._details.clock:
+            return False  # the other half of the same moment is still under way
         box = box_of(self._gui, self._details)
         self.box = box or self.box
         return box is not None
@@ -159,6 +161,22 @@ class Link:
     def set_score(self, zone: str, group: str, item: str, value: int) -> None:
         """Set a scoring item; raises as `command` does."""
         self._call("/core/set_score", ZoneScore, zone, Score(group, item, value))
+
+    def complete_operation(self, zone: str, operation: int, answer: str) -> None:
+        """Complete a manual operation; its number, or 0 for the one that is asked for now. Raises as `command` does."""
+        self._call("/core/manual_operation_answer", ManualOperationAnswer, zone, operation, answer)
+
+    def press_switch(self, zone: str, switch: int) -> None:
+        """HOMF: a switch changed; raises as `command` does."""
+        self._call("/core/omf_switches/button", ZoneUInt8, zone, switch)
+
+    def set_damaged(self, zone: str, damaged: int) -> None:
+        """HOMF: so many switches were damaged; raises as `command` does."""
+        self._call("/core/omf_switches/damaged", ZoneUInt8, zone, damaged)
+
+    def confirm_switches(self, zone: str) -> None:
+        """HOMF: all was entered; raises as `command` does."""
+        self._call("/core/omf_switches/complete", Zone, zone)
 
     def _call(self, name: str, kind: type, *request: object) -> None:
         try:

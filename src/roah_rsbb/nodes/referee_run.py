@@ -5,10 +5,13 @@ wrong, the run is not left behind: who began it stops and disconnects it (unless
 """
 
 import contextlib
+import enum
+import sys
 import time
-from typing import Callable, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
 
 from roah_rsbb.core.refused import Refused
+from roah_rsbb.nodes.referee_answers import Automatic, GivenUp, Keyboard, Note, Typed
 from roah_rsbb.nodes.referee_changes import Change, news
 from roah_rsbb.nodes.referee_exits import Exit, NoCore
 from roah_rsbb.nodes.referee_follow import Follower
@@ -20,6 +23,21 @@ GIVE_UP_S = 60.0
 STEP_S = 1.0
 
 
+class Operations(enum.Enum):
+    """Who does manual operations during the run."""
+
+    OTHERS = "others"  # at a panel, or with 'referee done'
+    AUTOMATIC = "automatic"
+    TYPED = "typed"
+
+
+_ANSWERS: Dict[Operations, Callable[[Any, Note], Union[Automatic, Typed, None]]] = {
+    Operations.OTHERS: lambda link, note: None,
+    Operations.AUTOMATIC: Automatic,
+    Operations.TYPED: lambda link, note: Typed(link, note, Keyboard(note).lines, ahead=not sys.stdin.isatty()),
+}
+
+
 class Plan(NamedTuple):
     """What the referee wants."""
 
@@ -28,6 +46,7 @@ class Plan(NamedTuple):
     event: Optional[EventWanted] = None
     scores: Tuple[Tuple[str, str], ...] = ()  # item and value, as typed
     keep: bool = False
+    operations: Operations = Operations.OTHERS
 
 
 class Outcome(NamedTuple):
@@ -51,6 +70,7 @@ class RunScript:
 
     def __init__(self, link, plan: Plan, tell: Callable[[Change], None]) -> None:
         self._link = link
+        self._answers = _ANSWERS[plan.operations](link, self._note)
         self._plan = plan
         self._tell = tell
         self._follower = Follower(link, plan.zone)
@@ -70,6 +90,8 @@ class RunScript:
             return self._leave(Exit.REFUSED, f"refused: {refused}")
         except BadWord as bad:
             return self._leave(Exit.USAGE, str(bad))
+        except GivenUp as given_up:
+            return self._leave(Exit.NOT_COMPLETED, f"the run did not complete: {given_up}")
         except NoCore as gone:
             return Outcome(Exit.NO_CORE, f"{gone}{self._left_behind()}")
         except KeyboardInterrupt:
@@ -196,6 +218,8 @@ class RunScript:
     def _to_the_end(self) -> Outcome:
         while self._zone().phase == RUNNING:
             self._step(STEP_S)
+            if self._answers is not None and self._zone().phase == RUNNING:
+                self._answers.look(self._zone())
         with contextlib.suppress(NoCore):  # the last lines and scores, if they come
             self._settle()
         zone = self._zone()

@@ -4,6 +4,7 @@ The names of the fields are the names in the JSON output (docs/referee.md): they
 in seconds since 1970, durations are seconds.
 """
 
+import json
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 # The commands of the referee, and how the ROS interface spells their fields.
@@ -24,6 +25,33 @@ class Item(NamedTuple):
     item: str
     type: str
     value: int
+
+
+class Operation(NamedTuple):
+    """A manual operation that a benchmarking module asks for."""
+
+    number: int  # in the attempt; it tells an operation from the one before with the same text
+    text: str
+    choices: Tuple[str, ...]  # answers, the usual one first; empty: it is only done
+    asks_text: bool
+
+
+class Switches(NamedTuple):
+    """HOMF: what the referee entered."""
+
+    on: Tuple[int, ...]  # numbers of the switches that are on
+    damaged: int
+    to_confirm: bool  # the robot has finished
+
+
+class ModuleScore(NamedTuple):
+    """A line of a benchmarking module's score."""
+
+    group: str  # of what it is one of several; empty: of the whole run
+    name: str
+    value: Any  # a number, a bool, a text, or None while there is none
+    unit: str
+    desc: str
 
 
 class Event(NamedTuple):
@@ -62,6 +90,11 @@ class Zone(NamedTuple):
     log_file: str
     log: str
     online_data: str
+    operation: Optional[Operation] = None
+    switches: Optional[Switches] = None
+    held: bool = False
+    module_status: str = ""
+    module_score: Tuple[ModuleScore, ...] = ()
 
 
 class Robot(NamedTuple):
@@ -155,7 +188,29 @@ def _zone(zone, details) -> Zone:
         log_file=details.log_file,
         log=zone.log,
         online_data=zone.online_data,
+        operation=_operation(zone, details),
+        switches=Switches(tuple(zone.omf_switches), zone.omf_damaged, zone.omf_complete) if zone.omf else None,
+        held=details.held,
+        module_status=details.module_status,
+        module_score=tuple(
+            ModuleScore(s.group, s.name, _json_value(s.value), s.unit, s.desc) for s in details.module_scores
+        ),
     )
+
+
+def _operation(zone, details) -> Optional[Operation]:
+    if not details.operation or not zone.manual_operation:
+        return None
+    return Operation(
+        details.operation, zone.manual_operation, tuple(details.operation_choices), details.operation_asks_text
+    )
+
+
+def _json_value(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except ValueError:
+        return text
 
 
 def _items(groups) -> List[Item]:

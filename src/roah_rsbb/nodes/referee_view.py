@@ -4,13 +4,28 @@ Colour is never the only sign: whatever is coloured also says it in words. What 
 configuration files is made harmless (`plain`), so that it cannot send commands to the terminal.
 """
 
+import json
 import re
 from typing import Callable, Dict, List
 
+from roah_rsbb.client import module_scores
 from roah_rsbb.core.clock import clock_text
 from roah_rsbb.core.skew import skew_text
 from roah_rsbb.nodes.referee_changes import Change
-from roah_rsbb.nodes.referee_state import CONNECTED, ENDED, IDLE, RUNNING, Box, Event, Item, Zone, lines_of
+from roah_rsbb.nodes.referee_state import (
+    CONNECTED,
+    ENDED,
+    IDLE,
+    RUNNING,
+    Box,
+    Event,
+    Item,
+    ModuleScore,
+    Operation,
+    Switches,
+    Zone,
+    lines_of,
+)
 from roah_rsbb.rqt import texts
 
 # SGR codes (ECMA-48).
@@ -72,8 +87,10 @@ def zone_lines(zone: Zone, clock_utc_s: float, paint: Paint) -> List[str]:
     ]
     if zone.robot:
         lines.append(_IN + _robot(zone, clock_utc_s))
-    if zone.manual_operation:
-        lines.append(_IN + paint(YELLOW, f"TO DO by the referee: {plain(zone.manual_operation)}"))
+    if zone.operation is not None:
+        lines.append(_IN + paint(YELLOW, to_do(zone.operation)))
+    if zone.switches is not None:
+        lines.append(_IN + switches_line(zone.switches, paint))
     allowed = [command for command, reasons in zone.off.items() if not reasons]
     return [*lines, f"{_IN}allowed now: {', '.join(allowed) or 'nothing'}"]
 
@@ -85,15 +102,31 @@ def zone_report(zone: Zone, clock_utc_s: float, paint: Paint) -> List[str]:
         lines += [f"{_IN}no {command}: {plain(reason)}" for reason in reasons]
     if zone.log_file:
         lines.append(f"{_IN}log: {plain(zone.log_file)}")
-    if zone.score:
+    if zone.score or zone.module_score:
         lines += ["", *score_sheet(zone, paint)]
     if zone.online_data:
         lines += ["", "Online data:", *(_IN + plain(line) for line in lines_of(zone.online_data))]
     return lines
 
 
+def to_do(operation: Operation) -> str:
+    """What the referee is asked to do, and how it is answered."""
+    text = f"TO DO by the referee: {plain(operation.text)}"
+    if operation.choices:
+        text += f" ({' / '.join(plain(choice) for choice in operation.choices)})"
+    return f"{text} (an answer may be typed)" if operation.asks_text else text
+
+
+def switches_line(switches: Switches, paint: Paint) -> str:
+    """HOMF: what was entered, and whether it is to be confirmed."""
+    on = ", ".join(map(str, switches.on)) or "none"
+    text = f"switches that are on: {on}; damaged: {switches.damaged}"
+    return f"{text}; {paint(YELLOW, 'TO DO by the referee: enter what changed, and confirm')}" if switches.to_confirm \
+        else text
+
+
 def score_sheet(zone: Zone, paint: Paint) -> List[str]:
-    """All scoring items with their numbers and values, group by group."""
+    """All scoring items with their numbers and values, group by group; then what a benchmarking module scored."""
     lines = [f"Score sheet: {_which(zone.event)}"]
     group = None
     for item in zone.score:
@@ -102,7 +135,22 @@ def score_sheet(zone: Zone, paint: Paint) -> List[str]:
             lines.append(f"{_IN}{plain(group)}")
         value = f"{value_text(item.type, item.value):>5}"
         lines.append(f"{_IN}{item.number:4}  {paint(BOLD, value) if item.value else value}  {plain(item.item)}")
-    return lines if zone.score else [*lines, f"{_IN}no scoring items for the referee"]
+    if not zone.score:
+        lines.append(f"{_IN}no scoring items for the referee")
+    return lines + _module_sheet(zone, paint)
+
+
+def _module_sheet(zone: Zone, paint: Paint) -> List[str]:
+    lines = ["Score of the benchmarking module"] if zone.module_score else []
+    for title, group in module_scores.by_group(map(_score_in_json, zone.module_score)):
+        lines.append(f"{_IN}{plain(title)}")
+        lines += [f"{_IN}{_IN}{paint(BOLD, plain(line.value))}  {plain(line.name)}" for line in group]
+    return lines
+
+
+def _score_in_json(score: ModuleScore) -> ModuleScore:
+    """As it is on the ROS interface."""
+    return score._replace(value=json.dumps(score.value))
 
 
 def item_line(item: Item) -> str:
@@ -195,7 +243,19 @@ def _online_data(facts: Dict, paint: Paint) -> str:
 
 
 def _manual_operation(facts: Dict, paint: Paint) -> str:
-    return paint(YELLOW, f"TO DO by the referee: {plain(facts['text'])}") if facts["text"] else "manual operation over"
+    if not facts["operation"]:
+        return "manual operation over"
+    return paint(YELLOW, to_do(Operation(facts["operation"], facts["text"], facts["choices"], facts["asks_text"])))
+
+
+def _module_score(facts: Dict, paint: Paint) -> str:
+    """Only its first value is told: some change twice a second, and the sheet has the last one."""
+    if facts["value"] is None or not (facts["old"] is None or isinstance(facts["old"], (bool, str))):
+        return ""
+    score = ModuleScore(*(facts[name] for name in ModuleScore._fields))
+    line = module_scores.readable(_score_in_json(score))
+    where = f"{plain(score.group)}: " if score.group else ""
+    return f"module's score: {where}{plain(line.name)}: {paint(BOLD, plain(line.value))}"
 
 
 _WRITERS: Dict[str, Callable[[Dict, Paint], str]] = {
@@ -206,6 +266,9 @@ _WRITERS: Dict[str, Callable[[Dict, Paint], str]] = {
     "state": _state,
     "score": _score,
     "manual_operation": _manual_operation,
+    "switches": lambda facts, paint: switches_line(Switches(**facts), paint),
+    "module_score": _module_score,
+    "module_status": lambda facts, paint: f"module: {plain(facts['text'])}",
     "log": lambda facts, paint: plain(facts["text"]),
     "online_data": _online_data,
     "note": lambda facts, paint: plain(facts["text"]),

@@ -3,9 +3,10 @@
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from roah_rsbb.core.benchmarks import ScoreKind, ScoringItem
+from roah_rsbb.core.manual_operations import MAX_DAMAGED
 from roah_rsbb.core.refused import did_you_mean
 from roah_rsbb.core.scoring import MAX_VALUE, ScoreSheet
-from roah_rsbb.nodes.referee_state import Event, Item
+from roah_rsbb.nodes.referee_state import Event, Item, Operation
 
 T = TypeVar("T")
 
@@ -15,6 +16,14 @@ WORDS = {"yes": 1, "true": 1, "no": 0, "false": 0}
 
 class BadWord(Exception):
     """A word that means nothing here, or more than one thing; the text lists what there is."""
+
+
+class SwitchesEntered(NamedTuple):
+    """HOMF: what the referee says of the switches."""
+
+    pressed: Tuple[int, ...] = ()  # numbers of those that changed, in order
+    damaged: Optional[int] = None
+    confirmed: bool = False
 
 
 class EventWanted(NamedTuple):
@@ -80,6 +89,39 @@ def value_of(text: str, item: Item) -> int:
     sheet = ScoreSheet((ScoringItem(item.group, item.item, ScoreKind[item.type.upper()]),))
     sheet.check(item.group, item.item, value)
     return value
+
+
+def answer_of(text: str, operation: Operation) -> str:
+    """The answer meant by `text`: one of the choices or a beginning of it, or what was typed where that is asked for.
+
+    Empty: the usual answer. Raises `BadWord`.
+    """
+    text = text.strip()
+    found = _found(text, operation.choices, str, str.startswith) if text else [""]
+    if len(found) == 1:
+        return found[0]
+    if operation.asks_text:
+        return text
+    if not operation.choices:
+        raise BadWord(f"'{operation.text}' takes no answer: complete it without one")
+    raise BadWord(f"'{text}' is no answer to '{operation.text}': there are {_quoted(operation.choices)}")
+
+
+def switches_of(text: str) -> SwitchesEntered:
+    """`2 3`: these switches changed; `damaged 1`; an empty line confirms all. Raises `BadWord`."""
+    words = text.split()
+    if not words:
+        return SwitchesEntered(confirmed=True)
+    damaged = words[0].lower() == "damaged" and len(words) == 2
+    numbers = [byte_of(word) for word in (words[1:] if damaged else words)]
+    return SwitchesEntered(damaged=numbers[0]) if damaged else SwitchesEntered(tuple(numbers))
+
+
+def byte_of(word: str) -> int:
+    """A number that fits the core's services for switches; raises `BadWord`."""
+    if not word.isdecimal() or int(word) > MAX_DAMAGED:
+        raise BadWord(f"'{word}' is no number from 0 to {MAX_DAMAGED}")
+    return int(word)
 
 
 def event_wanted(text: str) -> EventWanted:

@@ -76,6 +76,7 @@ class FakeLink:
         self.scores: Dict[str, int] = {}
         self.answers: Dict[str, List[Optional[Exception]]] = {}  # for a command: what its next calls raise
         self.index = 0
+        self.given: List[tuple] = []  # answers to manual operations and entries for switches, as they came
         self._plans: List[tuple] = []
 
     # -- what a test plays ---------------------------------------------------------------------------
@@ -177,6 +178,32 @@ class FakeLink:
             raise answer
         self.scores[item] = value
         self.change(score=tuple(i._replace(value=value) if i.item == item else i for i in self.zone.score))
+
+    def complete_operation(self, name: str, operation: int, answer: str) -> None:
+        """Answer what is asked; as the core would, only under the right number."""
+        self._give("complete", operation, answer)
+        if self.zone.operation is None or self.zone.operation.number != operation:
+            raise Refused(["that manual operation is over"])
+        self.change(operation=None)
+
+    def press_switch(self, name: str, switch: int) -> None:
+        """A switch changed."""
+        self._give("press", switch)
+
+    def set_damaged(self, name: str, damaged: int) -> None:
+        """So many are damaged."""
+        self._give("damaged", damaged)
+
+    def confirm_switches(self, name: str) -> None:
+        """All was entered."""
+        self._give("confirm")
+        self.change(switches=None)
+
+    def _give(self, *what: object) -> None:
+        answer = (self.answers.get(what[0]) or [None]).pop(0)
+        if answer is not None:
+            raise answer
+        self.given.append(what)
 
     def _move(self, by: int) -> None:
         self.index += by

@@ -4,7 +4,8 @@ import pytest
 
 from roah_rsbb.nodes.referee_args import parser
 
-COMMANDS = ("status", "watch", "connect", "start", "stop", "disconnect", "previous", "next", "score", "run")
+COMMANDS = ("status", "watch", "connect", "start", "stop", "disconnect", "previous", "next", "score", "done",
+            "switches", "run")
 
 
 def _parse(line):

@@ -4,6 +4,7 @@ import pytest
 
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
 from roah_rsbb.nodes.referee_changes import changes, news
+from roah_rsbb.nodes.referee_state import ModuleScore, Operation, Switches
 
 
 def _facts(old, new, **options):
@@ -73,9 +74,31 @@ def test_the_zone_moves_to_another_event():
 
 
 def test_manual_operations_come_and_go():
-    asked = running_zone(manual_operation="Place the mug")
-    assert _facts(box(running_zone()), box(asked)) == [("manual_operation", "Home A", {"text": "Place the mug"})]
-    assert _facts(box(asked), box(running_zone())) == [("manual_operation", "Home A", {"text": ""})]
+    asked = running_zone(operation=Operation(3, "Place the mug", ("done", "skip"), False))
+    facts = {"operation": 3, "text": "Place the mug", "choices": ["done", "skip"], "asks_text": False}
+    assert _facts(box(running_zone()), box(asked)) == [("manual_operation", "Home A", facts)]
+    over = {"operation": 0, "text": "", "choices": [], "asks_text": False}
+    assert _facts(box(asked), box(running_zone())) == [("manual_operation", "Home A", over)]
+    again = running_zone(operation=asked.operation._replace(number=4))
+    assert _facts(box(asked), box(again)) == [("manual_operation", "Home A", {**facts, "operation": 4})]
+
+
+def test_what_the_module_says_and_scores():
+    time = ModuleScore("goal 1", "time", None, "s", "Time")
+    old = running_zone(module_score=(time,), module_status="Goal 1 of 2")
+    new = running_zone(module_score=(time._replace(value=1.5), time), module_status="Goal 2 of 2")
+    assert _facts(box(old), box(new)) == [
+        ("module_score", "Home A", {**time._replace(value=1.5)._asdict(), "old": None}),
+        ("module_status", "Home A", {"text": "Goal 2 of 2"}),
+    ]
+    assert _facts(box(new), box(running_zone())) == []
+
+
+def test_switches_are_entered():
+    old, new = (running_zone(switches=Switches((1,), damaged, False)) for damaged in (0, 1))
+    entered = ("switches", "Home A", {"on": (1,), "damaged": 1, "to_confirm": False})
+    assert _facts(box(old), box(new)) == _facts(box(running_zone()), box(new)) == [entered]
+    assert _facts(box(old), box(running_zone())) == []
 
 
 def test_robots_come_and_go():

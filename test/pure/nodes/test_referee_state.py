@@ -4,6 +4,8 @@ import json
 import pathlib
 from types import SimpleNamespace
 
+import pytest
+
 from helpers.referee_box import UTC0, box, robot, running_zone
 from roah_rsbb.nodes import referee_state
 from roah_rsbb.nodes.referee_state import as_json, box_of
@@ -30,7 +32,7 @@ def _zone_state():
     return SimpleNamespace(
         zone="Home A", code="HWV", name="Name", desc="What", team="T", round=2, run=3, schedule=Seconds(UTC0 + 60),
         timeout=Seconds(600), timer=Seconds(12.5), state="first\nsecond", manual_operation="", scoring=scoring,
-        log="log\n", online_data="data\n",
+        log="log\n", online_data="data\n", omf=False, omf_switches=b"", omf_damaged=0, omf_complete=False,
     )
 
 
@@ -38,7 +40,8 @@ def _details(**fields):
     default = {
         "zone": "Home A", "phase": "running", "end_reason": "", "robot": "mbot", "port": 6667, "box_state": "PREPARE",
         "robot_state": "STOP", "skew_known": True, "skew": Seconds(-0.15), "last_message": Seconds(UTC0 - 1),
-        "messages_saved": 7, "log_file": "/x.bag", "warnings": ["w"],
+        "messages_saved": 7, "log_file": "/x.bag", "warnings": ["w"], "operation": 0,
+        "operation_choices": [], "operation_asks_text": False, "held": False, "module_status": "", "module_scores": [],
         **{field: [f"why no {field}"] for field in referee_state.COMMANDS.values()},
     }
     return SimpleNamespace(box_uuid="u", warnings=["box"], zones=[SimpleNamespace(**{**default, **fields})])
@@ -64,6 +67,28 @@ def test_what_is_not_known_is_none():
     assert (zone.skew_s, zone.last_message_utc_s) == (None, None)
 
 
+def test_what_a_benchmarking_module_asks_and_says():
+    state = _zone_state()
+    state.manual_operation, state.omf, state.omf_switches, state.omf_damaged = "Place it", True, b"\x01\x03", 2
+    scores = [SimpleNamespace(group="goal 1", name="time", value="1.5", unit="s", desc="Time"),
+              SimpleNamespace(group="", name="odd", value="no JSON", unit="", desc="")]
+    zone = box_of(_gui(state), _details(
+        operation=4, operation_choices=["again", "skip"], operation_asks_text=True, held=True, module_status="Goal 1",
+        module_scores=scores,
+    )).zones[0]
+    assert zone.operation == (4, "Place it", ("again", "skip"), True)
+    assert zone.switches == ((1, 3), 2, False)
+    assert (zone.held, zone.module_status) == (True, "Goal 1")
+    assert zone.module_score == (("goal 1", "time", 1.5, "s", "Time"), ("", "odd", "no JSON", "", ""))
+
+
+@pytest.mark.parametrize(("text", "number"), [("Place it", 0), ("", 4)])
+def test_half_of_a_manual_operation_is_none(text, number):
+    state = _zone_state()
+    state.manual_operation = text
+    assert box_of(_gui(state), _details(operation=number)).zones[0].operation is None
+
+
 def test_messages_of_two_schedules_do_not_go_together():
     assert box_of(_gui(_zone_state()), _details(zone="Home B")) is None
     assert box_of(_gui(), _details()) is None
@@ -87,6 +112,7 @@ def test_json_has_the_names_of_the_fields_all_the_way_down():
 
 def test_the_documentation_names_every_field():
     text = (pathlib.Path(__file__).resolve().parents[3] / "docs" / "referee.md").read_text(encoding="utf-8")
-    kinds = (referee_state.Box, referee_state.Robot, referee_state.Zone, referee_state.Event, referee_state.Item)
+    kinds = (referee_state.Box, referee_state.Robot, referee_state.Zone, referee_state.Event, referee_state.Item,
+             referee_state.Operation, referee_state.Switches, referee_state.ModuleScore)
     missing = [f"{kind.__name__}.{field}" for kind in kinds for field in kind._fields if f"`{field}`" not in text]
     assert not missing

@@ -7,6 +7,7 @@ import pytest
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
 from roah_rsbb.nodes import referee_view as view
 from roah_rsbb.nodes.referee_changes import Change, changes
+from roah_rsbb.nodes.referee_state import ModuleScore, Operation, Switches
 
 
 def _status(*zones, **fields):
@@ -50,7 +51,51 @@ def test_the_end_of_a_run_says_why():
 
 
 def test_what_the_referee_has_to_do():
-    assert "TO DO by the referee: Place the mug" in _status(running_zone(manual_operation="Place the mug"))
+    asked = Operation(1, "Place the mug", (), False)
+    assert "TO DO by the referee: Place the mug" in _status(running_zone(operation=asked))
+    asked = asked._replace(choices=("again", "skip"), asks_text=True)
+    assert "TO DO by the referee: Place the mug (again / skip) (an answer may be typed)" in _status(
+        running_zone(operation=asked))
+    assert "switches that are on: 1, 3; damaged: 2\n" in _status(running_zone(switches=Switches((1, 3), 2, False)))
+    assert "switches that are on: none; damaged: 0; TO DO by the referee: enter" in _status(
+        running_zone(switches=Switches((), 0, True)))
+
+
+SCORES = (
+    ModuleScore("goal 1", "time", 1.25, "s", "Time"), ModuleScore("", "reached", 1, "", "Goals reached"),
+    ModuleScore("goal 1", "error", None, "m", "Distance error"),
+)
+
+
+def test_what_a_module_scored_is_behind_the_score_sheet():
+    shown = "\n".join(view.score_sheet(running_zone(score=(), module_score=SCORES), view.no_colour))
+    assert shown.endswith("""    no scoring items for the referee
+Score of the benchmarking module
+    Whole run
+        1  Goals reached
+    goal 1
+        1.25 s  Time
+        –  Distance error""")
+
+
+@pytest.mark.parametrize(("old", "new", "told"), [
+    (None, 1.25, True), (1.25, 2.5, False), (False, True, True), ("", "a", True), (1.25, None, False),
+])
+def test_a_score_that_changes_all_the_time_is_told_once(old, new, told):
+    zones = [running_zone(module_score=(SCORES[0]._replace(value=value),)) for value in (old, new)]
+    lines = _lines(*map(box, zones))
+    assert [line.partition(" Home A: ")[2] for line in lines] == (
+        ["module's score: goal 1: Time: " + {1.25: "1.25 s", True: "yes s", "a": "a s"}[new] if told else ""])
+
+
+def test_what_happens_by_hand():
+    asked = running_zone(operation=Operation(1, "Place the mug", ("ok",), False), module_status="Goal 1")
+    lines = _lines(box(running_zone()), box(asked))
+    assert lines[0].endswith("Home A: TO DO by the referee: Place the mug (ok)")
+    assert lines[1].endswith("Home A: module: Goal 1")
+    assert _lines(box(asked), box(running_zone()))[0].endswith("Home A: manual operation over")
+    lines = _lines(box(running_zone()), box(running_zone(switches=Switches((2,), 0, True))))
+    assert "switches that are on: 2" in lines[0]
 
 
 def test_a_zone_in_full_has_every_reason_scores_and_online_data():
@@ -142,12 +187,14 @@ def test_colour_only_adds_to_the_words():
 def test_what_robots_say_cannot_command_the_terminal():
     evil = "\x1b[2Jgone\r\u202e"
     loud = running_zone(
-        robot=evil, robot_state=evil, manual_operation=evil, state=(evil,), online_data=evil, log=evil, log_file=evil,
+        robot=evil, robot_state=evil, operation=Operation(1, evil, (evil,), False), state=(evil,),
+        online_data=evil, log=evil, log_file=evil,
         event=EVENTS[0]._replace(team=evil, name=evil, code=evil), warnings=(evil,), zone=evil,
         score=(ITEMS[0]._replace(item=evil, group=evil),), off={"connect": [evil]},
+        module_score=(ModuleScore(evil, evil, evil, evil, evil),), module_status=evil,
     )
-    quiet = loud._replace(online_data="", log="", phase="connected", manual_operation="", warnings=(), robot_state="",
-                          score=(loud.score[0]._replace(value=1),), event=EVENTS[0])
+    quiet = loud._replace(online_data="", log="", phase="connected", operation=None, warnings=(), robot_state="",
+                          module_score=(), module_status="", score=(loud.score[0]._replace(value=1),), event=EVENTS[0])
     new = box(loud, robots=(robot(evil, evil),), status=evil, host=evil, warnings=(evil,))
     shown = view.status(new, view.no_colour) + view.zone_report(loud, UTC0, view.no_colour) + _lines(box(quiet), new)
     assert [line for line in shown if not line.isprintable()] == []
