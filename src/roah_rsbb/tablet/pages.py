@@ -5,7 +5,6 @@ A page says `{"do": "here"}` every two seconds, `{"do": "call"}`, or `{"do": "pl
 """
 
 import json
-import math
 from typing import Any, Dict, Optional
 
 from roah_rsbb.tablet.maps import Map
@@ -94,8 +93,7 @@ def _parse(text: object) -> Dict[str, Any]:
 
 
 def _is_fraction(value: object) -> bool:
-    return (isinstance(value, (int, float)) and not isinstance(value, bool)
-            and math.isfinite(value) and 0.0 <= value <= 1.0)
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and 0.0 <= value <= 1.0
 
 
 def _milliseconds(time) -> int:

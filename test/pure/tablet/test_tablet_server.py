@@ -1,0 +1,233 @@
+"""The tablet's web server on real sockets: what it serves, and what bad clients can do to it."""
+
+import asyncio
+import json
+import pathlib
+import socket
+
+import pytest
+from tornado import httpclient, websocket
+
+from roah_rsbb.tablet import server as server_module
+from roah_rsbb.tablet.maps import Map
+from roah_rsbb.tablet.pages import Pages
+from roah_rsbb.tablet.server import MAX_MESSAGES_A_SECOND, MAX_PAGES, TabletServer
+from roah_rsbb.tablet.state import NEVER, BoxSaid, TabletState
+
+HOST = "127.0.0.1"
+FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "tablet")
+PLAN = Map(b"\x89PNG image", 200, 100, 0.05, (0.0, 0.0, 0.0), False)
+
+
+class Served:
+    """A server, its tablet, and clients of it."""
+
+    def __init__(self, running, plan=PLAN):
+        self.running = running
+        self.state = TabletState()
+        self.touches = []
+        self.presence = []
+        self.hears_box()
+        self.server = TabletServer(
+            running.loop, Pages(self.state, plan), plan, FOLDER,
+            lambda: self.touches.append(self.state.call_time), self.presence.append,
+        )
+        self.port = self.server.open(HOST, 0)
+
+    def hears_box(self):
+        self.state.on_box(self.running.loop.time(), BoxSaid(False, NEVER, NEVER))
+
+    def get(self, path, **how):
+        client = httpclient.AsyncHTTPClient(force_instance=True)
+        return self.running.do(client.fetch(f"http://{HOST}:{self.port}{path}", raise_error=False, **how))
+
+    def page(self, origin=None):
+        request = httpclient.HTTPRequest(
+            f"ws://{HOST}:{self.port}/pages", headers={"Origin": origin or f"http://{HOST}:{self.port}"})
+        return self.running.do(websocket.websocket_connect(request))
+
+    def read(self, page):
+        text = self.running.do(page.read_message())
+        return text if text is None else json.loads(text)
+
+    def raw(self, data):
+        """What the server answers to these bytes, until it closes the connection."""
+        async def ask():
+            reader, writer = await asyncio.open_connection(HOST, self.port)
+            writer.write(data)
+            try:
+                return await reader.read()
+            except ConnectionError:
+                return b""
+            finally:
+                writer.close()
+        return self.running.do(ask())
+
+
+@pytest.fixture
+def served(running):
+    made = Served(running)
+    yield made
+    made.server.close()
+    running.turn()
+
+
+@pytest.mark.parametrize(("path", "kind"), [
+    ("/", "text/html"), ("/tablet.js", "javascript"), ("/tablet.css", "text/css"), ("/icon.svg", "image/svg+xml"),
+    ("/map.png", "image/png"), ("/map.png?abcd", "image/png"),
+])
+def test_serves_the_page_and_the_map_and_lets_nothing_else_in(served, path, kind):
+    answer = served.get(path)
+    assert answer.code == 200
+    assert kind in answer.headers["Content-Type"]
+    assert "default-src 'self'" in answer.headers["Content-Security-Policy"]
+    assert answer.headers["Cache-Control"] == "no-cache"
+
+
+def test_the_page_needs_nothing_from_elsewhere():
+    for path in pathlib.Path(FOLDER).iterdir():
+        text = path.read_text(encoding="utf-8").replace("http://www.w3.org/2000/svg", "")
+        assert "http:" not in text and "https://" not in text and "//cdn" not in text, path
+
+
+@pytest.mark.parametrize("path", [
+    "/none", "/../tablet.css", "/..%2f..%2fpackage.xml", "/%2e%2e/%2e%2e/package.xml", "//etc/passwd", "/%00",
+    "/index.html/x",
+])
+def test_what_is_not_there_is_not_served(served, path):
+    answer = served.raw(f"GET {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n".encode())
+    assert answer.split(b" ")[1] in (b"404", b"403", b"400", b"301"), answer
+    assert b"<package" not in answer and b"root:" not in answer
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "PATCH"])
+def test_nothing_can_be_put_there(served, method):
+    body = None if method == "DELETE" else "x"
+    assert served.get("/", method=method, body=body).code == 405
+
+
+@pytest.mark.parametrize("data", [
+    b"\0\1\2\r\n\r\n", b"GET\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n", b"POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n",
+    b"GET / HTTP/1.1\r\nx: " + b"y" * 20000 + b"\r\n\r\n",
+    b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nffffffff\r\n",
+])
+def test_broken_requests_are_cut_off_and_the_next_one_is_served(served, data):
+    assert b"200 OK" not in served.raw(data)
+    assert served.get("/").code == 200
+
+
+def test_a_call_is_sent_on_and_told_to_every_page(served):
+    pages = [served.page(), served.page()]
+    for page in pages:
+        assert served.read(page)["call"]["time"] == 0
+    pages[0].write_message('{"do": "call"}')
+    for page in pages:
+        assert served.read(page)["call"]["time"] > 0
+    assert served.touches == [served.state.call_time] != [NEVER]
+
+
+def test_a_refusal_is_told_to_who_asked_only(served):
+    asking, other = served.page(), served.page()
+    served.read(asking), served.read(other)
+    asking.write_message('{"do": "place", "u": 7, "v": 0}')
+    assert served.read(asking) == {"refused": "That place is not on the map"}
+    asking.write_message('{"do": "call"}')
+    assert "call" in served.read(other)
+    assert len(served.touches) == 1
+
+
+@pytest.mark.parametrize("message", ["", "{", "[" * 1000, b"\xff\xfe", '{"do": 1}'])
+def test_nonsense_from_a_page_is_answered_and_the_page_lives(served, message):
+    page = served.page()
+    served.read(page)
+    page.write_message(message, binary=isinstance(message, bytes))
+    assert "refused" in served.read(page)
+    page.write_message('{"do": "call"}')
+    assert served.read(page)["call"]["time"] > 0
+
+
+def test_a_message_that_is_too_large_ends_that_page_alone(served):
+    bad, good = served.page(), served.page()
+    served.read(bad), served.read(good)
+    bad.write_message("x" * 5000)
+    assert served.read(bad) is None
+    good.write_message('{"do": "call"}')
+    assert served.read(good)["call"]["time"] > 0
+
+
+def test_more_messages_than_fingers_send_are_dropped(served):
+    page = served.page()
+    for _ in range(10 * MAX_MESSAGES_A_SECOND):
+        page.write_message('{"do": "call"}')
+    served.running.until(lambda: served.touches)
+    served.read(page)
+    served.running.turn()
+    assert len(served.touches) <= 2 * MAX_MESSAGES_A_SECOND, "two at most of the clock's seconds were begun"
+
+
+def test_pages_of_other_sites_may_not_call(served):
+    with pytest.raises(httpclient.HTTPError) as raised:
+        served.page(origin="http://evil.example")
+    assert raised.value.code == 403
+    assert served.touches == []
+
+
+def test_there_is_room_for_so_many_pages(served):
+    pages = [served.page() for _ in range(MAX_PAGES)]
+    assert all(served.read(page) for page in pages)
+    assert served.read(served.page()) is None
+    pages[0].close()
+    served.running.until(lambda: len(served.server._sockets) < MAX_PAGES)
+    assert served.read(served.page())
+
+
+def test_a_tablet_is_there_while_a_page_is_open(served, monkeypatch):
+    assert served.presence == [False]
+    monkeypatch.setattr(server_module, "PAGE_SILENT_S", 0.5)
+    page = served.page()
+    assert served.presence[-1] is True
+    page.close()
+    served.running.until(lambda: served.presence[-1] is False)
+
+
+def test_a_page_that_fell_silent_is_left_behind(served, monkeypatch):
+    monkeypatch.setattr(server_module, "PAGE_SILENT_S", 0.5)
+    page = served.page()
+    while served.read(page) is not None:
+        pass  # what it is told until then
+    served.running.until(lambda: served.presence[-1] is False)
+
+
+def test_without_a_map_there_is_no_image(running):
+    served = Served(running, plan=None)
+    assert served.get("/map.png").code == 404
+    served.server.close()
+
+
+def test_a_port_in_use_is_said_with_its_remedy(served):
+    state = TabletState()
+    second = TabletServer(
+        served.running.loop, Pages(state, None), None, FOLDER, lambda: None, lambda there: None)
+    with pytest.raises(OSError, match="choose another tablet_port") as raised:
+        second.open(HOST, served.port)
+    assert str(served.port) in str(raised.value)
+    served.server.close()
+    served.running.turn()
+    assert second.open(HOST, served.port) == served.port, "it may be tried again"
+    second.close()
+
+
+def test_an_address_of_another_machine_is_said(served):
+    second = TabletServer(
+        served.running.loop, Pages(TabletState(), None), None, FOLDER, lambda: None, lambda there: None)
+    with pytest.raises(OSError, match="tablet_host"):
+        second.open("192.0.2.1", 0)
+
+
+def test_clients_that_never_finish_keep_nobody_waiting(served):
+    idle = [socket.create_connection((HOST, served.port)) for _ in range(20)]
+    for number, connection in enumerate(idle):
+        connection.sendall([b"", b"GET / HT", b"POST / HTTP/1.1\r\nContent-Length: 9\r\n\r\n"][number % 3])
+    assert served.get("/").code == 200
+    for connection in idle:
+        connection.close()
