@@ -7,7 +7,6 @@ file and reason, and never ends a run.
 
 import os
 import queue
-import re
 import threading
 import time
 from typing import Callable, Dict, Optional
@@ -18,22 +17,10 @@ from std_msgs.msg import Empty, String, UInt8
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.run_log import KINDS, LogKind
+from roah_rsbb.journal.log_names import log_name, unused
 from roah_rsbb.msg import Score
 
 FLUSH_S = 1.0
-SUFFIX = ".bag"
-# Characters of a robot's name in the name of a file.
-MAX_ROBOT_NAME = 40
-
-
-def file_name(opened: effects.RunOpened, utc: float, box_uuid: str) -> str:
-    """The name of a run's bag, without spaces, colons or anything else that a file system minds."""
-    local = time.strftime("%Y-%m-%d_%H-%M-%S", time.localtime(utc))
-    team = re.sub(r"[^\w.-]", "-", opened.team)
-    # A robot's name comes from the robot: what is in it, and how long it is, nobody has checked.
-    robot = re.sub(r"[^A-Za-z0-9_.-]", "-", opened.robot)[:MAX_ROBOT_NAME]
-    who = f"{team}_{robot}" if robot else team
-    return f"online_log_{local}_{who}_round{opened.round}_run{opened.run}_{box_uuid}{SUFFIX}"
 
 
 def _message(entry: effects.RunLogged):
@@ -97,9 +84,8 @@ class RunLogWriter:
 
     def opened(self, effect: effects.RunOpened, utc: float) -> None:
         """A run begins."""
-        path = os.path.join(self._log_dir, file_name(effect, utc, self._box_uuid))
-        if path in self.files.values():
-            path = f"{path[:-len(SUFFIX)]}_{effect.port}{SUFFIX}"  # two robots whose names look alike
+        name = log_name(utc, effect.team, effect.robot, effect.round, effect.run, self._box_uuid)
+        path = unused(os.path.join(self._log_dir, name), effect.port, self.files.values())
         self.files[effect.port] = path
         self._jobs.put(lambda: self._open(effect.port, path))
 
