@@ -35,7 +35,7 @@ PROGRESS = Progress(
     True, "",
 )
 RUN = RunForModule(
-    "HNF-1", 2, "Home", "HNF", "Alpha", 3, 4, True, "stopped", 12.5, 120.0, 600.0,
+    "HNF-1", 2, "Home", "HNF", "Alpha", 3, 4, True, "stopped", 12.5, 120.0, 600.0, 1.25e9,
     (ScoreGroup("Penalized", ((ScoringItem("Penalized", "Bumps", ScoreKind.UINT), 3),
                               (ScoringItem("Penalized", "Sings", ScoreKind.BOOL), 1))),),
     (
