@@ -1,0 +1,106 @@
+"""Results of robots, read safely: whatever a robot sends costs little and breaks nothing.
+
+A result is YAML (wire protocol, Messages) of a robot that nobody knows. A module says what it expects; what
+does not fit is no result, with a reason for the referee.
+"""
+
+import math
+from types import SimpleNamespace
+from typing import Any, Dict, List, Tuple
+
+import yaml
+
+# Characters. A robot's datagram has room for less than a thousand.
+MAX_RESULT = 2000
+MAX_DEPTH = 5
+_SHOWN = 60
+
+
+class BadResult(Exception):
+    """A result that cannot be read; the text says what was found and what was expected."""
+
+
+def read_record(text: str, shape: Dict[str, type]) -> SimpleNamespace:
+    """A map with at least the keys of `shape`, each a `float` (finite) or a `str`; raises BadResult.
+
+    `read_record("{class: mug, x: 1}", {"class": str, "x": float})` has the attributes class_ and x: a name that
+    is a word of Python gets an underscore.
+    """
+    expected = "{" + ", ".join(shape) + "}"
+    found = _plain(text)
+    if not isinstance(found, dict):
+        raise BadResult(f"the result is {_shown(text)}: expected {expected}")
+    missing = [key for key in shape if key not in found]
+    if missing:
+        raise BadResult(f"the result {_shown(text)} has no {', '.join(missing)}: expected {expected}")
+    read = {key: _value(key, found[key], kind) for key, kind in shape.items()}
+    return SimpleNamespace(**{key + "_" * (key == "class"): value for key, value in read.items()})
+
+
+def _value(key: str, found: Any, kind: type) -> Any:
+    if not isinstance(found, str):
+        raise BadResult(f"{key} of the result is a list or a map: expected one value")
+    if kind is str:
+        return found
+    try:
+        number = float(found)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise BadResult(f"{key} of the result is {_shown(found)}: expected a number")
+    return number
+
+
+def _plain(text: str) -> Any:
+    """The YAML of a text with every scalar as the text that stands there; raises BadResult."""
+    if len(text) > MAX_RESULT:
+        raise BadResult(f"the result has {len(text)} characters: at most {MAX_RESULT} are read")
+    try:
+        events = list(_safe_events(text))
+    except yaml.YAMLError as error:
+        raise BadResult(f"the result {_shown(text)} is no YAML: {str(error).splitlines()[0]}") from None
+    if not events:
+        raise BadResult("the result is empty")
+    return _build(events, 0)[0]
+
+
+def _safe_events(text: str) -> List[yaml.Event]:
+    """The values in a text; no anchors and tags, which make bombs, loops and objects."""
+    events = []
+    depth = 0
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
+            raise BadResult("the result has an anchor or alias (&, *): put texts into quotes")
+        if getattr(event, "tag", None) not in (None, "!"):
+            raise BadResult("the result has a tag (!): put texts into quotes")
+        if isinstance(event, yaml.CollectionStartEvent):
+            depth += 1
+        elif isinstance(event, yaml.CollectionEndEvent):
+            depth -= 1
+        if depth > MAX_DEPTH:
+            raise BadResult(f"the result is more than {MAX_DEPTH} levels deep")
+        if isinstance(event, yaml.DocumentStartEvent) and events:
+            raise BadResult("the result holds several documents: expected one")
+        if isinstance(event, yaml.NodeEvent) or isinstance(event, yaml.CollectionEndEvent):
+            events.append(event)
+    return events
+
+
+def _build(events: List[yaml.Event], at: int) -> Tuple[Any, int]:
+    """The value that begins at an event, and the event after it."""
+    event = events[at]
+    at += 1
+    if isinstance(event, yaml.ScalarEvent):
+        return event.value, at
+    items = []
+    while not isinstance(events[at], yaml.CollectionEndEvent):
+        item, at = _build(events, at)
+        items.append(item)
+    if isinstance(event, yaml.SequenceStartEvent):
+        return items, at + 1
+    keys, values = items[::2], items[1::2]
+    return {key: value for key, value in zip(keys, values) if isinstance(key, str)}, at + 1
+
+
+def _shown(text: str) -> str:
+    return repr(text if len(text) <= _SHOWN else text[:_SHOWN - 3] + "...")

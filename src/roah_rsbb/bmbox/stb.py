@@ -1,0 +1,28 @@
+"""STB, the Simple Test Benchmark: a manual operation, two goals, a manual operation (benchmarks, STB)."""
+
+from roah_rsbb.bmbox.module import Module
+from roah_rsbb.bmbox.parameters import ListOf, Seconds, Text
+from roah_rsbb.bmbox.score import Value
+
+
+class STB(Module):
+    """Tries out every step that there is."""
+
+    CODE = "STB"
+    PARAMETERS = {"goals": ListOf(Text("GOAL 1")), "goal_timeout": Seconds("15")}
+    SCORES = {"completed": Value("Goals completed"), "execution_time": Value("Execution time", "s")}
+    EACH = {"result": Value("Result"), "time": Value("Time", "s")}
+
+    async def execute(self) -> None:
+        self.score["completed"] = 0
+        await self.referee("First Manual Operation")
+        for goal in self.parameters.goals:
+            self.status = f"Goal: {goal}"
+            outcome = await self.goal({"goal": goal, "details": 4}, timeout=self.parameters.goal_timeout, text=goal)
+            self.score[goal, "time"] = outcome.executing_s
+            self.score[goal, "result"] = None if outcome.timed_out else outcome.result
+            if not outcome.timed_out:
+                self.score["completed"] += 1
+            self.score["execution_time"] = sum(self.score.each("time"))
+        self.status = "All goals done"
+        await self.referee("Last Manual Operation")
