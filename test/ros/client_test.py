@@ -66,6 +66,8 @@ class TestPanels(CoreCase):
 
         wait_until(lambda: lines() == [["TestingTeam", "mbot", "+0.012 s", "Home A"],
                                        ["AnotherTeam", "amigo", "−0.087 s", "–"]], "both robots are shown")
+        self.core.zones["Home B"].all_robots = ["amigo of team AnotherTeam: ready"]
+        wait_until(lambda: [line[3] for line in lines()] == ["Home A", "Home B"], "one of all robots at once is shown")
         self.core.robots = []
         wait_until(lambda: lines()[0][0] == "No robot is heard" and len(lines()) == 1, "they are gone")
 

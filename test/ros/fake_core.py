@@ -59,6 +59,7 @@ class FakeZone:
         self.index = 0
         self.phase = "idle"
         self.robot = "mbot"
+        self.all_robots: List[str] = []  # lines of all robots at once
         self.end_reason = ""
         self.started = 0.0
         self.left_s = EVENTS[0][4]
@@ -199,6 +200,7 @@ class FakeCore:
             details = ZoneDetails(zone=zone.name, phase=zone.phase, end_reason=zone.end_reason)
             details.robot = zone.robot if connected else ""
             details.port = 6667 if connected else 0
+            details.robots = list(zone.all_robots)
             details.warnings = list(zone.warnings)
             details.module_scores = list(zone.module_scores)
             if zone.asked is not None:

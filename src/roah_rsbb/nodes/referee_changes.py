@@ -3,6 +3,7 @@
 import re
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.core.benchmarks import ALL_TEAMS
 from roah_rsbb.nodes.referee_state import Box, Operation, Zone, lines_of
 from roah_rsbb.rqt import tail
 
@@ -45,7 +46,7 @@ def _of_box(old: Box, new: Box, zone: Optional[str]) -> Iterator[Change]:
     yield from _warnings(new.clock_utc_s, "", old.warnings, new.warnings)
     teams = {z.event.team for z in (*old.zones, *new.zones) if zone in (None, z.zone)}
     before, after = (
-        {(r.team, r.robot): r for r in box.robots if zone is None or r.team in teams} for box in (old, new)
+        {(r.team, r.robot): r for r in box.robots if zone is None or {r.team, ALL_TEAMS} & teams} for box in (old, new)
     )
     for key in after.keys() - before.keys():
         yield change("robot", what="came", team=key[0], robot=key[1], skew_s=after[key].skew_s)

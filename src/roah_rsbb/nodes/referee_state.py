@@ -54,6 +54,15 @@ class ModuleScore(NamedTuple):
     desc: str
 
 
+class AllRobots(NamedTuple):
+    """HSUF: how many robots do what, and each of them."""
+
+    preparing: int
+    executing: int
+    stopped: int
+    robots: Tuple[str, ...]  # "<robot> of team <team>: <what it is doing>"
+
+
 class Event(NamedTuple):
     """What the schedule says of a run."""
 
@@ -95,6 +104,7 @@ class Zone(NamedTuple):
     held: bool = False
     module_status: str = ""
     module_score: Tuple[ModuleScore, ...] = ()
+    all_robots: Optional[AllRobots] = None
 
 
 class Robot(NamedTuple):
@@ -190,11 +200,20 @@ def _zone(zone, details) -> Zone:
         online_data=zone.online_data,
         operation=_operation(zone, details),
         switches=Switches(tuple(zone.omf_switches), zone.omf_damaged, zone.omf_complete) if zone.omf else None,
+        all_robots=_all_robots(details),
         held=details.held,
         module_status=details.module_status,
         module_score=tuple(
             ModuleScore(s.group, s.name, _json_value(s.value), s.unit, s.desc) for s in details.module_scores
         ),
+    )
+
+
+def _all_robots(details) -> Optional[AllRobots]:
+    if not details.robots:
+        return None
+    return AllRobots(
+        details.robots_preparing, details.robots_executing, details.robots_stopped, tuple(details.robots)
     )
 
 

@@ -85,7 +85,7 @@ def zone_lines(zone: Zone, clock_utc_s: float, paint: Paint) -> List[str]:
     lines += [
         _IN + (paint(RED, plain(text)) if text.startswith("WARNING") else plain(text)) for text in zone.state
     ]
-    if zone.robot:
+    if zone.robot and zone.all_robots is None:
         lines.append(_IN + _robot(zone, clock_utc_s))
     if zone.operation is not None:
         lines.append(_IN + paint(YELLOW, to_do(zone.operation)))
@@ -100,6 +100,8 @@ def zone_report(zone: Zone, clock_utc_s: float, paint: Paint) -> List[str]:
     lines = zone_lines(zone, clock_utc_s, paint)
     for command, reasons in zone.off.items():
         lines += [f"{_IN}no {command}: {plain(reason)}" for reason in reasons]
+    if zone.all_robots is not None:
+        lines += [f"{_IN}robot {plain(robot)}" for robot in zone.all_robots.robots]
     if zone.log_file:
         lines.append(f"{_IN}log: {plain(zone.log_file)}")
     if zone.score or zone.module_score:

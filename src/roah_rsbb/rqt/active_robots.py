@@ -1,6 +1,6 @@
 """Active Robots: every robot that the box hears (manual, section 5.6)."""
 
-from typing import Dict, List, Tuple
+from typing import List, Tuple
 
 from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTableWidgetItem
@@ -10,6 +10,7 @@ from roah_rsbb.rqt import texts, widgets
 from roah_rsbb.rqt.panel import Panel
 
 COLUMNS = ("Team", "Robot", "Clock skew", "Run in zone", "Last heard")
+NO_RUN = "–"
 SKEW_TIP = "Robot's clock minus the box's: + is ahead, − is behind"
 
 
@@ -35,9 +36,8 @@ class ActiveRobotsPanel(Panel):
     def show_model(self) -> None:
         gui = self.model.gui
         robots = gui.active_robots if gui else []
-        runs = self._runs()
         self.table.setEnabled(not self.model.is_old)
-        self._show_lines([self._line(robot, runs) for robot in robots] or [self._nobody()])
+        self._show_lines([self._line(robot) for robot in robots] or [self._nobody()])
 
     def where(self) -> str:
         return "The whole box"
@@ -46,20 +46,26 @@ class ActiveRobotsPanel(Panel):
         text = "No robot is heard" if self.model.gui else "Waiting for the core"
         return (text, *("" for _ in COLUMNS[1:]))
 
-    def _runs(self) -> Dict[Tuple[str, str], str]:
-        """(team, robot) to the zone of its run."""
+    def _zone_of(self, robot: RobotInfo) -> str:
+        """The zone of the run that the robot is in."""
         gui, details = self.model.gui, self.model.details
         if gui is None or details is None:
-            return {}
+            return NO_RUN
         teams = {z.zone: z.team for z in gui.zones}
-        return {(teams.get(d.zone, ""), d.robot): d.zone for d in details.zones if d.robot}
+        name = f"{robot.robot} of team {robot.team}: "
+        for zone in details.zones:
+            # Where all robots run at once, each has a line.
+            is_alone_in_it = (teams.get(zone.zone), zone.robot) == (robot.team, robot.robot)
+            if is_alone_in_it or any(line.startswith(name) for line in zone.robots):
+                return zone.zone
+        return NO_RUN
 
-    def _line(self, robot: RobotInfo, runs: Dict[Tuple[str, str], str]) -> Tuple[str, ...]:
+    def _line(self, robot: RobotInfo) -> Tuple[str, ...]:
         return (
             robot.team,
             robot.robot,
             texts.skew(robot.skew.to_sec()),
-            runs.get((robot.team, robot.robot), "–"),
+            self._zone_of(robot),
             texts.ago(self.model.clock_s - robot.beacon.to_sec()),
         )
 

@@ -141,3 +141,8 @@ def test_one_zone_is_followed_with_its_own_teams_robots_and_the_whole_box():
 def test_a_robot_does_not_come_because_the_zone_is_followed_to_its_teams_event():
     others = EVENTS[0]._replace(team="Others")
     assert "robot" not in [kind for kind, _, _ in _facts(box(zone()), box(zone(event=others)), zone="Home A")]
+
+
+def test_of_a_zone_for_all_robots_those_of_all_teams_are_followed():
+    of_all = zone(event=EVENTS[0]._replace(team="ALL"))
+    assert [kind for kind, _, _ in _facts(box(of_all, robots=()), box(of_all), zone="Home A")] == ["robot"]

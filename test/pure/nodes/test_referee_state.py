@@ -42,6 +42,7 @@ def _details(**fields):
         "robot_state": "STOP", "skew_known": True, "skew": Seconds(-0.15), "last_message": Seconds(UTC0 - 1),
         "messages_saved": 7, "log_file": "/x.bag", "warnings": ["w"], "operation": 0,
         "operation_choices": [], "operation_asks_text": False, "held": False, "module_status": "", "module_scores": [],
+        "robots_preparing": 0, "robots_executing": 0, "robots_stopped": 0, "robots": [],
         **{field: [f"why no {field}"] for field in referee_state.COMMANDS.values()},
     }
     return SimpleNamespace(box_uuid="u", warnings=["box"], zones=[SimpleNamespace(**{**default, **fields})])
@@ -80,6 +81,14 @@ def test_what_a_benchmarking_module_asks_and_says():
     assert zone.switches == ((1, 3), 2, False)
     assert (zone.held, zone.module_status) == (True, "Goal 1")
     assert zone.module_score == (("goal 1", "time", 1.5, "s", "Time"), ("", "odd", "no JSON", "", ""))
+
+
+def test_all_robots_at_once():
+    zone = box_of(_gui(_zone_state()), _details(
+        robot="2 robots", robots_preparing=1, robots_stopped=1, robots=["a of team T: preparing", "b of team T: ready"],
+    )).zones[0]
+    assert zone.all_robots == (1, 0, 1, ("a of team T: preparing", "b of team T: ready"))
+    assert box_of(_gui(_zone_state()), _details()).zones[0].all_robots is None
 
 
 @pytest.mark.parametrize(("text", "number"), [("Place it", 0), ("", 4)])

@@ -7,7 +7,7 @@ import pytest
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
 from roah_rsbb.nodes import referee_view as view
 from roah_rsbb.nodes.referee_changes import Change, changes
-from roah_rsbb.nodes.referee_state import ModuleScore, Operation, Switches
+from roah_rsbb.nodes.referee_state import AllRobots, ModuleScore, Operation, Switches
 
 
 def _status(*zones, **fields):
@@ -43,6 +43,16 @@ def test_warnings_of_the_box_and_of_a_zone():
 def test_a_robot_of_which_little_is_known():
     text = _status(running_zone(robot_state="", skew_s=None, last_message_utc_s=None))
     assert "robot mbot: no state yet, skew not known, never heard on its private channel" in text
+
+
+def test_all_robots_at_once_are_listed_in_the_zones_report():
+    robots = AllRobots(1, 0, 1, ("a of team T: preparing", "b\n of team T: ready"))
+    of_all = running_zone(robot="2 robots", all_robots=robots)
+    assert "2 robots" not in _status(of_all)  # its state counts them
+    report = view.zone_report(of_all, UTC0, view.no_colour)
+    assert [line.strip() for line in report if "of team" in line] == [
+        "robot a of team T: preparing", "robot b\\n of team T: ready"
+    ]
 
 
 def test_the_end_of_a_run_says_why():
