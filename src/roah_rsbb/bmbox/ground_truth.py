@@ -37,7 +37,7 @@ NO_TRANSFORM = Pose3(0.0, 0.0, 0.0, 0.0)
 
 
 class NoPose(Exception):
-    """A pose that cannot be had; its text names the subject and its frame, and says whether it is missing or how old."""
+    """A pose that cannot be had; the text names subject and frame, and says whether it is missing or how old it is."""
 
 
 class GroundTruth:
