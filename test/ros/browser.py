@@ -42,7 +42,8 @@ class Browser:
         self._process = subprocess.Popen(
             [program, "--headless=new", "--remote-debugging-port=0", f"--user-data-dir={self._folder}", "--no-sandbox",
              "--no-first-run", "--no-default-browser-check", "--disable-background-networking", "--disable-sync",
-             "--disable-component-update", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars",
+             "--disable-component-update", "--disable-gpu", "--disable-backgrounding-occluded-windows",
+             "--disable-renderer-backgrounding", "--disable-dev-shm-usage", "--hide-scrollbars",
              "--proxy-server=direct://", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "about:blank"],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )
@@ -72,7 +73,7 @@ class Browser:
 
     def page(self, url: str, width: int, height: int, scale: float = 1.0) -> "Page":
         """A page on a touch screen of this size, in CSS pixels."""
-        target = self.command("Target.createTarget", url="about:blank")["targetId"]
+        target = self.command("Target.createTarget", url="about:blank", newWindow=True)["targetId"]
         session = self.command("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         page = Page(self, session, target)
         for domain in ("Page", "Runtime", "Log", "Network"):

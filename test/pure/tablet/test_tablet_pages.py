@@ -98,8 +98,8 @@ def test_a_page_that_is_there_touches_nothing(pages, state):
 
 
 @pytest.mark.parametrize("asked", [
-    "", "null", "[]", "1", '"call"', "{}", '{"do": null}', '{"do": ["call"]}', '{"do": {}}', '{"do": "Call"}', "{", "\0",
-    "[" * 1000, "NaN", b'{"do": "call"}', None, '{"do": "place"}', '{"do": "place", "u": 0.5}',
+    "", "null", "[]", "1", '"call"', "{}", '{"do": null}', '{"do": ["call"]}', '{"do": {}}', '{"do": "Call"}', "{",
+    "\0", "[" * 1000, "NaN", b'{"do": "call"}', None, '{"do": "place"}', '{"do": "place", "u": 0.5}',
     '{"do": "place", "u": "0", "v": 0}', '{"do": "place", "u": NaN, "v": 0}', '{"do": "place", "u": Infinity, "v": 0}',
     '{"do": "place", "u": true, "v": 0}', '{"do": "place", "u": -0.001, "v": 0}', '{"do": "place", "u": 0, "v": 1.001}',
     '{"do": "place", "u": 1' + "0" * 400 + ', "v": 0}', '{"do": "place", "u": [0], "v": {}}',
