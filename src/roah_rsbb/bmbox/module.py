@@ -113,7 +113,8 @@ class Module:
 
         `goal`: what robots of 2019 get, as YAML. `pose`: a waypoint, which goes out in the form of 2015, too.
         Neither: the robot is only told to execute. `text`: what it is about, for the referee. `watch` is called
-        every so many seconds while the robot executes, with the seconds since it was told to.
+        every so many seconds while the robot executes, with the seconds since it was told to; what it gathers
+        belongs into `self.kept`.
         """
         if goal is None and pose is not None:
             goal = [float(part) for part in pose]
@@ -123,6 +124,8 @@ class Module:
             initial_state=tuple(initial_state), switches=tuple(switches), timeout=float(timeout),
         )
         outcome = await Ask(asked, None if watch is None else Watch(watch, every))
+        if watch is not None:
+            self.kept = await self.note(lambda: self.kept)  # what was gathered is part of what is gone through again
         return GoalOutcome(
             outcome.kind is OutcomeKind.TIMED_OUT, outcome.result, outcome.executing_s, outcome.ended_utc
         )

@@ -81,7 +81,7 @@ def _safe_events(text: str) -> List[yaml.Event]:
             raise BadResult(f"the result is more than {MAX_DEPTH} levels deep")
         if isinstance(event, yaml.DocumentStartEvent) and events:
             raise BadResult("the result holds several documents: expected one")
-        if isinstance(event, yaml.NodeEvent) or isinstance(event, yaml.CollectionEndEvent):
+        if isinstance(event, (yaml.NodeEvent, yaml.CollectionEndEvent)):
             events.append(event)
     return events
 

@@ -19,6 +19,8 @@ from roah_rsbb.bmbox.module import Ask, Disconnected, Module, RunEnded, RunTimed
 from roah_rsbb.core.config_errors import ConfigErrors
 from roah_rsbb.core.module_messages import Outcome, Progress, Request, RequestKind, RunForModule
 
+# Of a period: a tick that is early by so little counts as of the next one.
+SAME_TIME = 1e-3
 REASONS: Dict[str, Type[RunEnded]] = {"timeout": RunTimedOut}
 
 
@@ -40,7 +42,7 @@ class ModuleRunner:
         self._finished = False
         self._failed = ""
         self._is_going_back = False  # after a restart, through steps that were taken before
-        self._looked_s: Optional[float] = None  # executing seconds at which the watch last looked
+        self._looked: Optional[int] = None  # the period in which the watch last looked
         self.traceback = ""  # of the exception that ended the rules, for a log
 
     # -- the core -----------------------------------------------------------------------------------
@@ -99,10 +101,11 @@ class ModuleRunner:
             return
         executing_s = max(0.0, utc - self._run.told_utc)
         watch = self._ask.watch
-        # A clock that was set back must not stop the watch.
-        if self._looked_s is not None and 0.0 <= executing_s - self._looked_s < watch.every:
+        # Once in each period: late ticks do not add up, and a clock that is set back does not stop the watch.
+        period = int(executing_s / watch.every + SAME_TIME)
+        if period == self._looked:
             return
-        self._looked_s = executing_s
+        self._looked = period
         try:
             watch.look(executing_s)
         except Exception as error:
@@ -160,7 +163,7 @@ class ModuleRunner:
             self._arrive()
             if ask.measure is not None:
                 request = request._replace(note=json.dumps(ask.measure()))
-        self._ask, self._request, self._looked_s = ask, request, None
+        self._ask, self._request, self._looked = ask, request, None
         if is_known and self._run.steps[number - 1].outcome is None:
             self._arrive()
 

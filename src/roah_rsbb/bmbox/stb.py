@@ -16,11 +16,12 @@ class STB(Module):
     async def execute(self) -> None:
         self.score["completed"] = 0
         await self.referee("First Manual Operation")
-        for goal in self.parameters.goals:
-            self.status = f"Goal: {goal}"
+        for number, goal in enumerate(self.parameters.goals, 1):
+            name = f"goal {number}"
+            self.status = f"Goal {number} of {len(self.parameters.goals)}: {goal}"
             outcome = await self.goal({"goal": goal, "details": 4}, timeout=self.parameters.goal_timeout, text=goal)
-            self.score[goal, "time"] = outcome.executing_s
-            self.score[goal, "result"] = None if outcome.timed_out else outcome.result
+            self.score[name, "time"] = outcome.executing_s
+            self.score[name, "result"] = None if outcome.timed_out else outcome.result
             if not outcome.timed_out:
                 self.score["completed"] += 1
             self.score["execution_time"] = sum(self.score.each("time"))

@@ -1,0 +1,76 @@
+"""HOMF, Object Manipulation (2014): the robot toggles switches in a given order (benchmarks, HOMF).
+
+Switches are numbered from 1, for the robot, the referee and in the parameters.
+"""
+
+from typing import Sequence
+
+from roah_rsbb.bmbox.module import Module
+from roah_rsbb.bmbox.parameters import ListOf, Record, Seconds, Whole, YesNo
+from roah_rsbb.bmbox.score import Value
+
+# As many as the referee's panel shows.
+MAX_SWITCHES = 10
+
+GOAL = Record({
+    "initial_state": ListOf(YesNo("true"), MAX_SWITCHES),
+    "switches": ListOf(Whole("1", 1, MAX_SWITCHES)),
+})
+
+
+class HOMF(Module):
+    """What changed is entered by the referee after each goal, done or timed out; that time does not count."""
+
+    CODE = "HOMF"
+    PARAMETERS = {"goals": ListOf(GOAL), "goal_timeout": Seconds()}
+    SCORES = {
+        "right": Value("Switches toggled as asked, in order"),
+        "wrong": Value("Other changes of switches"),
+        "damaged": Value("Switches damaged"),
+        "execution_time": Value("Execution time", "s"),
+    }
+    EACH = {
+        "time": Value("Time", "s"),
+        "timed_out": Value("Timed out"),
+        "changed": Value("Switches that changed, in order"),
+        "right": Value("Toggled as asked, in order"),
+        "wrong": Value("Other changes"),
+        "damaged": Value("Damaged"),
+    }
+
+    async def execute(self) -> None:
+        for name in ("right", "wrong", "damaged"):
+            self.score[name] = 0
+        count = len(self.parameters.goals)
+        for number, goal in enumerate(self.parameters.goals, 1):
+            name = f"goal {number}"
+            self.status = f"Goal {number} of {count}: toggle {_numbers(goal.switches)}"
+            on = [i for i, is_on in enumerate(goal.initial_state, 1) if is_on]
+            await self.referee(f"Switch on: {_numbers(on)}; switch off all others of 1 to {len(goal.initial_state)}")
+            outcome = await self.goal(
+                initial_state=goal.initial_state, switches=goal.switches, timeout=self.parameters.goal_timeout,
+                text=name,
+            )
+            self.score[name, "time"], self.score[name, "timed_out"] = outcome.executing_s, outcome.timed_out
+            self.score["execution_time"] = sum(self.score.each("time"))
+            entered = await self.switches("Enter which switches changed, in order, and how many are damaged")
+            right = in_order(goal.switches, entered.changed)
+            self.score[name, "changed"] = _numbers(entered.changed)
+            self.score[name, "right"], self.score[name, "wrong"] = right, len(entered.changed) - right
+            self.score[name, "damaged"] = entered.damaged
+            for item in ("right", "wrong", "damaged"):
+                self.score[item] = sum(self.score.each(item))
+
+
+def in_order(asked: Sequence[int], done: Sequence[int]) -> int:
+    """How many of the switches that were asked for were toggled in that order: the longest common subsequence."""
+    best = [0] * (len(done) + 1)
+    for want in asked:
+        before = 0
+        for i, got in enumerate(done, 1):
+            before, best[i] = best[i], before + 1 if want == got else max(best[i], best[i - 1])
+    return best[-1]
+
+
+def _numbers(switches: Sequence[int]) -> str:
+    return ", ".join(map(str, switches)) or "none"

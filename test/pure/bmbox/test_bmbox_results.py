@@ -1,0 +1,52 @@
+"""Results of robots that nobody knows."""
+
+import time
+
+import pytest
+
+from roah_rsbb.bmbox.results import BadResult, read_record
+
+HOPF = {"class": str, "instance": str, "x": float, "y": float, "theta": float}
+
+
+@pytest.mark.parametrize("text", [
+    "{class: a, instance: b, x: 1, y: -2.5, theta: 1e-7}",
+    "class: a\ninstance: 'b'\nx: 1.0\ny: -2.5\ntheta: 1e-07\n",
+    '---\n{"class": "a", "instance": "b", "x": 1, "y": -2.5, "theta": 0.0000001, "more": [1, {b: c}]}\n...\n',
+])
+def test_a_map_in_any_style(text):
+    read = read_record(text, HOPF)
+    assert (read.class_, read.instance, read.x, read.y, read.theta) == ("a", "b", 1.0, -2.5, 1e-7)
+
+
+@pytest.mark.parametrize("text, name", [("{n: on}", "on"), ("{n: 12}", "12"), ("{n: 1e3}", "1e3"), ("{n: ~}", "~"),
+                                        ("{n: 2015-01-01}", "2015-01-01"), ("{n: ''}", ""), ("{n: Käse}", "Käse")])
+def test_a_text_is_what_stands_there(text, name):
+    assert read_record(text, {"n": str}).n == name
+
+
+@pytest.mark.parametrize("text, reason", [
+    ("", "empty"), ("  \n", "empty"), ("# nothing", "empty"), ("a", "expected {n}"), ("[1, 2]", "expected {n}"),
+    ("{m: 1}", "has no n"), ("{n: [1]}", "expected one value"), ("{n: {a: 1}}", "expected one value"),
+    ("{n: x}", "expected a number"), ("{n: .nan}", "expected a number"), ("{n: nan}", "expected a number"),
+    ("{n: 1e999}", "expected a number"), ("{n: }", "expected a number"), ("{n: true}", "expected a number"),
+    ("{n: 1", "no YAML"), ("\x00", "no YAML"), ("a: b: c", "no YAML"), ("{n: 1}\n---\n{n: 2}", "several documents"),
+    ("&a {n: *a}", "anchor"), ("{n: &a 1, m: *a}", "anchor"), ("{n: !!int 1}", "tag"),
+    ("!!python/object/apply:os.system [ls]", "tag"), ("x" * 2001, "2001 characters"),
+    ("[" * 1000 + "]" * 1000, "levels deep"), ("{? {a: 1} : 2, ? [1] : 3}", "has no n"),
+])
+def test_what_is_no_result_says_why(text, reason):
+    with pytest.raises(BadResult) as raised:
+        read_record(text, {"n": float})
+    assert reason in str(raised.value)
+    assert len(str(raised.value)) < 300
+
+
+def test_the_first_bomb_of_any_kind_costs_nothing():
+    bomb = "a: &a [x,x,x,x,x,x,x,x,x]\n" + "\n".join(
+        f"{chr(98 + i)}: &{chr(98 + i)} [{','.join(['*' + chr(97 + i)] * 9)}]" for i in range(20)
+    )
+    began = time.process_time()
+    with pytest.raises(BadResult):
+        read_record(bomb, {"n": float})
+    assert time.process_time() - began < 1.0
