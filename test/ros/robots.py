@@ -69,10 +69,11 @@ class _Gated(Behaviour):
         self._robot.note(f"prepare {benchmark}")
         await self._robot.gate("prepare")
 
-    async def execute(self, benchmark: str, goal: Any) -> None:
-        assert goal is None, f"task benchmarks have no goal, this is {goal}"
+    async def execute(self, benchmark: str, goal: Any) -> Any:
+        self._robot.goals.append(goal)
         self._robot.note(f"execute {benchmark}")
         await self._robot.gate("execute")
+        return self._robot.result
 
     def stop(self, why: str) -> None:
         self._robot.note("stop")
@@ -104,6 +105,8 @@ class Robot:
         self.team, self.name = team, name
         self.skew = skew
         self.did: List[str] = []  # "prepare HWV", "execute HWV", "stop"
+        self.goals: List[Any] = []  # of each execution; None: it was no explicit one
+        self.result: Any = None  # that it will send
         self.reports: List[fx.Trouble] = []
         self.devices: Optional[fx.Devices] = None
         self.tablet: Optional[fx.Tablet] = None
