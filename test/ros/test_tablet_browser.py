@@ -77,6 +77,13 @@ class BrowserCase(BoxCase):
             "[document.scrollingElement.scrollWidth, document.scrollingElement.scrollHeight, "
             "visualViewport.scale]"), [screen_width, screen_height, 1], where)
 
+    def assert_undistorted(self, page: Page, screen: str, selector: str) -> None:
+        """The button is round, the map has its own proportions, and either is as large as fits."""
+        _, _, width, height = page.box(selector)
+        proportion = 1.0 if selector == "#call" else MAP.width / MAP.height
+        self.assertAlmostEqual(width / height, proportion, delta=0.02, msg=f"{selector} on {screen}")
+        self.assertGreater(max(width / SCREENS[screen][0], height / SCREENS[screen][1]), 0.7, f"{selector} on {screen}")
+
     def turn_through_screens(self, page: Page, view: str, selector: str) -> None:
         """Try a view on every screen, and keep a picture of each."""
         for screen, size in SCREENS.items():
@@ -85,6 +92,7 @@ class BrowserCase(BoxCase):
             page.get("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
             self.assert_fits(page, screen, selector)
             self.assert_fits(page, screen, "#said")
+            self.assert_undistorted(page, screen, selector)
             page.screenshot(SHOTS / f"tablet_{view}_{screen}.png")
 
 
@@ -171,6 +179,7 @@ class TestNoConnection(BrowserCase):
         page = self.open("phone", tablet_nodes.own_url())
         page.wait(f"{ALARM}.includes('box is silent')", "the page says that the box is silent")
         self.assertTrue(page.get("document.getElementById('call').disabled"))
+        self.assert_undistorted(page, "phone", "#call")
         page.screenshot(SHOTS / "tablet_no_box.png")
 
     def test_a_node_that_hangs_ends_and_comes_back(self) -> None:
