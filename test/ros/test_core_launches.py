@@ -49,6 +49,7 @@ class LaunchCase(NetworkCase):
         """Start a launch file of the package."""
         return self._leaving(Program(
             "roslaunch", PACKAGE, name, "gui:=none", "tablet_port:=0",
+            "smartif_host:=127.0.0.1", f"smartif_port:={RSBB_PORT + 96}",
             *(f"{argument}:={value}" for argument, value in {**NETWORK, **arguments}.items()),
         ))
 

@@ -77,6 +77,17 @@ def test_the_first_message_on_a_channel_is_of_the_previous_run():
     assert devices.take(_report(switch_1=True)).commands == [("switch_1", 1)]
 
 
+def test_what_the_second_message_repeats_of_the_first_counts():
+    """Original robots send everything from their first message on: their first values count as a change."""
+    devices = DeviceCommands("HCFGAC")
+    wishes = {**ALL_OFF, "switch_2": True, "dimmer": 70}
+    devices.take(_report(**wishes))
+    taken = devices.take(_report(**wishes))
+    assert taken.commands == [("switch_1", 0), ("switch_2", 1), ("switch_3", 0), ("dimmer", 70), ("blinds", 0)]
+    assert taken.display_map is False
+    assert devices.take(_report(**wishes)) == NOTHING
+
+
 @pytest.mark.parametrize("code", sorted(set(KINDS) - {"HCFGAC"}))
 def test_in_every_other_benchmark_they_are_ignored_and_that_is_said_once(code):
     devices = DeviceCommands(code)

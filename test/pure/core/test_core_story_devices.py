@@ -146,3 +146,43 @@ def test_the_beacon_lists_the_robots_in_runs():
     driver.command("disconnect", "a")
     assert driver.taken(SendBeacon) == [SendBeacon()]
     assert driver.box.beacon().robots == (BenchmarkingRobot("Beta", "r2", 6668),)
+
+
+def test_a_device_that_refuses_is_shown_to_the_referee():
+    driver, robot = _catering()
+    robot.says(dimmer=70)
+    driver.taken()
+    driver.event(driver.box.on_device_refused, "tbm", "dimmer", 70, "no devices node answers")
+    text = "dimmer was not set to 70 as the robot commanded: no devices node answers"
+    assert f"WARNING: {text}" in driver.view().log
+    assert text in driver.box.warnings(driver.now)
+    assert effects.Notice(Level.WARNING, text, "tbm") in driver.taken()
+    driver.run(11.0)
+    assert text not in driver.box.warnings(driver.now)
+
+
+def test_a_refusal_that_comes_after_the_run_is_told_nevertheless():
+    driver, robot = _catering()
+    driver.command("disconnect")
+    driver.taken()
+    driver.event(driver.box.on_device_refused, "tbm", "blinds", 5, "too late")
+    text = "blinds was not set to 5 as the robot commanded: too late"
+    assert driver.taken() == [effects.Notice(Level.WARNING, text, "tbm")]
+    assert text in driver.box.warnings(driver.now)
+
+
+def test_a_controller_that_is_not_reached_is_a_warning_where_devices_are_needed():
+    driver, _ = _catering()
+    told = ["Home devices: the controller does not answer"]
+    other = BoxDriver(competition(tbm=["HWV"]))
+    for which, warned in ((driver, True), (other, False)):
+        if which is driver:
+            driver.command("disconnect")
+            driver.command("next")
+        before = which.box.warnings(which.now)
+        which.event(which.box.on_devices_status, False, "the controller does not answer")
+        assert [w for w in which.box.warnings(which.now) if w not in before] == (told if warned else [])
+        which.run(1000.0)
+        assert (told[0] in which.box.warnings(which.now)) is warned
+        which.event(which.box.on_devices_status, True, "connected")
+        assert told[0] not in which.box.warnings(which.now)

@@ -1,0 +1,83 @@
+"""A SmartIF controller that only pretends, on asyncio: one client, a second one is sent away."""
+
+import asyncio
+from typing import Callable, Optional
+
+from roah_rsbb.devices.home import RING, device_of
+from roah_rsbb.devices.smartif import TO_CONTROLLER, Busy, Decoder, Garbage, Set, encode
+
+
+class DummyServer:
+    """Says by `tell(text)` what it is told. `open` raises OSError."""
+
+    def __init__(self, host: str, port: int, tell: Callable[[str], None]) -> None:
+        """`port` 0: any that is free; `port` says which after `open`."""
+        self.host, self.port = host, port
+        self._tell = tell
+        self._server: Optional[asyncio.AbstractServer] = None
+        self._client: Optional[asyncio.StreamWriter] = None
+
+    async def open(self) -> None:
+        """Listen."""
+        self._server = await asyncio.start_server(self._serve, self.host, self.port)
+        self.port = self._server.sockets[0].getsockname()[1]
+
+    def close(self) -> None:
+        """Listen no more, and leave the client."""
+        if self._server is not None:
+            self._server.close()
+        if self._client is not None:
+            self._client.transport.abort()
+
+    def ring(self) -> bool:
+        """Ring the bell; False: nobody is connected who could hear it."""
+        if self._client is None:
+            self._tell("the bell rings, but nobody is connected")
+            return False
+        self._tell("the bell rings")
+        self._client.write(encode(RING))
+        return True
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        address = _address(writer)
+        if self._client is not None:
+            self._tell(f"{address} is sent away: {_address(self._client)} is connected")
+            writer.write(encode(Busy(_address(self._client))))
+            writer.close()
+            return
+        self._client = writer
+        self._tell(f"{address} is connected")
+        try:
+            why = await self._hear(reader)
+        except Garbage as error:
+            why = f"it does not speak SmartIF: {error}"
+        except OSError as error:
+            why = f"the connection broke: {error}"
+        finally:
+            self._client = None
+            writer.close()
+        self._tell(f"{address} is gone ({why})")
+
+    async def _hear(self, reader: asyncio.StreamReader) -> str:
+        decoder = Decoder(TO_CONTROLLER)
+        while True:
+            data = await reader.read(4096)
+            if not data:
+                return "it closed the connection"
+            messages = decoder.feed(data)
+            while messages:
+                for message in messages:
+                    self._tell(_text(message))
+                messages = decoder.feed(b"")
+
+
+def _text(message: Set) -> str:
+    known = device_of(message)
+    if known is None:
+        return f"no device takes this: id {message.device_id!r}, value {message.value}"
+    return f"{known[0]} is set to {known[1]}"
+
+
+def _address(writer: asyncio.StreamWriter) -> str:
+    host, port = writer.get_extra_info("peername")[:2]
+    return f"{host}:{port}"

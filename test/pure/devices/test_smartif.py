@@ -1,0 +1,112 @@
+"""The SmartIF protocol: messages to bytes and back, whatever arrives."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from roah_rsbb.devices.smartif import (
+    FROM_CONTROLLER,
+    MAX_STRING,
+    TO_CONTROLLER,
+    Busy,
+    Changed,
+    Decoder,
+    Event,
+    Garbage,
+    Set,
+    encode,
+)
+
+TEXTS = st.text(max_size=30).filter(lambda text: len(text.encode("utf-8", "replace")) <= 90).map(
+    lambda text: text.encode("utf-8", "replace").decode("utf-8")
+)
+NUMBERS = st.integers(0, 2**32 - 1)
+HEARD = st.one_of(
+    st.builds(Busy, TEXTS), st.builds(Changed, TEXTS, NUMBERS, NUMBERS),
+    st.builds(Event, st.sampled_from("NED"), TEXTS, TEXTS),
+)
+SAID = st.builds(Set, TEXTS, NUMBERS)
+
+
+def pieces(data, cuts):
+    """`data` cut at these places."""
+    edges = [0, *sorted(cut % (len(data) + 1) for cut in cuts), len(data)]
+    return [data[begin:end] for begin, end in zip(edges, edges[1:])]
+
+
+@pytest.mark.parametrize("message, data", [
+    (Set("77", 10000), b"I\0\x0277\0\0\x27\x10"),
+    (Busy("10.0.0.9"), b"E\0\x0810.0.0.9"),
+    (Changed("11", 1, 2), b"1\0\x0211\0\0\0\x01\0\0\0\x02"),
+    (Event("E", "47", "1"), b"2E\0\x0247\0\x011"),
+])
+def test_messages_are_these_bytes(message, data):
+    """Written out from the ROS interface, SmartIF controller."""
+    assert encode(message) == data
+    assert Decoder(TO_CONTROLLER if isinstance(message, Set) else FROM_CONTROLLER).feed(data) == [message]
+
+
+@given(st.lists(HEARD, max_size=6), st.lists(st.integers(0, 2000), max_size=8))
+def test_pieces_of_any_size_make_the_same_messages(messages, cuts):
+    decoder = Decoder(FROM_CONTROLLER)
+    data = b"".join(encode(message) for message in messages)
+    assert [m for piece in pieces(data, cuts) for m in decoder.feed(piece)] == messages
+    assert decoder.pending == 0
+
+
+@given(st.lists(SAID, max_size=6), st.lists(st.integers(0, 2000), max_size=8))
+def test_so_it_is_at_the_controllers_end(messages, cuts):
+    decoder = Decoder(TO_CONTROLLER)
+    data = b"".join(encode(message) for message in messages)
+    assert [m for piece in pieces(data, cuts) for m in decoder.feed(piece)] == messages
+
+
+@given(st.binary(max_size=4000), st.lists(st.integers(0, 4000), max_size=8))
+def test_any_bytes_are_messages_or_garbage_and_nothing_grows(data, cuts):
+    decoder = Decoder(FROM_CONTROLLER)
+    for piece in pieces(data, cuts):
+        try:
+            decoder.feed(piece)
+        except Garbage:
+            return
+        assert decoder.pending <= 2 * MAX_STRING + 8 + len(piece)
+
+
+@given(HEARD, st.integers(1, 200))
+def test_a_part_of_a_message_is_none_and_is_waited_for(message, missing):
+    data = encode(message)
+    cut = max(0, len(data) - missing)
+    decoder = Decoder(FROM_CONTROLLER)
+    assert decoder.feed(data[:cut]) == []
+    assert decoder.pending == cut
+    assert decoder.feed(data[cut:]) == [message]
+
+
+@given(st.lists(HEARD, max_size=4), st.binary(max_size=50))
+def test_what_came_before_garbage_counts(messages, more):
+    decoder = Decoder(FROM_CONTROLLER)
+    assert decoder.feed(b"".join(map(encode, messages)) + b"?" + more) == messages if messages else True
+    with pytest.raises(Garbage, match=r"begins with b'\?': there is 'E', '1', '2'"):
+        decoder.feed(b"" if messages else b"?" + more)
+
+
+@pytest.mark.parametrize("data, text", [
+    (b"E\xff\xff", "65535 bytes"), (b"1\x04\x01", "1025 bytes"), (b"2X", "kind b'X'"),
+    (b"2E\0\x0247\xff\xff", "65535 bytes"), (b"I\0\x0211\0\0\0\x01", "begins with b'I'"), (b"HTTP/1.1 400", "b'H'"),
+])
+def test_garbage_is_found_before_anything_is_waited_for(data, text):
+    with pytest.raises(Garbage) as raised:
+        Decoder(FROM_CONTROLLER).feed(data)
+    assert text in str(raised.value)
+
+
+@pytest.mark.parametrize("size", [MAX_STRING - 1, MAX_STRING])
+def test_long_texts_are_read(size):
+    event = Event("N", "a" * size, "b" * size)
+    assert Decoder(FROM_CONTROLLER).feed(encode(event) * 3) == [event] * 3
+
+
+@pytest.mark.parametrize("message", [Set("11", -1), Set("11", 2**32), Busy("x" * (MAX_STRING + 1))])
+def test_what_does_not_fit_is_not_sent(message):
+    with pytest.raises(ValueError):
+        encode(message)
