@@ -14,17 +14,16 @@ PASSWORD_VARIABLE = "ROAH_RSBB_KEY"
 
 _LINE = "a line 'team: password', not indented"
 _QUOTES = "quotes around it"
-# Begins with no character that has a meaning in YAML, and holds no ': ' and no ' #'.
-_PLAIN = re.compile(r"""(?![-?:,\[\]{}#&*!|>'"%@`~=<\s])(?:[^\s:#]|:(?![\s:]|$)|(?<!\s)#|[ ](?![ ]*(?:\#|$)))+""")
+# Words with blanks between them: none begins with '#', no colon ends one, and the first begins with nothing that
+# has a meaning in YAML. No character fits in two places, so that no line makes the search go back and forth.
+_FIRST, _FURTHER = r"(?:[^\s:#]|:(?=\S))", r"(?:[^\s:]|:(?=\S))"
+_PLAIN = re.compile(rf"""(?![-+.?,\[\]{{}}&*!|>'"%@`~=<:]){_FIRST}{_FURTHER}*(?: +{_FIRST}{_FURTHER}*)*""")
 _SINGLE = re.compile(r"'((?:[^']|'')*)'")
 _DOUBLE = re.compile(r'"((?:[^"\\]|\\["\\])*)"')
 # The mark of a YAML document's beginning, below comments only.
 _BEGINNING = re.compile(r"\A((?: *(?:#.*)?\n)*)--- *(?:\n|$)")
-# What YAML reads as a number, a date, a yes, a no or nothing.
-_NO_TEXT = re.compile(
-    r"[-+]?[0-9._][0-9._:,eExXobTZ+a-fA-F -]*|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)"
-    r"|y|Y|n|N|(?i:yes|no|true|false|on|off|null)"
-)
+# All that YAML could read as a number, a date, a yes, a no or nothing, and a little more.
+_NO_TEXT = re.compile(r"[0-9][-+.:_0-9eETtZz ]*|0[bx][0-9a-fA-F_]*|(?i:y|n|yes|no|true|false|on|off|null)")
 
 
 class BadPasswords(Exception):
@@ -56,36 +55,43 @@ def read_passwords(path: str) -> Dict[str, str]:
     """Password by team; BadPasswords if there is anything wrong with the file."""
     try:
         with open(path, encoding="utf-8-sig") as file:
-            lines = _BEGINNING.sub(r"\1\n", file.read()).split("\n")
+            text = file.read()
     except OSError as error:
         raise BadPasswords(f"cannot read {path}: {error.strerror}") from None
     except UnicodeDecodeError:
         raise BadPasswords(f"cannot read {path}: it is no text in UTF-8: save it as such") from None
+    return parse_passwords(text, path)
+
+
+def parse_passwords(text: str, name: str) -> Dict[str, str]:
+    """Password by team in the text of a file; `name` is the file's, for errors."""
     passwords: Dict[str, str] = {}
     errors: List[str] = []
-    for number, line in enumerate(lines, 1):
+    for number, line in enumerate(_BEGINNING.sub(r"\1\n", text).split("\n"), 1):
         try:
             found = _team_line(line)
             if found is not None and found[0] in passwords:
                 raise _Wrong("a second line of the same team; expected one line for each team")
         except _Wrong as wrong:
-            errors.append(f"{path}:{number}: found {wrong}")
+            errors.append(f"{name}:{number}: found {wrong}")
             continue
         if found is not None:
             passwords[found[0]] = found[1]
     if errors:
         raise BadPasswords("\n".join(errors))
     if not passwords:
-        raise BadPasswords(f"{path}:1: found no teams; expected {_LINE}")
+        raise BadPasswords(f"{name}:1: found no teams; expected {_LINE}")
     return passwords
 
 
 def _team_line(line: str) -> Optional[Tuple[str, str]]:
     """Team and password of a line; None for a line without."""
-    if not line.strip(" ") or line.lstrip(" ").startswith("#"):
-        return None
-    if any(not c.isprintable() for c in line):
+    comment = not line.strip(" ") or line.lstrip(" ").startswith("#")
+    # In a comment, too: to YAML some of them end the line, and others are errors.
+    if not (line.replace("\t", " ") if comment else line).isprintable():
         raise _Wrong("a tab or another character that cannot be seen; expected blanks only")
+    if comment:
+        return None
     if line.startswith(" "):
         raise _Wrong(f"an indented line; expected {_LINE}")
     team, rest = _text(line, "the team's name")
