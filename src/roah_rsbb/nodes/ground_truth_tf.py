@@ -49,9 +49,14 @@ class _Stamps:
 
     def __init__(self, frames: Iterable[str]) -> None:
         self._lock = threading.Lock()
-        self._by_frame: Dict[str, Deque[float]] = {
-            frame: collections.deque(maxlen=_STAMPS_KEPT) for frame in frames
-        }
+        self._by_frame: Dict[str, Deque[float]] = {}
+        self.watch(frames)
+
+    def watch(self, frames: Iterable[str]) -> None:
+        """From now on take note of these frames."""
+        with self._lock:
+            old = self._by_frame
+            self._by_frame = {frame: old.get(frame, collections.deque(maxlen=_STAMPS_KEPT)) for frame in frames}
 
     def on_tf(self, message: TFMessage) -> None:
         """Take note of a message of /tf."""
@@ -71,6 +76,10 @@ class _Stamps:
         return min(abs(stamp - at_utc) for stamp in stamps[max(after - 1, 0) : after + 1])
 
 
+def _frames(config: GroundTruthConfig) -> List[str]:
+    return [marker.frame for _, _, marker in config.all_markers()]
+
+
 class TfGroundTruth(GroundTruth):
     """Where things are, from tf. Made after `rospy.init_node`."""
 
@@ -78,8 +87,13 @@ class TfGroundTruth(GroundTruth):
         self.config = config
         self._buffer = tf2_ros.Buffer(rospy.Duration.from_sec(_KEPT_S), debug=False)
         self._listener = tf2_ros.TransformListener(self._buffer)
-        self._stamps = _Stamps(marker.frame for _, _, marker in config.all_markers())
+        self._stamps = _Stamps(_frames(config))
         self._subscriber = rospy.Subscriber("/tf", TFMessage, self._stamps.on_tf)
+
+    def use(self, config: GroundTruthConfig) -> None:
+        """From now on go by another configuration."""
+        self._stamps.watch(_frames(config))
+        self.config = config
 
     def pose(self, frame: str, at_utc: Optional[float] = None) -> Pose3:
         """See GroundTruth.pose; at most `maximum_age_s` away from the time that is asked for."""
