@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import os
 import socket
 from typing import Callable, Optional
 
@@ -121,4 +122,4 @@ def _watch_over(writer: asyncio.StreamWriter) -> None:
 
 
 def _reason(error: OSError) -> str:
-    return error.strerror or str(error)
+    return os.strerror(error.errno) if error.errno else str(error)

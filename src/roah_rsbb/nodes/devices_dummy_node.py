@@ -37,14 +37,13 @@ class DevicesDummyNode:
 
     def run(self) -> None:
         """Run until shut down."""
-        opening = self._ros.loop.create_task(self._open())
+        self._opening = self._ros.loop.create_task(self._open())
         rospy.Service("~ring", Empty, self._ring)
         rospy.Service("~door", Bool, self._door)
         if sys.stdin is not None and sys.stdin.isatty():
             rospy.loginfo("Type %s", ", ".join(WORDS))
             self._ros.loop.add_reader(sys.stdin.fileno(), self._typed)
         self._ros.run()
-        opening.cancel()
         self._server.close()
         self._ros.close()
 

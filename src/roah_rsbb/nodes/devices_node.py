@@ -47,9 +47,8 @@ class DevicesNode:
         """Run until shut down."""
         self._publish()
         self._serve()
-        client = self._ros.loop.create_task(self._client.run())
+        self._connection = self._ros.loop.create_task(self._client.run())
         self._ros.run()
-        client.cancel()
         self._keeper.shutdown(wait=False)
         self._ros.close()
 

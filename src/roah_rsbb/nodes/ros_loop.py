@@ -11,6 +11,7 @@ T = TypeVar("T")
 
 # A referee's command takes milliseconds; waiting longer would only hide that the core is stuck.
 ANSWER_TIMEOUT_S = 5.0
+END_TASKS_S = 1.0
 
 
 def _tell(_loop: asyncio.AbstractEventLoop, context: Dict[str, Any]) -> None:
@@ -46,7 +47,7 @@ class RosLoop:
         except concurrent.futures.TimeoutError:
             done.cancel()
             raise rospy.ServiceException(
-                f"the core did not answer within {ANSWER_TIMEOUT_S:.0f} s: look at its log"
+                f"{rospy.get_name()} did not answer within {ANSWER_TIMEOUT_S:.0f} s: look at its log"
             ) from None
 
     def post(self, function: Callable[[], object]) -> None:
@@ -69,4 +70,9 @@ class RosLoop:
     def close(self) -> None:
         """After `run`, once everything else is put away: end the ROS node too."""
         rospy.signal_shutdown(self._why)
+        tasks = asyncio.all_tasks(self.loop)
+        for task in tasks:
+            task.cancel()
+        if tasks:
+            self.loop.run_until_complete(asyncio.wait(tasks, timeout=END_TASKS_S))
         self.loop.close()

@@ -1,0 +1,8 @@
+#!/usr/bin/python3
+"""A player that nobody hears: it adds its argument as a line to a file in ROS_HOME, for the test."""
+
+import os
+import sys
+
+with open(os.path.join(os.environ["ROS_HOME"], "played"), "a", encoding="utf-8") as file:
+    file.write(sys.argv[1] + "\n")
