@@ -17,9 +17,11 @@ message with its fields, and for what is no message the reason. It only listens.
 
 _EPILOG = f"""\
 what can be heard
-  With root's rights (or CAP_NET_RAW) on Linux: everything, on this machine and on the network of --host. Without
-  them: broadcasts, which is the public channel. States of a run are unicast; hear them on the box's machine or
-  on the robot's. The private ports of runs are learned from the box's beacons.
+  With root's rights (or CAP_NET_RAW) on Linux: everything that reaches or leaves this machine, and what its own
+  programs send to each other. Without them: broadcasts, which is the public channel.
+  States of a run are unicast between box and robot: hear them, with root's rights, on the box's machine or on the
+  robot's. A third machine gets none of them (a switch or access point does not deliver them there), unless the box
+  broadcasts them. The private ports of runs are learned from the box's beacons.
 
 passwords
   --passwords FILE is the box's passwords file. With the password of one team (--password-file, the environment
