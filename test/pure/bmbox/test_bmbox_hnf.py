@@ -11,8 +11,11 @@ from roah_rsbb.bmbox.rehearsal import Poses, Rehearsal
 WAYPOINTS = [Pose2D(1.0, 0.0, 0.0), Pose2D(2.0, 2.0, math.pi), Pose2D(0.0, 0.0, -math.pi / 2)]
 
 
-def hnf(waypoints=WAYPOINTS, robot=Pose3(0.0, 0.0, 0.0, 0.0)):
-    parameters = {"starting_pose": Pose2D(0.5, -0.25, math.pi / 2), "waypoints": waypoints, "goal_timeout": 120.0}
+ORIGIN = Pose3(0.0, 0.0, 0.0, 0.0)
+
+
+def hnf(robot=ORIGIN):
+    parameters = {"starting_pose": Pose2D(0.5, -0.25, math.pi / 2), "waypoints": WAYPOINTS, "goal_timeout": 120.0}
     return Rehearsal(HNF, parameters, Poses(robot=robot))
 
 

@@ -140,7 +140,11 @@ def test_each_attempt_draws_anew_and_a_restart_draws_the_same():
 
 
 def acts(r):
-    return [lambda: r.answer("no"), lambda: (r.executes(2.0), r.result("seen", 3.0)), lambda: r.answer("Skip"), r.result]
+    def goal():
+        r.executes(2.0)
+        r.result("seen", 3.0)
+
+    return [lambda: r.answer("no"), goal, lambda: r.answer("Skip"), r.result]
 
 
 @pytest.mark.parametrize("restarts", range(16))
