@@ -14,7 +14,7 @@ from roah_rsbb.bmbox.ground_truth import Pose2D, Pose3, angle_difference, compos
 from roah_rsbb.core.module_messages import RequestKind, RunForModule, Step
 
 TABLE = Pose3(4.0, 1.0, 0.8, 0.3)  # a corner of its top; metres and radians in the test bed
-TABLE_SIZE = (1.2, 0.8)  # metres
+TABLE_SIZE = (1.2, 0.8)  # metres, as in HOPF.yaml and HGMF.yaml
 # Things are put so far inside the table's edges, metres.
 EDGE_M = 0.2
 WALK_CENTRE = Pose2D(3.0, 3.0, 0.0)

@@ -1,0 +1,108 @@
+"""HGMF, Grasping and Manipulation: the robot puts objects where it is told (benchmarks, HGMF)."""
+
+import random
+from types import SimpleNamespace
+from typing import Optional
+
+from roah_rsbb.bmbox.ground_truth import Pose2D, Pose3, distance, seen_from
+from roah_rsbb.bmbox.module import Module
+from roah_rsbb.bmbox.parameters import ListOf, Number, Record, Seconds, Text, Whole
+from roah_rsbb.bmbox.score import Value
+
+OBJECT, TABLE = "object", "table"
+PERIOD_S = 0.1
+GRASPED_M = 0.03  # so much higher than before
+EDGE_M, OBJECT_M = 0.15, 0.05  # so far from table's edges and object is a target
+# On a smaller one there might be no target far enough from the object.
+SMALLEST_TABLE_M = 0.5
+# 3 cm are 3 cm, whatever floating point makes of them.
+_ROUNDING_M = 1e-6
+
+
+class HGMF(Module):
+    """Each object once, in random order; places in the table's frame.
+
+    At the end of a goal, done or timed out, the object is measured where it is then. If that cannot be had the
+    referee sees to it, or skips it (an object on the floor): then there is no distance error. The mean is over all
+    objects that have one, grasped or not.
+    """
+
+    CODE = "HGMF"
+    PARAMETERS = {
+        "objects": ListOf(Record({"id": Whole("1", 0, 65535), "description": Text("red mug")})),
+        "table_size": Record({"x": Number("metres", "1.2", least=SMALLEST_TABLE_M, most=10.0),
+                              "y": Number("metres", "0.8", least=SMALLEST_TABLE_M, most=10.0)}),
+        "goal_timeout": Seconds(),
+    }
+    SUBJECTS = (OBJECT, TABLE)
+    SCORES = {
+        "grasped": Value("Objects grasped"),
+        "objects": Value("Objects in all"),
+        "distance_error": Value("Mean distance error", "m"),
+        "execution_time": Value("Execution time", "s"),
+    }
+    EACH = {
+        "object": Value("Object"),
+        "time": Value("Time", "s"),
+        "grasped": Value("Grasped"),
+        "distance_error": Value("Distance error", "m"),
+    }
+
+    async def execute(self) -> None:
+        things = self.random.sample(self.parameters.objects, len(self.parameters.objects))
+        self.score["objects"] = len(things)
+        self._sum_up()
+        for number, thing in enumerate(things, 1):
+            self.status = f"Object {number} of {len(things)}: {thing.description}"
+            await self._one(f"object {number}", thing)
+        self.status = "All objects done"
+
+    async def _one(self, group: str, thing: SimpleNamespace) -> None:
+        self.score[group, "object"] = thing.description
+        await self.referee(f"Place the {thing.description} with markers on the table")
+        begin = await self.pose(OBJECT)
+        target = draw_target(self.random, self.parameters.table_size, seen_from(await self.pose(TABLE), begin))
+        self.kept = {"grasped": False}
+        outcome = await self.goal(
+            [target.x, target.y, thing.id], target, self.parameters.goal_timeout,
+            f"{thing.description} (object {thing.id}) to x {target.x:.2f} m, y {target.y:.2f} m",
+            lambda _executing_s: self._look(group, begin), PERIOD_S,
+        )
+        self.score[group, "time"] = outcome.executing_s
+        self.score[group, "grasped"] = await self.note(lambda: self.kept["grasped"])
+        self._sum_up()
+        end = await self._end()
+        self.score[group, "distance_error"] = None if end is None else distance(end, target)
+        self._sum_up()
+
+    async def _end(self) -> Optional[Pose3]:
+        """Where the object is at the end, in the table's frame; None: the referee says that nobody knows."""
+        end = await self.pose(OBJECT, may_skip=True)
+        return None if end is None else seen_from(await self.pose(TABLE), end)
+
+    def _look(self, group: str, begin: Pose3) -> None:
+        now = self.peek(OBJECT)
+        if now is not None and is_grasped(begin, now) and not self.kept["grasped"]:
+            self.kept = {"grasped": True}
+            self.score[group, "grasped"] = True
+            self._sum_up()
+
+    def _sum_up(self) -> None:
+        each = self.score.each
+        errors = [error for error in each("distance_error") if error is not None]
+        self.score["grasped"] = each("grasped").count(True)
+        self.score["distance_error"] = sum(errors) / len(errors) if errors else None
+        self.score["execution_time"] = sum(each("time"))
+
+
+def is_grasped(begin: Pose3, now: Pose3) -> bool:
+    """Whether an object rose so far that something must have lifted it."""
+    return now.z - begin.z >= GRASPED_M - _ROUNDING_M
+
+
+def draw_target(chance: random.Random, table_size: SimpleNamespace, thing: Pose3) -> Pose2D:
+    """A place on the table, far enough inside its edges and from the object; metres, in the table's frame."""
+    while True:
+        target = Pose2D(*(chance.uniform(EDGE_M, size - EDGE_M) for size in (table_size.x, table_size.y)), 0.0)
+        if distance(target, thing) >= OBJECT_M:
+            return target

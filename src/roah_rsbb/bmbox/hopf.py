@@ -1,0 +1,110 @@
+"""HOPF, Object Perception: the robot says what stands on the table, and where (benchmarks, HOPF)."""
+
+import math
+from types import SimpleNamespace
+
+from roah_rsbb.bmbox.ground_truth import Pose3, angle_difference, compose, distance, seen_from
+from roah_rsbb.bmbox.module import TRY_AGAIN, GoalOutcome, Module
+from roah_rsbb.bmbox.parameters import FARTHEST_M, ListOf, Number, Record, Seconds, Text, Transform, Whole
+from roah_rsbb.bmbox.score import Value
+
+POSITIONER, TABLE = "positioner", "table"
+AS_IT_IS = "Use it as it is"
+
+
+class HOPF(Module):
+    """Items on the table, one a goal, each at most once; a positioner shows where the item stands.
+
+    All accuracies are shares of all goals that the parameters ask for: one that was not reached in time has no
+    result. Where there are fewer items than goals there are as many goals as items, and the referee is warned.
+    Class and instance must be the configured texts exactly. A result that lacks its pose still has a class, and
+    the other way round.
+    """
+
+    CODE = "HOPF"
+    PARAMETERS = {
+        "items": ListOf(Record({
+            "id": Whole("1", 0, 65535), "class": Text("mug"), "instance": Text("red_mug"),
+            "description": Text("red mug"), "transform": Transform(),
+        })),
+        "table_size": Record({"x": Number("metres", "1.2", above=0.0, most=10.0),
+                              "y": Number("metres", "0.8", above=0.0, most=10.0)}),
+        "goals": Whole("10", 1, 100),
+        "goal_timeout": Seconds(),
+    }
+    SUBJECTS = (POSITIONER, TABLE)
+    SCORES = {
+        "class_accuracy": Value("Class accuracy (share of the goals)"),
+        "instance_accuracy": Value("Instance accuracy (share of the goals)"),
+        "pose_score": Value("Pose score (mean over the goals, at best 1)"),
+        "execution_time": Value("Execution time", "s"),
+    }
+    EACH = {
+        "item": Value("Item"),
+        "time": Value("Time", "s"),
+        "class_right": Value("Class right"),
+        "instance_right": Value("Instance right"),
+        "distance_error": Value("Distance error", "m"),
+        "orientation_error": Value("Orientation error", "rad"),
+        "pose_score": Value("Pose score, at best 1"),
+    }
+
+    async def execute(self) -> None:
+        items = self.parameters.items
+        goals = min(self.parameters.goals, len(items))
+        if goals < self.parameters.goals:
+            self.warn(f"there are {goals} items for {self.parameters.goals} goals: this run has {goals} goals")
+        for number, item in enumerate(self.random.sample(items, goals), 1):
+            name = f"goal {number}"
+            self.status = f"Goal {number} of {goals}: {item.description} (item {item.id})"
+            self.score[name, "item"] = item.description
+            await self.referee(f"Place the positioner and the item on the table: {item.description} (item {item.id})")
+            truth = await self._item_on_table(item)
+            await self.referee("Remove the positioner; the item stays")
+            outcome = await self.goal(timeout=self.parameters.goal_timeout, text=f"{name}: {item.description}")
+            self._judge(name, item, truth, outcome)
+            self._sum_up(goals)
+        self.status = "All goals done"
+
+    async def _item_on_table(self, item: SimpleNamespace) -> Pose3:
+        """The item's pose in the table's frame; where it cannot be on the table, the referee is asked about it."""
+        size = self.parameters.table_size
+        while True:
+            table, positioner = await self.pose(TABLE), await self.pose(POSITIONER)
+            pose = seen_from(table, compose(positioner, item.transform))
+            if 0.0 <= pose.x <= size.x and 0.0 <= pose.y <= size.y:
+                return pose
+            asked = (f"The item was measured beside the table, at x {pose.x:.2f} m, y {pose.y:.2f} m of "
+                     f"{size.x:g} m by {size.y:g} m: look at the positioner and at the markers")
+            if await self.referee(asked, (TRY_AGAIN, AS_IT_IS)) == AS_IT_IS:
+                return pose
+
+    def _judge(self, name: str, item: SimpleNamespace, truth: Pose3, outcome: GoalOutcome) -> None:
+        """One goal's scores."""
+        self.score[name, "time"] = outcome.executing_s
+        said = self.record(outcome, {"class": str, "instance": str})
+        self.score[name, "class_right"] = said is not None and said.class_ == getattr(item, "class")
+        self.score[name, "instance_right"] = said is not None and said.instance == item.instance
+        self.score[name, "pose_score"] = 0.0
+        seen = self.record(outcome, {"x": float, "y": float, "theta": float})
+        if seen is not None:
+            # However far away a robot says that something is, sums stay numbers.
+            far = min(distance(seen, truth), FARTHEST_M)
+            turned = abs(angle_difference(seen.theta, truth.theta))
+            self.score[name, "distance_error"], self.score[name, "orientation_error"] = far, turned
+            self.score[name, "pose_score"] = pose_score(far, turned)
+
+    def _sum_up(self, goals: int) -> None:
+        each = self.score.each
+        self.score["class_accuracy"] = each("class_right").count(True) / goals
+        self.score["instance_accuracy"] = each("instance_right").count(True) / goals
+        self.score["pose_score"] = sum(each("pose_score")) / goals
+        self.score["execution_time"] = sum(each("time"))
+
+
+def pose_score(distance_m: float, angle: float) -> float:
+    """How good a pose is, from 0 to 1: 1 − e_trans/2 − e_rot/2, from a distance and an angle of at least 0 (radians).
+
+    e_trans is the distance in metres, e_rot the angle as a share of π; both are cut at 1.
+    """
+    return 1.0 - min(distance_m, 1.0) / 2.0 - min(angle / math.pi, 1.0) / 2.0

@@ -1,0 +1,85 @@
+"""HPPF, People Perception: the robot says who stands in front of it, and where (benchmarks, HPPF)."""
+
+from types import SimpleNamespace
+from typing import Optional
+
+from roah_rsbb.bmbox.ground_truth import Pose3, distance
+from roah_rsbb.bmbox.module import SKIP, TRY_AGAIN, Module
+from roah_rsbb.bmbox.parameters import FARTHEST_M, ListOf, Seconds, Text
+from roah_rsbb.bmbox.score import Value
+
+PERSON = "person"
+
+
+class HPPF(Module):
+    """Each person once, in random order.
+
+    Detected is who the robot gave a result for that can be read, be it a name or a place. Where a person stood is
+    what was measured at the time of the result; if that is unknown, the person stands there again, or the
+    referee skips it: then there is no distance error. The mean is over those who have one.
+    """
+
+    CODE = "HPPF"
+    PARAMETERS = {"people": ListOf(Text("Annie")), "goal_timeout": Seconds()}
+    SUBJECTS = (PERSON,)
+    SCORES = {
+        "detected": Value("People detected"),
+        "recognised": Value("People recognised"),
+        "distance_error": Value("Mean distance error", "m"),
+        "execution_time": Value("Execution time", "s"),
+    }
+    EACH = {
+        "name": Value("Name"),
+        "time": Value("Time", "s"),
+        "detected": Value("Detected"),
+        "recognised": Value("Recognised"),
+        "distance_error": Value("Distance error", "m"),
+    }
+
+    async def execute(self) -> None:
+        people = self.random.sample(self.parameters.people, len(self.parameters.people))
+        self._sum_up()
+        for number, name in enumerate(people, 1):
+            group = f"person {number}"
+            self.status = f"Person {number} of {len(people)}: {name}"
+            self.score[group, "name"] = name
+            await self.referee(f"{name} enters the target area")
+            await self.pose(PERSON)  # that it can be had, before the team's time runs
+            outcome = await self.goal(timeout=self.parameters.goal_timeout, text=f"{group}: {name}")
+            said = self.record(outcome, {"person_name": str})
+            seen = self.record(outcome, {"x": float, "y": float})
+            self.score[group, "time"] = outcome.executing_s
+            self.score[group, "detected"] = said is not None or seen is not None
+            self.score[group, "recognised"] = said is not None and is_same_name(said.person_name, name)
+            self._sum_up()
+            if seen is not None:
+                self._measure_error(group, seen, await self._stood(name, outcome.ended_utc))
+                self._sum_up()
+        self.status = "All people done"
+
+    async def _stood(self, name: str, utc: float) -> Optional[Pose3]:
+        """Where the person stood at the time of the result; None: nobody knows."""
+        pose = await self.pose_at(PERSON, utc)
+        if pose is not None:
+            return pose
+        asked = f"Where {name} stood at the robot's result is not known: have {name} stand there again, then try again"
+        if await self.referee(asked, (TRY_AGAIN, SKIP)) == SKIP:
+            return None
+        return await self.pose(PERSON, may_skip=True)
+
+    def _measure_error(self, group: str, seen: SimpleNamespace, truth: Optional[Pose3]) -> None:
+        # However far away a robot says that somebody is, sums stay numbers.
+        self.score[group, "distance_error"] = None if truth is None else min(distance(seen, truth), FARTHEST_M)
+
+    def _sum_up(self) -> None:
+        each = self.score.each
+        errors = [error for error in each("distance_error") if error is not None]
+        self.score["detected"] = each("detected").count(True)
+        self.score["recognised"] = each("recognised").count(True)
+        self.score["distance_error"] = sum(errors) / len(errors) if errors else None
+        self.score["execution_time"] = sum(each("time"))
+
+
+def is_same_name(a: str, b: str) -> bool:
+    """Whether two names are the same, upper and lower case and blanks around them ignored."""
+    return a.strip().casefold() == b.strip().casefold()
