@@ -76,8 +76,7 @@ class MemberRun(Run):
     def on_report(self, now: Now, host: str, report: RobotReport) -> bool:
         """See `Run.on_report`."""
         is_fresh = super().on_report(now, host, report)
-        if is_fresh:
-            self._whole.on_member_heard(now, self)
+        self._whole.on_member_heard(now, self)
         return is_fresh
 
     def doing(self, now: Now) -> str:
@@ -134,7 +133,7 @@ class AllRobotsRun:
         return self if self._members else None
 
     def on_member_heard(self, now: Now, member: MemberRun) -> None:
-        """A fresh message of a robot was taken: it may join the others, or have been the last to end."""
+        """A message of a robot was taken: it may join the others, or have been the last to end."""
         if self.phase is Phase.RUNNING and member.phase is Phase.CONNECTED and not member.why_not_ready(now):
             self.say(now, Level.INFO, f"{member.robot} is ready now, and joins the run")
             member.start(now)
@@ -143,8 +142,7 @@ class AllRobotsRun:
     # -- the referee --------------------------------------------------------------------------------
 
     def start(self, now: Now) -> None:
-        """See `ZoneRun`."""
-        self.clock.start(now)
+        """See `ZoneRun`. The members start the clock that they share, and stop it when they end."""
         self.phase = Phase.RUNNING
         self.end_reason = None
         for member in self._members:
@@ -203,7 +201,6 @@ class AllRobotsRun:
     def _end(self, now: Now, reason: EndReason) -> None:
         self.phase = Phase.ENDED
         self.end_reason = reason
-        self.clock.stop(now)
         self._settled_mono = now.mono + SETTLE_S
         ends = [member.end_reason for member in self._in_phase(Phase.ENDED)]
         counted = [f"{ends.count(end)} {text}" for end, text in ENDS.items() if end in ends]
@@ -228,16 +225,13 @@ class AllRobotsRun:
         return [f"{member.robot}: {text}" for member in self._members for text in self._warnings_of(member, now)]
 
     def _warnings_of(self, member: MemberRun, now: Now) -> List[str]:
-        why = "" if member.phase is Phase.RUNNING else member.why_not_ready(now)
-        if why and self.phase is Phase.RUNNING and member.phase is Phase.CONNECTED:
-            return [f"left out until it is ready: {why}"]
-        if why and self.phase is not Phase.RUNNING and now.mono >= self._settled_mono and self._may_start(now):
-            return [f"will be left out until it is ready: {why}"]
+        if self.phase is Phase.RUNNING:
+            if member.phase is Phase.CONNECTED:
+                return [f"left out until it is ready: {member.why_not_ready(now)}"]
+        elif now.mono >= self._settled_mono and not self.clock.is_over(now) and member.why_not_ready(now):
+            return [f"will be left out until it is ready: {member.why_not_ready(now)}"]
         saved_nothing = member.end_reason is EndReason.NO_MESSAGES_SAVED
         return ([member.desc] if saved_nothing else []) + member.warnings(now)
-
-    def _may_start(self, now: Now) -> bool:
-        return self.end_reason is not EndReason.TIMEOUT and not self.clock.is_over(now)
 
     def status_lines(self, now: Now) -> List[str]:
         """See `ZoneRun`."""

@@ -40,14 +40,13 @@ class Capacity(NamedTuple):
         size = self._size(robots) if robots else 0
         if size <= self.max_datagram:
             return []
-        if len(robots) == 1:
-            more, remedy = "one more robot", "end another run first"
-        else:
-            more, remedy = f"{len(robots)} more robots", f"leave only {self._fitting(robots)} of them switched on"
-            remedy += ", end another run first" if self.listed else ""
+        more = "one more robot" if len(robots) == 1 else f"{len(robots)} more robots"
+        fitting = self._fitting(robots)
+        remedies = [f"leave only {fitting} of them switched on"] if fitting else []
+        remedies += ["end another run first"] if self.listed or not fitting else []
         return [
-            f"The beacon may need {size} bytes with {more}, and robots may read only {self.max_datagram}: {remedy}, "
-            "or raise max_datagram if all robots are known to read more"
+            f"The beacon may need {size} bytes with {more}, and robots may read only {self.max_datagram}: "
+            f"{', '.join(remedies)}, or raise max_datagram if all robots are known to read more"
         ]
 
     def _size(self, robots: Sequence[RobotId]) -> int:

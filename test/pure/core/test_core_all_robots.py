@@ -181,6 +181,9 @@ def test_start_waits_a_moment_for_robots_that_have_not_answered():
     robots[0].says()
     assert driver.off("start") == [f"{R2}: {NO_ANSWER}", f"{R3}: {NO_ANSWER}"]
     assert _state(driver)[-1] == "Robots connected: 3 / ready: 1"
+    assert driver.view().all_robots.robots == (
+        f"{R1}: ready", f"{R2}: not ready: {NO_ANSWER}", f"{R3}: not ready: {NO_ANSWER}",
+    )
     robots[1].says()
     robots[2].says()
     assert driver.off("start") == []
@@ -221,6 +224,7 @@ def test_a_robot_that_was_left_out_joins_as_soon_as_it_is_ready():
     robots[2].skew = 0.0
     live_all(driver, robots, 4)
     assert _box_states(driver, robots)[2] is BoxState.PREPARE
+    assert driver.view().warnings == ()
     assert f"{R3} is ready now, and joins the run" in driver.notices(Level.INFO)
     for robot in robots:
         robot.executes()
@@ -228,6 +232,25 @@ def test_a_robot_that_was_left_out_joins_as_soon_as_it_is_ready():
     for robot in robots:
         robot.completes()
     assert driver.run_in().end_reason is EndReason.COMPLETED
+
+
+def test_who_joins_late_has_the_same_clock():
+    driver = all_robots_box(timeout=60.0)
+    robots = robots_of(driver)
+    driver.command("connect")
+    take_ports(driver, robots)
+    live_all(driver, robots[:2], 4)
+    driver.command("start")
+    deadline = driver.run_in().clock.deadline()
+    live_all(driver, robots[:2], 30)
+    robots[2].says(RobotState.STOP)
+    for robot in robots:
+        robot.executes()
+    for robot in robots[:2]:
+        robot.completes()
+    driver.run(deadline - driver.now.mono)
+    assert _ends(driver) == [EndReason.COMPLETED, EndReason.COMPLETED, EndReason.TIMEOUT]
+    assert driver.run_in().end_reason is EndReason.TIMEOUT
 
 
 def test_a_robot_out_of_skew_blocks_nobody_either():
@@ -280,10 +303,11 @@ def test_it_is_complete_with_the_last_robot():
         assert driver.run_in().phase is Phase.RUNNING
     live_all(driver, robots, 10)
     assert _box_states(driver, robots) == [BoxState.STOP, BoxState.STOP, BoxState.WAITING_RESULT]
-    robots[2].completes()
+    robots[2].says(RobotState.RESULT_TX)
     run = driver.run_in()
     assert (run.phase, run.end_reason) == (Phase.ENDED, EndReason.COMPLETED)
     assert run.desc == "All robots have ended (3 completed)"
+    assert driver.view().log.endswith(" All robots have ended (3 completed)\n")
     assert driver.taken(effects.TimeoutRung) == []
 
 
@@ -311,8 +335,9 @@ def test_one_clock_is_for_all_and_rings_once():
     assert driver.taken(effects.TimeoutRung) == [effects.TimeoutRung("tbm")]
     assert _ends(driver) == [EndReason.COMPLETED, EndReason.TIMEOUT, EndReason.TIMEOUT]
     assert driver.off("start")[0] == "The run ended by timeout: disconnect, and connect for a new run"
-    assert not any("will be left out" in warning for warning in driver.view().warnings)
     assert driver.view().timer == 120.0  # after_stop_duration
+    driver.run(5)
+    assert not any("will be left out" in warning for warning in driver.view().warnings)
 
 
 def test_a_robot_that_dies_ends_nobody_elses_run():
@@ -435,6 +460,7 @@ def test_after_a_stop_all_start_again_and_the_clock_went_on():
 
 def test_a_robot_that_does_not_stop_blocks_the_next_start_only_for_a_moment():
     driver, robots = _running()
+    live_all(driver, robots, 10)
     driver.command("stop")
     robots[0].says(RobotState.STOP)
     robots[1].says(RobotState.STOP)
@@ -467,7 +493,9 @@ def test_time_that_is_up_after_a_stop_is_up():
 def test_disconnect_closes_all_channels_without_a_last_message():
     driver, robots = _running()
     driver.taken()
+    run = driver.run_in()
     driver.command("disconnect")
+    assert (run.phase, run.end_reason) == (Phase.ENDED, EndReason.STOPPED)
     taken = driver.taken()
     assert not any(isinstance(effect, effects.SendState) for effect in taken)
     assert [e.port for e in taken if isinstance(e, effects.CloseChannel)] == [6667, 6668, 6669]
@@ -563,6 +591,12 @@ def test_a_step_of_the_boxs_clock_measures_all_skews_anew():
     assert driver.off("start") == []
 
 
+def test_robots_in_it_stay_active():
+    driver, robots = _running()
+    live_all(driver, robots, 40)
+    assert [view.robot for view in views.robots(driver.box, driver.now)] == ["r1", "r2", "r3"]
+
+
 def test_it_is_in_the_publics_schedule():
     driver, _ = _connected()
     assert [line.running for line in views.schedule(driver.box)] == [True, False]
@@ -605,12 +639,31 @@ def test_robots_that_the_beacon_has_no_room_for_refuse_connect_with_how_many_fit
     assert driver.off("connect", "other")[0].startswith("The beacon may need")
 
 
+@pytest.mark.parametrize("bytes_left, fit", [(-1, 2), (0, 3), (1, 3), (-32, 2), (-33, 1), (-64, 1), (-65, 0)])
+def test_the_beacons_room_is_used_to_the_last_byte(bytes_left, fit):
+    driver = all_robots_box(settings=Settings(max_datagram=100 + 32 * 3 + bytes_left))
+    robots_of(driver)
+    if fit == 3:
+        assert driver.off("connect") == []
+        return
+    reason, = driver.off("connect")
+    remedy = f"leave only {fit} of them switched on" if fit else "end another run first"
+    assert f": {remedy}, or raise max_datagram" in reason
+
+
 def test_robots_of_other_runs_take_room_too():
     driver = all_robots_box(teams=["Alpha", *THIRTY])
     driver.connected("other")
     robots_of(driver, THIRTY[:28])
     reason, = driver.off("connect")
     assert "leave only 27 of them switched on, end another run first, or raise max_datagram" in reason
+
+
+def test_one_port_is_not_enough_for_two():
+    driver = all_robots_box(last_port=65534)
+    robots_of(driver, ["Alpha", "Beta"])
+    reason, = driver.off("connect")
+    assert reason.startswith("All UDP ports up to 65535 but 1 are used up, and 2 robots need one each")
 
 
 def test_every_robot_needs_a_port():
