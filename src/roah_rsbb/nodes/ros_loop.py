@@ -2,6 +2,7 @@
 
 import asyncio
 import concurrent.futures
+import contextlib
 import signal
 from typing import Any, Callable, Dict, TypeVar
 
@@ -69,10 +70,12 @@ class RosLoop:
 
     def close(self) -> None:
         """After `run`, once everything else is put away: end the ROS node too."""
-        rospy.signal_shutdown(self._why)
         tasks = asyncio.all_tasks(self.loop)
         for task in tasks:
             task.cancel()
         if tasks:
-            self.loop.run_until_complete(asyncio.wait(tasks, timeout=END_TASKS_S))
+            # ROS may shut down at the same moment, and stop the loop: then they end as they are.
+            with contextlib.suppress(RuntimeError):
+                self.loop.run_until_complete(asyncio.wait(tasks, timeout=END_TASKS_S))
+        rospy.signal_shutdown(self._why)
         self.loop.close()
