@@ -1,7 +1,8 @@
 """The demonstration: the dummy set-up on this machine alone (loopback; no network, no configuration).
 
 With a display it opens the referee's window and leaves the rest to the referee. Without one a scripted
-referee takes a dummy robot through one task benchmark; the exit status says whether the run completed.
+referee takes a dummy robot through one task benchmark and one functionality benchmark, whose manual operations it
+completes by itself; the exit status says whether both runs completed.
 """
 
 import argparse
@@ -14,7 +15,11 @@ import sys
 from typing import Dict, Iterator, List
 
 ZONE = "Testing TestingTeam"
-BENCHMARK = "HGTKMH"
+# Benchmark: what the scripted referee does besides conducting the run.
+RUNS: Dict[str, List[str]] = {
+    "HGTKMH": ["--score", "door=1", "--score", "moved furniture=2"],
+    "HNF": ["--operations", "automatic"],
+}
 LOG_DIR = os.path.expanduser("~/.ros/roah_rsbb_demo")
 LAUNCH_LOG = os.path.join(LOG_DIR, "launch.log")
 # What a loopback demonstration needs: all on this machine, heard by nobody else.
@@ -62,22 +67,23 @@ def _launched(command: List[str], environment: Dict[str, str]) -> Iterator[None]
 
 
 def _scripted(environment: Dict[str, str], master_port: int) -> int:
-    print(f"No display here: a scripted referee takes a dummy robot through {BENCHMARK}.", flush=True)
-    referee = [
-        "rosrun", "roah_rsbb", "referee", "run", ZONE, "--benchmark", BENCHMARK, "--wait", str(WAIT_FOR_ROBOT_S),
-        "--score", "door=1", "--score", "moved furniture=2",
-    ]
+    print(f"No display here: a scripted referee takes a dummy robot through {' and '.join(RUNS)}.", flush=True)
     with _launched(_launch_command("none", master_port), environment):
-        status = subprocess.call(referee, env=environment)
+        for benchmark, does in RUNS.items():
+            print(f"\n--- {benchmark}", flush=True)
+            referee = ["rosrun", "roah_rsbb", "referee", "run", ZONE, "--benchmark", benchmark]
+            status = subprocess.call([*referee, "--wait", str(WAIT_FOR_ROBOT_S), *does], env=environment)
+            if status != 0:
+                print(f"demo: {benchmark} did not complete (the referee's exit status is {status})", file=sys.stderr)
+                break
     print(f"Logs of the runs (rosbags) are in {LOG_DIR}; what the programs printed is in {LAUNCH_LOG}")
-    if status != 0:
-        print(f"demo: the run did not complete (the referee's exit status is {status})", file=sys.stderr)
     return status
 
 
 def _with_window(environment: Dict[str, str], master_port: int) -> int:
     print(f"Opening the referee's window. Choose zone '{ZONE}', then connect, start, and mark scores while the")
-    print("dummy robot works. End with Ctrl-C here, or with the exit button of Core Status.", flush=True)
+    print("dummy robot works. In functionality benchmarks, such as HNF, the panel Manual Operation says what to do.")
+    print("End with Ctrl-C here, or with the exit button of Core Status.", flush=True)
     try:
         return subprocess.call(_launch_command("auto", master_port), env=environment)
     except KeyboardInterrupt:

@@ -33,6 +33,8 @@ BOLD, RED, GREEN, YELLOW, CYAN = "1", "1;31", "1;32", "1;33", "1;36"
 _PHASE_COLOURS = {RUNNING: GREEN, CONNECTED: CYAN, ENDED: YELLOW}
 # The core's lines in a log begin with their own time, which is truer than that of their publication.
 _CLOCK = re.compile(r"(\d\d:\d\d:\d\dZ )?(.*)", re.DOTALL)
+# A longer text as a module's score sets the others' column no further in, characters.
+_WIDEST = 20
 # A zone's lines are set in from its name.
 _IN = "    "
 
@@ -146,7 +148,8 @@ def _module_sheet(zone: Zone, paint: Paint) -> List[str]:
     lines = ["Score of the benchmarking module"] if zone.module_score else []
     for title, group in module_scores.by_group(map(_score_in_json, zone.module_score)):
         lines.append(f"{_IN}{plain(title)}")
-        lines += [f"{_IN}{_IN}{paint(BOLD, plain(line.value))}  {plain(line.name)}" for line in group]
+        width = min(max(len(plain(line.value)) for line in group), _WIDEST)
+        lines += [f"{_IN}{_IN}{paint(BOLD, plain(line.value).rjust(width))}  {plain(line.name)}" for line in group]
     return lines
 
 

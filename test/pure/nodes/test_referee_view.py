@@ -85,7 +85,7 @@ Score of the benchmarking module
         1  Goals reached
     goal 1
         1.25 s  Time
-        –  Distance error""")
+             –  Distance error""")
 
 
 @pytest.mark.parametrize(("old", "new", "told"), [
