@@ -117,7 +117,9 @@ def test_broken_requests_are_cut_off_and_the_next_one_is_served(served, data):
     assert served.get("/").code == 200
 
 
-def test_a_call_is_sent_on_and_told_to_every_page(served):
+def test_a_call_is_sent_on_and_told_to_every_page_at_once(running, monkeypatch):
+    monkeypatch.setattr(server_module, "_TELL_PERIOD_S", 1e6)
+    served = Served(running)
     pages = [served.page(), served.page()]
     for page in pages:
         assert served.read(page)["call"]["time"] == 0
@@ -125,6 +127,7 @@ def test_a_call_is_sent_on_and_told_to_every_page(served):
     for page in pages:
         assert served.read(page)["call"]["time"] > 0
     assert served.touches == [served.state.call_time] != [NEVER]
+    served.server.close()
 
 
 def test_a_refusal_is_told_to_who_asked_only(served):
@@ -194,8 +197,8 @@ def test_a_tablet_is_there_while_a_page_is_open(served, monkeypatch):
 def test_a_page_that_fell_silent_is_left_behind(served, monkeypatch):
     monkeypatch.setattr(server_module, "PAGE_SILENT_S", 0.5)
     page = served.page()
-    while served.read(page) is not None:
-        pass  # what it is told until then
+    # What it is told until then: one at once, one a second.
+    assert any(served.read(page) is None for _ in range(5))
     served.running.until(lambda: served.presence[-1] is False)
 
 
