@@ -3,7 +3,9 @@
 It speaks with the box, of any generation, and offers topics and services to the robot's own programs.
 """
 
+import random
 import sys
+import time
 from typing import Callable, Optional
 
 import rospy
@@ -36,12 +38,16 @@ class CommNode:
         host, port = params.text("rsbb_host", "10.0.0.1"), params.whole("rsbb_port", 6666, 1, 65535)
         bind_host = params.text("bind_host", "0.0.0.0")
         cipher = cipher_by_label(params.choice("rsbb_cypher", Cipher.AES_128_CBC.label, labels))
+        # For tests only: a clock that is wrong, a network that loses datagrams.
+        offset = params.number("clock_offset", 0.0, lowest=-1e9, highest=1e9)
+        loss = params.number("loss", 0.0, highest=1.0)
         params.done()
 
         self._ros = RosLoop()
         self._runner = SessionRunner(
             self._ros.loop, team, key, self._on_effect, lambda text: rospy.logwarn("%s", text), robot=robot,
             rsbb_host=host, rsbb_port=port, bind_host=bind_host, cipher=cipher,
+            clock=lambda: time.time() + offset, passes=lambda: random.random() >= loss,
         )
         self._session = self._runner.session
         session = self._session
