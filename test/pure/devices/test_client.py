@@ -1,6 +1,7 @@
 """The SmartIF client, against a controller of which each byte is the test's, over TCP on loopback."""
 
 import asyncio
+import socket
 
 import pytest
 
@@ -188,14 +189,15 @@ def test_another_client_is_named_and_the_client_keeps_trying():
 
 
 def test_a_controller_that_reads_nothing_does_not_make_it_grow(monkeypatch):
+    monkeypatch.setattr(client_module, "KEEPALIVE", ())  # not the connection's supervision ends this, but the limit
+
     async def script(world):
         world.reads = False
-        world.client.send(world.home.set("dimmer", 1))  # lets the controller's reading end
-        for number in range(400_000):
+        for end, size in ((world.client._writer, socket.SO_SNDBUF), (world.connections[0][1], socket.SO_RCVBUF)):
+            end.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, size, 4096)
+        for number in range(200_000):
             world.client.send(world.home.set("dimmer", number % 101))
-            if len(world.connections) > 1:
-                break
-            if number % 2000 == 0:
+            if number % 500 == 0:
                 await asyncio.sleep(0)
         await world.until(lambda: len(world.connections) > 1, "a new connection")
     scripted(script)

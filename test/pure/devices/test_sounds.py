@@ -5,6 +5,7 @@ import pathlib
 import queue
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -75,6 +76,19 @@ def test_one_at_a_time_and_one_more_afterwards(tmp_path, sound, troubles):
     player.wait_begun()
     player.let_end()
     assert troubles.empty(), "the same is told once"
+
+
+def test_each_ring_is_heard_once(tmp_path, sound):
+    played = tmp_path / "played"
+    bell = sound(f"sed -i '$ a x' {played}")
+    played.write_text("begin\n")
+    for count in (2, 3):
+        bell.ring()
+        end = time.monotonic() + LIMIT_S
+        while bell._wanted.is_set() or bell._running or len(played.read_text().split()) < count:
+            assert time.monotonic() < end, "the sound is played"
+            time.sleep(0.01)
+        assert len(played.read_text().split()) == count
 
 
 def test_no_shell_sees_the_command(tmp_path, sound, troubles):
