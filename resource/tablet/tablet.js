@@ -19,6 +19,7 @@ let toldAt = -Infinity;
 let refused = "";
 let refusedAt = -Infinity;
 let cross = null;  // of the keyboard
+let severalFingers = false;
 
 function connect() {
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
@@ -168,10 +169,13 @@ function fraction(at, start, size) {
 
 parts.call.addEventListener("click", () => touch({do: "call"}));
 
-// Where the finger goes up: whoever slides to the right place means that one. A second finger means nothing.
+// Where the finger goes up: whoever slides to the right place means that one. Two fingers mean to zoom, and no place.
+parts.sheet.addEventListener("pointerdown", (event) => {
+  severalFingers = !event.isPrimary;
+});
 parts.sheet.addEventListener("pointerup", (event) => {
   const box = parts.sheet.getBoundingClientRect();
-  if (event.isPrimary && event.button === 0) {
+  if (event.isPrimary && event.button === 0 && !severalFingers) {
     cross = null;
     touch({do: "place", u: fraction(event.clientX, box.left, box.width), v: fraction(event.clientY, box.top, box.height)});
   }

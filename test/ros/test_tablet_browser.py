@@ -12,10 +12,11 @@ import time
 from typing import ClassVar, Optional
 
 import tablet_nodes
-from box_case import BoxCase, main
+from box_case import LISTENER, BoxCase, main
 from browser import NAMES, Browser, Page, find
 from waiting import wait_until
 
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.tablet import maps
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -100,7 +101,7 @@ class TestWholeWay(BrowserCase):
     """A run of HCFGAC: Granny Annie calls, the robot asks for the map, she shows it where to go."""
 
     def test_granny_calls_and_shows_a_place(self) -> None:
-        self.robot = self.robot("Delta")
+        self.robot, self.listener = self.robot("Delta"), self.participant(LISTENER)
         phone, tablet = self.open("phone"), self.open("tablet")
         for page in (phone, tablet):
             page.wait(f"{USABLE} && {SHOWS_CALL}", "the call button can be touched")
@@ -114,7 +115,7 @@ class TestWholeWay(BrowserCase):
             page.wait(f"{SHOWS_MAP} && document.getElementById('map').naturalWidth === 200", "the map is shown")
         self.a_place_reaches_the_robot(phone, tablet, 0.25, 0.75)
         self.a_place_reaches_the_robot(tablet, phone, 0.9, 0.1)
-        self.what_is_no_touch_picks_nothing(phone)
+        self.two_fingers_pick_nothing(phone)
         self.a_keyboard_picks_a_place(tablet)
         self.turn_through_screens(phone, "map", "#sheet")
         self.robot.tell("display_map", False)
@@ -145,20 +146,27 @@ class TestWholeWay(BrowserCase):
             self.assertAlmostEqual(mark[0] + mark[2] / 2, sheet[0] + u * sheet[2], delta=2)
             self.assertAlmostEqual(mark[1] + mark[3] / 2, sheet[1] + v * sheet[3], delta=2)
 
-    def what_is_no_touch_picks_nothing(self, page: Page) -> None:
-        """A second finger, and two touches in a row that other pages zoom in at."""
-        before = self.robot.tablet
+    def two_fingers_pick_nothing(self, page: Page) -> None:
+        """Nor do they zoom, as they do on other pages, nor do two quick touches."""
         left, top, width, height = page.box("#sheet")
         fingers = [{"x": left + width * part, "y": top + height / 2, "id": number}
                    for number, part in enumerate((0.3, 0.6))]
-        page.command("Input.dispatchTouchEvent", type="touchStart", touchPoints=fingers)
         spread = [{**fingers[0], "x": left + 5}, {**fingers[1], "x": left + width - 5}]
-        page.command("Input.dispatchTouchEvent", type="touchMove", touchPoints=spread)
-        page.command("Input.dispatchTouchEvent", type="touchCancel", touchPoints=[])
+        places = self.places_told()
+        for kind, points in (("touchStart", fingers[:1]), ("touchStart", fingers), ("touchMove", spread),
+                             ("touchEnd", spread[:1]), ("touchEnd", [])):
+            page.command("Input.dispatchTouchEvent", type=kind, touchPoints=points)
         for _ in range(2):
             page.touch_at("#said")
         self.assertEqual(page.get("visualViewport.scale"), 1)
-        self.assertEqual(self.robot.tablet, before)
+        self.a_place_reaches_the_robot(page, page, 0.5, 0.6)
+        wait_until(lambda: len(self.places_told()) > len(places), "the place is in the box's beacon")
+        self.assertEqual(len(self.places_told()), len(places) + 1)
+
+    def places_told(self) -> set:
+        """The times of all places that the box has told so far."""
+        return {(m.tablet_position_time.sec, m.tablet_position_time.nsec)
+                for m, _ in list(self.listener.heard) if isinstance(m, pb.RoahRsbbBeacon)}
 
     def a_keyboard_picks_a_place(self, page: Page) -> None:
         before = self.robot.tablet.position_time
