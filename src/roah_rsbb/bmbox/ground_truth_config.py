@@ -100,17 +100,14 @@ def _markers(report: Report, node: Optional[Node], what: str, common: Dict[str, 
         name = f"the marker of {quote(key.text)}"
         required = {} if shared else {"frame": "mocap_" + key.text}
         optional = {"transform": _TRANSFORM.example, **({"frame": shared.frame} if shared else {})}
-        found = fields(report, value, name, required, optional)
-        if found is None:
-            continue
-        frame = shared.frame if shared else None
+        found = fields(report, value, name, required, optional) or {}
+        frame, transform = shared.frame if shared else None, NO_TRANSFORM
         if "frame" in found:
             frame = _frame(report, found["frame"], f"frame of {name}")
-        transform = NO_TRANSFORM
         if "transform" in found:
             transform = _TRANSFORM.read(report, found["transform"], f"transform of {name}")
-        if frame is not None and transform is not None:
-            markers[key.text] = Marker(frame, transform)
+        # One that is wrong, and reported, is there all the same: a team's needs no frame then.
+        markers[key.text] = Marker(frame or "", transform or NO_TRANSFORM)
     return markers
 
 

@@ -63,14 +63,17 @@ class HGMF(Module):
         begin = await self.pose(OBJECT)
         target = draw_target(self.random, self.parameters.table_size, seen_from(await self.pose(TABLE), begin))
         self.kept = {"grasped": False}
-        outcome = await self.goal(
-            [target.x, target.y, thing.id], target, self.parameters.goal_timeout,
-            f"{thing.description} (object {thing.id}) to x {target.x:.2f} m, y {target.y:.2f} m",
-            lambda _executing_s: self._look(group, begin), PERIOD_S,
-        )
+        try:
+            outcome = await self.goal(
+                [target.x, target.y, thing.id], target, self.parameters.goal_timeout,
+                f"{thing.description} (object {thing.id}) to x {target.x:.2f} m, y {target.y:.2f} m",
+                lambda _executing_s: self._look(group, begin), PERIOD_S,
+            )
+        finally:
+            self._show_grasped(group)
         self.score[group, "time"] = outcome.executing_s
-        self.score[group, "grasped"] = await self.note(lambda: self.kept["grasped"])
-        self._sum_up()
+        self.kept = await self.note(lambda: self.kept)
+        self._show_grasped(group)
         end = await self._end()
         self.score[group, "distance_error"] = None if end is None else distance(end, target)
         self._sum_up()
@@ -82,10 +85,13 @@ class HGMF(Module):
 
     def _look(self, group: str, begin: Pose3) -> None:
         now = self.peek(OBJECT)
-        if now is not None and is_grasped(begin, now) and not self.kept["grasped"]:
-            self.kept = {"grasped": True}
-            self.score[group, "grasped"] = True
-            self._sum_up()
+        if now is not None and is_grasped(begin, now):
+            self.kept["grasped"] = True
+        self._show_grasped(group)
+
+    def _show_grasped(self, group: str) -> None:
+        self.score[group, "grasped"] = self.kept["grasped"]
+        self._sum_up()
 
     def _sum_up(self) -> None:
         each = self.score.each

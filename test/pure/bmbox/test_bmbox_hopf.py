@@ -1,0 +1,262 @@
+"""HOPF's rules, with scores worked out by hand."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+
+from roah_rsbb.bmbox.ground_truth import NO_TRANSFORM, Pose3
+from roah_rsbb.bmbox.hopf import HOPF, pose_score
+from roah_rsbb.bmbox.rehearsal import Poses, Rehearsal
+from roah_rsbb.bmbox.runner import ModuleRunner
+from roah_rsbb.core.module_messages import RequestKind, RunForModule
+
+PI = math.pi
+TABLE, HERE = Pose3(0.0, 0.0, 0.8, 0.0), Pose3(0.5, 0.25, 0.8, 0.0)
+
+
+def item(number, class_="mugs", instance="red", transform=NO_TRANSFORM):
+    return SimpleNamespace(**{
+        "id": number, "class": class_, "instance": instance, "description": f"thing {number}", "transform": transform,
+    })
+
+
+def hopf(items=None, goals=None, table=TABLE, positioner=HERE, **run):
+    items = items or [item(1)]
+    parameters = {
+        "items": items, "goals": goals or len(items), "table_size": SimpleNamespace(x=1.2, y=0.8),
+        "goal_timeout": 120.0,
+    }
+    return Rehearsal(HOPF, parameters, Poses(table=table, positioner=positioner), **run)
+
+
+def to_goal(r):
+    """The referee does what comes before a goal."""
+    r.answer()
+    r.answer()
+
+
+def answers(r, text, seconds=10.0):
+    to_goal(r)
+    r.result(text, seconds)
+
+
+def result(class_="mugs", instance="red", x=0.5, y=0.25, theta=0.0):
+    return f"{{class: {class_}, instance: {instance}, x: {x}, y: {y}, theta: {theta}}}"
+
+
+def test_the_steps_of_a_goal():
+    r = hopf()
+    assert r.asked.text == "Place the positioner and the item on the table: thing 1 (item 1)"
+    r.answer()
+    assert r.asked.text == "Remove the positioner; the item stays"
+    assert [step.request.kind for step in r.run.steps] == [
+        RequestKind.REFEREE, RequestKind.NOTE, RequestKind.NOTE, RequestKind.REFEREE
+    ]
+    r.answer()
+    assert (r.asked.goal, r.asked.pose, r.asked.timeout) == ("", None, 120.0)
+    r.result(result(), 10.0)
+    assert r.finished
+
+
+@pytest.mark.parametrize("far, turned, score", [
+    (0.0, 0.0, 1.0),
+    (0.2, 0.0, 0.9),  # 1 - 0.2/2
+    (0.0, PI / 2, 0.75),  # 1 - (1/2)/2
+    (0.1, PI / 4, 0.825),  # 1 - 0.1/2 - 0.25/2
+    (1.0, 0.0, 0.5), (7.0, 0.0, 0.5),  # e_trans is cut at 1
+    (0.0, PI, 0.5), (0.0, 4.0, 0.5),  # so is e_rot
+    (7.0, PI, 0.0),
+])
+def test_the_pose_score(far, turned, score):
+    assert pose_score(far, turned) == pytest.approx(score)
+
+
+def test_the_item_is_where_the_positioner_and_its_transform_say_in_the_tables_frame():
+    # The table's corner is at (4, 1), turned to the left by a quarter; the positioner is at (3.8, 1.5), turned by
+    # half a turn: in the table's frame at (0.5, 0.2), turned by a quarter. The item is 0.1 m before it, turned by
+    # another quarter: (0.5, 0.3), turned by half a turn.
+    r = hopf([item(1, transform=Pose3(0.1, 0.0, 0.0, PI / 2))], table=Pose3(4.0, 1.0, 0.8, PI / 2),
+             positioner=Pose3(3.8, 1.5, 0.8, PI))
+    answers(r, result(x=0.5, y=0.3, theta=-3.0))
+    assert r.score["goal 1", "distance_error"] == pytest.approx(0.0, abs=1e-9)
+    assert r.score["goal 1", "orientation_error"] == pytest.approx(PI - 3.0)  # across ±π, not 6.14
+    # 1 - 0/2 - ((π - 3)/π)/2
+    assert r.score["pose_score"] == pytest.approx(1 - (PI - 3.0) / PI / 2)
+
+
+def test_a_whole_run():
+    things = [item(1, "mugs", "red"), item(2, "mugs", "blue"), item(3, "cans", "soup"), item(4, "cans", "cola")]
+    r = hopf(things)
+    by_description = {thing.description: thing for thing in things}
+
+    def asked():
+        return by_description[r.module.status.split(": ")[1].split(" (")[0]]
+
+    first = asked()
+    # All right, and 0.3 m and 0.4 m off: 0.5 m: 1 - 0.5/2 = 0.75
+    answers(r, result(getattr(first, "class"), first.instance, 0.8, 0.65), 10.0)
+    second = asked()
+    # The class alone is right; 1 m and half a turn off: 0.
+    answers(r, result(getattr(second, "class"), "nonsense", 1.5, 0.25, PI), 20.0)
+    to_goal(r)
+    r.time_out(100.0)
+    # Wrong altogether, but where it stands: 1.
+    answers(r, result("shoes", "left"), 30.0)
+    assert r.finished
+    s = r.score
+    assert s["class_accuracy"] == 0.5  # 2 of 4
+    assert s["instance_accuracy"] == 0.25  # 1 of 4
+    assert s["pose_score"] == pytest.approx((0.75 + 0.0 + 0.0 + 1.0) / 4)
+    assert s["execution_time"] == 160.0
+    assert s.each("class_right") == [True, True, False, False]
+    assert s.each("instance_right") == [True, False, False, False]
+    assert s.each("distance_error") == pytest.approx([0.5, 1.0, 0.0])
+    assert s.each("orientation_error") == pytest.approx([0.0, PI, 0.0], abs=1e-9)
+    assert s.each("time") == [10.0, 20.0, 100.0, 30.0]
+
+
+def test_each_item_is_used_once():
+    r = hopf([item(n) for n in range(1, 7)])
+    while not r.finished:
+        answers(r, result())
+    assert sorted(r.score.each("item")) == [f"thing {n}" for n in range(1, 7)]
+
+
+def test_another_run_has_another_order():
+    parameters = hopf([item(n) for n in range(1, 7)]).module.parameters
+    firsts = set()
+    for n in range(20):
+        runner = ModuleRunner(HOPF, lambda: parameters, Poses())
+        runner.on_run(RunForModule(f"run {n}", 1, "zone", "HOPF", "Team", 1, 1, running=True))
+        firsts.add(runner.module.score["goal 1", "item"])
+    assert len(firsts) > 1
+
+
+def test_fewer_goals_than_items_are_some_of_the_items():
+    r = hopf([item(n) for n in range(1, 7)], goals=2)
+    answers(r, result())
+    assert r.score["class_accuracy"] == 0.5
+    answers(r, result())
+    assert (r.finished, r.score["class_accuracy"], r.module.warnings) == (True, 1.0, [])
+
+
+def test_fewer_items_than_goals_are_as_many_goals():
+    r = hopf([item(1)], goals=10)
+    assert r.module.warnings == ["there are 1 items for 10 goals: this run has 1 goals"]
+    answers(r, result())
+    assert (r.finished, r.score["class_accuracy"]) == (True, 1.0)
+
+
+def test_goals_that_were_not_reached_have_no_result():
+    r = hopf([item(n) for n in range(1, 5)])
+    answers(r, result())
+    r.end("timeout")
+    # One of four, although only one was tried.
+    assert (r.score["class_accuracy"], r.score["pose_score"]) == (0.25, 0.25)
+
+
+def test_a_timeout_in_prepare():
+    r = hopf()
+    to_goal(r)
+    r.time_out(0.0)
+    assert (r.finished, r.score["execution_time"], r.score["pose_score"], r.module.warnings) == (True, 0.0, 0.0, [])
+    assert r.score["goal 1", "distance_error"] is None
+
+
+@pytest.mark.parametrize("text", ["", "red mug", "[1, 2]", "{class: [a], instance: {b: c}}", "{x: ]", "!!python/x {}"])
+def test_a_result_that_cannot_be_read_scores_nothing(text):
+    r = hopf()
+    answers(r, text, 5.0)
+    assert r.finished
+    assert (r.score["class_accuracy"], r.score["instance_accuracy"], r.score["pose_score"]) == (0.0, 0.0, 0.0)
+    assert r.score["execution_time"] == 5.0
+    assert r.module.warnings
+
+
+def test_a_result_without_its_pose_still_has_a_class():
+    r = hopf()
+    answers(r, "{class: mugs, instance: red}")
+    assert (r.score["class_accuracy"], r.score["instance_accuracy"], r.score["pose_score"]) == (1.0, 1.0, 0.0)
+    assert "has no x, y, theta" in r.module.warnings[0]
+
+
+def test_a_result_without_its_class_still_has_a_pose():
+    r = hopf()
+    answers(r, "{x: 0.5, y: 0.25, theta: 0}")
+    assert (r.score["class_accuracy"], r.score["instance_accuracy"], r.score["pose_score"]) == (0.0, 0.0, 1.0)
+
+
+def test_numbers_beyond_all_measure_break_nothing():
+    r = hopf([item(n) for n in range(1, 3)])
+    answers(r, result(x=1.7e308, y=-1.7e308, theta=1e308))
+    answers(r, result(x=1e308, y=1e308))
+    assert r.finished
+    assert 0.0 <= r.score["pose_score"] <= 0.5
+    assert r.score.each("distance_error") == [1000.0, 1000.0]
+
+
+def test_class_and_instance_must_be_exact():
+    r = hopf()
+    answers(r, result("Mugs", "RED"))
+    assert (r.score["class_accuracy"], r.score["instance_accuracy"]) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("missing", ["table", "positioner"])
+def test_a_pose_that_cannot_be_had_is_asked_for_again(missing):
+    r = hopf()
+    pose = r.truth.subjects.pop(missing)
+    r.answer()
+    assert r.asked.choices == ("Try again",)
+    r.answer()
+    assert f"Pose of {missing}" in r.asked.text
+    r.truth.subjects[missing] = pose
+    r.answer()
+    assert r.asked.text == "Remove the positioner; the item stays"
+
+
+@pytest.mark.parametrize("x, y", [(-0.1, 0.4), (1.3, 0.4), (0.6, -0.1), (0.6, 0.9)])
+def test_an_item_beside_the_table_is_asked_about(x, y):
+    r = hopf(positioner=Pose3(x, y, 0.8, 0.0))
+    r.answer()
+    assert r.asked.text.startswith(f"The item was measured beside the table, at x {x:.2f} m, y {y:.2f} m of 1.2 m by")
+    r.answer("Try again")
+    assert r.asked.text.startswith("The item was measured beside the table")
+    r.truth.subjects["positioner"] = HERE
+    r.answer("Try again")
+    answered_at_goal(r)
+    assert r.score["pose_score"] == 1.0
+
+
+def answered_at_goal(r):
+    r.answer()
+    r.result(result(), 1.0)
+
+
+def test_an_item_beside_the_table_may_be_used_as_it_is():
+    r = hopf(positioner=Pose3(1.4, 0.25, 0.8, 0.0))
+    r.answer()
+    r.answer("Use it as it is")
+    answered_at_goal(r)
+    assert r.score["goal 1", "distance_error"] == pytest.approx(0.9)
+
+
+def test_a_restart_at_each_step_changes_nothing():
+    def play(restart_at):
+        r = hopf([item(n, "mugs", f"i{n}") for n in range(1, 4)])
+        for step in range(9):
+            if step == restart_at:
+                r.restart()
+            if r.asked.kind is RequestKind.REFEREE:
+                r.truth.subjects["positioner"] = Pose3(0.1 * step, 0.2, 0.8, 0.3 * step)
+                r.answer()
+            else:
+                r.result(result("mugs", "i1", 0.4, 0.2), 5.0 + step)
+        if restart_at == 9:
+            r.restart()
+        assert r.finished, r.failed
+        return r.score.values()
+
+    whole = play(None)
+    for step in range(10):
+        assert play(step) == whole, step

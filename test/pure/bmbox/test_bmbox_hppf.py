@@ -1,0 +1,223 @@
+"""HPPF's rules, with scores worked out by hand."""
+
+import pytest
+
+from roah_rsbb.bmbox.ground_truth import NoPose, Pose3
+from roah_rsbb.bmbox.hppf import HPPF, is_same_name
+from roah_rsbb.bmbox.rehearsal import Poses, Rehearsal
+from roah_rsbb.bmbox.runner import ModuleRunner
+from roah_rsbb.core.module_messages import RequestKind, RunForModule
+
+HERE = Pose3(1.0, 1.0, 1.8, 0.0)
+
+
+class PosesAtTimes(Poses):
+    """Poses of now, and of the past; where the past is None nobody knows."""
+
+    past = {}
+    asked_utc = None
+
+    def pose(self, frame, at_utc=None):
+        if at_utc is None:
+            return super().pose(frame)
+        self.asked_utc = at_utc
+        pose = self.past.get(frame, self.subjects.get(frame))
+        if pose is None:
+            raise NoPose(f"{frame}: was not seen then")
+        return pose
+
+
+def hppf(*people, person=HERE):
+    return Rehearsal(HPPF, {"people": list(people or ["Annie"]), "goal_timeout": 120.0}, PosesAtTimes(person=person))
+
+
+def entering(r):
+    """Who is asked to enter."""
+    return r.asked.text[: -len(" enters the target area")]
+
+
+def result(name, x=1.0, y=1.0):
+    return f"{{person_name: {name}, x: {x}, y: {y}, theta: 0.0}}"
+
+
+def test_the_steps_of_a_person():
+    r = hppf()
+    assert r.asked.text == "Annie enters the target area"
+    r.answer()
+    assert (r.asked.kind, r.asked.goal, r.asked.timeout) == (RequestKind.GOAL, "", 120.0)
+    r.result(result("Annie"), 4.0)
+    assert r.finished
+
+
+def test_a_whole_run():
+    r = hppf("Annie", "Deli Man", "PostMan", "Dr. Kimble")
+    entered = [entering(r)]
+    r.answer()
+    r.result(result(entered[-1], 1.3, 1.4), 10.0)  # 0.3 and 0.4 m off: 0.5 m
+    entered.append(entering(r))
+    r.truth.subjects["person"] = Pose3(-1.0, 0.5, 1.8, 2.0)
+    r.answer()
+    r.result(result("somebody", -1.0, -0.5), 20.0)  # another name, 1 m off
+    entered.append(entering(r))
+    r.answer()
+    r.time_out(100.0)
+    entered.append(entering(r))
+    r.answer()
+    r.result(result(entered[-1].upper(), -1.0, 0.5), 30.0)  # case is ignored
+    assert r.finished
+    assert sorted(entered) == ["Annie", "Deli Man", "Dr. Kimble", "PostMan"]
+    s = r.score
+    assert s.each("name") == entered
+    assert (s["detected"], s["recognised"], s["execution_time"]) == (3, 2, 160.0)
+    assert s.each("distance_error") == pytest.approx([0.5, 1.0, 0.0])
+    assert s["distance_error"] == pytest.approx(0.5)  # (0.5 + 1 + 0) / 3
+    assert s.each("detected") == [True, True, False, True]
+    assert s.each("recognised") == [True, False, False, True]
+
+
+def test_another_run_has_another_order():
+    parameters = hppf("A", "B", "C", "D").module.parameters
+    firsts = set()
+    for n in range(20):
+        runner = ModuleRunner(HPPF, lambda: parameters, Poses())
+        runner.on_run(RunForModule(f"run {n}", 1, "zone", "HPPF", "Team", 1, 1, running=True))
+        firsts.add(runner.module.score["person 1", "name"])
+    assert len(firsts) > 1
+
+
+@pytest.mark.parametrize("a, b, same", [
+    ("annie", "Annie", True), ("ANNIE ", " annie", True), ("STRASSE", "straße", True),
+    ("Ann", "Annie", False), ("", "Annie", False),
+])
+def test_the_same_name(a, b, same):
+    assert is_same_name(a, b) is same
+
+
+def test_where_the_person_was_at_the_time_of_the_result_counts():
+    r = hppf()
+    r.answer()
+    r.executes(3.0)
+    r.truth.past = {"person": Pose3(1.0, 3.0, 1.8, 0.0)}  # and now at (1, 1) again
+    ended = r.utc
+    r.result(result("Annie"), 3.0)
+    assert r.truth.asked_utc == ended
+    assert r.score["person 1", "distance_error"] == pytest.approx(2.0)
+
+
+def test_a_person_nobody_sees_is_asked_for_before_the_goal():
+    r = hppf(person=None)
+    r.answer()
+    assert (r.asked.kind, r.asked.choices) == (RequestKind.REFEREE, ("Try again",))
+    r.answer()
+    assert r.asked.kind is RequestKind.REFEREE
+    r.truth.subjects["person"] = HERE
+    r.answer()
+    assert r.asked.kind is RequestKind.GOAL
+
+
+@pytest.fixture
+def lost_at_the_result():
+    r = hppf("Annie")
+    r.answer()
+    r.truth.past = {"person": None}
+    r.truth.subjects["person"] = Pose3(9.0, 9.0, 1.8, 0.0)  # wherever Annie has gone by now
+    r.result(result("Annie", 1.0, 2.0), 4.0)
+    return r
+
+
+def test_a_pose_lost_at_the_result_is_asked_for_and_not_invented(lost_at_the_result):
+    r = lost_at_the_result
+    assert r.asked.text.startswith("Where Annie stood at the robot's result is not known: have Annie stand there again")
+    assert (r.score["recognised"], r.score["detected"], r.score["distance_error"]) == (1, 1, None)
+    assert r.module.warnings == ["person: was not seen then"]
+    r.truth.subjects["person"] = HERE
+    r.answer("Try again")
+    assert (r.finished, r.score["distance_error"]) == (True, 1.0)
+
+
+def test_a_pose_lost_at_the_result_may_be_skipped(lost_at_the_result):
+    lost_at_the_result.answer("Skip")
+    assert (lost_at_the_result.finished, lost_at_the_result.score["distance_error"]) == (True, None)
+
+
+def test_a_pose_that_stays_lost_may_be_skipped(lost_at_the_result):
+    r = lost_at_the_result
+    r.truth.subjects["person"] = None
+    r.answer("Try again")
+    assert r.asked.choices == ("Try again", "Skip")
+    r.answer("Skip")
+    assert (r.finished, r.score["distance_error"]) == (True, None)
+
+
+def test_a_timeout_in_prepare_and_all_timed_out():
+    r = hppf("Annie", "PostMan")
+    for seconds in (0.0, 100.0):
+        r.answer()
+        r.time_out(seconds)
+    s = r.score
+    assert (r.finished, s["detected"], s["recognised"], s["distance_error"], s["execution_time"]) == (
+        True, 0, 0, None, 100.0)
+    assert r.module.warnings == []
+
+
+@pytest.mark.parametrize("text", ["", "Annie", "{name: Annie}", "{person_name: [Annie]}", "{person_name: *a}"])
+def test_a_result_that_cannot_be_read_detects_nobody(text):
+    r = hppf()
+    r.answer()
+    r.result(text, 3.0)
+    assert (r.finished, r.score["detected"], r.score["recognised"], r.score["execution_time"]) == (True, 0, 0, 3.0)
+    assert r.module.warnings
+
+
+def test_a_name_without_a_place_is_recognised():
+    r = hppf()
+    r.answer()
+    r.result("{person_name: annie}", 3.0)
+    assert (r.score["detected"], r.score["recognised"], r.score["distance_error"]) == (1, 1, None)
+
+
+def test_a_place_without_a_name_is_detected():
+    r = hppf()
+    r.answer()
+    r.result("{x: 1.0, y: 1.5}", 3.0)
+    assert (r.score["detected"], r.score["recognised"], r.score["distance_error"]) == (1, 0, 0.5)
+
+
+def test_a_result_that_names_somebody_of_before_is_wrong():
+    r = hppf("Annie", "PostMan")
+    before = entering(r)
+    for _ in range(2):
+        r.answer()
+        r.result(result(before), 1.0)
+    assert r.score.each("recognised") == [True, False]
+
+
+def test_places_beyond_all_measure_break_nothing():
+    r = hppf("Annie", "PostMan")
+    for _ in range(2):
+        r.answer()
+        r.result(result("Annie", 1.7e308, -1.7e308), 1.0)
+    assert (r.finished, r.score["distance_error"]) == (True, 1000.0)
+
+
+def test_a_restart_at_each_step_changes_nothing():
+    def play(restart_at):
+        r = hppf("Annie", "PostMan", "Deli Man")
+        for step in range(7):
+            if step == restart_at:
+                r.restart()
+            r.truth.past = {"person": None} if step == 3 else {}
+            r.truth.subjects["person"] = Pose3(0.1 * step, 0.2, 1.8, 0.0)
+            if r.asked.kind is RequestKind.REFEREE:
+                r.answer()
+            else:
+                r.result(result("annie", 0.4, 0.2), 5.0 + step)
+        if restart_at == 7:
+            r.restart()
+        assert r.finished, r.failed
+        return r.score.values(), r.module.warnings
+
+    whole = play(None)
+    assert whole[1] == ["person: was not seen then"]
+    for step in range(8):
+        assert play(step) == whole, step
