@@ -117,6 +117,7 @@ def test_every_reason_of_a_robot_is_told():
     with pytest.raises(Refused, match="has no password"):
         driver.command("connect")
     assert _state(driver) == [reason]  # and not a second time, as a warning
+    assert driver.view("other").warnings == ()
 
 
 def test_while_the_box_listens_nobody_is_connected():
