@@ -169,10 +169,10 @@ def _follow_input(loop: asyncio.AbstractEventLoop, tablet: DummyTablet, ended: a
 async def _run(options: argparse.Namespace) -> int:
     loop = asyncio.get_event_loop()
     tablet = DummyTablet(loop, options.host, options.port, options.bind)
-    tablet.open()
     ended = asyncio.Event()
     for which in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(which, ended.set)
+    tablet.open()
     try:
         if options.call:
             tablet.call()
