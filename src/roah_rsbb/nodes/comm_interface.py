@@ -42,6 +42,7 @@ GOAL_TYPES = {"HNF": Pose2D, "HGMF": GoalHGMF, "HOMF": GoalOMF, "STB": StringMsg
 STRING_SERVICES: Dict[str, Tuple[str, ...]] = {
     "HWV": ("notifications", "activation_event", "visitor"),
     "HNF": ("notifications",),
+    "HOMF": ("notifications",),
     "HCFGAC": ("final_command",),
 }
 DEVICES_IN = "HCFGAC"

@@ -3,6 +3,7 @@
 It speaks with the box, of any generation, and offers topics and services to the robot's own programs.
 """
 
+import logging
 import random
 import sys
 import time
@@ -22,6 +23,11 @@ from roah_rsbb.robot.runner import SessionRunner
 from roah_rsbb.srv import Override, OverrideResponse
 
 DEFAULT_KEY = "DefaultKey"
+
+# Who sets this logger's level (or that of all, rosout) to Debug sees what is sent. Teams know the name from the
+# node's documentation; it passes on to rosout, which is where a node's log goes to the console and /rosout.
+_sent_log = logging.getLogger("ros.roah_rsbb_comm_ros")
+_sent_log.parent = logging.getLogger("rosout")
 
 
 class CommNode:
@@ -100,7 +106,7 @@ class CommNode:
     def _debug(effect: fx.Effect) -> None:
         """What is sent, or would be if the box were not overridden, for who looks at the debug level."""
         what = "Not sent, because of the override" if isinstance(effect, fx.WouldSendState) else "Sent"
-        rospy.logdebug("%s: %s %s", what, type(effect.message).__name__, _OneLine(effect.message))
+        _sent_log.debug("%s: %s %s", what, type(effect.message).__name__, _OneLine(effect.message))
 
     def _on_override(self, request: object) -> OverrideResponse:
         message = _override_message(request)

@@ -5,7 +5,6 @@ uses nothing but the comm node's topics and services, and may serve as an exampl
 """
 
 import asyncio
-import logging
 import sys
 from typing import Any, Awaitable, Callable, Dict, Optional
 
@@ -17,6 +16,7 @@ from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
 from roah_rsbb.nodes.comm_interface import GOAL_TYPES, NUMBERS
+from roah_rsbb.nodes.dummy_log import log_to_ros
 from roah_rsbb.nodes.params import BadParams, Params
 from roah_rsbb.nodes.ros_loop import RosLoop
 from roah_rsbb.robot.dummy_robot import PHASES, DummyOptions, DummyRobot
@@ -47,7 +47,7 @@ class Services:
         self._saved_topic.publish(count)
 
     def notify(self, text: str) -> None:
-        """Online data (HWV, HNF)."""
+        """Online data (HWV, HNF, HOMF)."""
         self._tell("notifications", String, text)
 
     def activation_event(self, text: str) -> None:
@@ -131,6 +131,9 @@ class GlueNode:
             self._goal_topic.unregister()
             self._goal_topic = None
         self._goal = None
+        if self._code is None:
+            # Also when the comm node came back after a crash: there was no STOP then.
+            self._end_phase()
         if self._code in GOAL_TYPES:
             self._goal = self._ros.loop.create_future()
             self._goal_topic = self._follow("goal", GOAL_TYPES[self._code], self._take_goal)
@@ -141,10 +144,13 @@ class GlueNode:
                 self._goal = self._ros.loop.create_future()
             self._goal.set_result(_goal_of(message))
 
-    def _state(self, state: int) -> None:
+    def _end_phase(self) -> None:
         if self._phase is not None:
             self._phase.cancel()
             self._phase = None
+
+    def _state(self, state: int) -> None:
+        self._end_phase()
         if state == BenchmarkState.PREPARE:
             self._phase = self._ros.loop.create_task(_logged(self._prepare(), "preparing"))
         elif state == BenchmarkState.EXECUTE:
@@ -174,13 +180,6 @@ class GlueNode:
             await call("end_execute", EmptySrv)
 
 
-class _ToRos(logging.Handler):
-    """What the dummy says, in the node's log."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        (rospy.logwarn if record.levelno >= logging.WARNING else rospy.loginfo)("%s", record.getMessage())
-
-
 async def _logged(work: Awaitable[None], what: str) -> None:
     """What fails is told: in a run that ends it is nothing unusual."""
     try:
@@ -207,10 +206,7 @@ def _goal_of(message: Any) -> Goal:
 def main() -> None:
     """Entry point of the node."""
     rospy.init_node("dummy_robot", disable_signals=True)
-    said = logging.getLogger("dummy_robot")
-    said.setLevel(logging.INFO)
-    said.propagate = False
-    said.addHandler(_ToRos())
+    log_to_ros()
     try:
         status = GlueNode().run()
     except BadParams as error:

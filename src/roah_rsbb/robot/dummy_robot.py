@@ -6,7 +6,7 @@ import os
 import random
 import time
 from dataclasses import dataclass
-from typing import Callable, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, Optional, Tuple
 
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.sockets import ANY_HOST
@@ -63,51 +63,62 @@ _ACTIONS: Dict[str, Tuple[Action, ...]] = {
 }
 
 
+class _NamedLog(logging.LoggerAdapter):
+    """Begins each line with a robot's name, if it has one."""
+
+    def process(self, msg: Any, kwargs: Any) -> Tuple[Any, Any]:
+        name = self.extra["name"].replace("%", "%%")
+        return (f"{name}: {msg}" if name else msg), kwargs
+
+
 class DummyRobot(Behaviour):
     """Waits where a robot would work, and does what it has to tell."""
 
-    def __init__(self, options: DummyOptions, crash: Callable[[int], None] = os._exit) -> None:
-        """`crash` ends the process at once, with this exit status."""
+    def __init__(
+        self, options: DummyOptions, crash: Callable[[int], None] = os._exit, name_in_log: str = ""
+    ) -> None:
+        """`crash` ends the process at once, with this exit status. `name_in_log`: where several share a log."""
+        self._log = _NamedLog(_log, {"name": name_in_log})
         self._options = options
         self._crash = crash
         self._rng = random.Random(options.seed)
 
     async def prepare(self, benchmark: str) -> None:
         """Take `prepare_duration`."""
-        _log.info("%s: preparing", benchmark)
+        self._log.info("%s: preparing", benchmark)
         await self._spend("prepare", self._options.prepare_duration, ())
-        _log.info("%s: ready", benchmark)
+        self._log.info("%s: ready", benchmark)
 
     async def execute(self, benchmark: str, goal: Optional[Goal]) -> Result:
         """Take `execute_duration`, and return a result that fits the benchmark."""
-        _log.info("%s: executing%s", benchmark, "" if goal is None else f" {_goal_text(goal)}")
+        self._log.info("%s: executing%s", benchmark, "" if goal is None else f" {_goal_text(goal)}")
         await self._spend("execute", self._options.execute_duration, _ACTIONS.get(benchmark, ()))
         if self._options.never_end or benchmark == "HPFF":
             # In HPFF the robot follows the person until the time is over (benchmarks).
             await asyncio.get_event_loop().create_future()
         result = self._result(benchmark)
-        _log.info("%s: complete%s", benchmark, "" if result is None else f", {result}")
+        self._log.info("%s: complete%s", benchmark, "" if result is None else f", {result}")
         return result
 
     def stop(self, why: str) -> None:
         """Say so: there is nothing that could stop."""
-        _log.info("stopped: %s", why)
+        self._log.info("stopped: %s", why)
 
     def on_bell(self) -> None:
         """Say so."""
-        _log.info("the bell rings")
+        self._log.info("the bell rings")
 
     def on_tablet_call(self) -> None:
         """Say so."""
-        _log.info("the tablet calls")
+        self._log.info("the tablet calls")
 
     def on_tablet_position(self, x: float, y: float) -> None:
         """Say so."""
-        _log.info("the tablet sends me to %.2f, %.2f", x, y)
+        self._log.info("the tablet sends me to %.2f, %.2f", x, y)
 
     def on_report(self, report: fx.Report) -> None:
         """Say so."""
-        _log.log(logging.INFO if report.over else logging.WARNING, "%s", report.text)
+        self._log.log(logging.INFO if report.over else logging.WARNING, "%s", report.text)
 
     async def _spend(self, phase: str, duration: float, actions: Tuple[Action, ...]) -> None:
         """Let `duration` pass, with the actions evenly in it, and offline data saved each second."""
@@ -128,7 +139,7 @@ class DummyRobot(Behaviour):
             client.messages_saved += 1
 
     def _die(self, _client: RobotClient) -> None:
-        _log.error("crashing, as I was told to")
+        self._log.error("crashing, as I was told to")
         self._crash(CRASH_STATUS)
 
     def _result(self, benchmark: str) -> Result:
@@ -151,13 +162,13 @@ def _goal_text(goal: Goal) -> str:
 def dummy_client(
     team: str, password: str, robot: str = "DummyRobot", options: Optional[DummyOptions] = None,
     rsbb_host: str = "10.255.255.255", rsbb_port: int = 6666, bind_host: str = ANY_HOST,
-    cipher: Cipher = Cipher.AES_128_CBC,
+    cipher: Cipher = Cipher.AES_128_CBC, name_in_log: str = "",
 ) -> RobotClient:
-    """A client that runs a dummy robot; see `RobotClient` for what is needed and raised."""
+    """A client that runs a dummy robot; see `RobotClient` for what is needed and raised, and `DummyRobot`."""
     options = options or DummyOptions()
     network = random.Random(options.seed)
     return RobotClient(
-        team, password, DummyRobot(options), robot, rsbb_host, rsbb_port, bind_host, cipher,
+        team, password, DummyRobot(options, name_in_log=name_in_log), robot, rsbb_host, rsbb_port, bind_host, cipher,
         clock=lambda: time.time() + options.skew,
         passes=lambda: network.random() >= options.loss,
     )
