@@ -4,6 +4,7 @@
 import os
 import re
 import unittest
+from typing import List
 
 import rospy
 from box_case import LISTENER, PACKAGE, NetworkCase, main
@@ -12,8 +13,10 @@ from programs import Program
 from robots import BOX, BROADCAST, CONFIG, RSBB_PORT, empty_beacon
 from run_logs import RunLog
 from std_srvs.srv import Empty
-from waiting import LIMIT_S, wait_until
+from waiting import LIMIT_S, happened, wait_until
 
+from roah_rsbb.core.benchmarks import KINDS, Kind
+from roah_rsbb.msg import ModulesState
 from roah_rsbb.states import BoxState
 
 FOREIGN_BOX = "127.0.0.5"
@@ -143,6 +146,7 @@ class TestDummySetUp(LaunchCase):
         box.wait_text(self.ZONE, "Benchmark completed by the robot")
         self.assertGreater(box.zone_details(self.ZONE).messages_saved, 0)
         path = box.zone_details(self.ZONE).log_file
+        self.modules_are_there(box)
 
         rospy.wait_for_service("/roah_rsbb_shutdown", LIMIT_S)
         rospy.ServiceProxy("/roah_rsbb_shutdown", Empty)()
@@ -150,6 +154,23 @@ class TestDummySetUp(LaunchCase):
         self.assertNotIn("Traceback", launched.text)
         states = RunLog.complete(path).values("/rsbb_log/rsbb_state")
         self.assertEqual(states, [BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT, BoxState.STOP])
+
+    def modules_are_there(self, box: BoxClient) -> None:
+        """A functionality benchmark could be started, with ground truth, in the set-up as it is."""
+        heard: List[ModulesState] = []
+
+        def on_state(message: ModulesState) -> None:
+            heard.append(message)
+            happened()
+
+        subscriber = rospy.Subscriber("/modules/state", ModulesState, on_state)
+        self.addCleanup(subscriber.unregister)
+        wait_until(
+            lambda: heard and not any(module.problems or module.warnings for module in heard[-1].modules),
+            lambda: f"the modules have all that they need; they say\n{heard[-1:]}",
+        )
+        self.assertEqual({module.benchmark for module in heard[-1].modules},
+                         {code for code, kind in KINDS.items() if kind is Kind.FUNCTIONALITY})
 
 
 if __name__ == "__main__":

@@ -1,0 +1,115 @@
+"""A run's module in the node: nothing that it does gets out, and nothing is lost."""
+
+import sys
+from types import SimpleNamespace
+
+import pytest
+
+from roah_rsbb.bmbox.ground_truth import GroundTruth
+from roah_rsbb.bmbox.module import Module
+from roah_rsbb.bmbox.score import Value
+from roah_rsbb.core.config_errors import Report
+from roah_rsbb.core.module_messages import Outcome, OutcomeKind, RunForModule, Step
+from roah_rsbb.core.yaml_lines import Place
+from roah_rsbb.nodes.hosted_module import HostedModule
+
+RUN = RunForModule("TEST-1", 1, "Home", "TEST", "Alpha", 1, 1, running=True)
+
+
+class Rules(Module):
+    """Asks the referee, does `WRONG` with itself, asks again."""
+
+    CODE = ""
+    SCORES = {"done": Value("Done")}
+    WRONG = staticmethod(lambda module: None)
+
+    async def execute(self):
+        self.score["done"] = 1
+        await self.referee("First")
+        self.WRONG(self)
+        await self.referee("Second")
+
+
+def hosted(wrong=lambda module: None, load=SimpleNamespace):
+    told = []
+    kind = type("Wrong", (Rules,), {"WRONG": staticmethod(wrong)})
+    return HostedModule(kind, load, GroundTruth(), told.append), told
+
+
+def answered(module, run=RUN):
+    """The run once the referee did the first thing."""
+    step = Step(module.progress().request, Outcome(OutcomeKind.DONE))
+    return run._replace(steps=(step,))
+
+
+def _exit(_module):
+    sys.exit("enough")
+
+
+def _raise(_module):
+    raise RuntimeError("no rule")
+
+
+def _keep(module):
+    module.kept = {"no JSON": object()}
+
+
+def _status(module):
+    module.status = 7
+
+
+def test_a_module_that_works():
+    module, told = hosted()
+    assert module.progress() is None
+    module.on_run(RUN)
+    assert module.progress().request.text == "First"
+    module.on_run(answered(module))
+    progress = module.progress()
+    assert (progress.request.text, progress.failed, progress.scores[0].value) == ("Second", "", "1")
+    module.close()
+    assert told == []
+
+
+@pytest.mark.parametrize(("wrong", "reason"), [
+    (_raise, "RuntimeError: no rule"), (_exit, "SystemExit: enough"), (_keep, "TypeError"), (_status, "AttributeError"),
+])
+def test_whatever_goes_wrong_ends_this_run_with_its_score(wrong, reason):
+    module, told = hosted(wrong)
+    module.on_run(RUN)
+    module.on_run(answered(module))
+    progress = module.progress()
+    assert reason in progress.failed
+    assert (progress.run, progress.attempt, progress.finished) == ("TEST-1", 1, False)
+    assert [score.value for score in progress.scores] == ["1"]
+    assert len(told) == 1
+    assert told[0].startswith("TEST in zone Home: Traceback")
+    assert reason in told[0]
+    module.on_run(answered(module)._replace(running=False, end_reason="module_failed"))
+    module.tick(5.0)
+    assert not module.watching()
+    assert module.progress() == progress
+    module.close()
+    assert len(told) == 1, "it is told once"
+
+
+@pytest.mark.parametrize("wrong", [_raise, _exit, _keep, _status])
+def test_another_start_is_another_chance(wrong):
+    module, _ = hosted(wrong)
+    module.on_run(RUN)
+    module.on_run(answered(module))
+    assert module.progress().failed
+    module.on_run(RUN._replace(attempt=2))
+    progress = module.progress()
+    assert (progress.attempt, progress.failed, progress.request.text) == (2, "", "First")
+
+
+def test_parameters_that_cannot_be_read_are_the_reason():
+    def load():
+        report = Report()
+        report.error(Place("TEST.yaml", 7, 1), "x", "y")
+        report.raise_errors()
+
+    module, told = hosted(load=load)
+    module.on_run(RUN)
+    assert module.progress().failed == "TEST.yaml:7: found x; expected y"
+    assert told == []
