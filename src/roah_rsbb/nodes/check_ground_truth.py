@@ -55,7 +55,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     while rospy.get_time() < until and any(state.pose is None for state in states):
         rospy.rostime.wallsleep(_POLL_S)
         states = ground_truth.frames()
-    print(f"seen from {config.reference_frame}; what is older than {config.maximum_age_s:g} s is missing")
+    print(f"In reference frame {config.reference_frame}; what is older than {config.maximum_age_s:g} s is missing.")
     for state in states:
         print(line(state))
     sys.exit(0 if all(state.pose is not None for state in states) else 1)

@@ -95,6 +95,20 @@ class TfGroundTruth(GroundTruth):
         self._stamps.watch(_frames(config))
         self.config = config
 
+    def close(self) -> None:
+        """Listen no more."""
+        self._listener.unregister()
+        self._subscriber.unregister()
+
+    def sees(self, frame: str) -> bool:
+        """Whether tf has heard of a frame at all."""
+        # What tf.TransformListener.frameExists calls, too; can_transform(frame, frame) is true of any name.
+        return self._buffer._frameExists(frame)
+
+    def gap(self, frame: str, at_utc: float) -> Optional[float]:
+        """Seconds from a time to the nearest at which a marker's frame was published; None: it never was."""
+        return self._stamps.gap(frame, at_utc)
+
     def pose(self, frame: str, at_utc: Optional[float] = None) -> Pose3:
         """See GroundTruth.pose; at most `maximum_age_s` away from the time that is asked for."""
         return self._pose(frame, "", at_utc)
@@ -114,7 +128,7 @@ class TfGroundTruth(GroundTruth):
 
     def _seen(self, subject: str, frame: str, at_utc: Optional[float]) -> Tuple[Pose3, Optional[float]]:
         """A frame's pose at a time, or its latest where that must do, and when it was; None: it is static."""
-        gap = None if at_utc is None else self._stamps.gap(frame, at_utc)
+        gap = None if at_utc is None else self.gap(frame, at_utc)
         if gap is not None and gap <= self.config.maximum_age_s:
             # Fails where the time is later than the latest of the frame: that one may do.
             with contextlib.suppress(tf2_ros.TransformException):
@@ -167,7 +181,7 @@ class TfGroundTruth(GroundTruth):
         """
         problems: List[str] = []
         warnings: List[str] = []
-        if not self._exists(self.config.reference_frame):
+        if not self.sees(self.config.reference_frame):
             problems.append(f"ground truth: {self._never_seen(self.config.reference_frame)}")
         for subject in dict.fromkeys(subjects):
             try:
@@ -180,18 +194,19 @@ class TfGroundTruth(GroundTruth):
         return problems, warnings
 
     def _missing(self, subject: str, frame: str, error: Exception) -> str:
-        for name in (self.config.reference_frame, frame):
-            if not self._exists(name):
+        reference = self.config.reference_frame
+        for name in (reference, frame):
+            if not self.sees(name):
                 return f"{subject}: {self._never_seen(name)}"
-        return f"{subject}: frame '{frame}' has no connection with '{self.config.reference_frame}' in tf: {error}"
+        if isinstance(error, tf2_ros.ExtrapolationException):
+            return (f"{subject}: frame '{frame}' and what is between it and '{reference}' were not seen at one time: "
+                    f"{_REMEDY_OLD}")
+        return f"{subject}: frame '{frame}' has no connection with '{reference}' in tf: {error}"
 
     def _never_seen(self, frame: str) -> str:
         if frame == self.config.reference_frame:
             return f"reference frame '{frame}' was never seen: {_REMEDY_REFERENCE}"
         return f"frame '{frame}' was never seen: {_REMEDY_NEVER}"
-
-    def _exists(self, frame: str) -> bool:
-        return self._buffer.can_transform(frame, frame, _STATIC)
 
 
 class _TeamGroundTruth(GroundTruth):

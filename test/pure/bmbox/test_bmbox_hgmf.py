@@ -42,6 +42,7 @@ def lifts(r, height):
 
 def test_the_steps_of_an_object():
     r = hgmf()
+    assert (r.score["grasped"], r.score["objects"], r.score["execution_time"]) == (0, 1, 0)
     assert r.asked.text == "Place the cup with markers on the table"
     r.answer()
     assert (r.asked.kind, r.asked.timeout) == (RequestKind.GOAL, 120.0)
@@ -127,6 +128,7 @@ def test_it_is_looked_at_ten_times_a_second():
     r.truth.subjects["object"] = HERE
     r.executes(0.5, STEP)
     assert r.score["grasped"] == 1
+    assert r.module.kept == {"grasped": True}
 
 
 def test_an_object_that_is_not_seen_meanwhile_is_not_grasped():

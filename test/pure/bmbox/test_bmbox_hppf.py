@@ -42,6 +42,7 @@ def result(name, x=1.0, y=1.0):
 
 def test_the_steps_of_a_person():
     r = hppf()
+    assert (r.score["detected"], r.score["recognised"], r.score["execution_time"]) == (0, 0, 0)
     assert r.asked.text == "Annie enters the target area"
     r.answer()
     assert (r.asked.kind, r.asked.goal, r.asked.timeout) == (RequestKind.GOAL, "", 120.0)
