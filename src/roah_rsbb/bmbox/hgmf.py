@@ -72,8 +72,7 @@ class HGMF(Module):
         finally:
             self._show_grasped(group)
         self.score[group, "time"] = outcome.executing_s
-        self.kept = await self.note(lambda: self.kept)
-        self._show_grasped(group)
+        self._sum_up()
         end = await self._end()
         self.score[group, "distance_error"] = None if end is None else distance(end, target)
         self._sum_up()

@@ -53,7 +53,6 @@ class HPFF(Module):
             outcome = await self.goal(
                 timeout=self.parameters.goal_timeout, text="follow the person", watch=self._look, every=PERIOD_S
             )
-            self.kept = await self.note(lambda: self.kept)
         except RunEnded:
             self._conclude(self.run.elapsed_s)
             raise
