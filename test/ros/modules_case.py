@@ -6,11 +6,14 @@ import shutil
 import tempfile
 from typing import Callable, Dict, List, Tuple
 
+import rospy
 from box_case import PACKAGE, BoxCase
 from programs import Program
 from robots import BROADCAST, CONFIG, PASSWORDS, RSBB_PORT, Robot, host_of
 from run_logs import RunLog
+from waiting import happened
 
+from roah_rsbb.msg import ModulesState
 from roah_rsbb.srv import ManualOperationAnswer
 
 Scores = Dict[Tuple[str, str], object]
@@ -100,6 +103,18 @@ class FaultsCase(FunctionalityCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name) / "modules"
         shutil.copytree(str(CONFIG / "modules"), str(self.folder))
+
+    def listen(self) -> List[ModulesState]:
+        """What is said on /modules/state from now on."""
+        heard: List[ModulesState] = []
+
+        def on_state(message: ModulesState) -> None:
+            heard.append(message)
+            happened()
+
+        subscriber = rospy.Subscriber("/modules/state", ModulesState, on_state)
+        self.addCleanup(subscriber.unregister)
+        return heard
 
     def modules(self, name: str = "modules_of_the_test", benchmarks: str = "all") -> ModulesProcess:
         """A process that ends with the test."""

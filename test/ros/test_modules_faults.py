@@ -93,7 +93,9 @@ class TestStops(FaultsCase):
         self.answer("STB")
         for times in (1, 2):
             self.goals_done(robot, done + times)
+        said = self.listen()
         self.assertEqual(self.to_the_end("STB", after=1)[0]["", "completed"], 2)
+        wait_until(lambda: said and not said[-1].progress, "nothing is said any more of a run that was left")
 
     def at_once(self, _robot: Robot, _done: int) -> None:
         pass

@@ -25,7 +25,7 @@ class TestFollowing(FunctionalityCase):
         self.assertGreater(scores["", "reliability"], 0.5)
         self.assertGreater(scores["", "distance_covered"], 0.1)
         self.assertLess(scores["", "mean_deviation"], 1.0)
-        self.assertLess(abs(scores["", "run_length"] - 11.0), 10.0)
+        self.assertLess(abs(scores["", "run_length"] - 14.0), 10.0)
         self.assertIs(scores["", "failed_run"], False)
         self.assertEqual(len(log.values("/rsbb_log/bmbox/goal")), 1)
 
