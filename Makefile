@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install-deps build demo test lint test-pure test-python38 test-install test-ros clean
+.PHONY: help install-deps build demo test lint test-pure test-python38 test-pip test-install test-ros clean
 
 # ROS's own Python: the first python3 on PATH may be another one.
 PYTHON := /usr/bin/python3
@@ -26,7 +26,7 @@ build: install-deps ## build into build/devel
 demo: build ## the dummy set-up on this machine alone
 	@$(BUILT); rosrun roah_rsbb demo
 
-test: build $(if $(filter no,$(LINT)),,lint) test-pure test-python38 test-install test-ros ## all tests
+test: build $(if $(filter no,$(LINT)),,lint) test-pure test-python38 test-pip test-install test-ros ## all tests
 
 lint: install-deps ## ruff and catkin_lint
 	@tools/lint
@@ -36,6 +36,9 @@ test-pure: build ## tests of the rules, without ROS
 
 test-python38: install-deps ## the same on Python 3.8, where there is one
 	@tools/test_python38
+
+test-pip: install-deps ## a robot without ROS, from the wheel that pip makes
+	@tools/test_pip_install
 
 test-install: build ## the demonstration, from an install space
 	@tools/test_install

@@ -1,0 +1,82 @@
+"""Run by tools/test_pip_install with the Python of a venv that has roah_rsbb from pip; its argument is the source tree.
+
+Everything of the wheel imports, with protobuf and cryptography alone, and the documented example completes a
+benchmark against a box, both of them from the wheel.
+"""
+
+import asyncio
+import importlib
+import importlib.metadata
+import importlib.util
+import os
+import pathlib
+import pkgutil
+import signal
+import subprocess
+import sys
+
+import roah_rsbb
+import roah_rsbb.comm
+import roah_rsbb.pb.roah_rsbb_msgs_pb2
+import roah_rsbb.robot
+import roah_rsbb.states
+
+SOURCE = pathlib.Path(sys.argv[1])
+EXAMPLE = SOURCE / "docs" / "examples" / "my_robot.py"
+BIN = pathlib.Path(sys.executable).parent
+PROGRAMS = ("roah_rsbb_capture", "roah_rsbb_dummy_robot")
+FOREIGN = ("rospy", "genpy", "rospkg", "catkin_pkg", "yaml", "numpy", "tornado")
+LEFT_OUT = ("core", "nodes", "bmbox", "journal", "devices", "tablet", "client", "rqt")
+
+
+def check_imports():
+    """The installed package, wholly, and nothing that a team has not installed."""
+    assert pathlib.Path(sys.prefix) in pathlib.Path(roah_rsbb.__file__).parents, roah_rsbb.__file__
+    found = [name for name in FOREIGN if importlib.util.find_spec(name)]
+    assert not found, f"this venv is not clean: {found}"
+    found = [name for name in LEFT_OUT if importlib.util.find_spec(f"roah_rsbb.{name}")]
+    assert not found, f"rooms that need more are in the wheel: {found}"
+    modules = [module.name for module in pkgutil.walk_packages(roah_rsbb.__path__, "roah_rsbb.")]
+    assert len(modules) > 30, modules
+    for name in modules:
+        if not name.endswith(".__main__"):
+            importlib.import_module(name)
+
+
+def check_programs():
+    """Those of the wheel start without a word of complaint."""
+    for program in PROGRAMS:
+        ended = subprocess.run([str(BIN / program), "--help"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                               check=True, text=True)
+        assert ended.stdout.startswith("usage:"), ended.stdout
+
+
+async def complete_a_benchmark():
+    """The example as a program, in a run of HOPF; what it printed."""
+    sys.path.append(str(SOURCE / "test" / "pure"))
+    from helpers.small_box import BROADCAST, PASSWORD, ROBOT, TEAM, SmallBox
+
+    async with SmallBox("HOPF") as box:
+        robot = await asyncio.create_subprocess_exec(
+            sys.executable, "-I", str(EXAMPLE), TEAM, BROADCAST, "--port", str(box.port), "--bind", ROBOT,
+            stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.STDOUT,
+            env={**os.environ, "ROAH_RSBB_KEY": PASSWORD},
+        )
+        try:
+            await box.run_through()
+        finally:
+            if robot.returncode is None:
+                robot.send_signal(signal.SIGINT)
+            printed = (await robot.communicate())[0].decode()
+    assert [message.object_name for message in box.finished] == ["red_cup"], printed
+    assert robot.returncode == 0, printed
+    lines = printed.splitlines()
+    assert [line.split(None, 2)[:2] for line in lines[:2]] == [["HOPF:", "preparing"], ["HOPF:", "executing"]], printed
+    assert lines[2:] == ["stopped: the box sent STOP"], printed
+
+
+check_imports()
+check_programs()
+asyncio.run(complete_a_benchmark())
+packages = " and ".join(f"{name} {importlib.metadata.version(name)}" for name in ("protobuf", "cryptography"))
+print(f"pip test: Python {sys.version.split()[0]}, {packages}: the example completed a benchmark")
