@@ -61,9 +61,15 @@ def test_the_robot_follows_the_person():
     w = World("HPFF")
     w.asks(RequestKind.GOAL)
     w.executes(8.0)
+    last = w.executes(0.5)["robot"]
     for _ in range(100):
         poses = w.executes(0.5)
-        assert distance(poses["robot"], poses["person"]) == pytest.approx(FOLLOW_M, abs=0.2)
+        robot, person = poses["robot"], poses["person"]
+        assert distance(robot, person) == pytest.approx(FOLLOW_M, abs=0.2)
+        assert distance(robot, last) < 0.8  # it goes at the person's pace
+        to_person = math.atan2(person.y - robot.y, person.x - robot.x)
+        assert abs(angle_difference(robot.theta, to_person)) < 0.4  # and looks at the person
+        last = robot
 
 
 def test_the_person_walks():
@@ -107,7 +113,12 @@ def test_an_object_rises_and_goes_to_its_target():
     lying = w.asks(RequestKind.REFEREE)["object"]
     assert w.asks(RequestKind.GOAL, pose=(0.3, 0.2, 0.0), seconds=3.0)["object"] == lying
     assert w.executes(0.7)["object"].z > lying.z + 0.03
-    end = w.executes(2.0)["object"]
+    left = []
+    for _ in range(7):
+        now = seen_from(TABLE, w.executes(0.2)["object"])
+        left.append(math.hypot(now.x - 0.3, now.y - 0.2))
+    assert left[0] > left[3] > left[-1]
+    end = w.executes(0.6)["object"]
     assert end.z == lying.z
     off = seen_from(TABLE, end)
     assert 0.0 < math.hypot(off.x - 0.3, off.y - 0.2) < 0.15

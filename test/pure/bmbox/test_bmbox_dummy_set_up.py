@@ -1,0 +1,103 @@
+"""Whole runs in simulated time: the real box, the real rules and shipped parameters, and all else pretended."""
+
+import json
+
+import pytest
+
+from helpers.config_files import SHIPPED
+from helpers.dummy_set_up import DummySetUp
+from roah_rsbb.bmbox.dummy_world import TABLE_SIZE
+from roah_rsbb.bmbox.ground_truth import Pose3, compose, seen_from
+from roah_rsbb.bmbox.parameters import read_parameters
+from roah_rsbb.bmbox.registry import modules
+from roah_rsbb.core.module_messages import RequestKind
+from roah_rsbb.core.run import EndReason
+
+RESTARTS = [None, 1.7]  # seconds from one crash of the modules to the next
+
+
+def completed(set_up, **how):
+    set_up.go(**how)
+    assert set_up.run.end_reason is EndReason.COMPLETED, set_up.driver.notices()
+    saved = {(s.group, s.name): json.loads(s.value) for s in set_up.run.scores}
+    assert saved == {(s.group, s.name): json.loads(s.value) for s in set_up.score.values()}
+    return saved
+
+
+@pytest.mark.parametrize("restart_every_s", RESTARTS)
+def test_hopf(restart_every_s):
+    def result():
+        """What is right of a red cup, and a place that is 0.3 m and 0.4 m beside that of any cup."""
+        notes = [json.loads(step.request.note)["pose"] for step in set_up.run.steps
+                 if step.request.kind is RequestKind.NOTE]
+        table, positioner = (Pose3(*pose) for pose in notes[-2:])
+        item = compose(positioner, set_up.runner.module.parameters.items[0].transform)
+        x, y, _, theta = seen_from(table, item)
+        return f"{{class: cups, instance: red_cup, x: {x + 0.3}, y: {y + 0.4}, theta: {theta}}}"
+
+    set_up = DummySetUp("HOPF", result)
+    score = completed(set_up, restart_every_s=restart_every_s)
+    # 3 of the 10 items are cups, one of them red.
+    assert (score["", "class_accuracy"], score["", "instance_accuracy"]) == (0.3, 0.1)
+    cups = [group for (group, name), value in score.items() if name == "class_right" and value]
+    assert [score[group, "pose_score"] for group in cups] == pytest.approx([0.75] * 3)
+    assert score["", "execution_time"] == pytest.approx(10 * 3.0, abs=2.0)
+
+
+@pytest.mark.parametrize("restart_every_s", RESTARTS)
+def test_hppf(restart_every_s):
+    def result():
+        x, y, _, theta = set_up.world.poses()["person"]
+        return f"{{person_name: annie, x: {x - 0.3}, y: {y + 0.4}, theta: {theta}}}"
+
+    set_up = DummySetUp("HPPF", result)
+    score = completed(set_up, restart_every_s=restart_every_s)
+    assert (score["", "detected"], score["", "recognised"]) == (4, 1)
+    assert score["", "distance_error"] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("restart_every_s", [None, 50.0])
+def test_hpff(restart_every_s):
+    set_up = DummySetUp("HPFF", None, goal=300.0, total=305.0)
+    score = completed(set_up, period_s=0.25, restart_every_s=restart_every_s)
+    assert score["", "run_length"] == pytest.approx(300.0, abs=1.0)
+    assert (score["", "failed_run"], score["", "reliability"]) == (False, 1.0)
+    # 8 to 299 s of executing, twice a second; a restart may add one.
+    assert 575 <= score["", "samples"] <= 595
+    assert score["", "mean_deviation"] < 0.2
+    # The person walks half a metre a second, the robot on a circle that is no longer.
+    assert 30.0 < score["", "distance_covered"] < 160.0
+
+
+@pytest.mark.parametrize("restart_every_s", RESTARTS)
+def test_hgmf(restart_every_s):
+    set_up = DummySetUp("HGMF")
+    score = completed(set_up, restart_every_s=restart_every_s)
+    assert (score["", "grasped"], score["", "objects"]) == (4, 4)
+    assert 0.0 < score["", "distance_error"] < 0.15
+    assert score["", "execution_time"] == pytest.approx(4 * 3.0, abs=1.0)
+
+
+def test_hnf():
+    score = completed(DummySetUp("HNF"))
+    assert (score["", "reached"], score["", "timed_out"]) == (3, 0)
+    assert 0.0 < score["", "position_accuracy"] < 0.15
+    assert 0.0 < score["", "orientation_accuracy"] < 0.2
+
+
+def test_a_run_that_is_stopped_keeps_its_score_and_begins_anew():
+    set_up = DummySetUp("HGMF")
+    while ("grasped", "1") not in [(s.name, s.value) for s in set_up.run.scores]:
+        set_up.step()
+    set_up.driver.command("stop")
+    set_up.step()
+    assert ("grasped", "1") in [(s.name, s.value) for s in set_up.run.scores]
+    set_up.driver.command("start")
+    assert completed(set_up)["", "grasped"] == 4
+
+
+@pytest.mark.parametrize("code", ["HOPF", "HGMF"])
+def test_the_world_s_table_is_that_of_the_shipped_parameters(code):
+    kind = modules()[code]
+    parameters = read_parameters(str(SHIPPED / "modules" / f"{code}.yaml"), code, kind.PARAMETERS)
+    assert (parameters.table_size.x, parameters.table_size.y) == TABLE_SIZE
