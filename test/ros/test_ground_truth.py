@@ -171,6 +171,11 @@ class TestThen(GroundTruthCase):
         pose = self.truth.pose("robot", begin + (end - begin) / 4)
         self.assert_pose(pose, 1.25, 1.0, 0.0, 0.25)
 
+    def test_a_name_with_a_slash_is_the_same_frame(self) -> None:
+        begin = self.shown(3.0, 1.0, 0.0, 0.0, frame="/" + self.frame)
+        end = self.shown(1.0, 3.0, 0.0, 0.0, frame="/" + self.frame)
+        self.assert_pose(self.truth.pose("robot", (begin + end) / 2), 2.0, 0.0, 0.0, 0.0)
+
     def test_after_the_latest_pose_that_one_must_do(self) -> None:
         stamp = self.shown(3.0, 1.0, 2.0, 0.0)
         self.assert_pose(self.truth.pose("robot", stamp + 2.0), 1.0, 2.0, 0.0, 0.0)

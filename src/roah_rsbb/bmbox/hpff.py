@@ -47,6 +47,8 @@ class HPFF(Module):
     async def execute(self) -> None:
         self.kept = {"samples": 0, "both": 0, "deviation": 0.0, "covered": 0.0, "last": None, "last_s": 0.0}
         self._show()
+        if self.parameters.minimum_distance >= self.parameters.maximum_distance:
+            self.warn("no way will count: minimum_distance is not below maximum_distance in HPFF.yaml")
         self.status = "The robot follows the person"
         try:
             await self.note(lambda: "start")

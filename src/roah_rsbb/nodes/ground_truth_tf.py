@@ -62,7 +62,8 @@ class _Stamps:
         """Take note of a message of /tf."""
         with self._lock:
             for transform in message.transforms:
-                stamps = self._by_frame.get(transform.child_frame_id)
+                # Of ROS's early days: tf2 drops a '/' at the beginning, too.
+                stamps = self._by_frame.get(transform.child_frame_id.lstrip("/"))
                 if stamps is not None:
                     stamps.append(transform.header.stamp.to_sec())
 

@@ -14,8 +14,8 @@ ROBOT, PERSON = Pose3(0.0, 0.0, 0.0, 0.0), Pose3(2.0, 0.0, 1.8, 0.0)
 STEP = 0.125  # seconds; sums of them are exact
 
 
-def hpff(robot=ROBOT, person=PERSON):
-    return Rehearsal(HPFF, LIMITS, Poses(robot=robot, person=person))
+def hpff(robot=ROBOT, person=PERSON, **limits):
+    return Rehearsal(HPFF, {**LIMITS, **limits}, Poses(robot=robot, person=person))
 
 
 def times_out(r):
@@ -167,6 +167,11 @@ def test_a_run_that_ends_otherwise_is_judged_by_its_length(reason, elapsed, fail
     assert (r.score["failed_run"], r.score["run_length"]) == (failed, elapsed)
     assert (r.score["samples"], r.score["mean_deviation"], r.score["reliability"]) == (5, 0.0, 1.0)
     assert not r.finished
+
+
+def test_limits_that_leave_nothing_between_them_are_told():
+    assert "no way will count" in hpff(minimum_distance=3.5).module.warnings[0]
+    assert hpff(minimum_distance=3.4).module.warnings == []
 
 
 def test_sums_survive_a_restart():
