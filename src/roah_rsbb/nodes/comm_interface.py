@@ -7,6 +7,7 @@ order in which it was asked for: the box hears of a new state before the robot's
 
 import queue
 import threading
+import warnings
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import rospy
@@ -145,7 +146,7 @@ class CommInterface:
         self._in_benchmark.append(rospy.Subscriber(
             "/roah_rsbb/messages_saved", UInt32, lambda message: self._owner.messages_saved(message.data)
         ))
-        self._state_topic = _topic("benchmark/state", BenchmarkState)
+        self._state_topic = _state_topic()
         self._in_benchmark.append(self._state_topic)
         self._in_benchmark += self._benchmark_services(code)
         if code in GOAL_TYPES:
@@ -227,6 +228,17 @@ class CommInterface:
 
 def _topic(name: str, message: type, latch: bool = True) -> rospy.Publisher:
     return rospy.Publisher(f"/roah_rsbb/{name}", message, queue_size=10, latch=latch)
+
+
+def _state_topic() -> rospy.Publisher:
+    """Publishes before `publish` returns: the last STOP of a benchmark must not be lost with the topic's end.
+
+    A queue's messages would be. Nobody who does not read can hold it up: it takes thousands of such messages to
+    fill a socket.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SyntaxWarning)  # rospy recommends a queue
+        return rospy.Publisher("/roah_rsbb/benchmark/state", BenchmarkState, queue_size=None, latch=True)
 
 
 def _service(name: str, service: type, action: Callable[[object], None]) -> rospy.Service:
