@@ -3,21 +3,37 @@
 import importlib
 import inspect
 import pkgutil
-from typing import Dict, Type
+import traceback
+from typing import Callable, Dict, Optional, Type
 
 from roah_rsbb import bmbox
 from roah_rsbb.bmbox.module import Module
 
 
-def modules() -> Dict[str, Type[Module]]:
-    """The modules by code. ValueError when two have the same."""
+def modules(tell: Optional[Callable[[str], None]] = None) -> Dict[str, Type[Module]]:
+    """The modules by code.
+
+    A file that cannot be imported, or drives what another one drives already, raises; but where `tell` takes the
+    reason, only that file is left out.
+    """
     found: Dict[str, Type[Module]] = {}
     for info in pkgutil.iter_modules(bmbox.__path__):
-        file = importlib.import_module(f"{bmbox.__name__}.{info.name}")
-        for _, kind in inspect.getmembers(file, inspect.isclass):
-            if not (issubclass(kind, Module) and kind.CODE and kind.__module__ == file.__name__):
-                continue
-            if kind.CODE in found:
-                raise ValueError(f"{kind.__module__} and {found[kind.CODE].__module__} both drive {kind.CODE}")
-            found[kind.CODE] = kind
+        try:
+            for kind in _of_file(info.name).values():
+                if kind.CODE in found:
+                    raise ValueError(f"{kind.__module__} and {found[kind.CODE].__module__} both drive {kind.CODE}")
+                found[kind.CODE] = kind
+        except Exception as error:  # whatever its author did
+            if tell is None:
+                raise
+            trace = "".join(traceback.format_exception(type(error), error, error.__traceback__))
+            tell(f"{info.name}.py cannot be used, mend it and start again: {error}\n{trace}")
     return found
+
+
+def _of_file(name: str) -> Dict[str, Type[Module]]:
+    file = importlib.import_module(f"{bmbox.__name__}.{name}")
+    return {
+        name: kind for name, kind in inspect.getmembers(file, inspect.isclass)
+        if issubclass(kind, Module) and kind.CODE and kind.__module__ == file.__name__
+    }

@@ -129,7 +129,7 @@ class ModulesNode:
 
 def _chosen(words: str) -> Dict[str, Type[Module]]:
     """The modules that the parameter names; raises BadParams."""
-    there_are = registry.modules()
+    there_are = registry.modules(lambda text: rospy.logerr("%s", text))
     if words == "all":
         return there_are
     codes = words.replace(",", " ").split()

@@ -1,0 +1,51 @@
+"""All modules of the room; a file that is wrong costs no other one."""
+
+import sys
+
+import pytest
+
+from roah_rsbb import bmbox
+from roah_rsbb.bmbox import registry
+from roah_rsbb.core.benchmarks import KINDS, Kind
+
+MODULE = """
+from roah_rsbb.bmbox.module import Module
+
+class {name}(Module):
+    CODE = "{code}"
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder whose files are in the room, too."""
+    monkeypatch.setattr(bmbox, "__path__", [*bmbox.__path__, str(tmp_path)])
+    before = set(sys.modules)
+    yield tmp_path
+    for name in set(sys.modules) - before:
+        del sys.modules[name]
+
+
+def test_each_functionality_benchmark_has_one():
+    assert set(registry.modules()) == {code for code, kind in KINDS.items() if kind is Kind.FUNCTIONALITY}
+
+
+def test_a_new_file_is_enough(folder):
+    (folder / "new_one.py").write_text(MODULE.format(name="New", code="NEW"), encoding="utf-8")
+    assert registry.modules()["NEW"].__name__ == "New"
+
+
+@pytest.mark.parametrize(("text", "reason"), [
+    ("def broken(:\n", "invalid syntax"), ("import nonsense_that_is_not_there\n", "nonsense_that_is_not_there"),
+    ("raise RuntimeError('no rules')\n", "no rules"), (MODULE.format(name="Twin", code="STB"), "both drive STB"),
+])
+def test_a_file_that_is_wrong_is_told_and_left_out(folder, text, reason):
+    (folder / "zz_wrong.py").write_text(text, encoding="utf-8")
+    told = []
+    assert set(registry.modules(told.append)) == {code for code, kind in KINDS.items() if kind is Kind.FUNCTIONALITY}
+    assert len(told) == 1
+    assert told[0].startswith("zz_wrong.py cannot be used")
+    assert reason in told[0]
+    assert "Traceback" in told[0]
+    with pytest.raises((SyntaxError, ImportError, RuntimeError, ValueError)):
+        registry.modules()
