@@ -15,6 +15,8 @@ from std_msgs.msg import Empty
 from roah_rsbb.devices.sounds import Sound
 from roah_rsbb.nodes.params import BadParams, Params
 
+# Of package alsa-utils, in Debian and Ubuntu.
+PLAYER = "aplay"
 # Parameter with the command: the topic that rings, the own sound file.
 RINGS = {
     "bell_ring_command": ("/devices/bell", "bell.wav"),
@@ -24,7 +26,7 @@ RINGS = {
 
 def _default_command(file: str) -> str:
     path = os.path.join(rospkg.RosPack().get_path("roah_rsbb"), "resource", "sounds", file)
-    return f"aplay -q {shlex.quote(path)}"
+    return f"{PLAYER} -q {shlex.quote(path)}"
 
 
 def _sound(params: Params, name: str) -> Sound:
