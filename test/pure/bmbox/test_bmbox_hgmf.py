@@ -122,6 +122,16 @@ def test_a_target_keeps_away_from_the_object_in_the_tables_frame():
 def test_it_is_looked_at_ten_times_a_second():
     r = hgmf()
     r.answer()
+    looks = []
+    r.module.peek = lambda subject: looks.append(subject) or HERE
+    r.executes(10.0, 0.0125)
+    assert len(looks) == pytest.approx(100, abs=1)
+    assert set(looks) == {"object"}
+
+
+def test_a_short_lift_is_seen():
+    r = hgmf()
+    r.answer()
     r.executes(0.5, STEP)
     r.truth.subjects["object"] = HERE._replace(z=0.9)
     r.executes(STEP, STEP)  # it was up for an eighth of a second
@@ -160,6 +170,7 @@ def test_an_object_lost_at_the_end_is_asked_for_or_skipped():
         r.truth.subjects["object"] = None
         r.result(seconds=5.0)
         assert r.asked.choices == ("Try again", "Skip")
+        assert r.score["execution_time"] == sum(r.score.each("time")) > 0.0
         r.truth.subjects["object"] = HERE
         r.answer(answer)
     assert r.finished

@@ -1,0 +1,65 @@
+"""The shipped parameters of the benchmarks with ground truth, and what is refused in them."""
+
+import pytest
+
+from helpers.config_files import SHIPPED
+from roah_rsbb.bmbox.parameters import read_parameters
+from roah_rsbb.bmbox.registry import modules
+from roah_rsbb.core.config_errors import ConfigErrors
+
+MODULES = SHIPPED / "modules"
+
+
+def read(path, code):
+    return read_parameters(str(path), code, modules()[code].PARAMETERS)
+
+
+def test_hopf():
+    parameters = read(MODULES / "HOPF.yaml", "HOPF")
+    assert (parameters.goals, parameters.goal_timeout) == (10, 120.0)
+    assert len({item.id for item in parameters.items}) == len(parameters.items) >= parameters.goals
+
+
+def test_hppf():
+    parameters = read(MODULES / "HPPF.yaml", "HPPF")
+    assert parameters.goal_timeout == 120.0
+    assert "Annie" in parameters.people
+
+
+def test_hpff():
+    p = read(MODULES / "HPFF.yaml", "HPFF")
+    assert (p.minimum_distance, p.maximum_distance, p.desired_distance, p.goal_timeout) == (0.15, 3.5, 2.0, 300.0)
+
+
+def test_hgmf():
+    parameters = read(MODULES / "HGMF.yaml", "HGMF")
+    assert parameters.goal_timeout == 120.0
+    assert len({thing.id for thing in parameters.objects}) == len(parameters.objects)
+
+
+@pytest.mark.parametrize("code, old, new, found", [
+    ("HOPF", "goals: 10", "goals: 0", "found the number '0' as goals; expected a whole number from 1 to 100"),
+    ("HOPF", "goals: 10", "goals: 101", "expected a whole number from 1 to 100"),
+    ("HOPF", "{ id: 1,", "{ id: 70000,", "expected a whole number from 0 to 65535"),
+    ("HOPF", "{ id: 1,", "{ id: -1,", "expected a whole number from 0 to 65535"),
+    ("HOPF", "x: 1.2", "x: 0", "expected a number of metres above 0 and at most 10"),
+    ("HOPF", "y: 0.8", "y: 0.0", "expected a number of metres above 0 and at most 10"),
+    ("HOPF", "class: cups, ", "", "without class"),
+    ("HPPF", "- Annie", "- 7", "expected a text"),
+    ("HPFF", "minimum_distance: 0.15", "minimum_distance: -1", "expected a number of metres at least 0 and at most"),
+    ("HPFF", "maximum_distance: 3.5", "maximum_distance: 0", "expected a number of metres above 0 and at most 100"),
+    ("HPFF", "desired_distance: 2.0", "desired_distance: 0", "expected a number of metres above 0 and at most 100"),
+    ("HPFF", "goal_timeout: 300", "goal_timeout: -3", "expected a number of seconds above 0"),
+    # On a smaller table there may be no target 5 cm from the object.
+    ("HGMF", "x: 1.2", "x: 0.49", "expected a number of metres at least 0.5 and at most 10"),
+    ("HGMF", "y: 0.8", "y: 0.49", "expected a number of metres at least 0.5 and at most 10"),
+    # What GoalHGMF has room for (ROS interface).
+    ("HGMF", "{ id: 1,", "{ id: 65536,", "expected a whole number from 0 to 65535"),
+])
+def test_what_is_refused(tmp_path, code, old, new, found):
+    text = (MODULES / f"{code}.yaml").read_text(encoding="utf-8")
+    assert old in text
+    (tmp_path / "it.yaml").write_text(text.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(ConfigErrors, match=f"yaml:{text[:text.index(old)].count(chr(10)) + 1}: ") as wrong:
+        read(tmp_path / "it.yaml", code)
+    assert found in str(wrong.value)
