@@ -6,7 +6,7 @@ every message who speaks from which address. What it remembers is bounded, whate
 
 import enum
 from collections import OrderedDict
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, NamedTuple, Optional, Tuple
 
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.capture.records import Datagram
@@ -132,17 +132,16 @@ class Decoder:
         candidates = sorted(self._keys.items(), key=lambda item: item[0] != own_team)
         if self._other_key is not None and own_team not in self._keys:
             candidates.append(("", self._other_key))
-        failed: List[BadDatagram] = []
+        should_fit = False
         for team, key in candidates:
             try:
                 return team, frame.decode_private(datagram.data, key)
             except BadDatagram as bad:
                 if bad.reason is not Reason.UNDECRYPTABLE:
                     raise
-                if team in ("", own_team):
-                    failed.append(bad)
-        if failed:
-            raise failed[0]
+                should_fit = should_fit or team in ("", own_team)
+        if should_fit:
+            raise BadDatagram(Reason.UNDECRYPTABLE, "the password given here does not fit")
         return "", None
 
     # -- entries --------------------------------------------------------------------------------------

@@ -7,40 +7,57 @@ from typing import Any, Dict, Optional
 
 from roah_rsbb.comm.capture.decoding import BOX, TABLET, Entry, Kind
 from roah_rsbb.comm.capture.fields import fields_of
+from roah_rsbb.comm.capture.records import LAST_SECOND
 from roah_rsbb.comm.complaints import likely_cause
 
 _DIM, _RED, _GREEN, _YELLOW, _MAGENTA, _CYAN = "2", "31", "32", "33", "35", "36"
 _NS = 1_000_000_000
-# Beyond it a clock says nothing that a time of day could show.
-_LAST_SECOND = 2**32 - 1
+_WIDEST_COLUMN = 40
 _HIGHLIGHTED = {"benchmark_state", "robot_state"}
 
 
-def text_line(entry: Entry, color: bool = False) -> str:
-    """Time, channel, address, who speaks, what: for people."""
-    def paint(text: str, code: str) -> str:
-        return f"\x1b[{code}m{text}\x1b[0m" if color else text
+class TextLines:
+    """Entries as lines for people: time, channel, address, who speaks, what.
 
-    datagram = entry.datagram
-    channel = str(datagram.dport) if entry.private else "public"
-    sender = f"{datagram.src}:{datagram.sport}" if datagram.sport != datagram.dport else datagram.src
-    speaker = f"{_plain(str(entry.speaker)) if entry.speaker else 'unknown':<22}"
-    head = f"{paint(_clock(datagram.time), _DIM)} {channel:<6} {sender:<15}"
-    if entry.kind is Kind.ERROR:
-        what = f"ERROR {_plain(entry.text)}. {likely_cause(entry.reason)}"
-        return f"{head} {speaker} {paint(what, _RED)}"
-    if entry.kind is Kind.ENCRYPTED:
-        return f"{head} {speaker} {paint('encrypted, ' + _plain(entry.text), _YELLOW)}"
-    name = entry.message.DESCRIPTOR.name
-    code = {BOX: _CYAN, TABLET: _MAGENTA}.get(entry.speaker, _GREEN)
-    shown = [
-        f"{key}={paint(_text(value), code) if key in _HIGHLIGHTED else _text(value)}"
-        for key, value in fields_of(entry.message).items()
-    ]
-    skew = skew_s(entry)
-    if skew is not None:
-        shown.append(f"skew={skew:+.3f}s")
-    return " ".join([head, speaker, paint(name, code), *shown])
+    Addresses and names have columns, which grow with what comes, up to a width that leaves room for the rest.
+    """
+
+    def __init__(self, color: bool = False) -> None:
+        self._color = color
+        self._widths = {"sender": len("255.255.255.255"), "speaker": len("TestingTeam/TestingRobot")}
+
+    def line(self, entry: Entry) -> str:
+        """The next line."""
+        datagram = entry.datagram
+        channel = str(datagram.dport) if entry.private else "public"
+        sender = f"{datagram.src}:{datagram.sport}" if datagram.sport != datagram.dport else datagram.src
+        speaker = _plain(str(entry.speaker)) if entry.speaker else "unknown"
+        return " ".join([
+            self._paint(_clock(datagram.time), _DIM), f"{channel:<6}", self._column("sender", sender),
+            self._column("speaker", speaker), self._what(entry),
+        ])
+
+    def _what(self, entry: Entry) -> str:
+        if entry.kind is Kind.ERROR:
+            return self._paint(f"ERROR {_plain(entry.text)}. {likely_cause(entry.reason)}", _RED)
+        if entry.kind is Kind.ENCRYPTED:
+            return self._paint(f"encrypted, {_plain(entry.text)}", _YELLOW)
+        code = {BOX: _CYAN, TABLET: _MAGENTA}.get(entry.speaker, _GREEN)
+        shown = [self._paint(entry.message.DESCRIPTOR.name, code)]
+        for key, value in fields_of(entry.message).items():
+            text = _text(value)
+            shown.append(f"{key}={self._paint(text, code) if key in _HIGHLIGHTED else text}")
+        skew = skew_s(entry)
+        if skew is not None:
+            shown.append(f"skew={skew:+.3f}s")
+        return " ".join(shown)
+
+    def _column(self, name: str, text: str) -> str:
+        self._widths[name] = width = max(self._widths[name], min(len(text), _WIDEST_COLUMN))
+        return text.ljust(width)
+
+    def _paint(self, text: str, code: str) -> str:
+        return f"\x1b[{code}m{text}\x1b[0m" if self._color else text
 
 
 def json_line(entry: Entry) -> str:
@@ -102,15 +119,13 @@ def _wire_time(sec: int, nsec: int) -> str:
     """A time of day to the microsecond; a time that cannot be one as it is."""
     if (sec, nsec) == (0, 0):
         return "never"
-    if 0 <= sec <= _LAST_SECOND and 0 <= nsec < _NS:
+    if 0 <= sec <= LAST_SECOND and 0 <= nsec < _NS:
         return time.strftime("%H:%M:%S", time.gmtime(sec)) + f".{nsec // 1000:06}"
     return f"{sec}s+{nsec}ns"
 
 
 def _clock(utc: float) -> str:
     milliseconds = math.floor(utc * 1000)
-    if not 0 <= milliseconds // 1000 <= _LAST_SECOND:
-        return f"{utc:.3f}"
     return time.strftime("%H:%M:%S", time.gmtime(milliseconds // 1000)) + f".{milliseconds % 1000:03}"
 
 

@@ -20,8 +20,9 @@ what can be heard
   With root's rights (or CAP_NET_RAW) on Linux: everything that reaches or leaves this machine, and what its own
   programs send to each other. Without them: broadcasts, which is the public channel.
   States of a run are unicast between box and robot: hear them, with root's rights, on the box's machine or on the
-  robot's. A third machine gets none of them (a switch or access point does not deliver them there), unless the box
-  broadcasts them. The private ports of runs are learned from the box's beacons.
+  robot's. A third machine gets none of them: a switch or access point does not deliver them there. It gets the
+  box's if the core has the parameter private_mode:=broadcast, as the original box had it, and still not the robot's.
+  The private ports of runs are learned from the box's beacons.
 
 passwords
   --passwords FILE is the box's passwords file. With the password of one team (--password-file, the environment

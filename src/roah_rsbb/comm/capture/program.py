@@ -16,7 +16,7 @@ from roah_rsbb.comm.capture import options as arguments_of
 from roah_rsbb.comm.capture import records
 from roah_rsbb.comm.capture.decoding import Decoder, Entry, Kind
 from roah_rsbb.comm.capture.filters import Filter
-from roah_rsbb.comm.capture.lines import json_line, text_line
+from roah_rsbb.comm.capture.lines import TextLines, json_line
 from roah_rsbb.comm.capture.listening import PlainListener, RawListener
 from roah_rsbb.comm.capture.options import PROGRAM
 from roah_rsbb.comm.capture.records import Datagram
@@ -34,7 +34,7 @@ class _Screen:
     def __init__(self, options: argparse.Namespace) -> None:
         self._filter = Filter(options.team, options.message, options.errors_only, options.changes_only)
         color = sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
-        self._line: Callable[[Entry], str] = json_line if options.json else lambda entry: text_line(entry, color)
+        self._line: Callable[[Entry], str] = json_line if options.json else TextLines(color).line
         self._counts: Counter = Counter()
         self._told: Set[str] = set()
 

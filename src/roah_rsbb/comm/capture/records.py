@@ -15,11 +15,13 @@ encrypted stays encrypted: a recording holds no password, and whoever reads it n
 
 import ipaddress
 import json
-import math
 from typing import Any, Iterator, NamedTuple, Tuple
 
 FORMAT = "roah_rsbb_capture"
 VERSION = 1
+
+LAST_SECOND = 2**32 - 1
+"""Beyond it a clock says nothing that a time of day could show."""
 
 _MAX_PORT = 65535
 
@@ -80,7 +82,7 @@ def _datagrams(lines: Iterator[str], name: str) -> Iterator[Datagram]:
 def _datagram(record: Any) -> Datagram:
     """Raises KeyError, TypeError or ValueError."""
     time, ports = float(record["time"]), (record["sport"], record["dport"])
-    if not math.isfinite(time) or not all(map(_is_port, ports)):
+    if not 0 <= time <= LAST_SECOND or not all(map(_is_port, ports)):
         raise ValueError("out of range")
     src, dst = (str(ipaddress.IPv4Address(record[key])) for key in ("src", "dst"))
     return Datagram(time, src, ports[0], dst, ports[1], bytes.fromhex(record["hex"]))
