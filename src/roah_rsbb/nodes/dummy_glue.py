@@ -5,6 +5,7 @@ uses nothing but the comm node's topics and services, and may serve as an exampl
 """
 
 import asyncio
+import concurrent.futures
 import sys
 from typing import Any, Awaitable, Callable, Dict, Optional
 
@@ -33,6 +34,7 @@ class Services:
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self._loop = loop
+        self._caller = concurrent.futures.ThreadPoolExecutor(1)  # one call after the other, in their order
         self._saved = 0
         self._saved_topic = rospy.Publisher("/roah_rsbb/messages_saved", UInt32, queue_size=1, latch=True)
 
@@ -71,13 +73,13 @@ class Services:
         self._tell("tablet/map" if display else "tablet/buttons", EmptySrv)
 
     async def call(self, name: str, kind: type, *arguments: Any) -> None:
-        """Call a service of the comm node in a thread; raises ROSException or ServiceException."""
+        """Call a service of the comm node, after those before; raises ROSException or ServiceException."""
 
         def do() -> None:
             rospy.wait_for_service(f"/roah_rsbb/{name}", SERVICE_S)
             rospy.ServiceProxy(f"/roah_rsbb/{name}", kind)(*arguments)
 
-        await self._loop.run_in_executor(None, do)
+        await self._loop.run_in_executor(self._caller, do)
 
     def _tell(self, name: str, kind: type, *arguments: Any) -> None:
         """Call a service, and go on meanwhile."""
