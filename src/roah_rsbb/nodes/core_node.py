@@ -18,6 +18,7 @@ from roah_rsbb.comm.ciphers import Cipher, Key, cipher_by_label
 from roah_rsbb.core import config, views
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import SetDevice
+from roah_rsbb.core.modules import MAX_NODES
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, DevicesState, DevicesStatus, ModuleRuns, ModulesState
@@ -26,6 +27,7 @@ from roah_rsbb.nodes.core_driver import CoreDriver
 from roah_rsbb.nodes.core_radio import CoreRadio, Network, beacon_size
 from roah_rsbb.nodes.core_services import CoreServices
 from roah_rsbb.nodes.device_calls import DeviceCalls
+from roah_rsbb.nodes.newest import Newest
 from roah_rsbb.nodes.params import BadParams, Params
 from roah_rsbb.nodes.ros_loop import RosLoop
 from roah_rsbb.nodes.run_log_writer import RunLogWriter
@@ -105,6 +107,7 @@ class CoreNode:
             set_device=self._device_calls.set, give_up=self._give_up,
         )
         self._box = box
+        self._modules = Newest(self._ros.post, lambda state: self._event(box.on_modules, state), MAX_NODES)
         self._network = network
         self._log_dir = log_dir
         for warning in port_warnings:
@@ -154,7 +157,7 @@ class CoreNode:
 
     def _on_modules(self, message: ModulesState) -> None:
         state = module_convert.state_of(message)
-        self._ros.post(lambda: self._event(self._box.on_modules, state))
+        self._modules.put(state.node, state)
 
     def _on_log_trouble(self, text: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_trouble, text))
