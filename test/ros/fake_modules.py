@@ -35,6 +35,7 @@ class FakeModules:
         self.progress: Dict[str, Progress] = {}  # by the run's identity
         self.runs: Dict[str, RunForModule] = {}  # by zone
         self.box_uuid = ""
+        self._sent = 0
         self._closed = threading.Event()
         self._publisher = rospy.Publisher("/modules/state", ModulesStateMsg, queue_size=10, latch=True)
         self._subscriber = rospy.Subscriber("/core/module_runs", ModuleRuns, self._on_runs, tcp_nodelay=True)
@@ -51,9 +52,13 @@ class FakeModules:
         """Say it all, now."""
         self._publisher.publish(state_message(ModulesState(self.node, self.infos, tuple(self.progress.values()))))
 
-    def send(self, *progress: Progress) -> None:
-        """Say something else for once."""
+    def send(self, *progress: Progress) -> str:
+        """Say something else for once; returns a warning that comes with it, and stays."""
+        self._sent += 1
+        mark = f"sent {self._sent}"
+        self.infos = tuple(info._replace(warnings=(mark,)) for info in self.infos)
         self._publisher.publish(state_message(ModulesState(self.node, self.infos, progress)))
+        return mark
 
     def says(self, zone: str, **fields: Any) -> Progress:
         """Go on from the last progress in this attempt, with these fields changed."""

@@ -76,9 +76,8 @@ class TestModulesThatComeAndGo(ModulesCase):
             last._replace(run="STB-1-1", failed="another run"), last._replace(request=None, finished=True),
             last._replace(request=last.request._replace(number=4)), last._replace(finished=True),
         ):
-            self.fbm.send(progress)
-        self.fbm.says("Late", status="all of these were heard")
-        self.box.wait_details("Late", lambda d: d.module_status == "all of these were heard", "the status arrives")
+            mark = self.fbm.send(progress)
+            self.box.wait_details("Late", lambda d, mark=mark: mark in d.warnings, "the core heard it")
         self.assertEqual(self.box.zone_details("Late").phase, "running")
         self.assertEqual(self.fbm.runs["Late"].steps, steps)
         self.leave("Late")
