@@ -23,6 +23,7 @@ class RawBox:
     ) -> None:
         self.team, self.robot, self.host = team, robot, host
         self.received: List[pb.RobotState] = []
+        self.complaints: List[str] = []  # about what came on the private channel
         # The robot's state -> what is sent as soon as it is heard, each once.
         self.answers: Dict[RobotState, Callable[[], Any]] = {}
         self._key = Key(PASSWORDS[team] if password is None else password)
@@ -80,7 +81,7 @@ class RawBox:
         """Open the private channel."""
         self.close_channel()
         self._private = PrivateChannel(
-            self._network.loop, BROADCAST, port, self._key, self._on_state, lambda text: None, bind_host=self.host
+            self._network.loop, BROADCAST, port, self._key, self._on_state, self._on_complaint, bind_host=self.host
         )
         self._private.remote = self._robot_host
         self._network.do(self._private.open)
@@ -118,6 +119,10 @@ class RawBox:
         answer = self.answers.pop(RobotState(message.robot_state), None)
         if answer is not None:
             self._private.send(answer())
+        happened()
+
+    def _on_complaint(self, text: str) -> None:
+        self.complaints.append(text)
         happened()
 
 

@@ -68,6 +68,7 @@ class CommInterface:
     def __init__(self, owner: Owner) -> None:
         self._owner = owner
         self._code: Optional[str] = None
+        self._number = Benchmark.NONE
         self._state_number: Optional[int] = None
         self._always = {
             "benchmark": _topic("benchmark", Benchmark),
@@ -81,7 +82,7 @@ class CommInterface:
         self._in_phase: List[rospy.Service] = []
         self._state_topic: Optional[rospy.Publisher] = None
         self._goal_topic: Optional[rospy.Publisher] = None
-        self._always["benchmark"].publish(Benchmark.NONE)
+        self._always["benchmark"].publish(self._number)
         self._jobs: queue.Queue[Optional[Callable[[], None]]] = queue.Queue()
         self._thread = threading.Thread(target=self._work, name="ROS interface", daemon=True)
         self._thread.start()
@@ -137,9 +138,13 @@ class CommInterface:
             _end(part)
         self._in_benchmark = []
         self._state_topic = self._goal_topic = self._state_number = None
+        if code is not None and code not in NUMBERS:
+            rospy.logerr("the box runs benchmark '%s', which this node does not know: its version of this package is "
+                         "too old, or the box's configuration is wrong", code)
+            code = None
         self._code = code
         if code is None:
-            self._always["benchmark"].publish(Benchmark.NONE)
+            self._announce(Benchmark.NONE)
             return
         # What is saved counts for one benchmark; a latched count is received anew.
         self._owner.messages_saved(0)
@@ -153,7 +158,12 @@ class CommInterface:
             self._goal_topic = _topic("goal", GOAL_TYPES[code])
             self._in_benchmark.append(self._goal_topic)
         self._publish_state(RobotState.STOP)
-        self._always["benchmark"].publish(NUMBERS.get(code, Benchmark.NONE))
+        self._announce(NUMBERS[code])
+
+    def _announce(self, number: int) -> None:
+        if number != self._number:
+            self._number = number
+            self._always["benchmark"].publish(number)
 
     def _enter_state(self, state: RobotState, goal: Optional[Goal]) -> None:
         self._end_phase()
