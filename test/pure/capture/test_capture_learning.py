@@ -127,6 +127,15 @@ def test_every_team_has_its_own_password():
     assert kinds[6669, "3"].kind is Kind.ENCRYPTED and "no password of team Three is known" in kinds[6669, "3"].text
 
 
+def test_a_teams_own_password_counts_on_its_channel_and_no_other():
+    decoder = Decoder(PORT, {"Another": "same", "Team": "same"}, "for the others")
+    decoder.decode(datagram(box_beacon(("Team", "Robot", 6667))))
+    own = decoder.decode(datagram(state(), port=6667, password="same"))
+    assert (own.kind, own.team) == (Kind.MESSAGE, "Team")
+    other = decoder.decode(datagram(state(), port=6667, password="for the others"))
+    assert other.reason is Reason.UNDECRYPTABLE
+
+
 def test_an_unlisted_port_is_known_by_the_password_that_fits():
     decoder = Decoder(PORT, {"One": "1", "Two": "2"})
     entry = decoder.decode(datagram(state(), port=6700, password="2"))
@@ -174,13 +183,21 @@ def test_senders_are_forgotten_when_others_are_heard_without_end():
     assert passed(chosen, everybody[2], everybody[0]) == [False, True]
 
 
+def test_a_sender_that_changes_is_not_the_oldest():
+    chosen = Filter(changes_only=True)
+    everybody = [datagram(robot_beacon(), host(number)) for number in range(KEPT)]
+    passed(chosen, *everybody, datagram(robot_beacon("changed"), host(0)), datagram(robot_beacon(), "10.0.0.9"))
+    assert passed(chosen, datagram(robot_beacon("changed"), host(0)), everybody[1]) == [False, True]
+
+
 def test_a_teams_datagrams():
+    from_box = pb.BenchmarkState(benchmark_type="HWV", benchmark_state=pb.BenchmarkState.STOP)
     listed = datagram(box_beacon(("Team", "Robot", 6667), ("Other", "Robot", 6668)), "10.0.0.1")
     assert passed(
         Filter(team="Team"), datagram(box_beacon(("Other", "Robot", 6668))), listed, datagram(robot_beacon()),
         datagram(robot_beacon(team="Other")), datagram(state(), port=6667, password=PASSWORD),
-        datagram(b"?", port=6667), datagram(b"?", "10.0.0.7", 6668),
-    ) == [False, True, True, False, True, True, False]
+        datagram(from_box, "10.0.0.1", 6667, PASSWORD), datagram(b"?", port=6667), datagram(b"?", "10.0.0.7", 6668),
+    ) == [False, True, True, False, True, True, True, False]
 
 
 def test_messages_of_a_type_and_errors():

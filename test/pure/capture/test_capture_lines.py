@@ -27,12 +27,13 @@ def robot(team="Team", name="Robot", sec=1700000000, nsec=250_000_000):
 def test_columns_grow_with_what_comes():
     lines = TextLines()
     long = "Department of Robots/Number Twenty-Three"
-    first, second, third, endless = (lines.line(entry_of(message, sport=sport)) for message, sport in (
-        (robot(), PORT), (robot(*long.split("/")), 54321), (robot(), PORT), (robot("x" * 100), PORT),
+    first, second, third, endless, last = (lines.line(entry_of(message, sport=sport)) for message, sport in (
+        (robot(), PORT), (robot(*long.split("/")), 54321), (robot(), PORT), (robot(name="x" * 100), PORT),
+        (robot(), PORT),
     ))
-    assert first.index(" RobotBeacon") == 12 + 1 + 6 + 1 + 15 + 1 + 24
-    assert second.index(" RobotBeacon") == third.index(" RobotBeacon") == 12 + 1 + 6 + 1 + 15 + 1 + 40
-    assert endless.index(" RobotBeacon") == 12 + 1 + 6 + 1 + 15 + 1 + 106
+    before = 12 + 1 + 6 + 1 + 15 + 1  # time, channel, address
+    widths = [line.index(" RobotBeacon") - before for line in (first, second, third, endless, last)]
+    assert widths == [24, 40, 40, 105, 40]
 
 
 def test_a_port_that_is_not_the_channels_is_shown_and_has_room():
@@ -62,12 +63,16 @@ def test_a_name_cannot_command_the_terminal(bad):
         in_json = json_line(entry)
         assert in_json.isprintable() and all(c < "\x7f" for c in in_json)
     assert json.loads(json_line(entry_of(robot(bad, bad))))["team"] == bad
-    unread = Decoder(PORT, {})
+    decoder = Decoder(PORT, {})
     datagram = entry_of(box(bad, bad)).datagram
-    unread.decode(datagram)
+    decoder.decode(datagram)
     encrypted = encode(pb.BenchmarkState(benchmark_type="HWV", benchmark_state=0), Cipher.AES_128_CBC, Key("x"))
-    entry = unread.decode(datagram._replace(sport=PORT + 1, dport=PORT + 1, data=encrypted))
+    entry = decoder.decode(datagram._replace(sport=PORT + 1, dport=PORT + 1, data=encrypted))
     assert "no password of team " in entry.text and TextLines().line(entry).isprintable()
+    decoder = Decoder(PORT, {"Other": "x"})
+    decoder.decode(datagram)
+    entry = decoder.decode(entry.datagram)
+    assert "is that of team Other, this channel is" in entry.text and TextLines().line(entry).isprintable()
 
 
 @pytest.mark.parametrize("sec, nsec, shown, skew", [
@@ -91,7 +96,7 @@ def test_odd_times(sec, nsec, shown, skew):
 
 
 def test_a_skew_is_exact_to_the_microsecond():
-    entry = entry_of(robot(nsec=250_001_000))
+    entry = entry_of(robot(nsec=250_000_590))  # a float of seconds since 1970 has steps of 240 ns
     assert json.loads(json_line(entry))["skew_s"] == 1e-06
 
 

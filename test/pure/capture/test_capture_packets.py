@@ -31,6 +31,7 @@ DO_NOT_FRAGMENT, MORE_FRAGMENTS = 0x4000, 0x2000
 @pytest.mark.parametrize("changes", [
     {},
     {"options": bytes(8)},
+    {"options": bytes(40)},  # the most that there can be
     {"fragment": DO_NOT_FRAGMENT},
     {"trailer": bytes(6)},  # Ethernet fills short packets up
 ])
@@ -61,13 +62,17 @@ def test_a_fragment_that_announces_less_than_nothing():
     {"version": 6},
     {"udp_length": 7},
     {"udp_length": 8 + len(DATA) + 1},
+    {"udp_length": 8 + len(DATA) + 1, "trailer": b"x"},
 ])
 def test_what_is_no_whole_udp_datagram(changes):
     assert parse(packet(**changes), TIME) is None
 
 
 def test_a_header_shorter_than_any():
-    assert parse(bytes([0x44]) + packet()[1:], TIME) is None
+    whole = bytearray(packet())
+    whole[0] = 0x44
+    whole[20:22] = (8 + len(DATA)).to_bytes(2, "big")  # a size that fits, where it would be then
+    assert parse(bytes(whole), TIME) is None
 
 
 @pytest.mark.parametrize("options", [b"", bytes(8)])

@@ -61,6 +61,11 @@ def test_private_channels_with_and_without_the_right_password(shown, arguments, 
     assert list(kinds) == ([private] if private else [])
 
 
+def test_a_teams_password_is_not_tried_on_the_others_channels(shown):
+    _, said = shown(datagrams("HNF_2020"), "--team", "OtherTeam", "--password", "WRONG")
+    assert " 0 errors" in said and " 0 encrypted" not in said
+
+
 def test_an_error_is_shown_with_its_reason_and_its_likely_cause(shown):
     lines, _ = shown(datagrams("HNF_2020"), "--errors-only", "--password", "WRONG")
     assert len(lines) > 100

@@ -46,6 +46,11 @@ def test_the_interface_to_a_network(host, interface, rows):
     assert routes.route(host, route_table(*rows)) == interface
 
 
+def test_of_two_ways_the_first_counts():
+    rows = [("eth0", "10.0.0.0", NO_GATEWAY, "255.0.0.0"), ("eth1", "10.0.0.0", NO_GATEWAY, "255.0.0.0")]
+    assert routes.route("10.255.255.255", route_table(*rows)) == "eth0"
+
+
 def test_a_machine_without_a_network():
     assert routes.route("10.255.255.255", route_table()) is None
     assert routes.route("10.255.255.255", "") is None

@@ -36,7 +36,7 @@ class Filter:
         return entry.kind is Kind.MESSAGE and entry.message.DESCRIPTOR.name == self._message
 
     def _is_team(self, entry: Entry) -> bool:
-        if entry.kind is Kind.MESSAGE and isinstance(entry.message, pb.RoahRsbbBeacon):
+        if isinstance(entry.message, pb.RoahRsbbBeacon):
             return any(robot.team_name == self._team for robot in entry.message.benchmarking_teams)
         return entry.team == self._team
 
