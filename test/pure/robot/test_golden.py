@@ -1,5 +1,7 @@
 """Sessions of the original box and client, replayed: our robot says what the original client said."""
 
+import itertools
+
 import pytest
 
 from helpers.golden import PASSWORD, SESSIONS, load
@@ -38,6 +40,7 @@ class Replay:
         self.session.progress.messages_saved = 1
         self.states = [RobotState.STOP]  # ours, each change
         self.goals, self.channels, self.reports = [], [], []
+        self.effects = []  # all
         self.sent = None  # our last RobotState
         self._times = {}  # time of an original RobotState -> time of ours at that moment
 
@@ -72,6 +75,7 @@ class Replay:
 
     def _poll(self):
         for effect in self.session.poll(self.now, 1.8e9 + self.now):
+            self.effects.append(effect)
             if isinstance(effect, fx.StateIs):
                 self.states.append(effect.state)
             elif isinstance(effect, fx.Execute):
@@ -116,6 +120,77 @@ def test_the_same_states_at_the_same_events(name):
     # One channel, where the original client had it, dropped when the box did not list it any more.
     port = next(port for _, host, port, _ in replay.records if host != BOX and port != PUBLIC_PORT)
     assert replay.channels == [(BOX, port), None]
+
+
+def _news(values):
+    """Values without repetitions one after the other: a topic tells only what changed."""
+    return [value for value, _ in itertools.groupby(values)]
+
+
+def _from_original_box(name):
+    """(public, fields) of what the original box sent, as the recording explains it."""
+    for record in load(name):
+        if record["src"] == BOX:
+            yield record["dport"] == PUBLIC_PORT, record["decoded"]["fields"]
+
+
+def _wire_time(time):
+    return int(time["sec"]), int(time["nsec"])
+
+
+# What the node's documentation calls the robot's states on its topic.
+TOLD_AS = {
+    RobotState.STOP: "STOP", RobotState.PREPARING: "PREPARE", RobotState.WAITING_GOAL: "PREPARE",
+    RobotState.EXECUTING: "EXECUTE", RobotState.RESULT_TX: "EXECUTE",
+}
+# What each session's robot was told to do, in the words of that topic; STOP is also where it begins.
+ONE_GOAL = ["STOP", "PREPARE", "EXECUTE", "STOP"]
+TOLD = {
+    "HCFGAC_2015": ONE_GOAL, "HGTKMH_2015": ONE_GOAL, "HGTKMH_2020": ONE_GOAL,
+    "HNF_2020": ["STOP", *["PREPARE", "EXECUTE"] * 5, "STOP"],
+    "STB_2020": ["STOP", *["PREPARE", "EXECUTE"] * 2, "STOP"],
+    # Timed out while executing, started again, and stopped while preparing.
+    "TIMEOUT_2015": [*ONE_GOAL, "PREPARE", "STOP"],
+}
+HALTED = {"TIMEOUT_2015": [True, True]}
+
+
+@pytest.mark.parametrize("name", SESSIONS)
+def test_the_robots_programs_hear_what_the_box_said(name):
+    """What topics tell: the benchmark and its end, each state and goal once, no stop that was none."""
+    effects = Replay(name).run(_complete_as_the_original_did).effects
+    code = next(sent["benchmark_type"] for public, sent in _from_original_box(name) if not public)
+    run = [effect for effect in effects if isinstance(effect, (fx.BenchmarkIs, fx.StateIs))]
+    assert run[0] == fx.BenchmarkIs(code)
+    assert run[-1] == fx.BenchmarkIs(None)
+    assert all(isinstance(effect, fx.StateIs) for effect in run[1:-1])
+    assert _news(["STOP", *(TOLD_AS[effect.state] for effect in run[1:-1])]) == TOLD[name]
+    executed = [effect.goal and effect.goal.text for effect in effects if isinstance(effect, fx.Execute)]
+    sent = [state.get("generic_goal") for public, state in _from_original_box(name) if not public]
+    assert executed == ([goal for goal in _news(sent) if goal] or [None])
+    stops = [effect.halt for effect in effects if isinstance(effect, fx.Stop)]
+    assert stops == HALTED.get(name, [False])
+
+
+@pytest.mark.parametrize("name", SESSIONS)
+def test_the_home_is_told_when_it_changes(name):
+    effects = Replay(name).run(_complete_as_the_original_did).effects
+    beacons = [sent for public, sent in _from_original_box(name) if public]
+    assert [effect for effect in effects if isinstance(effect, fx.Devices)] == _news(
+        fx.Devices(
+            _wire_time(sent["devices_bell"]), *(sent[f"devices_switch_{number}"] for number in (1, 2, 3)),
+            sent["devices_dimmer"], sent["devices_blinds"], sent.get("devices_door_win_detect", False),
+        ) for sent in beacons
+    )
+    assert [effect for effect in effects if isinstance(effect, fx.Tablet)] == _news(
+        fx.Tablet(
+            sent["tablet_display_map"], _wire_time(sent["tablet_call_time"]),
+            _wire_time(sent["tablet_position_time"]), sent["tablet_position_x"], sent["tablet_position_y"],
+        ) for sent in beacons
+    )
+    # The bell of HCFGAC_2015 rang before the robot was there; nobody touched a tablet.
+    events = (fx.BellRang, fx.TabletCalled, fx.PositionSelected)
+    assert not [effect for effect in effects if isinstance(effect, events)]
 
 
 def test_the_waypoints_of_2020():
