@@ -30,7 +30,7 @@ class Feed:
     def __init__(self, topics: Dict[str, type]) -> None:
         self._topics = topics
         self._newest: Dict[str, Deque[Received]] = {name: collections.deque(maxlen=1) for name in topics}
-        self._subscribers: list = []
+        self._subscribers: Dict[str, rospy.Subscriber] = {}
         self._wishes: queue.Queue[bool] = queue.Queue()  # True: subscribe (anew), False: end
         self._worker = threading.Thread(target=self._work, name="feed", daemon=True)
 
@@ -60,14 +60,21 @@ class Feed:
         except IndexError:
             return None
 
+    def has_publisher(self, topic: str) -> bool:
+        """Whether somebody who publishes it is connected: nothing else tells, where messages come on change only."""
+        subscriber = self._subscribers.get(topic)
+        # A connection that broke stays in rospy's list, to be made anew: only one with a socket counts.
+        impl = None if subscriber is None else subscriber.impl
+        return impl is not None and any(connection.socket is not None for connection in impl.connections)
+
     def _work(self) -> None:
         wish = True
         while wish:
             wish = self._wishes.get()
             try:
-                for subscriber in self._subscribers:
+                for subscriber in self._subscribers.values():
                     subscriber.unregister()
-                self._subscribers = [self._subscribe(name) for name in self._topics] if wish else []
+                self._subscribers = {name: self._subscribe(name) for name in self._topics} if wish else {}
             except Exception as e:  # the master is gone: whoever misses news asks for a renewal again
                 rospy.logdebug("subscribing to %s failed: %s", ", ".join(self._topics), e)
 

@@ -6,12 +6,15 @@ from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTableWidgetItem
 
 from roah_rsbb.msg import RobotInfo
-from roah_rsbb.rqt import texts, widgets
+from roah_rsbb.rqt import link_quality, texts, widgets
 from roah_rsbb.rqt.panel import Panel
 
-COLUMNS = ("Team", "Robot", "Clock skew", "Run in zone", "Last heard")
+COLUMNS = ("Team", "Robot", "Link", "Clock skew", "Run in zone", "Last heard")
 NO_RUN = "–"
-SKEW_TIP = "Robot's clock minus the box's: + is ahead, − is behind"
+TIPS = {
+    "Link": f"The robot's longest silence of the last {link_quality.WINDOW_S:.0f} s: it sends each second",
+    "Clock skew": "Robot's clock minus the box's: + is ahead, − is behind",
+}
 
 
 class ActiveRobotsPanel(Panel):
@@ -23,7 +26,8 @@ class ActiveRobotsPanel(Panel):
         super().__init__(client, parent)
         self.table = widgets.enlarged(QTableWidget(0, len(COLUMNS)), 1.1)
         self.table.setHorizontalHeaderLabels(COLUMNS)
-        self.table.horizontalHeaderItem(COLUMNS.index("Clock skew")).setToolTip(SKEW_TIP)
+        for column, text in TIPS.items():
+            self.table.horizontalHeaderItem(COLUMNS.index(column)).setToolTip(widgets.tip(text))
         self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeToContents)
         self.table.horizontalHeader().setStretchLastSection(True)
         self.table.verticalHeader().hide()
@@ -32,6 +36,18 @@ class ActiveRobotsPanel(Panel):
         self.table.setSelectionMode(QAbstractItemView.NoSelection)
         self.table.setFocusPolicy(Qt.NoFocus)
         self.body.addWidget(self.table, 1)
+        self._links = link_quality.LinkQuality()
+        # Also while the panel cannot be seen: a link is judged by what was.
+        self.model.updated.connect(self._observe)
+
+    def shutdown(self) -> None:
+        self.model.updated.disconnect(self._observe)
+        super().shutdown()
+
+    def _observe(self) -> None:
+        if self.model.gui is not None:
+            heard = {(r.team, r.robot): r.beacon.to_sec() for r in self.model.gui.active_robots}
+            self._links.observe(self.model.clock_s, heard)
 
     def show_model(self) -> None:
         gui = self.model.gui
@@ -64,6 +80,7 @@ class ActiveRobotsPanel(Panel):
         return (
             robot.team,
             robot.robot,
+            link_quality.text(self._links.longest_silence_s((robot.team, robot.robot))),
             texts.skew(robot.skew.to_sec()),
             self._zone_of(robot),
             texts.ago(self.model.clock_s - robot.beacon.to_sec()),

@@ -3,16 +3,16 @@
 Keys: F5 twice starts, Esc twice stops, in whatever panel of the process the focus is.
 """
 
-import time
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import Dict, NamedTuple, Optional
 
 from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtGui import QKeySequence
-from python_qt_binding.QtWidgets import QComboBox, QGridLayout, QLabel, QShortcut, QSizePolicy
+from python_qt_binding.QtWidgets import QComboBox, QGridLayout, QLabel, QSizePolicy
 
 from roah_rsbb.msg import ZoneDetails, ZoneState
-from roah_rsbb.rqt import presses, texts, widgets
+from roah_rsbb.rqt import phases, texts, widgets
 from roah_rsbb.rqt.panel import Answer, Panel, ask
+from roah_rsbb.rqt.shortcuts import TwiceKey
+from roah_rsbb.rqt.todo import WARNING
 from roah_rsbb.srv import Zone
 
 
@@ -38,18 +38,9 @@ COMMANDS = {
 }
 STOP_LEAVES = "■ Stop: leave"
 STOP_LEAVES_TIP = "Leave the run, as Disconnect does (keys: Esc twice)"
-# So the core marks a line of a zone's state that calls for attention.
-WARNING = "WARNING: "
 NO_ZONE = "This zone is not in the schedule: choose one above"
 SILENT = "The core is silent: what is shown is old"
 
-# phase (ZoneDetails): text, colours, what the countdown counts
-PHASES: Dict[str, Tuple[str, widgets.Tone, str]] = {
-    "idle": ("○ NOT CONNECTED", widgets.IDLE, "Time limit"),
-    "connected": ("● CONNECTED", widgets.READY, "Time limit"),
-    "running": ("▶ RUNNING", widgets.RUNNING, "Time left"),
-    "ended": ("■ ENDED", widgets.ENDED, "Time left after the stop"),
-}
 # (phase, command) that usually follows: it stands out, once it is possible.
 NEXT_STEP = {
     ("idle", "connect"): widgets.READY,
@@ -57,8 +48,6 @@ NEXT_STEP = {
     ("running", "stop"): widgets.ALARM,
     ("ended", "disconnect"): widgets.READY,
 }
-UNKNOWN_PHASE = ("–", widgets.IDLE, "Time")
-END_REASONS = {"no_messages_saved": "no data saved"}
 
 
 class _ZoneBox(QComboBox):
@@ -86,8 +75,7 @@ class BenchmarkControlPanel(Panel):
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
         self._lay_out()
         self._zones.activated.connect(lambda index: self.model.choose_zone(self._zones.itemText(index)))
-        self._shortcut("F5", "start")
-        self._shortcut("Esc", "stop")
+        self._keys = [self._key("F5", "start"), self._key("Esc", "stop")]
 
     # -- layout -------------------------------------------------------------------------------------
 
@@ -135,13 +123,12 @@ class BenchmarkControlPanel(Panel):
         button.clicked.connect(lambda: self._press(command.service))
         return button
 
-    def _shortcut(self, key: str, command: str) -> None:
-        shortcut = QShortcut(QKeySequence(key), self)
-        shortcut.setContext(Qt.ApplicationShortcut)
-        shortcut.setAutoRepeat(False)
-        shortcut.activated.connect(lambda: self._key(key, command))
-        # Two of these panels in one process: either may take the key, they share the count of presses.
-        shortcut.activatedAmbiguously.connect(lambda: self._key(key, command))
+    def _key(self, key: str, service: str) -> TwiceKey:
+        def what():
+            zone = self.model.zone_name
+            return (service, zone), f"{COMMANDS[service].label} {zone}"
+
+        return TwiceKey(self, key, self.buttons[service], self._answer, what, lambda: self._press(service))
 
     # -- showing ------------------------------------------------------------------------------------
 
@@ -156,7 +143,8 @@ class BenchmarkControlPanel(Panel):
             self._show_run(zone, details)
         for command in COMMANDS.values():
             self._show_button(command, zone, details)
-        self._forget_key()
+        for key in self._keys:
+            key.forget()
 
     def where(self) -> str:
         return f"{texts.time_of_day(self.model.clock_s)} UTC" if self.model.gui else ""
@@ -188,13 +176,10 @@ class BenchmarkControlPanel(Panel):
         )
 
     def _show_run(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
-        text, tone, counts = PHASES.get(details.phase if details else "", UNKNOWN_PHASE)
-        if details and details.end_reason:
-            text = f"{text}: {END_REASONS.get(details.end_reason, details.end_reason)}"
-        if details and details.robot:
-            text = f"{text}  ·  {details.robot}"
-        self._phase.show_text(text, widgets.IDLE if self.model.is_old else tone)
-        self._what_counts.setText(counts)
+        phase = phases.shown(details)
+        text = f"{phase.text}  ·  {details.robot}" if details and details.robot else phase.text
+        self._phase.show_text(text, widgets.IDLE if self.model.is_old else phase.tone)
+        self._what_counts.setText(phase.counts)
         left = texts.countdown(zone.timer.to_sec())
         # Brackets and grey: nobody must take an old countdown for the present one.
         self._countdown.setText(f"({left})" if self.model.is_old else left)
@@ -253,23 +238,3 @@ class BenchmarkControlPanel(Panel):
                 button.let_go()
 
         self.client.calls.service(self, f"/core/{service}", Zone, (zone,), done)
-
-    def _key(self, key: str, service: str) -> None:
-        """A key of a shortcut went down."""
-        zone, button = self.model.zone_name, self.buttons[service]
-        label = f"{COMMANDS[service].label} {zone}"
-        if not button.is_on():
-            self._answer.warn(f"{label}: {button.why_off or 'just pressed'}")
-        elif self.client.presses.press(time.monotonic(), (service, zone)):
-            self._press(service)
-        elif self.client.presses.armed(time.monotonic()) == (service, zone):
-            self._answer.warn(f"{label}?  Press {key} again within {presses.WITHIN_S:.0f} s")
-            self._asked = True
-
-    _asked = False
-
-    def _forget_key(self) -> None:
-        """The time for the second press is over."""
-        if self._asked and self.client.presses.armed(time.monotonic()) is None:
-            self._asked = False
-            self._answer.clear_answer()

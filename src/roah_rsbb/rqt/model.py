@@ -1,16 +1,23 @@
-"""What the core published last, for all panels of a process (architecture, rule 6)."""
+"""What the core and the devices published last, for all panels of a process (architecture, rule 6)."""
 
 import time
 from typing import Optional
 
 from python_qt_binding.QtCore import QObject, QTimer, Signal
 
-from roah_rsbb.msg import CoreDetails, CoreToGui, ZoneDetails, ZoneState
+from roah_rsbb.msg import CoreDetails, CoreToGui, DevicesState, DevicesStatus, ZoneDetails, ZoneState
 from roah_rsbb.rqt.box_clock import BoxClock
 
 GUI_TOPIC = "/core/to_gui"
 DETAILS_TOPIC = "/core/details"
-TOPICS = {GUI_TOPIC: CoreToGui, DETAILS_TOPIC: CoreDetails}
+DEVICES_TOPIC = "/devices/state"
+DEVICES_STATUS_TOPIC = "/devices/status"
+TOPICS = {
+    GUI_TOPIC: CoreToGui,
+    DETAILS_TOPIC: CoreDetails,
+    DEVICES_TOPIC: DevicesState,
+    DEVICES_STATUS_TOPIC: DevicesStatus,
+}
 
 TICK_MS = 100
 # The core publishes ten times a second. After this long without a message what is shown is marked as
@@ -40,11 +47,13 @@ class Model(QObject):
         self._heard: Optional[float] = None
         self._details_heard = 0.0
         self._started = self._renewed = self._emitted = time.monotonic()
-        self._shown = (True, "")
+        self._shown: tuple = ()
         self._timer = QTimer(self)
         self._timer.timeout.connect(self._tick)
         self.gui: Optional[CoreToGui] = None
         self.details: Optional[CoreDetails] = None
+        self.devices: Optional[DevicesState] = None
+        self.devices_status: Optional[DevicesStatus] = None
         self.box_clock = BoxClock()
 
     def start(self) -> None:
@@ -106,6 +115,11 @@ class Model(QObject):
             return None
         return next((z for z in self.details.zones if z.zone == zone_name), None)
 
+    @property
+    def has_devices(self) -> bool:
+        """Whether the node of the home devices is there: its topics are published on change only."""
+        return self.devices is not None and self._feed.has_publisher(DEVICES_TOPIC)
+
     def choose_zone(self, zone_name: str) -> None:
         """Show another zone, in all panels of this client."""
         self._zone_parameter.choose(zone_name)
@@ -115,12 +129,12 @@ class Model(QObject):
 
     def _tick(self) -> None:
         now = time.monotonic()
-        news = self._take_gui() | self._take_details()
+        news = self._take_gui() | self._take_details() | self._take_devices()
         old = self.is_old
         if old and now - max(self._heard or self._started, self._renewed) > RENEW_S:
             self._renewed = now
             self._feed.renew()
-        shown = (old, self.zone_name)
+        shown = (old, self.zone_name, self.has_devices)
         if news or shown != self._shown or (old and now - self._emitted >= SILENT_REDRAW_S):
             self._shown = shown
             self._emit(now)
@@ -143,6 +157,14 @@ class Model(QObject):
         self.details = received.message
         self._details_heard = received.mono
         return True
+
+    def _take_devices(self) -> bool:
+        state, status = self._feed.take(DEVICES_TOPIC), self._feed.take(DEVICES_STATUS_TOPIC)
+        if state is not None:
+            self.devices = state.message
+        if status is not None:
+            self.devices_status = status.message
+        return state is not None or status is not None
 
     def _emit(self, now: float) -> None:
         self._emitted = now

@@ -8,10 +8,12 @@ from roah_rsbb.rqt.active_robots import ActiveRobotsPanel
 from roah_rsbb.rqt.benchmark_control import BenchmarkControlPanel
 from roah_rsbb.rqt.client import Client
 from roah_rsbb.rqt.core_status import CoreStatusPanel
+from roah_rsbb.rqt.devices import DevicesPanel
 from roah_rsbb.rqt.log_display import LogDisplayPanel
 from roah_rsbb.rqt.manual_operation import ManualOperationPanel
 from roah_rsbb.rqt.omf_switches import OmfSwitchesPanel
 from roah_rsbb.rqt.online_data import OnlineDataPanel
+from roah_rsbb.rqt.overview import OverviewPanel
 from roah_rsbb.rqt.panel import Panel
 from roah_rsbb.rqt.scoring import ScoringPanel
 from roah_rsbb.rqt.tablet_status import TabletStatusPanel
@@ -75,3 +77,11 @@ class LogDisplay(PanelPlugin):
 
 class OmfSwitches(PanelPlugin):
     PANEL = OmfSwitchesPanel
+
+
+class Devices(PanelPlugin):
+    PANEL = DevicesPanel
+
+
+class Overview(PanelPlugin):
+    PANEL = OverviewPanel

@@ -21,8 +21,8 @@ from roah_rsbb.client.module_scores import by_group
 from roah_rsbb.msg import ModuleScore, Score, ZoneScoreGroup, ZoneState
 from roah_rsbb.rqt import widgets
 from roah_rsbb.rqt.calls import Outcome
+from roah_rsbb.rqt.edits import Edits
 from roah_rsbb.rqt.panel import Answer, Panel
-from roah_rsbb.rqt.score_edits import ScoreEdits
 from roah_rsbb.srv import ZoneScore
 
 NO_RUN = "Scoring begins when a robot is connected."
@@ -121,7 +121,7 @@ class ScoringPanel(Panel):
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
         self._sheet: tuple = ()  # which run's sheet is shown
-        self._edits = ScoreEdits()
+        self._edits = Edits()
         self._clock_steps = 0
         self.rows: Dict[Item, ScoreRow] = {}
         self._nothing = widgets.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.3)

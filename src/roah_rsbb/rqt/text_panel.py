@@ -6,6 +6,7 @@ from python_qt_binding.QtWidgets import QCheckBox, QPlainTextEdit
 from roah_rsbb.msg import ZoneState
 from roah_rsbb.rqt.panel import Panel
 from roah_rsbb.rqt.tail import added
+from roah_rsbb.rqt.text_search import TextSearch
 
 # The core publishes only the last characters; the panel keeps what it saw since it was opened.
 MAX_LINES = 5000
@@ -28,7 +29,11 @@ class TextPanel(Panel):
         self.follow = QCheckBox("Follow the end")
         self.follow.setChecked(True)
         self.follow.toggled.connect(self._to_end)
+        self.search = TextSearch(self.view, self)
+        # What was searched for must not be scrolled away by what comes.
+        self.search.jumped.connect(lambda: self.follow.setChecked(False))
         self.body.addWidget(self.view, 1)
+        self.body.addWidget(self.search)
         self.body.addWidget(self.follow)
 
     def text_of(self, zone: ZoneState) -> str:

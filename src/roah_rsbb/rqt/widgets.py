@@ -25,6 +25,8 @@ IDLE = Tone("#565b61", "#ffffff")
 OLD = Tone("#ffb300", "#000000")
 ALARM = Tone("#b3001b", "#ffffff")
 OFF = Tone("transparent", "palette(text)")
+# Text of what is off: legible on light and dark buttons alike.
+FADED = "#8c8c8c"
 
 # A button that was pressed takes no second press for this long: a double click is one command.
 HOLD_MS = 1000
@@ -201,5 +203,5 @@ def _button_style(tone: Tone) -> str:
         f"QPushButton {{ background: {tone.background}; color: {tone.text}; border: 0.15em solid {tone.background};"
         " border-radius: 0.3em; }"
         f"QPushButton:hover, QPushButton:focus {{ border-color: {tone.text}; }}"
-        "QPushButton:disabled { background: palette(button); color: palette(mid); border-color: palette(mid); }"
+        f"QPushButton:disabled {{ background: palette(button); color: {FADED}; border-color: {FADED}; }}"
     )

@@ -12,28 +12,13 @@ from roah_rsbb.rqt import application, display, widgets
 from roah_rsbb.rqt.client import Client
 from roah_rsbb.rqt.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panel import Panel
+from roah_rsbb.rqt.panel_settings import PanelSettings
 from roah_rsbb.rqt.panels import PANELS
 
 # Raise it when the set of panels changes: an older layout would hide the new ones.
-LAYOUT_VERSION = 2
+LAYOUT_VERSION = 3
 # At its first start the window takes this share of the screen's width and height.
 MOST_OF_SCREEN = 0.95
-
-
-class PanelSettings:
-    """QSettings with rqt's names, for one panel."""
-
-    def __init__(self, settings: QSettings, name: str) -> None:
-        self._settings = settings
-        self._name = name
-
-    def set_value(self, key: str, value) -> None:
-        """Keep a value."""
-        self._settings.setValue(f"{self._name}/{key}", value)
-
-    def value(self, key: str, default=None):
-        """The value kept, or `default`."""
-        return self._settings.value(f"{self._name}/{key}", default)
 
 
 class Window(QMainWindow):
@@ -87,21 +72,19 @@ class Window(QMainWindow):
         self.setDockNestingEnabled(True)
         self.addDockWidget(Qt.LeftDockWidgetArea, d["BenchmarkControlPanel"])
         self.addDockWidget(Qt.RightDockWidgetArea, d["ScoringPanel"])
-        self.splitDockWidget(d["ScoringPanel"], d["LogDisplayPanel"], Qt.Vertical)
-        self.splitDockWidget(d["LogDisplayPanel"], d["ActiveRobotsPanel"], Qt.Horizontal)
-        self.tabifyDockWidget(d["LogDisplayPanel"], d["OnlineDataPanel"])
-        self.tabifyDockWidget(d["ActiveRobotsPanel"], d["CoreStatusPanel"])
-        self.tabifyDockWidget(d["ActiveRobotsPanel"], d["TabletStatusPanel"])
-        self.tabifyDockWidget(d["ScoringPanel"], d["ManualOperationPanel"])
-        self.tabifyDockWidget(d["ScoringPanel"], d["OmfSwitchesPanel"])
+        self.splitDockWidget(d["ScoringPanel"], d["OverviewPanel"], Qt.Vertical)
+        self.splitDockWidget(d["OverviewPanel"], d["LogDisplayPanel"], Qt.Horizontal)
+        for name in ("ManualOperation", "OmfSwitches", "Devices", "TabletStatus", "CoreStatus"):
+            self.tabifyDockWidget(d["ScoringPanel"], d[f"{name}Panel"])
+        for name in ("OnlineDataPanel", "ActiveRobotsPanel"):
+            self.tabifyDockWidget(d["LogDisplayPanel"], d[name])
         d["ScoringPanel"].raise_()
         d["LogDisplayPanel"].raise_()
-        d["ActiveRobotsPanel"].raise_()
         unit = round(widgets.em())
         self.resize(QApplication.primaryScreen().availableSize() * MOST_OF_SCREEN)
         self.resizeDocks([d["BenchmarkControlPanel"], d["ScoringPanel"]], [36 * unit, 44 * unit], Qt.Horizontal)
-        self.resizeDocks([d["LogDisplayPanel"], d["ActiveRobotsPanel"]], [22 * unit, 22 * unit], Qt.Horizontal)
-        self.resizeDocks([d["ScoringPanel"], d["LogDisplayPanel"]], [29 * unit, 16 * unit], Qt.Vertical)
+        self.resizeDocks([d["OverviewPanel"], d["LogDisplayPanel"]], [25 * unit, 19 * unit], Qt.Horizontal)
+        self.resizeDocks([d["ScoringPanel"], d["OverviewPanel"]], [22 * unit, 20 * unit], Qt.Vertical)
 
     def _restore(self) -> None:
         geometry, layout = self._settings.value("geometry"), self._settings.value("layout")

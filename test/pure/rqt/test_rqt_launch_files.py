@@ -2,6 +2,7 @@
 
 import ast
 import json
+import os
 import pathlib
 from xml.etree import ElementTree
 
@@ -52,3 +53,13 @@ def test_the_layout_for_rqt_opens_every_plugin_once():
     layout = json.loads((ROOT / "resource" / "roah_rsbb.perspective").read_text(encoding="utf-8"))
     running = ast.literal_eval(layout["groups"]["pluginmanager"]["keys"]["running-plugins"]["repr"])
     assert running == {f"roah_rsbb/{element.get('name')}": [1] for element in PLUGINS.iter("class")}
+
+
+def test_each_plugin_is_also_a_program_of_its_own():
+    installed = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+    for element in PLUGINS.iter("class"):
+        name = "roah_rsbb_" + element.findtext("qtgui/label").lower().replace(" ", "_")
+        program = ROOT / "scripts" / name
+        assert os.access(program, os.X_OK), name
+        assert f"main({element.get('name').partition('/')[2]}Panel)" in program.read_text(encoding="utf-8")
+        assert f"scripts/{name}\n" in installed

@@ -1,7 +1,7 @@
-"""What the referee changed on a score sheet, until the core shows it.
+"""What the referee changed in a panel, until it is published.
 
-A message that was published before a change reached the core still holds the old value. It may arrive
-after the answer to the change, on another connection, and must not overwrite what the referee sees.
+A message that was published before a change was carried out still holds the old value. It may arrive after
+the answer to the change, on another connection, and must not overwrite what the referee sees.
 """
 
 from typing import Dict, Hashable, NamedTuple, Optional
@@ -13,13 +13,18 @@ MARGIN_S = 0.1
 class _Edit(NamedTuple):
     wish: int
     sent: Optional[int]  # value in the call that waits for its answer; None: answered
-    since: float = 0.0  # once answered: box's clock from which on messages include the change
+    since: float = 0.0  # once answered: clock from which on messages include the change
 
 
-class ScoreEdits:
-    """Edits by item. At most one call an item is under way, so that calls cannot overtake each other."""
+class Edits:
+    """Edits by item. At most one call an item is under way, so that calls cannot overtake each other.
 
-    def __init__(self) -> None:
+    Clocks are those of the messages, in seconds; where messages have none, any that does not go back.
+    """
+
+    def __init__(self, margin_s: float = MARGIN_S) -> None:
+        """`margin_s`: how long after the answer to a change an older message may still come."""
+        self._margin_s = margin_s
         self._edits: Dict[Hashable, _Edit] = {}
 
     def wish(self, item: Hashable, value: int) -> Optional[int]:
@@ -31,23 +36,23 @@ class ScoreEdits:
         self._edits[item] = _Edit(value, sent=value)
         return value
 
-    def carried_out(self, item: Hashable, box_clock_s: float) -> Optional[int]:
-        """The core answered, at `box_clock_s`; returns the value to send next, if it changed meanwhile."""
+    def carried_out(self, item: Hashable, clock_s: float) -> Optional[int]:
+        """The call was answered, at `clock_s`; returns the value to send next, if it changed meanwhile."""
         edit = self._edits.get(item)
         if edit is None:
             return None
         if edit.wish != edit.sent:
             self._edits[item] = _Edit(edit.wish, sent=edit.wish)
             return edit.wish
-        self._edits[item] = _Edit(edit.wish, None, box_clock_s + MARGIN_S)
+        self._edits[item] = _Edit(edit.wish, None, clock_s + self._margin_s)
         return None
 
     def failed(self, item: Hashable) -> None:
-        """The call failed: the item shows again what the core says."""
+        """The call failed: the item shows again what is published."""
         self._edits.pop(item, None)
 
     def value(self, item: Hashable, published: int, clock_s: float) -> int:
-        """The value to show, when a message of `clock_s` (box's clock) says `published`."""
+        """The value to show, when a message of `clock_s` says `published`."""
         edit = self._edits.get(item)
         if edit is None:
             return published
@@ -57,10 +62,10 @@ class ScoreEdits:
         return edit.wish
 
     def is_waiting(self, item: Hashable) -> bool:
-        """Whether a change of this item still waits for the core."""
+        """Whether a change of this item still waits for its answer."""
         edit = self._edits.get(item)
         return edit is not None and edit.sent is not None
 
     def clear(self) -> None:
-        """Another sheet is shown."""
+        """Forget all: other items are shown."""
         self._edits.clear()

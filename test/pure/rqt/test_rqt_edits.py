@@ -1,17 +1,17 @@
 """What the referee changed is never overwritten by an older message."""
 
-from roah_rsbb.rqt.score_edits import MARGIN_S, ScoreEdits
+from roah_rsbb.rqt.edits import MARGIN_S, Edits
 
 ITEM, OTHER = ("Achievements", "opens the door"), ("Achievements", "finds Annie")
 
 
 def test_without_a_change_the_core_is_shown():
-    edits = ScoreEdits()
+    edits = Edits()
     assert edits.value(ITEM, 4, 100.0) == 4
 
 
 def test_a_change_is_shown_while_it_waits_whatever_is_published():
-    edits = ScoreEdits()
+    edits = Edits()
     assert edits.wish(ITEM, 1) == 1
     assert edits.is_waiting(ITEM)
     assert edits.value(ITEM, 0, 100.0) == 1
@@ -20,7 +20,7 @@ def test_a_change_is_shown_while_it_waits_whatever_is_published():
 
 
 def test_a_message_from_before_the_answer_does_not_overwrite():
-    edits = ScoreEdits()
+    edits = Edits()
     edits.wish(ITEM, 1)
     assert edits.carried_out(ITEM, 100.0) is None
     assert not edits.is_waiting(ITEM)
@@ -31,7 +31,7 @@ def test_a_message_from_before_the_answer_does_not_overwrite():
 
 
 def test_a_message_from_after_the_answer_does_also_with_another_referees_value():
-    edits = ScoreEdits()
+    edits = Edits()
     edits.wish(ITEM, 1)
     edits.carried_out(ITEM, 100.0)
     assert edits.value(ITEM, 5, 100.0 + MARGIN_S) == 5
@@ -39,7 +39,7 @@ def test_a_message_from_after_the_answer_does_also_with_another_referees_value()
 
 
 def test_calls_of_one_item_do_not_overtake_each_other():
-    edits = ScoreEdits()
+    edits = Edits()
     assert edits.wish(ITEM, 1) == 1
     assert edits.wish(ITEM, 2) is None
     assert edits.wish(ITEM, 3) is None
@@ -52,7 +52,7 @@ def test_calls_of_one_item_do_not_overtake_each_other():
 
 
 def test_a_change_back_and_forth_needs_no_second_call():
-    edits = ScoreEdits()
+    edits = Edits()
     edits.wish(ITEM, 1)
     edits.wish(ITEM, 0)
     edits.wish(ITEM, 1)
@@ -60,16 +60,24 @@ def test_a_change_back_and_forth_needs_no_second_call():
 
 
 def test_a_failed_call_goes_back_to_the_core():
-    edits = ScoreEdits()
+    edits = Edits()
     edits.wish(ITEM, 1)
     edits.failed(ITEM)
     assert edits.value(ITEM, 0, 100.0) == 0
 
 
 def test_an_answer_for_another_sheet_changes_nothing():
-    edits = ScoreEdits()
+    edits = Edits()
     edits.wish(ITEM, 1)
     edits.clear()
     assert edits.carried_out(ITEM, 100.0) is None
     edits.failed(ITEM)
     assert edits.value(ITEM, 0, 100.0) == 0
+
+
+def test_how_late_an_older_message_may_be_is_the_panels_choice():
+    edits = Edits(margin_s=5.0)
+    edits.wish(ITEM, 1)
+    edits.carried_out(ITEM, 100.0)
+    assert edits.value(ITEM, 0, 104.9) == 1
+    assert edits.value(ITEM, 0, 105.1) == 0
