@@ -121,7 +121,7 @@ class ModuleInfo(NamedTuple):
     """A benchmark that a node of modules drives."""
 
     benchmark: str  # code
-    problems: Tuple[str, ...] = ()  # why no run can be started: wrong parameters, a frame that is missing
+    problems: Tuple[str, ...] = ()  # why no run can be started: wrong parameters
     warnings: Tuple[str, ...] = ()
 
 

@@ -176,21 +176,22 @@ class TfGroundTruth(GroundTruth):
     def check(self, subjects: Iterable[str]) -> Tuple[List[str], List[str]]:
         """What is wrong with what a benchmark needs, as (problems, warnings); the texts change only if that does.
 
-        A problem is what nobody in the test bed can mend: a subject that is not configured, or a reference frame
-        that was never published (then there is no pose at all). A marker that is not seen now may be put into its
-        place later, when the rules ask for it, so that is a warning.
+        A problem is a subject that is not configured. What is not seen now may be there later, when the rules ask
+        for it (a marker that the referee puts into its place, a motion-capture system that is still starting), and
+        a pose that cannot be had then is asked for again: so that is a warning.
         """
         problems: List[str] = []
         warnings: List[str] = []
-        if not self.sees(self.config.reference_frame):
-            problems.append(f"ground truth: {self._never_seen(self.config.reference_frame)}")
+        is_off = not self.sees(self.config.reference_frame)
+        if is_off:
+            warnings.append(f"ground truth: {self._never_seen(self.config.reference_frame)}")
         for subject in dict.fromkeys(subjects):
             try:
                 frame = self.config.anybodys_marker(subject).frame
             except NoPose as error:
                 problems.append(f"ground truth: {error}")
                 continue
-            trouble = "" if problems else self._found(subject, frame)[1]
+            trouble = "" if is_off else self._found(subject, frame)[1]
             warnings += [f"ground truth: {trouble}"] if trouble else []
         return problems, warnings
 
