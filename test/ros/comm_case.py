@@ -1,13 +1,16 @@
 """What test cases of node roah_rsbb_comm share: its topics followed, its services counted and called."""
 
+import itertools
 import threading
 from typing import Any, Dict, List, Optional, Set, Tuple
 
 import rosgraph
-import rosservice
 import rospy
+import rosservice
 from box_case import NetworkCase
 from geometry_msgs.msg import Pose2D
+from raw_box import RawBox
+from robots import RSBB_PORT
 from roscpp.srv import SetLoggerLevel
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import String as StringMsg
@@ -17,6 +20,7 @@ from waiting import LIMIT_S, happened, wait_until
 from roah_rsbb.client import refusals
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
 from roah_rsbb.srv import Override
+from roah_rsbb.states import BoxState, RobotState
 
 NODE = "/roah_rsbb_comm"
 # The logger that teams know from the node's documentation.
@@ -34,6 +38,8 @@ ALWAYS = {
     "tablet/call": "std_msgs/Empty", "tablet/position": "geometry_msgs/Pose2D", "tablet/state": "roah_rsbb/TabletState",
 }
 GOALS: Dict[str, type] = {"HNF": Pose2D, "HGMF": GoalHGMF, "HOMF": GoalOMF, "STB": StringMsg}
+
+_ports = itertools.count(RSBB_PORT + 1)
 
 
 class CommRefusal(Exception):
@@ -181,3 +187,38 @@ class CommCase(NetworkCase):
     def said(self) -> List[int]:
         """All states that it said."""
         return [message.benchmark_state for message in self.states.messages]
+
+
+class ChannelCase(CommCase):
+    """A test case with a box of which each datagram is the test's."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.box = self.new_box()
+
+    def new_box(self, **how: object) -> RawBox:
+        """A box; `how`: see `RawBox`."""
+        return self._leaving(RawBox(self.network, "Alpha", **how))
+
+    def tearDown(self) -> None:
+        self.box.beacon()  # lists nobody: the run is over
+        self.wait_benchmark(0)
+
+    def new_port(self) -> int:
+        """A port that no run had."""
+        return next(_ports)
+
+    def begin(self, code: str) -> None:
+        """A run, up to its STOP, which has been heard."""
+        self.states.messages.clear()
+        self.box.run(self.new_port())
+        self.box.send(code, BoxState.STOP)
+        self.wait_benchmark(NUMBERS[code])
+        self.wait_said(SAYS_STOP)
+
+    def prepare(self, code: str) -> None:
+        """PREPARE, and the robot waits for its goal."""
+        self.box.send(code, BoxState.PREPARE)
+        self.wait_said(SAYS_PREPARE)
+        self.call("end_prepare")
+        self.box.wait_state(RobotState.WAITING_GOAL)

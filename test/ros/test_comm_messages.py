@@ -1,0 +1,78 @@
+#!/usr/bin/python3
+"""What the comm node tells of troubles: silence, passwords, others who take its place or the box's."""
+
+from box_case import TABLET, main
+from comm_case import ALWAYS, NUMBERS, ChannelCase
+from robots import wire
+from rosgraph_msgs.msg import Log
+from waiting import wait_until
+
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.states import BoxState
+
+
+class TestTroubles(ChannelCase):
+    """What is wrong is told, with what to do about it."""
+
+    def test_a_box_that_falls_silent(self) -> None:
+        self.begin("HGTKMH")
+        port = self.box.beacon_message.benchmarking_teams[0].rsbb_port
+        self.box.close_channel()
+        # Nothing is sent for 5 s, on no channel.
+        self.wait_logged(
+            Log.WARN, f"the box at 127.0.0.1 has sent nothing on port {port} for 5 s: has it lost this robot, or does "
+            "a firewall keep that port closed?")
+        self.wait_logged(
+            Log.WARN, "no beacon of a box for 5 s: is the box on, on this network and on this public port, and does a "
+            "firewall let its broadcast in?")
+        self.assertEqual(self.benchmarks.messages[-1].benchmark, NUMBERS["HGTKMH"], "the run is not given up")
+        self.box.listen(port)
+        self.box.beacon(port)
+        self.box.send("HGTKMH", BoxState.STOP)
+        self.wait_logged(Log.INFO, f"the box at 127.0.0.1 is heard again on port {port}")
+        self.wait_logged(Log.INFO, "the box at 127.0.0.1 is heard")
+
+    def test_a_wrong_password(self) -> None:
+        self.box.close()
+        self.box = self.new_box(password="another one")
+        port = self.new_port()
+        self.box.wait_robot()
+        self.box.listen(port)
+        self.box.beacon(port)
+        wait_until(lambda: self.box.complaints, "the robot sends what the box cannot read")
+        self.box.send("HGTKMH", BoxState.STOP)
+        self.wait_logged(
+            Log.WARN, f"what the box at 127.0.0.1 sends on port {port} cannot be decrypted: this robot's password of "
+            "team Alpha is not the one in the box's passwords file")
+        self.assertEqual(self.benchmarks.messages[-1].benchmark, 0)
+
+    def test_another_robot_of_the_same_name(self) -> None:
+        twin = self.participant(TABLET)
+        twin.send(pb.RobotBeacon(team_name="Alpha", robot_name="Another", time=wire(0)))
+        twin.send(pb.RobotBeacon(team_name="Alpha", robot_name="Robot", time=wire(0)))
+        self.wait_logged(
+            Log.WARN, f"another robot at {TABLET} also calls itself Robot of team Alpha: the box cannot tell them "
+            "apart, stop one or give it another robot name")
+        self.assertEqual(sum("calls itself" in text for text in self.logged(Log.WARN)), 1)
+
+    def test_another_box(self) -> None:
+        self.box.beacon()
+        other = self.new_box(host=TABLET)
+        other.beacon()
+        self.wait_logged(Log.WARN, f"there is another box at {TABLET}, beside the one at 127.0.0.1")
+
+    def test_an_unknown_benchmark(self) -> None:
+        """Of a newer box: the robot's programs would not know what it is either."""
+        self.begin("HWV")
+        self.box.send("HNEW", BoxState.PREPARE)
+        self.wait_logged(Log.ERROR, "the box runs benchmark 'HNEW', which this node does not know",
+                         "its version of this package")
+        self.wait_benchmark(0)
+        self.assertEqual((self.services, self.published), (set(), ALWAYS))
+        self.box.send("HWV", BoxState.PREPARE)
+        self.wait_benchmark(NUMBERS["HWV"])
+        self.assertEqual([m.benchmark for m in self.benchmarks.messages[-3:]], [NUMBERS["HWV"], 0, NUMBERS["HWV"]])
+
+
+if __name__ == "__main__":
+    main("test_comm_messages")
