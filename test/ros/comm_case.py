@@ -1,8 +1,9 @@
 """What test cases of node roah_rsbb_comm share: its topics followed, its services counted and called."""
 
+import contextlib
 import itertools
 import threading
-from typing import Any, Dict, List, Optional, Set, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Set, Tuple
 
 import rosgraph
 import rospy
@@ -40,6 +41,15 @@ ALWAYS = {
 GOALS: Dict[str, type] = {"HNF": Pose2D, "HGMF": GoalHGMF, "HOMF": GoalOMF, "STB": StringMsg}
 
 _ports = itertools.count(RSBB_PORT + 1)
+
+
+@contextlib.contextmanager
+def told_with(what: str) -> Iterator[None]:
+    """A failure in here says what it is about. (rostest shows no text of a unittest's subTest.)"""
+    try:
+        yield
+    except AssertionError as error:
+        raise AssertionError(f"{what}: {error}") from error
 
 
 class CommRefusal(Exception):

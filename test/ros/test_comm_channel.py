@@ -14,6 +14,7 @@ from comm_case import (
     SAYS_STOP,
     ChannelCase,
     Heard,
+    told_with,
 )
 from geometry_msgs.msg import Pose2D
 from raw_box import now
@@ -113,7 +114,7 @@ class TestGoals(ChannelCase):
             ("STB", {"generic_goal": "goal: GOAL 1\ndetails: 4\n"}, GOALS["STB"]("goal: GOAL 1\ndetails: 4\n")),
             ("HNF", {"generic_goal": "- 1\n- 2.5\n- -0.5\n"}, Pose2D(1.0, 2.5, -0.5)),
         ):
-            with self.subTest(code):
+            with told_with(code):
                 self.begin(code)
                 early = self.heard("goal", GOALS[code])
                 early.wait_connected()

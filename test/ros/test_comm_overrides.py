@@ -18,6 +18,7 @@ from comm_case import (
     WAITING_RESULT,
     CommCase,
     CommRefusal,
+    told_with,
 )
 from geometry_msgs.msg import Pose2D
 from programs import Program
@@ -73,7 +74,7 @@ class TestSequences(OverrideCase):
         # The topic of goals has another type each time.
         codes = ["HNF", "HGMF", "HOMF", "STB", *(code for code in NUMBERS if code not in GOALS), "HNF"]
         for code in codes:
-            with self.subTest(code):
+            with told_with(code):
                 self.begin(code)
                 self.one_goal(code)
                 if code in GOALS:

@@ -5,6 +5,7 @@ from typing import Dict
 
 import rosgraph
 from box_case import PACKAGE, NetworkCase, main
+from comm_case import told_with
 from programs import Program
 from robots import BROADCAST, RSBB_PORT
 from waiting import wait_until
@@ -37,7 +38,7 @@ class TestParameters(NetworkCase):
             ],
         }
         for node, texts in nodes.items():
-            with self.subTest(texts[0]):
+            with told_with(texts[0]):
                 self.assertEqual(node.wait_ended(), 1, node.text)
                 for text in texts:
                     self.assertIn(text, node.text)
