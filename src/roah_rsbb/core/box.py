@@ -19,6 +19,7 @@ from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, Rob
 from roah_rsbb.core.module_messages import ModulesState, RunForModule
 from roah_rsbb.core.modules import Modules
 from roah_rsbb.core.refused import Refused, did_you_mean
+from roah_rsbb.core.results import FinishedRuns, finished_run
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots, RobotId
 from roah_rsbb.core.run import Entry, Run, Surroundings
 from roah_rsbb.core.settings import Settings
@@ -52,6 +53,7 @@ class Box:
         self.tablet = Tablet()
         self.modules = Modules()
         self.watches = Watches(settings.listen_duration)
+        self.finished = FinishedRuns()
         self._clock = ClockWatch()
         self._beacon_size = beacon_size
         self._last_port = max(settings.rsbb_port, last_port or 0)
@@ -193,6 +195,9 @@ class Box:
         run = zone.run
         assert run is not None, "disconnect was checked before"
         run.close(now)
+        finished = finished_run(now, zone.name, run)
+        if finished is not None:
+            self.finished.add(finished)
         zone.leave(self.settings.auto_next)
         self._emit(effects.SendBeacon())
 

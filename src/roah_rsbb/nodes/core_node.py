@@ -1,7 +1,7 @@
 """Node roah_rsbb_core: the box itself (ROS interface, Core node).
 
 The only place where the core meets rospy. Its topics, services and parameters are those of the ROS
-interface, plus /core/details.
+interface, plus /core/details and /core/public_details.
 """
 
 import signal
@@ -19,10 +19,20 @@ from roah_rsbb.core import config, views
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules import MAX_NODES
+from roah_rsbb.core.public_view import PublicResults, public_view
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.ports import PortRecord
-from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, DevicesState, DevicesStatus, ModuleRuns, ModulesState
-from roah_rsbb.nodes import module_convert, ros_convert
+from roah_rsbb.msg import (
+    CoreDetails,
+    CoreToGui,
+    CoreToPublic,
+    DevicesState,
+    DevicesStatus,
+    ModuleRuns,
+    ModulesState,
+    PublicDetails,
+)
+from roah_rsbb.nodes import module_convert, public_convert, ros_convert
 from roah_rsbb.nodes.core_driver import CoreDriver
 from roah_rsbb.nodes.core_radio import CoreRadio, Network, beacon_size
 from roah_rsbb.nodes.core_services import CoreServices
@@ -83,6 +93,7 @@ class CoreNode:
         network = _network(params, settings)
         files = [params.path(name) for name in ("benchmarks_file", "schedule_file", "passwords_file")]
         log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
+        results = params.choice("public_results", PublicResults.NONE.value, [choice.value for choice in PublicResults])
         params.done()
         loaded, warnings = config.load(*files)
         for warning in warnings:
@@ -93,6 +104,8 @@ class CoreNode:
         self._gave_up = ""
         self._ticks = 0
         self._last_details = None
+        self._public_results = PublicResults(results)
+        self._last_public_view = None
         ports = PortRecord(log_dir)
         last_port, port_warnings = ports.read()
         box = Box(loaded, settings, beacon_size, last_port)
@@ -123,6 +136,7 @@ class CoreNode:
         self._topics = {
             "gui": rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True),
             "public": rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True),
+            "public_details": rospy.Publisher("/core/public_details", PublicDetails, queue_size=1, latch=True),
             "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
         }
@@ -185,8 +199,16 @@ class CoreNode:
         self._publish("gui", ros_convert.to_gui(self._box, now, zone_views, self._network.rsbb_host))
         if self._ticks % PUBLIC_EVERY == 0:
             self._publish("public", ros_convert.to_public(self._box, now))
+        self._publish_public_details(now)
         self._publish_details(now, zone_views)
         self._ticks += 1
+
+    def _publish_public_details(self, now) -> None:
+        view = public_view(self._box, now, self._public_results)
+        timeless = view.without_time()
+        if timeless != self._last_public_view or self._ticks % PUBLIC_EVERY == 0:
+            self._last_public_view = timeless
+            self._publish("public_details", public_convert.public_details(view, now, self._uuid))
 
     def _publish_details(self, now, zone_views) -> None:
         details = ros_convert.details(self._box, now, zone_views, self._uuid, self._run_logs.files)

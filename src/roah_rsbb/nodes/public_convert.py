@@ -1,0 +1,51 @@
+"""From what the public may see to the messages of the public display."""
+
+from roah_rsbb.core.benchmarks import Event
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.public_view import PublicRun, PublicView
+from roah_rsbb.core.results import FinishedRun
+from roah_rsbb.msg import PublicDetails, PublicEvent, PublicResult
+from roah_rsbb.msg import PublicRun as PublicRunMsg
+from roah_rsbb.nodes.ros_times import ros_duration, ros_time
+from roah_rsbb.nodes.score_convert import group_message, score_message
+
+
+def public_details(view: PublicView, now: Now, box_uuid: str) -> PublicDetails:
+    """What CoreToPublic has no field for; `view` was made at `now`."""
+    return PublicDetails(
+        clock=ros_time(now.utc),
+        box_uuid=box_uuid,
+        results=view.results.value,
+        runs=[_run(run, now) for run in view.runs],
+        following=[_event(line.zone, line.event) for line in view.following],
+        finished=[_result(run) for run in view.finished],
+    )
+
+
+def _event(zone: str, event: Event) -> PublicEvent:
+    benchmark = event.benchmark
+    return PublicEvent(
+        zone, benchmark.desc or benchmark.name, event.team, event.round, event.run, ros_time(event.scheduled)
+    )
+
+
+def _run(run: PublicRun, now: Now) -> PublicRunMsg:
+    return PublicRunMsg(
+        event=_event(run.zone, run.event),
+        teams=list(run.teams),
+        phase=run.phase.value,
+        end_reason="" if run.end_reason is None else run.end_reason.name.lower(),
+        counting=run.counting,
+        ends=ros_time(now.utc + run.left if run.counting else 0.0),
+        left=ros_duration(run.left),
+    )
+
+
+def _result(run: FinishedRun) -> PublicResult:
+    return PublicResult(
+        event=_event(run.zone, run.event),
+        end_reason=run.end_reason.name.lower(),
+        left=ros_time(run.left_utc),
+        scoring=[group_message(group) for group in run.scoring],
+        module_scores=[score_message(score) for score in run.module_scores if not score.group],
+    )
