@@ -25,6 +25,7 @@ STOP_ALL = "■ STOP ALL ZONES"
 STOP_TIP = f"Stop the runs of all zones: hold the button (keys: {STOP_KEY} twice)"
 HOLD_IT = "Stop all zones: hold the button until it says so"
 NONE_RUNS = "No zone is running"
+NOT_HEARD = "The core was not heard yet"
 # Tiles grow with the panel, so that they can be read from afar, up to this factor. Where there is no room they are
 # compact, and shrink to no less than this one.
 LEAST, MOST = 0.85, 3.5
@@ -88,7 +89,7 @@ class OverviewPanel(Panel):
             self.tiles[zone.zone].show_zone(zone, details, what, zone.zone == self.model.zone_name, old)
         running = self._running()
         self._show_head(running, calling)
-        self.stop.allow(bool(running), [NONE_RUNS], widgets.ALARM)
+        self.stop.allow(bool(running), [NONE_RUNS if self.model.gui else NOT_HEARD], widgets.ALARM)
         self._key.forget()
 
     def resizeEvent(self, event) -> None:
@@ -106,6 +107,9 @@ class OverviewPanel(Panel):
 
     def _show_head(self, running: List[str], calling: List[str]) -> None:
         """The one look: who needs the referee's hand, and who is running."""
+        if self.model.gui is None:
+            self.head.show_text("Waiting for the core", widgets.IDLE)
+            return
         text = f"▶ RUNNING: {', '.join(running)}" if running else f"○ {NONE_RUNS}"
         tone = widgets.RUNNING if running else widgets.IDLE
         if calling:
