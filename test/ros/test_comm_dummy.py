@@ -9,6 +9,7 @@ from dummy_launch import launch_dummy
 from programs import Program
 from robots import wire
 from run_logs import RunLog
+from waiting import wait_until
 
 from roah_rsbb.msg import DevicesState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -35,7 +36,7 @@ class DummyCase(BoxCase):
         """A whole run; returns its log."""
         self.begin(zone)
         self.box.wait_text(zone, "Benchmark completed by the robot")
-        self.assertGreater(self.box.zone_details(zone).messages_saved, 0)
+        self.box.wait_details(zone, lambda d: d.messages_saved > 0, "the robot says that it saves data")
         log = self.leave(zone)
         self.assertEqual(log.values("/rsbb_log/rsbb_state"), NO_GOAL)
         return log
@@ -87,7 +88,8 @@ class TestMisbehaviour(DummyCase):
         self.dummy("Beta", clock_offset=0.5)
         self.box.wait_details("Skewed", lambda d: any("Clock skew" in reason for reason in d.connect_off),
                               "connect is off, because of the skew")
-        self.assertLess(abs(self.box.robot("Beta").skew.to_sec() - 0.5), 0.1)
+        wait_until(lambda: self.box.robot("Beta") and abs(self.box.robot("Beta").skew.to_sec() - 0.5) < 0.1,
+                   lambda: f"the skew is shown:\n{self.box.gui.active_robots}")
         self.assertIn("Clock skew", self.box.refusal("connect", "Skewed"))
 
     def test_nothing_saved(self) -> None:
@@ -95,7 +97,7 @@ class TestMisbehaviour(DummyCase):
         self.begin("Forgetful")
         self.box.wait_text("Forgetful", "Stopped: the robot saves no offline data")
         robot.wait_printed("stopped: the comm node says STOP")
-        self.assertEqual(self.box.zone_details("Forgetful").end_reason, "no_messages_saved")
+        self.box.wait_details("Forgetful", lambda d: d.end_reason == "no_messages_saved", "that is the reason")
 
     def test_a_crash(self) -> None:
         robot = self.dummy("Delta", crash_in="execute")
