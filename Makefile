@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install-deps build demo test lint test-pure test-python38 test-pip test-install test-ros clean
+.PHONY: help install-deps build demo test lint test-pure test-python38 test-pip test-install test-ros screenshots clean
 
 # ROS's own Python: the first python3 on PATH may be another one.
 PYTHON := /usr/bin/python3
@@ -45,6 +45,9 @@ test-install: build ## the demonstration, from an install space
 
 test-ros: build ## tests of the nodes, each with a ROS master of its own
 	@$(BUILT); tools/run_rostests
+
+screenshots: build ## the pictures in docs/images, from a fake core on a virtual display
+	@$(BUILT); tools/make_screenshots
 
 clean: ## remove what was built
 	rm -rf build

@@ -6,6 +6,7 @@ import pathlib
 import signal
 import subprocess
 import sys
+import tempfile
 import unittest
 import xmlrpc.client
 
@@ -16,7 +17,9 @@ import rostest
 from gui_testing import wait_until
 from std_srvs.srv import Empty
 
+from roah_rsbb.rqt import alone
 from roah_rsbb.rqt.client import Client
+from roah_rsbb.rqt.panels import PANELS
 
 HERE = pathlib.Path(__file__).resolve().parent
 LAUNCH = HERE.parent.parent / "launch"
@@ -24,6 +27,12 @@ LAUNCH = HERE.parent.parent / "launch"
 
 def _names(end: str) -> list:
     return [name for name in rosnode.get_node_names() if name.endswith(end)]
+
+
+def _listeners() -> set:
+    """The nodes that listen to the core, without what makes an anonymous name unique."""
+    listening = dict(rosgraph.Master("/t").getSystemState()[1])
+    return {name.rsplit("_", 2)[0] for name in listening.get("/core/to_gui", ())}
 
 
 def _end(process: subprocess.Popen) -> None:
@@ -79,6 +88,31 @@ class TestPrograms(unittest.TestCase):
         rospy.ServiceProxy(f"{namespace}/roah_rsbb_shutdown", Empty)()
         wait_until(lambda: launch.poll() is not None, "the client ends", 30)
         self.assertEqual(_names("/roah_rsbb_gui"), [])  # it took its leave of the master
+
+    def test_each_panel_opens_alone_and_ends(self) -> None:
+        self.start_core()
+        names = [alone.name_of(kind) for kind in PANELS]
+        programs = [self.start("rosrun", "roah_rsbb", name) for name in names]
+
+        wait_until(lambda: _listeners() >= {f"/{name}" for name in names}, "each of them listens to the core", 60)
+        for program in programs:
+            program.send_signal(signal.SIGINT)
+        for name, program in zip(names, programs):
+            _, said = program.communicate(timeout=30)
+            self.assertEqual(program.returncode, 0, f"{name}: {said}")
+            self.assertNotIn("Traceback", said)
+
+    def test_a_panel_alone_keeps_its_settings(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            kept = pathlib.Path(folder) / "roah_rsbb" / "roah_rsbb_log_display.conf"
+            kept.parent.mkdir()
+            kept.write_text("[LogDisplayPanel]\nfollow=false\n", encoding="utf-8")
+            program = self.start("rosrun", "roah_rsbb", "roah_rsbb_log_display", XDG_CONFIG_HOME=folder)
+            wait_until(lambda: "/roah_rsbb_log_display" in _listeners(), "it listens to the core")
+            program.send_signal(signal.SIGINT)
+            self.assertEqual(program.wait(30), 0)
+            self.assertIn("follow=false", kept.read_text(encoding="utf-8"))
+            self.assertIn("geometry=", kept.read_text(encoding="utf-8"))
 
     def test_the_public_display_opens_and_ends(self) -> None:
         launch = self.start("roslaunch", str(LAUNCH / "roah_rsbb_public.launch"))

@@ -14,20 +14,21 @@ import rosgraph
 import rospy
 import rostest
 from fake_core import FakeCore
-from gui_testing import QMessageBox, answer, click, question, show, wait_until
+from gui_testing import QMessageBox, Qt, QTest, answer, click, question, show, wait_until
 from python_qt_binding.QtCore import QObject, QSettings
 from std_srvs.srv import Empty
 
 from roah_rsbb.client.feed import Feed
 from roah_rsbb.msg import CoreToPublic
 from roah_rsbb.rqt import public_display
-from roah_rsbb.rqt.active_robots import ActiveRobotsPanel
+from roah_rsbb.rqt.active_robots import COLUMNS, ActiveRobotsPanel
 from roah_rsbb.rqt.client import Client
 from roah_rsbb.rqt.core_status import CoreStatusPanel
 from roah_rsbb.rqt.log_display import LogDisplayPanel
 from roah_rsbb.rqt.online_data import OnlineDataPanel
 from roah_rsbb.rqt.panels import PANELS
 from roah_rsbb.rqt.tablet_status import TabletStatusPanel
+from roah_rsbb.rqt.widgets import ALARM, OLD
 from roah_rsbb.rqt.window import Window
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -68,6 +69,10 @@ class TestPanels(CoreCase):
                                        ["AnotherTeam", "amigo", "−0.087 s", "–"]], "both robots are shown")
         self.core.zones["Home B"].all_robots = ["amigo of team AnotherTeam: ready"]
         wait_until(lambda: [line[3] for line in lines()] == ["Home A", "Home B"], "one of all robots at once is shown")
+        link = COLUMNS.index("Link")
+        wait_until(lambda: table.item(0, link).text() == "▮▮▮ good", "the link is good")
+        self.core.heard_ago_s = 5.0
+        wait_until(lambda: table.item(0, link).text().startswith("▮▯▯ poor, 5"), "it is poor")
         self.core.robots = []
         wait_until(lambda: lines()[0][0] == "No robot is heard" and len(lines()) == 1, "they are gone")
 
@@ -107,6 +112,48 @@ class TestPanels(CoreCase):
         self.assertEqual(bar.value(), bar.maximum())
         self.zone.log = "a new run\n"
         wait_until(lambda: text() == "a new run\n", "another text replaces it")
+
+    def test_levels_of_the_log_stand_out(self) -> None:
+        panel = self.open(LogDisplayPanel)
+        self.zone.log = "08:00:00 a WARNING: in words\n08:00:01 WARNING: silent\n08:00:02 ERROR: gone\n"
+        wait_until(lambda: "ERROR" in panel.view.toPlainText(), "the log is shown")
+
+        def tone(number: int) -> str:
+            looks = panel.view.document().findBlockByNumber(number).layout().formats()
+            return looks[0].format.background().color().name() if looks else ""
+
+        wait_until(lambda: tone(2), "the highlighter has worked")
+        self.assertEqual([tone(number) for number in range(3)], ["", OLD.background, ALARM.background])
+
+    def test_searching_the_log(self) -> None:
+        panel = self.open(LogDisplayPanel)
+        show(panel, 500, 260)
+        search, bar = panel.search, panel.view.verticalScrollBar()
+        self.zone.log = "".join(f"line {n}{' Robot' if n % 40 == 7 else ''}\n" for n in range(100))
+        wait_until(lambda: "line 99" in panel.view.toPlainText(), "the log is shown")
+        self.assertFalse(search.next.isEnabled())
+        QTest.keyClick(panel.view, Qt.Key_F, Qt.ControlModifier)
+        wait_until(search.line.hasFocus, "the key goes to the search")
+        QTest.keyClicks(search.line, "robot")
+        self.assertEqual(search.count.text(), "3 found")
+        self.assertEqual(len(panel.view.extraSelections()), 3)
+        for number, line in ((1, 7), (2, 47), (3, 87), (1, 7)):
+            click(search.next)
+            self.assertEqual(search.count.text(), f"{number} of 3")
+            self.assertEqual(panel.view.textCursor().blockNumber(), line)
+        QTest.keyClick(search.line, Qt.Key_F3, Qt.ShiftModifier)
+        self.assertEqual(panel.view.textCursor().blockNumber(), 87)
+        # What comes moves neither the view nor the place.
+        self.assertFalse(panel.follow.isChecked())
+        at = bar.value()
+        self.zone.log += "line 100 Robot\n"
+        wait_until(lambda: search.count.text() == "3 of 4", "the new one is counted")
+        self.assertEqual(bar.value(), at)
+        search.line.setText("nobody")
+        self.assertEqual(search.count.text(), "none")
+        self.assertFalse(search.next.isEnabled())
+        search.line.clear()
+        self.assertEqual((search.count.text(), panel.view.extraSelections()), ("", []))
 
     def test_online_data(self) -> None:
         panel = self.open(OnlineDataPanel)

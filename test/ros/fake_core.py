@@ -138,6 +138,7 @@ class FakeCore:
         self.answer_gate.set()
         self.silent = False
         self.box_warnings: List[str] = []
+        self.heard_ago_s = 0.4
         self.robots = [("TestingTeam", "mbot", 0.0123), ("AnotherTeam", "amigo", -0.0871)]
         self.status = "OK"
         self.tablet_heard = True
@@ -180,7 +181,7 @@ class FakeCore:
         """CoreToGui at `now`."""
         message = CoreToGui(clock=now, status=self.status, addr="127.255.255.255", port="6666")
         message.active_robots = [
-            RobotInfo(team, robot, rospy.Duration.from_sec(skew), now - rospy.Duration.from_sec(0.4))
+            RobotInfo(team, robot, rospy.Duration.from_sec(skew), now - rospy.Duration.from_sec(self.heard_ago_s))
             for team, robot, skew in self.robots
         ]
         message.zones = [self._zone_state(zone) for zone in self.zones.values()]

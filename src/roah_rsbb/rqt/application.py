@@ -13,6 +13,7 @@ from python_qt_binding.QtWidgets import QApplication
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 # So often Python gets a chance to handle a signal while Qt waits, and ROS's end is noticed.
 LOOK_MS = 200
+_signalled: List[bool] = []
 
 
 def make_application(argv: List[str]) -> QApplication:
@@ -28,16 +29,21 @@ def init_node(name: str) -> None:
     if not rosgraph.is_master_online():
         print(f"Waiting for the ROS master at {rosgraph.get_master_uri()}: start roah_rsbb.launch", file=sys.stderr)
     rospy.init_node(name, anonymous=True, disable_signals=True)
+    for number in _SIGNALS:
+        signal.signal(number, _on_signal)
 
 
 def run(app: QApplication) -> int:
     """Run until the last window is closed, a signal comes or ROS ends; returns the exit code."""
-    for number in _SIGNALS:
-        signal.signal(number, lambda *_: app.quit())
     look = QTimer()
-    look.timeout.connect(lambda: app.quit() if rospy.is_shutdown() else None)
+    look.timeout.connect(lambda: app.quit() if _signalled or rospy.is_shutdown() else None)
     look.start(LOOK_MS)
     return app.exec_()
+
+
+def _on_signal(*_) -> None:
+    """Only noted: it may come while the windows are still being made, when there is nothing to quit yet."""
+    _signalled.append(True)
 
 
 def _report(kind, error, trace) -> None:
