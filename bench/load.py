@@ -1,0 +1,112 @@
+"""The box under the load of many robots: what it uses, what it loses, what it is late with."""
+
+import time
+from typing import Dict, List, NamedTuple
+
+import rospy
+from fleet import Fleet
+from processes import Box
+from table import quantile
+
+from roah_rsbb.states import BoxState
+
+PERIOD_S = 0.05  # of robots that send as fast as the wire allows
+ORIGINAL_PERIOD_S = 0.2  # the original's pace, for box and robots alike
+SETTLE_S = 2.5
+
+
+class Load(NamedTuple):
+    """What a box did in a while."""
+
+    datagrams_s: float
+    cpu_percent: float
+    memory_mb: float
+    lost: int  # dropped by the kernel because the box did not read them, or never answered
+    late: int
+    answers: int
+    unsent: int  # the bench's own fault
+    message_kb: float  # /core/to_gui, the largest one
+    jitter_ms: List[float]  # how far each interval between two /core/to_gui was from 100 ms
+    grown_mb: float
+
+
+class Pace:
+    """Follows /core/to_gui without reading more of it than the clock: sizes, and the box's own moments."""
+
+    def __init__(self) -> None:
+        self.sizes: List[int] = []
+        self.clocks: List[float] = []
+        self._subscriber = rospy.Subscriber("/core/to_gui", rospy.AnyMsg, self._take, buff_size=4 * 1024 * 1024)
+
+    def _take(self, message: rospy.AnyMsg) -> None:
+        clock = rospy.Time(int.from_bytes(message._buff[:4], "little"), int.from_bytes(message._buff[4:8], "little"))
+        self.sizes.append(len(message._buff))
+        self.clocks.append(clock.to_sec())
+
+    def close(self) -> None:
+        self._subscriber.unregister()
+
+    @property
+    def rate(self) -> float:
+        """Messages a second."""
+        spans = len(self.clocks) - 1
+        return spans / (self.clocks[-1] - self.clocks[0]) if spans > 0 else 0.0
+
+    @property
+    def jitter_ms(self) -> List[float]:
+        return [abs(b - a - 0.1) * 1e3 for a, b in zip(self.clocks, self.clocks[1:])]
+
+
+def measure(box: Box, fleet: Fleet, seconds: float, period_s: float = PERIOD_S) -> Load:
+    """Let all robots that are in runs send for so long."""
+    fleet.keep_sending(period_s)
+    time.sleep(1.0)
+    pace, memory, before = Pace(), box.process.memory_mb(), _counts(fleet)
+    dropped, began = box.dropped(), time.monotonic()
+    cpu = box.process.cpu_percent(seconds)
+    after = _counts(fleet)
+    took = time.monotonic() - began
+    pace.close()
+    memory_after = box.process.memory_mb()
+    fleet.keep_sending(None)
+    return Load(
+        (after["sent"] - before["sent"]) / took, cpu, memory_after,
+        box.dropped() - dropped + _unanswered(fleet), after["late"] - before["late"],
+        after["answers"] - before["answers"], after["unsent"] - before["unsent"],
+        max(pace.sizes, default=0) / 1e3, pace.jitter_ms, memory_after - memory,
+    )
+
+
+def _counts(fleet: Fleet) -> Dict[str, int]:
+    names = ("sent", "late", "answers", "unsent")
+    return {name: sum(getattr(robot, name) for robot in fleet.robots) for name in names}
+
+
+def _unanswered(fleet: Fleet) -> int:
+    """Robots whose last datagram is never acknowledged; the box says what it has heard once a second."""
+    in_runs = [robot for robot in fleet.robots if robot.port is not None]
+    until = time.monotonic() + SETTLE_S
+    while time.monotonic() < until:
+        missing = sum(robot.acknowledged_ns < robot.sent_ns[-1] for robot in in_runs)
+        if not missing:
+            return 0
+        time.sleep(0.05)
+    return missing
+
+
+def still_executing(fleet: Fleet) -> bool:
+    """Whether all runs are still on: otherwise what was measured was not what was meant."""
+    return all(robot.box_state is BoxState.WAITING_RESULT for robot in fleet.robots if robot.port is not None)
+
+
+def add(results, name: str, load: Load, cpu_target=None, memory_target=None) -> None:
+    """Note what was measured, in one place for all loads."""
+    results.add(f"{name}: datagrams a second", "1/s", load.datagrams_s)
+    results.add(f"{name}: CPU", "% of a core", load.cpu_percent, cpu_target)
+    results.add(f"{name}: memory", "MB", load.memory_mb, memory_target)
+    results.add(f"{name}: lost in the box", "datagrams", load.lost, 0)
+    results.add(f"{name}: answers later than 50 ms", "% of answers", 100.0 * load.late / max(1, load.answers))
+    results.add(f"{name}: /core/to_gui", "kB", load.message_kb)
+    results.add(f"{name}: jitter of the 10 Hz tick, 99 %", "ms", quantile(load.jitter_ms, 0.99))
+    if load.unsent:
+        results.add(f"{name}: not sent by the bench itself", "datagrams", load.unsent, 0)

@@ -1,0 +1,155 @@
+"""The processes that are measured: a ROS master, the box, programs beside it, each with its load on the machine."""
+
+import os
+import pathlib
+import random
+import shutil
+import socket
+import sys
+import tempfile
+import time
+from typing import List
+
+import rosgraph
+import rospy
+from addresses import BOX_HOST, BROADCAST
+from programs import Program
+
+from roah_rsbb.srv import Zone
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+# Below the ports of the tests (from 20000), which may run on this machine at the same time.
+PORTS = range(10000, 19800, 200)
+START_S = 30.0
+_TICKS_PER_S = os.sysconf("SC_CLK_TCK")
+
+
+class Measured(Program):
+    """A program whose use of the machine can be read."""
+
+    @property
+    def pid(self) -> int:
+        return self._process.pid
+
+    def cpu_s(self) -> float:
+        """Seconds of a core that it has used, in user and kernel mode."""
+        fields = pathlib.Path(f"/proc/{self.pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S
+
+    def cpu_percent(self, seconds: float) -> float:
+        """Per cent of one core that it uses in the next so many seconds."""
+        began, used = time.monotonic(), self.cpu_s()
+        time.sleep(seconds)
+        return 100.0 * (self.cpu_s() - used) / (time.monotonic() - began)
+
+    def memory_mb(self) -> float:
+        """Resident memory, MB."""
+        status = pathlib.Path(f"/proc/{self.pid}/status").read_text(encoding="ascii")
+        return next(int(line.split()[1]) for line in status.splitlines() if line.startswith("VmRSS")) / 1000.0
+
+
+def start_master() -> Program:
+    """A ROS master of the bench's own, which this process then uses, too."""
+    with socket.socket() as free:
+        free.bind((BOX_HOST, 0))
+        port = free.getsockname()[1]
+    os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1")
+    os.environ.pop("ROS_HOSTNAME", None)
+    master = Program("rosmaster", "--core", "-p", str(port))
+    wait(rosgraph.is_master_online, "the ROS master answers")
+    return master
+
+
+def wait(condition, what: str, limit_s: float = START_S) -> None:
+    """Wait until something is so; looks often, as nothing here tells when."""
+    until = time.monotonic() + limit_s
+    while not condition():
+        if time.monotonic() > until:
+            raise SystemExit(f"bench: after {limit_s:.0f} s still not: {what}")
+        time.sleep(0.01)
+
+
+def free_port() -> int:
+    """The first of 200 UDP ports that nobody on this machine uses (the first one stands for all)."""
+    for port in random.sample(PORTS, len(PORTS)):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(("", port))
+            except OSError:
+                continue
+            return port
+    raise SystemExit(f"bench: all UDP ports from {PORTS.start} on are in use: what runs on this machine?")
+
+
+class Box:
+    """The real core node with so many zones, and a team for each. Use it as a context."""
+
+    def __init__(self, zones: int, profile: str = "") -> None:
+        """`profile`: file for what cProfile says of its main thread."""
+        self.zones = zones
+        self.port = free_port()
+        self._folder = pathlib.Path(tempfile.mkdtemp(prefix="roah_rsbb_bench."))
+        self._configure()
+        launcher = [sys.executable] if not profile else [sys.executable, "-m", "cProfile", "-o", profile]
+        settings = {
+            "rsbb_host": BROADCAST, "bind_host": BOX_HOST, "rsbb_port": self.port, "listen_duration": 0.3,
+            "log_dir": self._folder / "log", "max_datagram": 8000, "robot_timeout": 30.0,
+            **{f"{name}_file": self._folder / f"{name}.yaml" for name in ("benchmarks", "schedule", "passwords")},
+        }
+        self.process = Measured(
+            *launcher, str(ROOT / "scripts" / "roah_rsbb_core"), *(f"_{k}:={v}" for k, v in settings.items()))
+
+    def _configure(self) -> None:
+        # The benchmarks that competitions have, except that no run of the bench must end by itself.
+        shipped = (ROOT / "config" / "benchmarks.yaml").read_text(encoding="utf-8")
+        files = {
+            "benchmarks": shipped.replace("timeout: 600", "timeout: 36000"),
+            "passwords": "".join(f"Team{i}: password {i}\n" for i in range(self.zones)),
+            "schedule": "".join(
+                f"- zone: zone {i}\n  schedule:\n" + "".join(
+                    f"    - {{benchmark: HWV, team: Team{i}, round: 1, run: {run}, "
+                    "scheduled_time: 2026-01-01 00:00:00}\n" for run in (1, 2))
+                for i in range(self.zones)),
+        }
+        for name, text in files.items():
+            path = self._folder / f"{name}.yaml"
+            path.touch(mode=0o600)
+            path.write_text(text, encoding="utf-8")
+
+    def __enter__(self) -> "Box":
+        for service in ("connect", "start", "stop"):
+            try:
+                rospy.wait_for_service(f"/core/{service}", START_S)
+            except rospy.ROSException:
+                raise SystemExit(f"bench: the core did not start:\n{self.process.text}") from None
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.process.close()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def command(self, command: str, zone: int) -> None:
+        """A referee's command, as a panel calls it; raises what the service does."""
+        rospy.ServiceProxy(f"/core/{command}", Zone)(f"zone {zone}")
+
+    def command_when_allowed(self, command: str, zone: int) -> None:
+        """The same, as soon as the box allows it."""
+        until = time.monotonic() + START_S
+        while True:
+            try:
+                self.command(command, zone)
+                return
+            except rospy.ServiceException as error:
+                if time.monotonic() > until:
+                    raise SystemExit(f"bench: {command} of zone {zone}: {error}") from None
+                time.sleep(0.05)
+
+    def dropped(self) -> int:
+        """Datagrams that the kernel dropped because the box did not read them in time."""
+        lines = pathlib.Path("/proc/net/udp").read_text(encoding="ascii").splitlines()[1:]
+        return sum(int(fields[-1]) for fields in map(str.split, lines) if self._is_ours(fields[1]))
+
+    def _is_ours(self, address: str) -> bool:
+        host, _, port = address.partition(":")
+        ours: List[str] = ["0100007F", "FFFFFF7F"]
+        return host in ours and self.port <= int(port, 16) < self.port + PORTS.step

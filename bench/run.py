@@ -1,0 +1,239 @@
+#!/usr/bin/python3
+"""Measures the box: reaction, load, panels, growth. See bench/README.md; `make bench` runs it.
+
+Shows a table and writes build/bench.json. Ends with status 1 when a target is missed and --strict is given.
+"""
+
+import argparse
+import contextlib
+import os
+import pathlib
+import pstats
+import sys
+import tempfile
+import time
+from typing import Dict, Iterator, List, NamedTuple, Tuple
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent
+sys.path.insert(0, str(ROOT / "test" / "ros"))
+
+import load  # noqa: E402
+import processes  # noqa: E402
+import reaction  # noqa: E402
+import rospy  # noqa: E402
+import simulated  # noqa: E402
+from fleet import Fleet  # noqa: E402
+from processes import Box, wait  # noqa: E402
+from table import Results, quantile  # noqa: E402
+
+ZONES_OF_MESSAGES = (1, 20, 100)
+WINDOW_ZONES = 20
+
+
+class Extent(NamedTuple):
+    """How much is measured."""
+
+    probes: int
+    starts: int
+    clicks: int
+    seconds: float  # of each load
+    idle_seconds: float
+    day_hours: float
+    day_zones: int
+
+
+QUICK = Extent(probes=50, starts=15, clicks=6, seconds=2.0, idle_seconds=2.0, day_hours=0.4, day_zones=2)
+FULL = Extent(probes=500, starts=100, clicks=40, seconds=15.0, idle_seconds=10.0, day_hours=10.0, day_zones=4)
+
+
+class Bench:
+    """All measurements, each with a box of its own."""
+
+    def __init__(self, extent: Extent, soak_minutes: float) -> None:
+        self.extent = extent
+        self.soak_minutes = soak_minutes
+        self.results = Results()
+
+    # -- one robot ----------------------------------------------------------------------------------
+
+    def one(self) -> None:
+        """Reaction, start, click, and the load of one robot."""
+        extent, results = self.extent, self.results
+        with box_in_runs(1) as (box, fleet):
+            robot = fleet.robots[0]
+            with reaction.ticking_box() as (their_fleet, their_robot, command):
+                ours, theirs = reaction.side_by_side(
+                    lambda: reaction.react(fleet, [robot], extent.probes),
+                    lambda: reaction.react(their_fleet, [their_robot], extent.probes // 2))
+                results.add_spread("reaction, 1 robot", "ms", ours, {0.5: 2, 0.99: 10})
+                results.add_spread("reaction, 200 ms ticking sender beside it", "ms", theirs, {})
+                self._settle(fleet)
+                ours, theirs = reaction.side_by_side(
+                    lambda: reaction.starts(fleet, robot, lambda word: box.command(word, 0), extent.starts),
+                    lambda: reaction.starts(their_fleet, their_robot, command, extent.starts // 2))
+                results.add_spread("/core/start to PREPARE on the wire", "ms", ours, {0.99: 10})
+                results.add_spread("start, 200 ms ticking sender beside it", "ms", theirs, {})
+            self._settle(fleet)
+            self._click(fleet)
+            self._settle(fleet)
+            self._load("1 robot, original's pace", box, fleet, load.ORIGINAL_PERIOD_S, cpu_target=3)
+            self._load("1 robot, 50 ms", box, fleet)
+
+    def _click(self, fleet: Fleet) -> None:
+        import panels  # gives this process a display: only where it is wanted
+
+        with tempfile.TemporaryDirectory() as folder:
+            bench = panels.ClickBench(folder)
+            try:
+                taken = bench.measure(fleet, fleet.robots[0], self.extent.clicks)
+            finally:
+                bench.close()
+        self.results.add_spread("click on START to PREPARE on the wire", "ms", taken, {})
+
+    # -- many robots --------------------------------------------------------------------------------
+
+    def many(self) -> None:
+        """Loads of 10, 40 and 50 robots."""
+        with box_in_runs(10) as (box, fleet):
+            self._load("10 robots, 50 ms", box, fleet)
+        with box_in_runs(40) as (box, fleet):
+            self._load("40 robots, original's pace", box, fleet, load.ORIGINAL_PERIOD_S, cpu_target=12)
+        with box_in_runs(50) as (box, fleet):
+            self._load("50 robots, 50 ms", box, fleet)
+
+    def hundred(self) -> None:
+        """All that is asked of 100 robots: load, reaction, and a while of it."""
+        with box_in_runs(100) as (box, fleet):
+            self._load("100 robots, 50 ms", box, fleet, cpu_target=70, memory_target=150)
+            fleet.keep_sending(load.PERIOD_S)
+            taken = reaction.react(fleet, fleet.robots, self.extent.probes)
+            fleet.keep_sending(None)
+            self.results.add_spread("reaction, 100 robots at 50 ms", "ms", taken, {0.99: 25})
+            if self.soak_minutes:
+                self._soak(box, fleet)
+
+    def _soak(self, box: Box, fleet: Fleet) -> None:
+        parts = [load.measure(box, fleet, self.soak_minutes * 30.0) for _ in range(2)]
+        name = f"100 robots for {self.soak_minutes:g} min"
+        self.results.add(f"{name}: memory grown", "MB", sum(part.grown_mb for part in parts), 5)
+        self.results.add(f"{name}: lost in the box", "datagrams", sum(part.lost for part in parts), 0)
+        for label, part in zip(("first", "second"), parts):
+            self.results.add(f"{name}: tick jitter, 99 %, {label} half", "ms", quantile(part.jitter_ms, 0.99))
+
+    def _load(self, name: str, box: Box, fleet: Fleet, period_s=load.PERIOD_S, cpu_target=None,
+              memory_target=None) -> None:
+        measured = load.measure(box, fleet, self.extent.seconds, period_s)
+        if not load.still_executing(fleet):
+            raise SystemExit(f"bench: {name}: not all runs went on:\n{box.process.text[-2000:]}")
+        load.add(self.results, name, measured, cpu_target, memory_target)
+
+    @staticmethod
+    def _settle(fleet: Fleet) -> None:
+        """Robots go back to what the box asks for."""
+        wait(lambda: load.still_executing(fleet), "all robots execute")
+
+    # -- panels -------------------------------------------------------------------------------------
+
+    def messages(self) -> None:
+        """What the panels' message weighs, with no run connected; and a window that shows it."""
+        for zones in ZONES_OF_MESSAGES:
+            with Box(zones) as box, Fleet(zones, box.port):
+                time.sleep(1.5)
+                pace = load.Pace()
+                cpu = box.process.cpu_percent(self.extent.idle_seconds)
+                pace.close()
+                self.results.add(f"/core/to_gui, {zones} zones: size", "kB", max(pace.sizes, default=0) / 1e3)
+                self.results.add(f"/core/to_gui, {zones} zones: rate", "1/s", pace.rate)
+                self.results.add(f"core, {zones} zones, as many robots, no run: CPU", "% of a core", cpu)
+        for zones in ZONES_OF_MESSAGES:
+            for in_runs, what in ((False, "no run"), (True, "all in runs")):
+                cost = simulated.publish_ms(zones, in_runs, self.extent.idle_seconds / 5)
+                self.results.add(f"panels' messages, {zones} zones, {what}: made in", "ms", cost)
+
+    def window(self) -> None:
+        """A client window beside a box whose zones all have runs."""
+        import panels
+
+        with box_in_runs(WINDOW_ZONES) as (_box, fleet):
+            fleet.keep_sending(load.ORIGINAL_PERIOD_S)
+            cpu = panels.window_cpu(self.extent.idle_seconds)
+        self.results.add(f"client window, all panels, {WINDOW_ZONES} zones in runs: CPU", "% of a core", cpu, 20)
+
+    # -- time ---------------------------------------------------------------------------------------
+
+    def day(self) -> None:
+        """A simulated day."""
+        found = simulated.day(self.extent.day_zones, self.extent.day_hours)
+        name = f"simulated day, {self.extent.day_hours:g} h, {found.runs} runs"
+        self.results.add(f"{name}: memory grown", "MB", found.grown_mb, 2)
+        self.results.add(f"{name}: slower at the end", "%", found.slower_percent, 20)
+        self.results.add(f"{name}: a second's work, 99 %", "ms", found.jitter_ms)
+
+
+@contextlib.contextmanager
+def box_in_runs(count: int, profile: str = "") -> Iterator[Tuple[Box, Fleet]]:
+    """A box with so many zones, in each a robot that executes."""
+    with Box(count, profile) as box, Fleet(count, box.port) as fleet:
+        reaction.connect(box, fleet, count)
+        reaction.start(box, fleet, count)
+        yield box, fleet
+
+
+def profile(robots: int, seconds: float) -> None:
+    """Show what the core's main thread spends its time with, under so many robots at 50 ms."""
+    path = ROOT / "build" / "bench.prof"
+    with box_in_runs(robots, str(path)) as (box, fleet):
+        load.measure(box, fleet, seconds)
+    pstats.Stats(str(path)).sort_stats("tottime").print_stats(35)
+
+
+PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
+    "one", "many", "hundred", "messages", "window", "day")}
+
+
+def main() -> int:
+    """Measure what was asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("parts", nargs="*", help=f"of {', '.join(PARTS)}; default: all")
+    parser.add_argument("--quick", action="store_true", help="under a minute in all; numbers are rougher")
+    parser.add_argument("--minutes", type=float, help="of 100 robots without a break (default: 1, --quick: 0)")
+    parser.add_argument("--strict", action="store_true", help="end with status 1 when a target is missed")
+    parser.add_argument("--profile", type=int, metavar="ROBOTS", help="only show what costs most under so many robots")
+    parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build" / "bench.json")
+    options = parser.parse_args()
+    unknown = [part for part in options.parts if part not in PARTS]
+    if unknown:
+        parser.error(f"no such part: {', '.join(unknown)}; there are {', '.join(PARTS)}")
+    extent = QUICK if options.quick else FULL
+    minutes = options.minutes if options.minutes is not None else (0.0 if options.quick else 1.0)
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory() as home:
+        os.environ.update(ROS_HOME=home, ROS_LOG_DIR=home)
+        master = processes.start_master()
+        try:
+            rospy.init_node("roah_rsbb_bench", disable_signals=True)
+            if options.profile:
+                profile(options.profile, extent.seconds)
+                return 0
+            return measure(Bench(extent, minutes), options, began)
+        finally:
+            rospy.signal_shutdown("the bench ends")
+            master.close()
+
+
+def measure(bench: Bench, options: argparse.Namespace, began: float) -> int:
+    """Run the parts, and say how it went."""
+    for part in options.parts or PARTS:
+        getattr(bench, part)()
+    loads: List[float] = list(os.getloadavg())
+    bench.results.add("load of the machine, mean of the last minute", "processes", loads[0])
+    bench.results.write(options.output)
+    missed = bench.results.missed
+    print(f"{len(bench.results.numbers)} numbers in {time.monotonic() - began:.0f} s, {len(missed)} beyond their "
+          f"targets; also in {options.output}")
+    return 1 if missed and options.strict else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

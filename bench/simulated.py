@@ -1,0 +1,148 @@
+"""The core alone, in simulated time: a whole competition day, and what it costs to tell the panels."""
+
+import array
+import gc
+import io
+import time
+import tracemalloc
+from typing import List, NamedTuple
+
+from table import quantile
+
+from roah_rsbb.core import views
+from roah_rsbb.core.benchmarks import Benchmark, Config, Event, ScoreKind, ScoringItem, ZonePlan
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.nodes import ros_convert
+from roah_rsbb.nodes.core_radio import beacon_size
+from roah_rsbb.states import BoxState, RobotState
+
+START = Now(1000.0, 1_800_000_000.0)
+SCORING = tuple(ScoringItem("Achievements", f"Item {i}", ScoreKind.UINT) for i in range(16))
+RUN_S, PAUSE_S, TICK_S = 600.0, 60.0, 1.0
+BENCHMARK = Benchmark("HWV", "Task Benchmark", "A task", RUN_S + PAUSE_S, RUN_S + PAUSE_S, SCORING)
+SECONDS = int(RUN_S / TICK_S) - 1  # of a run, that are measured
+FOLLOWS = {BoxState.STOP: RobotState.STOP, BoxState.PREPARE: RobotState.WAITING_GOAL,
+           BoxState.WAITING_RESULT: RobotState.EXECUTING}
+
+
+class World:
+    """A box with so many zones, and a robot for each."""
+
+    def __init__(self, zones: int, events: int = 1) -> None:
+        plans = tuple(
+            ZonePlan(f"zone {i}", tuple(Event(BENCHMARK, f"Team{i}", 1, run, START.utc) for run in range(events)))
+            for i in range(zones))
+        self.teams = [f"Team{i}" for i in range(zones)]
+        config = Config({"HWV": BENCHMARK}, dict.fromkeys(self.teams, "password"), plans)
+        self.now = START
+        self.box = Box(config, Settings(listen_duration=0.0, max_datagram=8000), beacon_size)
+        self.box.tick(self.now)
+
+    def wire_now(self):
+        return divmod(round(self.now.utc * 1e6) * 1000, 1_000_000_000)
+
+    def beacons(self) -> None:
+        """All robots say that they are there."""
+        for i, team in enumerate(self.teams):
+            self.box.on_robot_beacon(self.now, f"127.0.2.{1 + i}", team, "Robot", self.wire_now())
+
+    def reports(self) -> None:
+        """All robots that are in runs do as the box asked, and say so."""
+        for i, run in enumerate(self.box.runs()):
+            report = RobotReport(self.wire_now(), messages_saved=1, state=FOLLOWS[run.message.state],
+                                 notifications=(f"at {self.now.utc // 10:.0f}",))
+            self.box.on_robot_report(self.now, run.port, f"127.0.2.{1 + i}", report)
+
+    def command(self, command: str) -> None:
+        """The referees give the same command to all zones."""
+        for zone in self.box.zones:
+            self.box.command(self.now, zone, command)
+
+    def pass_time(self, seconds: float) -> None:
+        self.now = self.now.later(seconds)
+
+    def publish(self) -> None:
+        """What the core node makes for the panels ten times a second."""
+        self.box.tick(self.now)
+        zone_views = views.zones(self.box, self.now)
+        ros_convert.to_gui(self.box, self.now, zone_views, "").serialize(io.BytesIO())
+        ros_convert.details(self.box, self.now, zone_views, "", {})
+
+    def in_runs(self) -> None:
+        """All robots connected, started and executing."""
+        self.beacons()
+        self.command("connect")
+        for command in (None, "start", None, None):
+            self.pass_time(1.0)
+            if command:
+                self.command(command)
+            self.reports()
+        self.box.take_effects()
+
+
+def publish_ms(zones: int, in_runs: bool, seconds: float) -> float:
+    """Milliseconds to make the panels' messages once (median)."""
+    world = World(zones)
+    world.beacons()
+    if in_runs:
+        world.in_runs()
+    taken: List[float] = []
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        began = time.perf_counter()
+        world.publish()
+        taken.append((time.perf_counter() - began) * 1e3)
+    return quantile(taken, 0.5)
+
+
+class Day(NamedTuple):
+    """What a competition day left behind."""
+
+    runs: int
+    grown_mb: float  # from the end of the first run to the end of the last
+    slower_percent: float  # a second of the last quarter beside one of the first quarter, median
+    jitter_ms: float  # 99 % of the time of one second of all robots, in the last quarter
+
+
+def day(zones: int, hours: float) -> Day:
+    """Runs of ten minutes in all zones, with a message of each robot and one for the panels each second."""
+    rounds = max(2, int(hours * 3600 / (RUN_S + PAUSE_S)))
+    world = World(zones, rounds)
+    # Room for all measurements from the start: only the core's memory may grow.
+    taken = array.array("d", bytes(8 * rounds * SECONDS))
+    index = after_first = 0
+    tracemalloc.start()
+    for number in range(rounds):
+        world.beacons()
+        world.pass_time(1.0)
+        if number:
+            world.command("next")
+        world.command("connect")
+        world.reports()
+        world.command("start")
+        for _ in range(SECONDS):
+            world.pass_time(TICK_S)
+            began = time.perf_counter()
+            world.reports()
+            world.publish()
+            world.box.take_effects()
+            taken[index] = (time.perf_counter() - began) * 1e3
+            index += 1
+        world.pass_time(1.0)
+        world.command("stop")
+        world.reports()
+        world.command("disconnect")
+        world.box.take_effects()
+        world.pass_time(PAUSE_S - 2.0)
+        gc.collect()
+        if number == 0:
+            after_first = tracemalloc.get_traced_memory()[0]
+    grown = tracemalloc.get_traced_memory()[0] - after_first
+    tracemalloc.stop()
+    quarter = max(1, len(taken) // 4)
+    first, last = taken[:quarter], taken[-quarter:]
+    slower = 100.0 * (quantile(last, 0.5) / quantile(first, 0.5) - 1.0)
+    return Day(rounds * zones, grown / 1e6, slower, quantile(last, 0.99))
