@@ -1,8 +1,12 @@
 #!/usr/bin/python3
 """Whole runs of box, comm node and dummy robot, each with real sockets and ROS between them; and misbehaviours."""
 
+import os
+import signal
 import time
+import xmlrpc.client
 
+import rosgraph
 import rospy
 from box_case import PACKAGE, TABLET, BoxCase, main
 from dummy_launch import launch_dummy
@@ -109,6 +113,18 @@ class TestMisbehaviour(DummyCase):
         self.assertEqual(self.box.zone_details("Crash").phase, "running")
         self.dummy("Delta")  # the same robot, mended
         self.box.wait_text("Crash", "Benchmark completed by the robot")
+
+    def test_a_comm_node_that_is_killed(self) -> None:
+        """It is started again, and the box goes on with it: the dummy, which lived on, begins anew."""
+        robot = self.dummy("Eta", execute_duration=4.0)
+        self.begin("Back")
+        self.box.wait_details("Back", lambda d: d.robot_state == "EXECUTING", "the robot executes")
+        robot.wait_printed("HGTKMH: executing")
+        node = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode("/roah_rsbb_comm"))
+        os.kill(node.getPid("/test")[2], signal.SIGKILL)
+        self.box.wait_text("Back", "Benchmark completed by the robot")
+        self.assertEqual([robot.text.count(f"HGTKMH: {what}") for what in ("preparing", "executing", "complete")],
+                         [2, 2, 1], robot.text)
 
     def test_lost_datagrams(self) -> None:
         self.dummy("Epsilon", loss=0.3, execute_duration=2.0)

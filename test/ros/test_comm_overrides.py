@@ -279,6 +279,18 @@ class TestWhatWouldBeSent(OverrideCase):
         topic.publish(2**32 - 1)
         self.wait_would_send("messages_saved: 4294967295")
 
+    def test_messages_saved_in_another_benchmark(self) -> None:
+        """Do not count in this one."""
+        topic = rospy.Publisher("/roah_rsbb/messages_saved", UInt32, queue_size=1)
+        self.addCleanup(topic.unregister)
+        self.override(NUMBERS["HGTKMH"], STOP)
+        wait_until(topic.get_num_connections, "the node listens")
+        topic.publish(7)
+        self.wait_would_send("messages_saved: 7")
+        before = len(self.log)
+        self.override(NUMBERS["HPFF"], STOP)
+        self.wait_would_send("messages_saved: 0", since=before)
+
 
 class TestGoals(OverrideCase):
     """What of a goal an override can tell."""
@@ -294,6 +306,17 @@ class TestGoals(OverrideCase):
             self.assertEqual(list(goal.initial_state), [True, False])
             self.wait_said(SAYS_EXECUTE)
             self.call("end_execute")
+
+
+class TestEnd(OverrideCase):
+    """The benchmark ends while the robot does something."""
+
+    def test_the_last_stop_is_not_lost_with_its_topic(self) -> None:
+        for _ in range(10):
+            self.override(NUMBERS["HGTKMH"], PREPARE)
+            self.wait_said(SAYS_PREPARE)
+            self.end_override()
+            self.wait_said(SAYS_STOP)
 
 
 class TestBadOverrides(OverrideCase):
