@@ -25,7 +25,7 @@ from waiting import wait_until
 
 from roah_rsbb.msg import BenchmarkState, DevicesState, GoalHGMF, TabletState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.srv import ResultHOPF, ResultHPPF
+from roah_rsbb.srv import ResultHOPF, ResultHPPF, String
 from roah_rsbb.states import BoxState, RobotState
 
 STOP, PREPARE, GOAL_TX, WAITING_RESULT = (
@@ -65,6 +65,7 @@ class TestHome(ChannelCase):
         bells.wait_count(rings + 2)
         late_bell.wait_count(1)
         self.assertEqual(len(late_bell.messages), 1, "a ring is not latched")
+        self.assertEqual(len(bells.messages), rings + 2, "nothing else is a ring")
         self.box.beacon(devices_switch_1=False, devices_switch_3=False, devices_door_win_detect=False)
 
     def test_tablet(self) -> None:
@@ -220,6 +221,19 @@ class TestOrder(ChannelCase):
             self.assertGreaterEqual(len(new), BURST + 1)
             # A burst of 0.5 s; without it they were 10 s apart.
             self.assertLess(seconds(new[BURST].time) - seconds(new[0].time), 5.0)
+
+    def test_what_is_asked_for_is_sent_before_the_next_call(self) -> None:
+        self.begin("HWV")
+        before = len(self.box.received)
+        wait_until(lambda: len(self.box.received) >= before + BURST + 1, "nothing is due for most of a second")
+        self.box.received.clear()
+        texts = ["one", "two", "three"]
+        for text in texts:
+            self.call("notifications", String, text)
+        self.box.wait_received(lambda m: list(m.notifications) == texts, "all are sent")
+        sent = [list(m.notifications) for m in self.box.received]
+        self.assertEqual([known for known, _ in itertools.groupby(known for known in sent if known)],
+                         [texts[:count] for count in (1, 2, 3)])
 
     def test_one_round_trip_then_the_burst(self) -> None:
         """The box answers the first datagram of the new state, and the robot goes on before its burst is over."""
