@@ -21,7 +21,7 @@ def test_a_run_is_kept_when_it_is_left_with_the_score_of_then():
     driver.command("disconnect")
     (run,) = driver.box.finished.newest()
     assert (run.zone, run.event, run.end_reason) == ("tbm", driver.box.zones["tbm"].event, EndReason.COMPLETED)
-    assert run.left_utc == driver.now.utc
+    assert run.disconnected_utc == driver.now.utc
     assert dict(run.scoring[0].items)[DOOR] == 1
     assert run.module_scores == ()
 

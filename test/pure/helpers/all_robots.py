@@ -5,6 +5,10 @@ from helpers.competition import TEAMS, competition, event
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import RobotState
 
+R1, R2, R3 = "r1 of team Alpha", "r2 of team Beta", "r3 of team Gamma"
+SKEW = "Clock skew of the robot is +0.500 s, it must be below 0.100 s: synchronise the robot's clock"
+NO_ANSWER = "Robot has not answered on the private channel yet"
+
 
 def all_robots_box(*more, teams=TEAMS, settings=None, timeout=120.0, **of_driver):
     """A box with an HSUF in zone `tbm` (and more events after it), and a task benchmark in zone `other`."""
@@ -52,3 +56,35 @@ def live_all(driver, robots, seconds):
         driver.run(1.0)
         for robot in robots:
             robot.says(after=0.0)
+
+
+def connected(*more, **of_box):
+    """A box and its robots, connected."""
+    driver = all_robots_box(*more, **of_box)
+    return driver, connect_all(driver, robots_of(driver))
+
+
+def running(*more, **of_box):
+    """The same, started: all execute."""
+    driver, robots = connected(*more, **of_box)
+    return driver, start_all(driver, robots)
+
+
+def box_states(driver, robots):
+    """What the box sends each robot."""
+    return [driver.box.run_at(robot.port).message.state for robot in robots]
+
+
+def ends(driver):
+    """Each robot's end; None: none yet."""
+    return [member.end_reason for member in driver.run_in().members()]
+
+
+def counts(driver):
+    """Robots that prepare, execute, have stopped."""
+    return tuple(driver.run_in().counts())
+
+
+def state_lines(driver):
+    """What the referee reads."""
+    return driver.view().state.splitlines()
