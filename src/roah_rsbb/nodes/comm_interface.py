@@ -7,6 +7,7 @@ order in which it was asked for: the box hears of a new state before the robot's
 
 import queue
 import threading
+import time
 import warnings
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
@@ -47,6 +48,9 @@ STRING_SERVICES: Dict[str, Tuple[str, ...]] = {
     "HCFGAC": ("final_command",),
 }
 DEVICES_IN = "HCFGAC"
+# A topic that ends and comes back at once can leave a listener deaf: rospy takes the news of it for the connection
+# that it still has, and which then breaks. So long a topic is gone at least.
+SETTLE_S = 0.5
 # In STB any result will do, but the original box waits for one.
 STB_RESULT = "done"
 
@@ -81,6 +85,7 @@ class CommInterface:
         self._in_benchmark: List[object] = []  # topics and services that end with the benchmark
         self._in_phase: List[rospy.Service] = []
         self._state_topic: Optional[rospy.Publisher] = None
+        self._ended_mono = -SETTLE_S  # when the last benchmark ended
         self._goal_topic: Optional[rospy.Publisher] = None
         self._always["benchmark"].publish(self._number)
         self._jobs: queue.Queue[Optional[Callable[[], None]]] = queue.Queue()
@@ -137,13 +142,14 @@ class CommInterface:
         for part in self._in_benchmark:
             _end(part)
         self._in_benchmark = []
-        self._state_topic = self._goal_topic = self._state_number = None
+        self._goal_topic = None
         if code is not None and code not in NUMBERS:
             rospy.logerr("the box runs benchmark '%s', which this node does not know: its version of this package is "
                          "too old, or the box's configuration is wrong", code)
             code = None
         self._code = code
         if code is None:
+            self._end_state_topic()
             self._announce(Benchmark.NONE)
             return
         # What is saved counts for one benchmark; a latched count is received anew.
@@ -151,14 +157,22 @@ class CommInterface:
         self._in_benchmark.append(rospy.Subscriber(
             "/roah_rsbb/messages_saved", UInt32, lambda message: self._owner.messages_saved(message.data)
         ))
-        self._state_topic = _state_topic()
-        self._in_benchmark.append(self._state_topic)
+        if self._state_topic is None:
+            time.sleep(max(0.0, self._ended_mono + SETTLE_S - time.monotonic()))
+            self._state_topic = _state_topic()
         self._in_benchmark += self._benchmark_services(code)
         if code in GOAL_TYPES:
             self._goal_topic = _topic("goal", GOAL_TYPES[code])
             self._in_benchmark.append(self._goal_topic)
         self._publish_state(RobotState.STOP)
         self._announce(NUMBERS[code])
+
+    def _end_state_topic(self) -> None:
+        """It stays from one benchmark to the next, and goes when there is none."""
+        if self._state_topic is not None:
+            _end(self._state_topic)
+            self._state_topic = self._state_number = None
+            self._ended_mono = time.monotonic()
 
     def _announce(self, number: int) -> None:
         if number != self._number:
