@@ -1,11 +1,10 @@
 #!/usr/bin/python3
-"""The other panels, the plugins, the window and the public display, with a fake core."""
+"""The other panels, the plugins and the window, with a fake core."""
 
 import importlib
 import pathlib
 import sys
 import tempfile
-import time
 import types
 import unittest
 from xml.etree import ElementTree
@@ -18,9 +17,6 @@ from gui_testing import QMessageBox, Qt, QTest, answer, click, question, show, w
 from python_qt_binding.QtCore import QObject, QSettings
 from std_srvs.srv import Empty
 
-from roah_rsbb.client.feed import Feed
-from roah_rsbb.msg import CoreToPublic
-from roah_rsbb.rqt import public_display
 from roah_rsbb.rqt.active_robots import COLUMNS, ActiveRobotsPanel
 from roah_rsbb.rqt.client import Client
 from roah_rsbb.rqt.core_status import CoreStatusPanel
@@ -33,7 +29,6 @@ from roah_rsbb.rqt.window import Window
 
 HERE = pathlib.Path(__file__).resolve().parent
 PLUGIN_XML = HERE.parent.parent / "plugin.xml"
-PUBLIC_TOPIC = "/core/to_public"
 
 
 class CoreCase(unittest.TestCase):
@@ -278,49 +273,6 @@ class TestWindow(CoreCase):
             answer(question(), QMessageBox.RejectRole)
             window.shutdown()
             window.hide()
-
-
-class TestPublicDisplay(CoreCase):
-    def setUp(self) -> None:
-        super().setUp()
-        self.feed = Feed({PUBLIC_TOPIC: CoreToPublic})
-        self.feed.start()
-        self.addCleanup(self.feed.stop)
-        self.display = public_display.PublicDisplay(self.feed, PUBLIC_TOPIC)
-        self.addCleanup(self.display.close)
-        show(self.display, 1280, 720)
-
-    def count(self, color) -> int:
-        """How much of that colour is on the screen, of a hundred points."""
-        image = self.display.grab().toImage()
-        points = [(x, y) for x in range(5, 1280, 130) for y in range(10, 720, 72)]
-        return sum(image.pixelColor(x, y) == color for x, y in points)
-
-    def wait_shown(self, condition, what: str) -> None:
-        wait_until(lambda: self.display.look() or condition(), what)
-
-    def test_what_is_running_stands_out(self) -> None:
-        self.wait_shown(lambda: not self.display.is_old, "the core is heard")
-        self.assertEqual(self.count(public_display.RUNNING_BACKGROUND), 0)
-        self.zone.command("connect")
-        self.wait_shown(lambda: self.count(public_display.RUNNING_BACKGROUND) > 3, "the run stands out")
-
-    def test_a_silent_core_is_said_and_forgotten_when_it_is_back(self) -> None:
-        self.wait_shown(lambda: not self.display.is_old, "the core is heard")
-        self.core.silent = True
-        self.wait_shown(lambda: self.count(public_display.OLD_BACKGROUND) > 3, "it is said that all is old")
-        self.core.silent = False
-        self.wait_shown(lambda: self.count(public_display.OLD_BACKGROUND) == 0, "it is live again")
-
-    def test_long_names_and_many_runs_stay_on_the_screen(self) -> None:
-        message = self.core.public_message(rospy.Time.from_sec(time.time()))
-        for event in message.schedule:
-            event.team, event.benchmark, event.running = "Team " * 20, "Benchmark " * 20, True
-        message.schedule = message.schedule * 3
-        self.core.silent = True
-        self.core._public.publish(message)
-        self.wait_shown(lambda: self.display._message == message, "it is shown")
-        self.assertGreater(self.count(public_display.RUNNING_BACKGROUND), 10)
 
 
 if __name__ == "__main__":

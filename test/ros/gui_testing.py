@@ -11,13 +11,15 @@ import time
 from typing import Callable
 
 SCREEN = (1366, 768)
+SECOND_SCREEN = (1920, 1080)
 
 
 def _start_display() -> str:
     """Start an X server of our own; returns its name."""
     reading, writing = os.pipe()
     server = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(writing), "-screen", "0", f"{SCREEN[0]}x{SCREEN[1]}x24", "-nolisten", "tcp",
+        ["Xvfb", "-displayfd", str(writing), "-screen", "0", f"{SCREEN[0]}x{SCREEN[1]}x24",
+         "-screen", "1", f"{SECOND_SCREEN[0]}x{SECOND_SCREEN[1]}x24", "-nolisten", "tcp",
          "-terminate"],  # with its last client: also when a test is killed
         pass_fds=(writing,), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
     )

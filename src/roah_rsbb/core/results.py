@@ -24,7 +24,7 @@ class FinishedRun(NamedTuple):
     zone: str
     event: Event
     end_reason: EndReason
-    left_utc: float  # UTC seconds of *disconnect*
+    disconnected_utc: float  # UTC seconds of *disconnect*
     scoring: Tuple[ScoreGroup, ...]  # the referee's score sheet
     module_scores: Tuple[ScoreValue, ...]  # what a benchmarking module scored
 

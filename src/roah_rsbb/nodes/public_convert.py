@@ -45,7 +45,7 @@ def _result(run: FinishedRun) -> PublicResult:
     return PublicResult(
         event=_event(run.zone, run.event),
         end_reason=run.end_reason.name.lower(),
-        left=ros_time(run.left_utc),
+        disconnected=ros_time(run.disconnected_utc),
         scoring=[group_message(group) for group in run.scoring],
         module_scores=[score_message(score) for score in run.module_scores if not score.group],
     )

@@ -1,78 +1,84 @@
-"""The public display: the clock, what is running, and what comes next.
+"""The public display: the clock, what is running with its countdown, what comes next, and results.
 
-Meant to be read from ten metres: sizes are shares of the screen's height, not of the desktop's font. A
-capital of 1/25 of the height of a 55 inch screen is 27 mm high; that is legible from ten metres.
+It has no controls. Colours are dim, for a hall in the evening; none of them is the only sign of anything.
 """
 
 import time
-from typing import List, NamedTuple, Optional
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from python_qt_binding.QtCore import QRectF, Qt
-from python_qt_binding.QtGui import QColor, QFont, QFontMetricsF, QPainter
+from python_qt_binding.QtGui import QColor, QPainter
 from python_qt_binding.QtWidgets import QWidget
 
-from roah_rsbb.msg import CoreToPublic, ScheduleInfo
-from roah_rsbb.rqt import texts
+from roah_rsbb.rqt import public_content, public_layout
+from roah_rsbb.rqt.box_clock import BoxClock
+from roah_rsbb.rqt.public_content import Card, Content, Line
+from roah_rsbb.rqt.public_layout import Rect, Screen
+from roah_rsbb.rqt.public_painter import Writer, Written, width
 
-# The core publishes twice a second; its clock, in seconds, is in every message. A message that is the same
-# again may come from a core that hangs (latched, to a new subscription): it is no sign of life.
+TOPIC = "/core/public_details"
+# The core publishes twice a second; its clock is in every message. A message that is the same again may come
+# from a core that hangs (latched, to a new subscription): it is no sign of life.
 SILENT_S = 2.0
+PAGE_S = 8.0
+# Letters fill this share of the height of a row.
+LETTERS = 0.64
 
 BACKGROUND = QColor("#0b1220")
-TEXT = QColor("#f4f6fa")
+TEXT = QColor("#e8ecf4")
 FAINT = QColor("#9fb0c8")
-RUNNING_BACKGROUND = QColor("#f7cc06")
-RUNNING_TEXT = QColor("#101010")
+RUNNING = QColor("#f2c94c")
+CARD_BACKGROUND = QColor("#1b2a44")
 OLD_BACKGROUND = QColor("#7a1020")
 
-# Shares of the height of the screen.
-HEAD = 0.15
-TITLE = 0.07
-RUNNING_ROW = 0.155
-NEXT_ROW = 0.105
-EDGE = 0.03
-# A font fills this share of its row's height.
-FILL = 0.68
-MAX_RUNNING = 3
-ALL_TEAMS = "ALL"
+
+class _Look(NamedTuple):
+    """Colours of a card."""
+
+    stripe: QColor
+    team: QColor
+    big: QColor
 
 
-class Line(NamedTuple):
-    """An event as it is shown."""
-
-    time: str
-    team: str
-    benchmark: str
-    turn: str
-
-
-def line_of(event: ScheduleInfo, clock: str) -> Line:
-    """What is shown of an event when the box's clock shows `clock`."""
-    team = "All teams" if event.team == ALL_TEAMS else event.team
-    return Line(texts.short_time(event.time, clock), team, event.benchmark, f"Round {event.round}, run {event.run}")
+LOOKS = {
+    "connected": _Look(FAINT, TEXT, FAINT),
+    "running": _Look(RUNNING, TEXT, RUNNING),
+    "ended": _Look(CARD_BACKGROUND.lighter(150), FAINT, TEXT),
+}
+OLD_LOOK = _Look(CARD_BACKGROUND, FAINT, FAINT)
 
 
 class PublicDisplay(QWidget):
-    """A full screen without controls. `feed` is a `roah_rsbb.client.feed.Feed` of `topic`."""
+    """A full screen without controls. `feed` is a `roah_rsbb.client.feed.Feed` of TOPIC."""
 
-    def __init__(self, feed, topic: str, parent: Optional[QWidget] = None) -> None:
+    def __init__(self, feed, page_s: float = PAGE_S, parent: Optional[QWidget] = None) -> None:
+        """`page_s`: for so many seconds each page is shown where there are several."""
         super().__init__(parent)
         self.setWindowTitle("RoAH RSBB – public display")
         self.setCursor(Qt.BlankCursor)
+        self.setFocusPolicy(Qt.NoFocus)
+        self.written: List[Written] = []  # what is on the screen
+        self.content: Content = public_content.NOTHING
         self._feed = feed
-        self._topic = topic
-        self._message: Optional[CoreToPublic] = None
+        self._page_s = page_s
+        self._page = 0
+        self._details = None
+        self._clock = BoxClock()
         self._heard: Optional[float] = None
-        self._was_old = True
 
     def look(self) -> None:
-        """Take what the core published; call it several times a second."""
-        received = self._feed.take(self._topic)
-        news = received is not None and received.message != self._message
-        if news:
-            self._message, self._heard = received.message, received.mono
-        if news or self.is_old != self._was_old:
-            self._was_old = self.is_old
+        """Take what the core published, and show the moment; call it several times a second."""
+        received = self._feed.take(TOPIC)
+        if received is not None and received.message != self._details:
+            if self._details is not None and received.message.box_uuid != self._details.box_uuid:
+                self._clock = BoxClock()  # another core, perhaps on another computer
+            self._details, self._heard = received.message, received.mono
+            self._clock.sample(received.mono, received.message.clock.to_sec())
+        is_old, now = self.is_old, time.monotonic()
+        utc_s = self._details.clock.to_sec() if is_old and self._details else self._clock.now(now)
+        shown = (public_content.content(self._details, utc_s, is_old), int(now / self._page_s))
+        if shown != (self.content, self._page):
+            self.content, self._page = shown
             self.update()
 
     @property
@@ -84,98 +90,104 @@ class PublicDisplay(QWidget):
 
     def paintEvent(self, event) -> None:
         painter = QPainter(self)
-        painter.setRenderHint(QPainter.TextAntialiasing)
+        painter.setRenderHints(QPainter.TextAntialiasing | QPainter.Antialiasing)
         painter.fillRect(self.rect(), BACKGROUND)
-        high, edge = self.height(), EDGE * self.height()
-        self._paint_head(painter, QRectF(edge, 0, self.width() - 2 * edge, HEAD * high))
-        if self._message is None:
-            area = QRectF(edge, 0.4 * high, self.width() - 2 * edge, 0.2 * high)
-            _write(painter, area, "Waiting for the referee box", 0.08 * high, FAINT, Qt.AlignCenter)
+        writer = Writer(painter)
+        screen = Screen(self.width(), self.height())
+        if self.content.is_known:
+            self._paint_all(painter, writer, screen)
+        else:
+            middle = Rect(screen.edge, 0.4 * screen.height, screen.width - 2 * screen.edge, 0.2 * screen.height)
+            writer.write(middle, public_content.WAITING, FAINT, 0.4, Qt.AlignHCenter)
+        self.written = writer.written
+
+    def _paint_all(self, painter: QPainter, writer: Writer, screen: Screen) -> None:
+        shown = public_layout.pages(self.content.cards, public_layout.CARDS_ON_A_PAGE)
+        number = self._page % len(shown)
+        self._paint_head(painter, writer, screen, _page_mark("Runs", number, len(shown)))
+        places = screen.cards(len(shown[number]))
+        for card, place in zip(shown[number], places):
+            self._paint_card(painter, writer, card, place)
+        if not self.content.cards:
+            writer.write(places[0], "Nothing is running at the moment", TEXT)
+        self._paint_below(writer, screen, screen.below(places))
+
+    def _paint_head(self, painter: QPainter, writer: Writer, screen: Screen, page: str) -> None:
+        head = screen.head()
+        if self.content.trouble:
+            painter.fillRect(QRectF(0, 0, screen.width, head.h - screen.edge / 2), OLD_BACKGROUND)
+            writer.write(head._replace(h=head.h - screen.edge / 2), self.content.trouble, TEXT, 0.5, Qt.AlignHCenter)
             return
-        clock = self._message.clock
-        running = [line_of(e, clock) for e in self._message.schedule if e.running]
-        following = [line_of(e, clock) for e in self._message.schedule if not e.running]
-        top = self._paint_running(painter, running, HEAD * high)
-        self._paint_next(painter, following, top)
+        date, middle, clock = head.columns(screen.edge, 0.5 * head.w, 0.2 * head.w)
+        writer.write(date, self.content.date, FAINT, 0.4)
+        writer.write(middle, page, FAINT, 0.4, Qt.AlignHCenter)
+        writer.write(clock, self.content.clock, TEXT, 0.7, Qt.AlignRight)
 
-    def _paint_head(self, painter: QPainter, area: QRectF) -> None:
-        clock = self._message.clock if self._message else ""
-        size = 0.75 * area.height()
-        if self.is_old and self._message is not None:
-            painter.fillRect(QRectF(0, 0, self.width(), area.height()), OLD_BACKGROUND)
-            text = f"No signal since {clock.rpartition(' ')[2]}: what is shown is old"
-            _write(painter, area, text, 0.5 * size, TEXT, Qt.AlignCenter)
-            return
-        date, _, hours = clock.rpartition(" ")
-        _write(painter, area, hours, size, TEXT, Qt.AlignRight)
-        _write(painter, area, date, 0.5 * size, FAINT, Qt.AlignLeft)
+    def _paint_card(self, painter: QPainter, writer: Writer, card: Card, place: Rect) -> None:
+        look = OLD_LOOK if self.content.trouble else LOOKS.get(card.phase, OLD_LOOK)
+        edge = 0.12 * place.h
+        painter.setPen(Qt.NoPen)
+        painter.setBrush(CARD_BACKGROUND)
+        painter.drawRoundedRect(QRectF(*place), edge / 2, edge / 2)
+        painter.setBrush(look.stripe)
+        painter.drawRoundedRect(QRectF(place.x, place.y, edge, place.h), edge / 2, edge / 2)
+        inside = Rect(place.x + 2 * edge, place.y + edge / 3, place.w - 3 * edge, place.h - 2 * edge / 3)
+        parts = public_layout.narrow_card(inside) if place.w < 0.6 * self.width() else public_layout.wide_card(inside)
+        writer.write(parts.team, card.team, look.team, bold=True)
+        writer.write(parts.benchmark, card.benchmark, look.team)
+        writer.write(parts.place, card.place, FAINT)
+        writer.write(parts.big, card.big, look.big, 0.8, Qt.AlignRight, bold=True)
+        writer.write(parts.word, card.word, look.big, side=Qt.AlignRight)
 
-    def _paint_running(self, painter: QPainter, lines: List[Line], top: float) -> float:
-        """Returns where what follows may begin."""
-        high, edge = self.height(), EDGE * self.height()
-        wide = self.width() - 2 * edge
-        title = f"Running now (+{len(lines) - MAX_RUNNING} more)" if len(lines) > MAX_RUNNING else "Running now"
-        _write(painter, QRectF(edge, top, wide, TITLE * high), title, FILL * TITLE * high, FAINT, Qt.AlignLeft)
-        top += TITLE * high
-        if not lines:
-            area = QRectF(edge, top, wide, NEXT_ROW * high)
-            _write(painter, area, "Nothing at the moment", FILL * NEXT_ROW * high, TEXT, Qt.AlignLeft)
-            return top + NEXT_ROW * high
-        for line in lines[:MAX_RUNNING]:
-            area = QRectF(edge / 2, top, self.width() - edge, 0.94 * RUNNING_ROW * high)
-            painter.setRenderHint(QPainter.Antialiasing)
-            painter.setPen(Qt.NoPen)
-            painter.setBrush(RUNNING_BACKGROUND)
-            painter.drawRoundedRect(area, edge / 2, edge / 2)
-            inside = area.adjusted(edge / 2, 0, -edge / 2, 0)
-            upper = QRectF(inside.left(), inside.top(), inside.width(), 0.6 * inside.height())
-            lower = QRectF(inside.left(), upper.bottom(), inside.width(), 0.36 * inside.height())
-            turn = _write(painter, upper, line.turn, 0.5 * upper.height(), RUNNING_TEXT, Qt.AlignRight)
-            upper.setRight(upper.right() - turn - edge)
-            _write(painter, upper, f"▶ {line.team}", 0.88 * upper.height(), RUNNING_TEXT, Qt.AlignLeft, bold=True)
-            _write(painter, lower, line.benchmark, 0.88 * lower.height(), RUNNING_TEXT, Qt.AlignLeft)
-            top += RUNNING_ROW * high
-        return top
+    def _paint_below(self, writer: Writer, screen: Screen, area: Rect) -> None:
+        """What comes next, and in turns with it the pages of results."""
+        sections = [("Next", self.content.following[:public_layout.rows_that_fit(area, screen.unit, False)])]
+        if self.content.results:
+            fit = public_layout.rows_that_fit(area, screen.unit, _have_scores(self.content.results))
+            parts = public_layout.pages(self.content.results, fit)
+            sections += [(_page_mark("Results", i, len(parts)) or "Results", part) for i, part in enumerate(parts)]
+        title, lines = sections[self._page % len(sections)]
+        unit = screen.unit
+        writer.write(area._replace(h=public_layout.TITLE * unit), title, FAINT, 0.72)
+        rest = Rect(area.x, area.y + public_layout.TITLE * unit, area.w, area.h - public_layout.TITLE * unit)
+        if lines:
+            self._paint_lines(writer, lines, rest, unit)
+        else:
+            writer.write(rest._replace(h=public_layout.ROW * unit), "The schedule is done", TEXT, LETTERS)
 
-    def _paint_next(self, painter: QPainter, lines: List[Line], top: float) -> None:
-        high, edge = self.height(), EDGE * self.height()
-        left, wide = edge, self.width() - 2 * edge
-        _write(painter, QRectF(left, top, wide, TITLE * high), "Next", FILL * TITLE * high, FAINT, Qt.AlignLeft)
-        top += TITLE * high
-        size = FILL * NEXT_ROW * high
-        shown = lines[:max(0, int((high - top) / (NEXT_ROW * high)))]
-        if not shown:
-            _write(painter, QRectF(left, top, wide, NEXT_ROW * high), "The schedule is done", size, TEXT, Qt.AlignLeft)
-        times = min(max((_width(line.time, 0.8 * size) for line in shown), default=0.0), 0.3 * wide)
-        teams = min(max((_width(line.team, size, bold=True) for line in shown), default=0.0), 0.35 * wide)
-        for line in shown:
-            row = QRectF(left, top, wide, NEXT_ROW * high)
-            _write(painter, QRectF(left, top, times, row.height()), line.time, 0.8 * size, FAINT, Qt.AlignLeft)
-            x = left + times + edge
-            _write(painter, QRectF(x, top, teams, row.height()), line.team, size, TEXT, Qt.AlignLeft, bold=True)
-            x += teams + edge
-            area = QRectF(x, top, left + wide - x, row.height())
-            _write(painter, area, line.benchmark, 0.8 * size, TEXT, Qt.AlignLeft)
-            top += row.height()
+    def _paint_lines(self, writer: Writer, lines: Sequence[Line], area: Rect, unit: float) -> None:
+        letters, gap = LETTERS * public_layout.ROW * unit, 0.03 * unit
+        times, teams, lasts = _columns(lines, letters, area.w)
+        rest = max(0.0, area.w - times - teams - lasts - 3 * gap)
+        with_scores = _have_scores(lines)
+        colour = FAINT if self.content.trouble else TEXT
+        top = area.y
+        for line in lines:
+            row = Rect(area.x, top, area.w, public_layout.ROW * unit)
+            when, team, benchmark, last = row.columns(gap, times, teams, rest)
+            writer.write(when, line.time, FAINT, LETTERS)
+            writer.write(team, line.team, colour, LETTERS, bold=True)
+            writer.write(benchmark, line.benchmark, colour, LETTERS)
+            writer.write(last, line.last, FAINT, LETTERS, Qt.AlignRight)
+            top = row.bottom
+            if with_scores:
+                scores = Rect(team.x, top, row.right - team.x, public_layout.SCORES_ROW * unit)
+                writer.write(scores, line.scores, FAINT, 0.72)
+                top = scores.bottom
 
 
-def _font(size: float, bold: bool) -> QFont:
-    font = QFont()
-    font.setPixelSize(max(1, round(size)))
-    font.setBold(bold)
-    return font
+def _columns(lines: Sequence[Line], letters: float, wide: float) -> Tuple[float, float, float]:
+    """Widths of time, team and last: as much as they need, up to a share of the row."""
+    times = max(width(line.time, letters) for line in lines)
+    teams = max(width(line.team, letters, bold=True) for line in lines)
+    lasts = max(width(line.last, letters) for line in lines)
+    return min(1.02 * times, 0.2 * wide), min(1.02 * teams, 0.3 * wide), min(1.02 * lasts, 0.22 * wide)
 
 
-def _width(text: str, size: float, bold: bool = False) -> float:
-    return QFontMetricsF(_font(size, bold)).horizontalAdvance(text)
+def _have_scores(lines: Sequence[Line]) -> bool:
+    return any(line.scores for line in lines)
 
 
-def _write(painter: QPainter, area: QRectF, text: str, size: float, color: QColor, side, bold: bool = False) -> float:
-    """Write one line of `size` pixels in `area`, shortened where it does not fit; returns its width."""
-    font = _font(size, bold)
-    metrics = QFontMetricsF(font)
-    shown = metrics.elidedText(text, Qt.ElideRight, area.width())
-    painter.setFont(font)
-    painter.setPen(color)
-    painter.drawText(area, side | Qt.AlignVCenter | Qt.TextSingleLine, shown)
-    return metrics.horizontalAdvance(shown)
+def _page_mark(title: str, number: int, count: int) -> str:
+    """Which page of several is shown; empty where there is one."""
+    return f"{title} {number + 1}/{count}" if count > 1 else ""

@@ -1,0 +1,94 @@
+"""What a core tells the public display, as a test wants it: real messages, no runs behind them."""
+
+import time
+from typing import List, Tuple
+
+import rospy
+
+from roah_rsbb.msg import ModuleScore, PublicDetails, PublicEvent, PublicResult, PublicRun, ZoneScoreGroup
+from roah_rsbb.rqt.public_display import TOPIC
+
+BENCHMARKS = ("Getting to know my home", "Welcoming visitors", "Catering for Granny Annie's Comfort")
+TEAMS = ("BrassButlers", "CopperKettle", "HomeAlone", "TeaAtFive")
+PERIOD_S = 0.5
+
+
+def stamp(utc_s: float) -> rospy.Time:
+    """A ROS time."""
+    return rospy.Time.from_sec(utc_s)
+
+
+def event(number: int) -> PublicEvent:
+    """An ordinary event of a competition."""
+    return PublicEvent(
+        f"Home {number + 1}", BENCHMARKS[number % 3], TEAMS[number % 4], 1 + number // 12, 1 + number % 3,
+        stamp(time.time() // 60 * 60 + 600 * number),
+    )
+
+
+class FakePublic:
+    """Publishes what is in `runs`, `following` and `finished`, twice a second until `silent`."""
+
+    def __init__(self) -> None:
+        self.box_uuid = "fake"
+        self.results = "none"
+        self.runs: List[PublicRun] = []
+        self.following: List[PublicEvent] = []
+        self.finished: List[PublicResult] = []
+        self.silent = False
+        self.ahead_s = 0.0  # of the box's clock
+        self._topic = rospy.Publisher(TOPIC, PublicDetails, queue_size=1, latch=True)
+        self._timer = rospy.Timer(rospy.Duration(PERIOD_S), lambda _event: self.silent or self.publish())
+
+    def close(self) -> None:
+        """End: the topic is gone."""
+        self._timer.shutdown()
+        self._topic.unregister()
+
+    def now(self) -> float:
+        """The box's clock, UTC seconds."""
+        return time.time() + self.ahead_s
+
+    def publish(self) -> None:
+        """Publish once."""
+        self._topic.publish(PublicDetails(
+            stamp(self.now()), self.box_uuid, self.results, list(self.runs), list(self.following), list(self.finished)
+        ))
+
+    def run(self, number: int = 0, phase: str = "running", left_s: float = 571.0, **fields: object) -> PublicRun:
+        """A run in a zone of its own; while it runs its time counts."""
+        counting = phase == "running"
+        run = PublicRun(event=event(number), teams=[TEAMS[number % 4]], phase=phase, counting=counting)
+        run.ends = stamp(self.now() + left_s if counting else 0.0)
+        run.left = rospy.Duration.from_sec(left_s)
+        for name, value in fields.items():
+            setattr(run, name, value)
+        return run
+
+    def result(self, number: int = 0, end_reason: str = "completed", scores: bool = False) -> PublicResult:
+        """A run that is over."""
+        result = PublicResult(
+            event=event(number), end_reason=end_reason, disconnected=stamp(self.now() - 300.0 * (number + 1))
+        )
+        if scores:
+            result.scoring = [_group("Achievements", 3, 1), _group("Penalized behaviours", 2)]
+            result.module_scores = [ModuleScore("", "reached", "4", "", "Waypoints reached")]
+        return result
+
+
+def _group(name: str, *values: int) -> ZoneScoreGroup:
+    return ZoneScoreGroup(name, [1] * len(values), [f"item {i}" for i in range(len(values))], list(values))
+
+
+def scene(fake: FakePublic, runs: int, scores: bool = True) -> Tuple[int, int]:
+    """A competition in full swing, with so many runs; returns how many results and events that follow there are."""
+    reasons = ("completed", "timeout", "stopped", "no_messages_saved", "module_failed")
+    fake.runs = [fake.run(i, left_s=571.0 + i) for i in range(runs)]
+    if runs > 1:
+        fake.runs[1] = fake.run(1, "connected", left_s=600.0)
+    if runs > 2:
+        fake.runs[2] = fake.run(2, "ended", end_reason="completed")
+    fake.following = [event(runs + i) for i in range(12)]
+    fake.results = "scores" if scores else "none"
+    fake.finished = [fake.result(i, reasons[i % 5], scores=True) for i in range(5)] if scores else []
+    return len(fake.finished), len(fake.following)
