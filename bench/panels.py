@@ -11,7 +11,7 @@ from typing import List
 import gui_testing
 import rospy
 from fleet import Fleet, Robot
-from gui_testing import QTest, Qt
+from gui_testing import Qt, QTest
 from processes import ROOT, Measured
 from python_qt_binding.QtCore import QSettings
 

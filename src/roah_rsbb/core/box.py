@@ -4,6 +4,7 @@ Every public method that takes an event takes `now` too, and leaves its effects 
 command of the referee that makes no sense raises `Refused` and changes nothing.
 """
 
+import math
 from typing import Callable, Dict, List, Optional, Tuple
 
 from roah_rsbb.core import effects
@@ -59,6 +60,7 @@ class Box:
         self._last_port = max(settings.rsbb_port, last_port or 0)
         self._effects: List[Effect] = []
         self._failures_left: Dict[str, int] = {}  # by zone, of channels of the run being connected
+        self._calm_until: Optional[float] = None  # see `_tick_if_due`
 
     # -- driving ------------------------------------------------------------------------------------
 
@@ -68,12 +70,41 @@ class Box:
         return taken
 
     def deadline(self) -> Optional[float]:
-        """Monotonic time (s) at which `tick` must be called at the latest; None: nothing is due."""
-        times = [run.deadline() for run in self._zone_runs()] + [self.modules.deadline()]
-        return min((t for t in times if t is not None), default=None)
+        """Monotonic time (s) at which `tick` must be called at the latest; None: nothing is due.
+
+        After a robot's report it may be somewhat earlier than needed: `tick` finds nothing to do then.
+        """
+        runs = self._runs_deadline() if self._calm_until is None else self._calm_until
+        modules = self.modules.deadline()
+        deadline = runs if modules is None else min(runs, modules)
+        return None if deadline == math.inf else deadline
 
     def tick(self, now: Now) -> None:
         """Do what is due by now. Every other event does this first, so that time-outs come in order."""
+        self._calm_until = None
+        self._look_at_clock(now)
+        self._miss_modules(now)
+        for run in self._zone_runs():
+            run.tick(now)
+
+    def _tick_if_due(self, now: Now) -> None:
+        """As `tick`, for reports: they come far more often than all else, and must not cost a look at every run
+        each. Until `_calm_until` (monotonic, s) no run has anything to do: a report only moves the deadline of its
+        own run, and every other event has all runs looked at again (None)."""
+        modules = self.modules.deadline()
+        calm = self._calm_until is not None and now.mono < self._calm_until and (modules is None or now.mono < modules)
+        if calm:
+            self._look_at_clock(now)
+        else:
+            self.tick(now)
+            self._calm_until = self._runs_deadline()
+
+    def _runs_deadline(self) -> float:
+        """Monotonic time (s) at which the next run has something to do; infinity: none has."""
+        times = [run.deadline() for run in self._zone_runs()]
+        return min((t for t in times if t is not None), default=math.inf)
+
+    def _look_at_clock(self, now: Now) -> None:
         self.watches.start(now)
         step = self._clock.look(now)
         if step:
@@ -81,9 +112,6 @@ class Box:
             for run in self.runs():
                 run.link.restart_skew()
             self._notice(Level.WARNING, self.watches.clock_stepped(now, step))
-        self._miss_modules(now)
-        for run in self._zone_runs():
-            run.tick(now)
 
     # -- looking ------------------------------------------------------------------------------------
 
@@ -97,7 +125,8 @@ class Box:
 
     def run_at(self, port: int) -> Optional[Run]:
         """The run whose private channel has this port."""
-        return next((run for run in self.runs() if run.port == port), None)
+        runs = (zone.run for zone in self.zones.values() if zone.run is not None)
+        return next((member for run in runs for member in run.members() if member.port == port), None)
 
     def listening_left(self, now: Now) -> float:
         """For how many seconds the box still only listens (wire protocol, Timing); 0.0: it transmits."""
@@ -265,6 +294,7 @@ class Box:
         run = self.run_at(port)
         if run is None:
             return
+        self._calm_until = None
         zone = self.zones[run.zone]
         text = f"UDP port {port} cannot be used for the private channel: {error}"
         self._notice(Level.WARNING, text, zone.name)
@@ -297,10 +327,15 @@ class Box:
 
     def on_robot_report(self, now: Now, port: int, host: str, report: RobotReport) -> None:
         """A RobotState arrived on the private channel `port` from `host`."""
-        self.tick(now)
+        self._tick_if_due(now)
         run = self.run_at(port)
-        if run is not None and run.on_report(now, host, report):
+        if run is None:
+            return
+        calm_until, self._calm_until = self._calm_until, None
+        if run.on_report(now, host, report):
             self.robots.hear(now, run.robot, host, report.time, certain=True)
+        due = run.deadline()
+        self._calm_until = calm_until if due is None else min(calm_until, due)
 
     def on_unreadable(self, now: Now, port: int, text: str) -> None:
         """Unreadable datagrams arrived on the private channel `port`; `text` says from whom and why."""

@@ -5,7 +5,7 @@ Everything here runs in the loop's thread. The core decides; the driver only kno
 
 import asyncio
 import time
-from typing import Callable, Dict, Optional
+from typing import Callable, Dict, List, Optional
 
 import rospy
 
@@ -97,11 +97,15 @@ class CoreDriver:
         if self._carrying_out:
             return  # an effect led to another event: its effects come after those before
         self._carrying_out = True
+        notices: List[effects.Notice] = []
         try:
             todo = self.box.take_effects()
             while todo:
                 for effect in todo:
-                    self._do(effect)
+                    if isinstance(effect, effects.Notice):
+                        notices.append(effect)
+                    else:
+                        self._do(effect)
                 todo = self.box.take_effects()
             if self._beacon_wanted:
                 self._beacon_wanted = False
@@ -111,6 +115,9 @@ class CoreDriver:
                 self._tell_modules()
         finally:
             self._carrying_out = False
+            # A line in the node's log takes longer than a datagram, and nobody waits for it.
+            for notice in notices:
+                self._do(notice)
 
     def _do(self, effect: Effect) -> None:
         try:
@@ -123,8 +130,14 @@ class CoreDriver:
     def _set_timer(self) -> None:
         deadline = self.box.deadline()
         if self._timer is not None:
+            if self._timer.when() == deadline:
+                return
             self._timer.cancel()
-        self._timer = None if deadline is None else self._loop.call_at(deadline, self.tick)
+        self._timer = None if deadline is None else self._loop.call_at(deadline, self._on_timer)
+
+    def _on_timer(self) -> None:
+        self._timer = None
+        self.tick()
 
     def _want_beacon(self, _effect: effects.SendBeacon) -> None:
         """The beacon says what is true when it leaves, so it leaves after all else, also after what another

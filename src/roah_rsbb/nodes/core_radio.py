@@ -47,7 +47,8 @@ class _Private:
     def __init__(self, channel: PrivateChannel) -> None:
         self.channel = channel
         self.sender = StateSender()
-        self.message: Optional[pb.BenchmarkState] = None
+        self.message: Optional[BoxMessage] = None
+        self.made: Optional[pb.BenchmarkState] = None  # of the message, once it was sent
         self.timer: Optional[asyncio.TimerHandle] = None
 
 
@@ -140,7 +141,9 @@ class CoreRadio:
         private = self._privates.get(port)
         if private is None:
             return  # its channel could not be opened: the box takes another port
-        private.message = wire_convert.state_message(message)
+        private.message, private.made = message, None
+        if how is How.QUIET and private.timer is not None:
+            return
         now = self._loop.time()
         if how is How.CHANGE:
             private.sender.changed(now)
@@ -171,7 +174,9 @@ class CoreRadio:
         if private.timer is not None:
             private.timer.cancel()
         if private.sender.due(self._loop.time()) and private.message is not None:
-            private.channel.send(private.message)
+            if private.made is None:
+                private.made = wire_convert.state_message(private.message)
+            private.channel.send(private.made)
         private.timer = self._loop.call_at(private.sender.deadline, self._send_due, private)
 
     # -- what arrives -------------------------------------------------------------------------------
