@@ -95,7 +95,6 @@ class PercentageRow(DeviceRow):
 
     def __init__(self, name: str, change: Callable[[int], None]) -> None:
         super().__init__(name, change)
-        self._shown = 0
         self.slider = _Slider(Qt.Horizontal)
         self.slider.setRange(0, PERCENT)
         self.slider.setPageStep(PAGE)
@@ -135,7 +134,6 @@ class PercentageRow(DeviceRow):
 
     def _put(self, value: int) -> None:
         """Show it without asking for it."""
-        self._shown = value
         for widget in (self.slider, self.number):
             if widget.value() != value:
                 widget.blockSignals(True)
@@ -150,5 +148,4 @@ class PercentageRow(DeviceRow):
 
     def _on_chosen(self, value: int) -> None:
         self.number.lineEdit().setModified(False)
-        if value != self._shown:
-            self.change(value)
+        self.change(value)

@@ -37,10 +37,10 @@ class HoldButton(widgets.CommandButton):
         early = self._keeping.isActive()
         self._keeping.stop()
         self.setText(self._text)
-        if early:
+        if early and self.is_on():  # where there is nothing to do any more, Qt lets it go by itself
             self.too_short.emit()
 
     def _on_kept(self) -> None:
         self.setText(self._text)
-        if self.isDown() and self.is_on():
+        if self.is_on():
             self.kept.emit()

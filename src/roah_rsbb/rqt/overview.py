@@ -5,12 +5,12 @@ Keys: Shift+Esc twice stops all zones, in whatever panel of the process the focu
 
 import math
 from functools import partial
-from typing import Dict, List, NamedTuple, Optional
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import QFrame, QGridLayout, QScrollArea, QWidget
+from python_qt_binding.QtWidgets import QApplication, QFrame, QGridLayout, QScrollArea, QWidget
 
-from roah_rsbb.msg import ZoneState
+from roah_rsbb.msg import ZoneDetails, ZoneState
 from roah_rsbb.rqt import texts, widgets
 from roah_rsbb.rqt.calls import Outcome
 from roah_rsbb.rqt.hold_button import HoldButton
@@ -25,6 +25,7 @@ STOP_ALL = "■ STOP ALL ZONES"
 STOP_TIP = f"Stop the runs of all zones: hold the button (keys: {STOP_KEY} twice)"
 HOLD_IT = "Stop all zones: hold the button until it says so"
 NONE_RUNS = "No zone is running"
+NO_CALL = (0, -1)
 NOT_HEARD = "The core was not heard yet"
 # Tiles grow with the panel, so that they can be read from afar, up to this factor. Where there is no room they are
 # compact, and shrink to no less than this one.
@@ -50,6 +51,7 @@ class OverviewPanel(Panel):
         super().__init__(client, parent)
         self.tiles: Dict[str, ZoneTile] = {}
         self._shape: Optional[Shape] = None
+        self._calls: Dict[str, Tuple[int, int]] = {}  # zone: port of the run, number of the operation
         self.head = widgets.Badge(1.3)
         self.head.setAlignment(Qt.AlignLeft)  # where it is too long, what comes first is seen
         self.body.addWidget(self.head)
@@ -86,6 +88,9 @@ class OverviewPanel(Panel):
             what = todo(zone, details)
             if what.urgency is Urgency.DO:
                 calling.append(zone.zone)
+                self._beep(zone, details)
+            elif self._calls.get(zone.zone, NO_CALL)[1] == 0:  # switches have no number: the next ones call anew
+                del self._calls[zone.zone]
             self.tiles[zone.zone].show_zone(zone, details, what, zone.zone == self.model.zone_name, old)
         running = self._running()
         self._show_head(running, calling)
@@ -116,6 +121,15 @@ class OverviewPanel(Panel):
             text, tone = f"☛ DO NOW: {', '.join(calling)}   {text}", widgets.ALARM
         old = self.model.is_old
         self.head.show_text(f"({text})" if old else text, widgets.IDLE if old else tone)
+
+    def _beep(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
+        """Once for each call for the referee's hand, also in a zone that the other panels do not show."""
+        if details is None or (zone.manual_operation and not details.operation):
+            return  # the rest of it is still on its way
+        call = (details.port, details.operation)
+        if self._calls.get(zone.zone) != call:
+            self._calls[zone.zone] = call
+            QApplication.beep()
 
     def _build(self, zones: List[ZoneState]) -> None:
         """The schedule has other zones."""
