@@ -46,6 +46,7 @@ SERVICES = {
     "ResultHOPF": "712e1238eeaa80ac069f72dff01feb53",
     "ResultHPPF": "879950a8a93ec363d8385cbe4b6a5d63",
     "String": "992ce8a1687cec8c8bd883ec73ca41d1",
+    "UInt8": "7c8164229e7d2c17eb95e9231617fdee",
     "Zone": "34cd609a5b7df6d77150b8546b44302d",
     "ZoneScore": "831897ace4087e0fb480af5f99255606",
     "ZoneUInt8": "f1dc264faced798c658d5238155f83b2",
@@ -86,7 +87,8 @@ class TestTopics(BoxCase):
         types = dict(master.getTopicTypes())
         published, subscribed, _ = ({name: set(nodes) for name, nodes in part} for part in master.getSystemState())
         for name, kind in (("/core/to_gui", "roah_rsbb/CoreToGui"), ("/core/to_public", "roah_rsbb/CoreToPublic"),
-                           ("/core/details", "roah_rsbb/CoreDetails"), ("/timeout", "std_msgs/Empty")):
+                           ("/core/details", "roah_rsbb/CoreDetails"), ("/timeout", "std_msgs/Empty"),
+                           ("/core/public_details", "roah_rsbb/PublicDetails")):
             with self.subTest(name):
                 self.assertEqual(types[name], kind)
                 self.assertEqual(published[name], {CORE})

@@ -63,3 +63,11 @@ def test_each_plugin_is_also_a_program_of_its_own():
         assert os.access(program, os.X_OK), name
         assert f"main({element.get('name').partition('/')[2]}Panel)" in program.read_text(encoding="utf-8")
         assert f"scripts/{name}\n" in installed
+
+
+@pytest.mark.parametrize("name", ["roah_rsbb.launch", "roah_rsbb_dummy.launch"])
+def test_the_public_sees_no_results_unless_the_organisers_say_so(name):
+    path = ROOT / "launch" / name
+    defaults = {a.get("name"): a.get("default") for a in ElementTree.parse(path).getroot().findall("arg")}
+    assert defaults["public_results"] == "none"
+    assert includes(path)["core.launch.xml"]["public_results"] == "$(arg public_results)"

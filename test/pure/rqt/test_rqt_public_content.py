@@ -1,0 +1,147 @@
+"""What the public display says, in words, and where."""
+
+import os
+import time
+from types import SimpleNamespace
+from unittest import mock
+
+import pytest
+
+from roah_rsbb.rqt import public_content, public_layout
+from roah_rsbb.rqt.public_layout import Rect, Screen
+
+NOW = 1_800_000_000.0  # 2027-01-15 08:00:00 UTC
+
+
+class _Time(float):
+    def to_sec(self):
+        return float(self)
+
+
+@pytest.fixture(autouse=True)
+def _utc():
+    with mock.patch.dict(os.environ, {"TZ": "UTC"}):
+        time.tzset()
+        yield
+    time.tzset()
+
+
+def _event(zone="Home", team="Alpha", after_s=600.0):
+    return SimpleNamespace(zone=zone, team=team, benchmark="Visitors", round=2, run=3, scheduled=_Time(NOW + after_s))
+
+
+def _run(phase="running", counting=True, left=90.0, end_reason="", **of_event):
+    event = _event(**of_event)
+    ends = _Time(NOW + left if counting else 0.0)
+    return SimpleNamespace(event=event, teams=["Alpha", "Beta"], phase=phase, end_reason=end_reason, counting=counting,
+                           ends=ends, left=_Time(left))
+
+
+def _details(runs=(), following=(), finished=()):
+    return SimpleNamespace(runs=list(runs), following=list(following), finished=list(finished))
+
+
+def _content(*args, utc_s=NOW, is_old=False, **kwargs):
+    return public_content.content(_details(*args, **kwargs), utc_s, is_old)
+
+
+def test_a_core_that_was_never_heard():
+    assert public_content.content(None, 0.0, True) == public_content.NOTHING
+    assert not public_content.NOTHING.is_known
+
+
+@pytest.mark.parametrize("run, big, word", [
+    (_run(), "▶ 1:30", "running"),
+    (_run(counting=False), "‖ 1:30", "time stands still"),
+    (_run("connected", counting=False), "1:30", "getting ready"),
+    (_run("ended", counting=False), "ended", ""),
+    (_run("ended", counting=False, end_reason="completed"), "ended", "✓ completed"),
+    (_run("ended", counting=False, end_reason="new reason"), "ended", ""),
+])
+def test_a_run(run, big, word):
+    (card,) = _content([run]).cards
+    assert (card.team, card.benchmark, card.place, card.big, card.word) == (
+        "Alpha", "Visitors", "round 2, run 3", big, word
+    )
+
+
+def test_the_countdown_goes_on_from_one_message_and_ends_at_zero():
+    assert [_content([_run()], utc_s=NOW + s).cards[0].big for s in (0.0, 30.0, 89.5, 90.0, 200.0)] == [
+        "▶ 1:30", "▶ 1:00", "▶ 0:01", "▶ 0:00", "▶ 0:00"
+    ]
+
+
+def test_zones_are_named_where_there_are_several():
+    assert _content([_run(zone="A")], [_event(zone="A")]).cards[0].place == "round 2, run 3"
+    both = _content([_run(zone="A")], [_event(zone="B")])
+    assert (both.cards[0].place, both.following[0].last) == ("A · round 2, run 3", "B")
+
+
+def test_all_teams():
+    content = _content([_run(team="ALL")], [_event(team="ALL")])
+    assert (content.cards[0].team, content.cards[0].place) == ("All teams", "round 2, run 3 · Alpha, Beta")
+    assert content.following[0].team == "All teams"
+
+
+def test_times_are_local_and_name_another_day():
+    lines = [_event(), _event(after_s=86400.0)]
+    assert [line.time for line in _content((), lines).following] == ["08:10", "16 Jan 08:00"]
+    with mock.patch.dict(os.environ, {"TZ": "UTC-3"}):
+        time.tzset()
+        content = _content((), lines)
+    assert [line.time for line in content.following] == ["11:10", "16 Jan 11:00"]
+    assert (content.date, content.clock) == ("Friday, 15 January 2027", "11:00:00")
+
+
+def test_a_clock_that_is_far_off_stops_nothing():
+    assert _content(utc_s=1e300).clock == "?"
+
+
+def test_what_is_old_is_said():
+    assert _content().trouble == ""
+    assert _content(is_old=True).trouble == "No signal since 08:00:00: what is shown is old"
+
+
+def test_a_result_and_its_scores():
+    def group(name, *values):
+        return SimpleNamespace(group_name=name, current_values=list(values))
+
+    score = SimpleNamespace(group="", name="reached", value="4", unit="", desc="Reached")
+    result = SimpleNamespace(event=_event(), end_reason="timeout", disconnected=_Time(NOW - 60.0),
+                             scoring=[group("Good", 1, 3), group("Empty"), group("Bad", 0)], module_scores=[score])
+    (line,) = _content(finished=[result]).results
+    assert line == ("07:59", "Alpha", "Visitors", "■ time is up", "Reached 4 · Good 4 · Bad 0")
+
+
+@pytest.mark.parametrize("count, expected", [(0, [0]), (1, [1]), (6, [6]), (7, [4, 3]), (20, [5, 5, 5, 5])])
+def test_pages_are_even_and_lose_nothing(count, expected):
+    pages = public_layout.pages(list(range(count)), 6)
+    assert [len(page) for page in pages] == expected
+    assert [item for page in pages for item in page] == list(range(count))
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1920, 1080), (3840, 2160), (1024, 768), (2560, 1080)])
+@pytest.mark.parametrize("count", range(public_layout.CARDS_ON_A_PAGE + 1))
+def test_nothing_overlaps_and_there_is_room_for_what_follows(size, count):
+    screen = Screen(*size)
+    cards = screen.cards(count)
+    below = screen.below(cards)
+    places = [screen.head(), *cards, below]
+    for i, one in enumerate(places):
+        assert one.x >= 0 and one.y >= 0 and one.right <= size[0] and one.bottom <= size[1] + 1e-6
+        for other in places[i + 1:]:
+            assert (one.right <= other.x or other.right <= one.x
+                    or one.bottom <= other.y + 1e-6 or other.bottom <= one.y + 1e-6)
+    assert public_layout.rows_that_fit(below, screen.unit, with_scores=False) >= 3
+    assert public_layout.rows_that_fit(below, screen.unit, with_scores=True) >= 1
+
+
+@pytest.mark.parametrize("parts", [public_layout.wide_card, public_layout.narrow_card])
+def test_the_parts_of_a_card_do_not_overlap(parts):
+    inside = Rect(10.0, 20.0, 600.0, 120.0)
+    found = parts(inside)
+    for i, one in enumerate(found):
+        assert one.x >= inside.x and one.right <= inside.right + 1e-6 and one.bottom <= inside.bottom + 1e-6
+        for other in found[i + 1:]:
+            assert (one.right <= other.x or other.right <= one.x
+                    or one.bottom <= other.y + 1e-6 or other.bottom <= one.y + 1e-6)
