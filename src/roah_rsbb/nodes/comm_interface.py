@@ -152,7 +152,7 @@ class CommInterface:
             self._end_state_topic()
             self._announce(Benchmark.NONE)
             return
-        # What is saved counts for one benchmark; a latched count is received anew.
+        # Also what came since the benchmark before ended is not of this one; a latched count is received anew.
         self._owner.messages_saved(0)
         self._in_benchmark.append(rospy.Subscriber(
             "/roah_rsbb/messages_saved", UInt32, lambda message: self._owner.messages_saved(message.data)

@@ -98,6 +98,8 @@ class CommNode:
             log("%s", effect.text)
         elif isinstance(effect, fx.Stop):
             rospy.loginfo("Stop: %s", effect.why)
+        elif isinstance(effect, fx.BenchmarkIs):
+            self._set_messages_saved(0)  # what was saved counts for one benchmark
         elif isinstance(effect, (fx.SendBeacon, fx.SendState, fx.WouldSendState)):
             self._debug(effect)
         self._interface.show(effect, self._session.progress.goal)
