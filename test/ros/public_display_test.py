@@ -2,11 +2,16 @@
 """The public display, on two virtual screens, with a fake core."""
 
 import os
+import pathlib
+import signal
+import subprocess
 import time
 import unittest
 from unittest import mock
 
+import rosgraph
 import rospy
+import rosservice
 import rostest
 from fake_public import TEAMS, FakePublic, event, scene
 from gui_testing import SCREEN, SECOND_SCREEN, app, show, wait_until
@@ -19,6 +24,7 @@ from roah_rsbb.rqt.public_display import OLD_BACKGROUND, RUNNING, TOPIC, PublicD
 from roah_rsbb.rqt.public_screen import ScreenChoice
 from roah_rsbb.srv import UInt8
 
+LAUNCH = pathlib.Path(__file__).resolve().parent.parent.parent / "launch" / "roah_rsbb_public.launch"
 SIZES = ((1280, 720), (1920, 1080), (3840, 2160))
 FEW_S, MANY_S = 0.25, 1e9  # for how long a page is shown
 
@@ -312,6 +318,42 @@ class TestScreens(DisplayCase):
             self.assertEqual(public._chosen_screen(), screen, value)
         rospy.delete_param("~screen")
         self.assertEqual(public._chosen_screen(), 0)
+
+
+class TestProgram(unittest.TestCase):
+    """The launch file, as organisers use it."""
+
+    def setUp(self) -> None:
+        self.output = os.memfd_create("output")
+        self.addCleanup(os.close, self.output)
+        command = ["roslaunch", str(LAUNCH), "screen:=1"]
+        self.launch = subprocess.Popen(command, stdout=self.output, stderr=subprocess.STDOUT)
+        self.addCleanup(self.end)
+
+    def end(self) -> None:
+        if self.launch.poll() is None:
+            self.launch.send_signal(signal.SIGINT)
+            self.launch.wait(20)
+
+    def wait_says(self, text: str) -> None:
+        wait_until(lambda: text in os.pread(self.output, 1_000_000, 0).decode(), f"it says {text!r}", 40)
+
+    def test_the_screen_and_its_service(self) -> None:
+        size = "{}x{}".format(*SECOND_SCREEN)
+        self.wait_says("On screen 1 (")
+        self.wait_says(f", {size})")
+        (name,) = [name for name in rosservice.get_service_list() if name.endswith("/screen")]
+        self.assertRegex(name, "^/roah_rsbb_public_[^/]+/screen$")
+        self.assertEqual(rosservice.get_service_type(name), "roah_rsbb/UInt8")
+        self.wait_says(f"rosservice call {name} 1")
+        with self.assertRaisesRegex(rospy.ServiceException, "no screen 2"):
+            rospy.ServiceProxy(name, UInt8)(2)
+        rospy.ServiceProxy(name, UInt8)(0)
+        self.wait_says("On screen 0 (")
+        heard = dict(rosgraph.Master("/t").getSystemState()[1])
+        self.assertEqual(heard[TOPIC], [f"{name.rpartition('/')[0]}/roah_rsbb_public"])
+        self.end()
+        self.assertNotIn(name, rosservice.get_service_list())
 
 
 if __name__ == "__main__":

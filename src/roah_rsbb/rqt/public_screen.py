@@ -44,6 +44,7 @@ class ScreenChoice:
         if self._look_anew or handle is None or handle.screen() is not screen:
             self._look_anew = False
             self._show_on(screen)
+            rospy.loginfo("On screen %d (%s)", screens.index(screen), _describe(screen))
         elif self._window.geometry() != screen.geometry():
             self._window.setGeometry(screen.geometry())  # another resolution
 
