@@ -130,7 +130,7 @@ class ScoringPanel(Panel):
         self._stack = QStackedLayout()
         self._stack.addWidget(self._nothing)
         self._stack.addWidget(self._area)
-        self.body.addLayout(self._stack, 1)
+        self.body.addLayout(self._stack, 2)
         self.module_scores = ModuleScores()
         self.body.addWidget(self.module_scores, 1)
         self._answer = Answer(reserved=False)
