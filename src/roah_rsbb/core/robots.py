@@ -119,5 +119,6 @@ class ActiveRobots:
 
     def of_team(self, now: Now, team: str) -> List[ActiveRobot]:
         """A team's active robots, the one to take first: those heard just now, longest known first."""
-        robots = [robot for robot in self.all(now) if robot.id.team == team]
-        return sorted(robots, key=lambda r: (r.is_late(now), r.first_heard.mono))
+        self.forget(now)
+        robots = [robot for robot in self._robots.values() if robot.id.team == team]
+        return sorted(robots, key=lambda r: (r.is_late(now), r.first_heard.mono, r.id))

@@ -4,6 +4,7 @@ The only place where the core meets rospy. Its topics, services and parameters a
 interface, plus /core/details and /core/public_details.
 """
 
+import gc
 import signal
 import sys
 import threading
@@ -146,6 +147,9 @@ class CoreNode:
         rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
         self._tell_modules()
         self._publish_tick()
+        # What is there now stays: each full collection that goes through it would stop the box for some 15 ms.
+        gc.collect()
+        gc.freeze()
         self._ros.run()
         self._radio.close()
         self._run_logs.stop()
