@@ -24,6 +24,7 @@ from roah_rsbb.states import BoxState, RobotState
 SO_TIMESTAMPNS = 35
 _TIMESPEC = struct.Struct("ll")
 BEACON_PERIOD_S = 1.0
+REGULAR_S = 1.0  # a robot that has nothing new to say
 # The box has this long to have taken a datagram into account in what it sends.
 LATE_NS = 50_000_000
 REMEMBERED = 256
@@ -47,7 +48,7 @@ class Robot:
         self.state = RobotState.STOP
         self.box_state: Optional[BoxState] = None
         self.follows = True  # does at once what the box asks for
-        self.period_s: Optional[float] = None
+        self.period_s = REGULAR_S
         self.acknowledged_ns = 0
         self.sent_ns: Deque[int] = collections.deque(maxlen=REMEMBERED)
         self.sent = self.answers = self.late = self.unsent = 0
@@ -67,7 +68,7 @@ class Robot:
         self._socket.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
         self._socket.bind((self._host, port))
         self._loop.add_reader(self._socket.fileno(), self._read)
-        self.send()
+        self.keep_sending(REGULAR_S)
 
     def close(self) -> None:
         """End the private channel."""
@@ -96,13 +97,12 @@ class Robot:
         except OSError:
             self.unsent += 1
 
-    def keep_sending(self, period_s: Optional[float], first_s: float = 0.0) -> None:
-        """Send every so many seconds, from `first_s` from now on; None: end it."""
+    def keep_sending(self, period_s: float, first_s: float = 0.0) -> None:
+        """Send every so many seconds, from `first_s` from now on."""
         if self._timer is not None:
             self._timer.cancel()
         self.period_s = period_s
-        if period_s is not None:
-            self._timer = self._loop.call_later(first_s, self._tick, self._loop.time() + first_s)
+        self._timer = self._loop.call_later(first_s, self._tick, self._loop.time() + first_s)
 
     def report(self, state: RobotState, expects: BoxState, done: Callable[[float], None]) -> None:
         """Say what must change the box's state; `done` gets the milliseconds until its answer was on the wire."""
@@ -200,12 +200,12 @@ class Fleet:
         act()
         return taken[0] if arrived.wait(ANSWER_S) else float("inf")
 
-    def keep_sending(self, period_s: Optional[float]) -> None:
-        """All robots that are in runs send every so many seconds, evenly spread; None: they end it."""
+    def keep_sending(self, period_s: float) -> None:
+        """All robots that are in runs send every so many seconds, evenly spread."""
         def begin() -> None:
             for number, robot in enumerate(self.robots):
                 if robot.port is not None:
-                    robot.keep_sending(period_s, (period_s or 0.0) * number / len(self.robots))
+                    robot.keep_sending(period_s, period_s * number / len(self.robots))
         self.do(begin)
 
     def _beacons(self) -> None:

@@ -4,7 +4,7 @@ import time
 from typing import Dict, List, NamedTuple
 
 import rospy
-from fleet import Fleet
+from fleet import REGULAR_S, Fleet
 from processes import Box
 from table import quantile
 
@@ -24,6 +24,7 @@ class Load(NamedTuple):
     lost: int  # dropped by the kernel because the box did not read them, or never answered
     late: int
     answers: int
+    waited_percent: float  # of the time, for a core that other processes had
     unsent: int  # the bench's own fault
     message_kb: float  # /core/to_gui, the largest one
     jitter_ms: List[float]  # how far each interval between two /core/to_gui was from 100 ms
@@ -62,17 +63,18 @@ def measure(box: Box, fleet: Fleet, seconds: float, period_s: float = PERIOD_S) 
     fleet.keep_sending(period_s)
     time.sleep(1.0)
     pace, memory, before = Pace(), box.process.memory_mb(), _counts(fleet)
-    dropped, began = box.dropped(), time.monotonic()
+    dropped, waited, began = box.dropped(), box.process.waited_s(), time.monotonic()
     cpu = box.process.cpu_percent(seconds)
     after = _counts(fleet)
     took = time.monotonic() - began
+    waited = 100.0 * (box.process.waited_s() - waited) / took
     pace.close()
     memory_after = box.process.memory_mb()
-    fleet.keep_sending(None)
+    fleet.keep_sending(REGULAR_S)
     return Load(
         (after["sent"] - before["sent"]) / took, cpu, memory_after,
         box.dropped() - dropped + _unanswered(fleet), after["late"] - before["late"],
-        after["answers"] - before["answers"], after["unsent"] - before["unsent"],
+        after["answers"] - before["answers"], waited, after["unsent"] - before["unsent"],
         max(pace.sizes, default=0) / 1e3, pace.jitter_ms, memory_after - memory,
     )
 
@@ -84,10 +86,10 @@ def _counts(fleet: Fleet) -> Dict[str, int]:
 
 def _unanswered(fleet: Fleet) -> int:
     """Robots whose last datagram is never acknowledged; the box says what it has heard once a second."""
-    in_runs = [robot for robot in fleet.robots if robot.port is not None]
+    last = [(robot, robot.sent_ns[-1]) for robot in fleet.robots if robot.port is not None]
     until = time.monotonic() + SETTLE_S
     while time.monotonic() < until:
-        missing = sum(robot.acknowledged_ns < robot.sent_ns[-1] for robot in in_runs)
+        missing = sum(robot.acknowledged_ns < sent_ns for robot, sent_ns in last)
         if not missing:
             return 0
         time.sleep(0.05)
@@ -107,6 +109,7 @@ def add(results, name: str, load: Load, cpu_target=None, memory_target=None) -> 
     results.add(f"{name}: lost in the box", "datagrams", load.lost, 0)
     results.add(f"{name}: answers later than 50 ms", "% of answers", 100.0 * load.late / max(1, load.answers))
     results.add(f"{name}: /core/to_gui", "kB", load.message_kb)
+    results.add(f"{name}: waited for a core that others had", "% of the time", load.waited_percent)
     results.add(f"{name}: jitter of the 10 Hz tick, 99 %", "ms", quantile(load.jitter_ms, 0.99))
     if load.unsent:
         results.add(f"{name}: not sent by the bench itself", "datagrams", load.unsent, 0)

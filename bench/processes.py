@@ -42,6 +42,10 @@ class Measured(Program):
         time.sleep(seconds)
         return 100.0 * (self.cpu_s() - used) / (time.monotonic() - began)
 
+    def waited_s(self) -> float:
+        """Seconds for which its main thread could run, and no core was free: what others took from it."""
+        return int(pathlib.Path(f"/proc/{self.pid}/schedstat").read_text(encoding="ascii").split()[1]) / 1e9
+
     def memory_mb(self) -> float:
         """Resident memory, MB."""
         status = pathlib.Path(f"/proc/{self.pid}/status").read_text(encoding="ascii")

@@ -81,7 +81,6 @@ def ticking_box() -> Iterator:
         process.stdout.readline()
         robot = fleet.robots[0]
         fleet.do(lambda: robot.open(port))
-        fleet.do(lambda: robot.keep_sending(1.0))
 
         def command(word: str) -> None:
             process.stdin.write(f"{word}\n")
