@@ -85,6 +85,22 @@ class TestTaskBenchmarks(DummyCase):
         self.robot.wait_printed("the tablet sends me to 1.25, -2.50")
 
 
+class TestStops(DummyCase):
+    def test_what_was_stopped_does_not_go_on(self) -> None:
+        """After a stop and a new start, the dummy tells what it has to tell once."""
+        robot = self.dummy("Theta", execute_duration=9.0)  # it is silent for the first 1.5 s
+        self.begin("Again")
+        robot.wait_printed("HWV: executing")
+        self.box.command("stop", "Again")
+        robot.wait_printed("stopped: the comm node says STOP")
+        self.box.start("Again")
+        self.box.wait_text("Again", "Benchmark completed by the robot")
+        log = self.leave("Again")
+        self.assertEqual(log.values("/activation_event"), ["the bell rang"])
+        self.assertEqual(log.values("/visitor"), ["Deli Man"])
+        self.assertEqual(robot.text.count("HWV: complete"), 1, robot.text)
+
+
 class TestMisbehaviour(DummyCase):
     """Each one, and what the box makes of it."""
 
