@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install-deps build demo test lint test-pure test-python38 test-pip test-install test-ros screenshots clean
+.PHONY: help install-deps build demo test lint test-pure test-python38 test-pip test-install test-ros screenshots bench clean
 
 # ROS's own Python: the first python3 on PATH may be another one.
 PYTHON := /usr/bin/python3
@@ -11,6 +11,8 @@ ROS_SETUP := if [ -e /opt/ros/noetic/setup.bash ]; then source /opt/ros/noetic/s
 BUILT := source build/devel/setup.bash
 # `make test LINT=no` leaves lint out.
 LINT := yes
+# Options of the bench.
+BENCH :=
 
 help: ## list what can be made
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z0-9-]+):.*## /  make \1\t/' | expand -t 24
@@ -48,6 +50,9 @@ test-ros: build ## tests of the nodes, each with a ROS master of its own
 
 screenshots: build ## the pictures in docs/images, from a fake core on a virtual display
 	@$(BUILT); tools/make_screenshots
+
+bench: build ## speed and load (bench/README.md), also in build/bench.json; make bench BENCH=--quick
+	@$(BUILT); $(PYTHON) bench/run.py $(BENCH)
 
 clean: ## remove what was built
 	rm -rf build

@@ -13,6 +13,7 @@ from roah_rsbb.states import BoxState
 PERIOD_S = 0.05  # of robots that send as fast as the wire allows
 ORIGINAL_PERIOD_S = 0.2  # the original's pace, for box and robots alike
 SETTLE_S = 2.5
+WARM_S = 0.5  # until all send evenly
 
 
 class Load(NamedTuple):
@@ -61,7 +62,7 @@ class Pace:
 def measure(box: Box, fleet: Fleet, seconds: float, period_s: float = PERIOD_S) -> Load:
     """Let all robots that are in runs send for so long."""
     fleet.keep_sending(period_s)
-    time.sleep(1.0)
+    time.sleep(WARM_S)
     pace, memory, before = Pace(), box.process.memory_mb(), _counts(fleet)
     dropped, waited, began = box.dropped(), box.process.waited_s(), time.monotonic()
     cpu = box.process.cpu_percent(seconds)

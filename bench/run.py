@@ -12,7 +12,7 @@ import pstats
 import sys
 import tempfile
 import time
-from typing import Dict, Iterator, List, NamedTuple, Tuple
+from typing import Callable, Dict, Iterator, NamedTuple, Optional, Tuple
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -43,7 +43,7 @@ class Extent(NamedTuple):
     day_zones: int
 
 
-QUICK = Extent(probes=40, starts=12, clicks=5, seconds=1.5, idle_seconds=1.2, day_hours=0.4, day_zones=2)
+QUICK = Extent(probes=40, starts=12, clicks=5, seconds=1.2, idle_seconds=1.0, day_hours=0.2, day_zones=2)
 FULL = Extent(probes=500, starts=100, clicks=40, seconds=15.0, idle_seconds=10.0, day_hours=10.0, day_zones=4)
 
 
@@ -60,7 +60,7 @@ class Bench:
     def one(self) -> None:
         """Reaction, start, click, and the load of one robot."""
         extent, results = self.extent, self.results
-        with box_in_runs(1) as (box, fleet):
+        with box_in_runs(1, idle=self._idle) as (box, fleet):
             robot = fleet.robots[0]
             with reaction.ticking_box() as (their_fleet, their_robot, command):
                 ours, theirs = reaction.side_by_side(
@@ -104,7 +104,7 @@ class Bench:
 
     def hundred(self) -> None:
         """All that is asked of 100 robots: load, reaction, and a while of it."""
-        with box_in_runs(100) as (box, fleet):
+        with box_in_runs(100, idle=self._idle) as (box, fleet):
             self._load("100 robots, 50 ms", box, fleet, cpu_target=70, memory_target=150)
             fleet.keep_sending(load.PERIOD_S)
             waited, began = box.process.waited_s(), time.monotonic()
@@ -139,26 +139,28 @@ class Bench:
     # -- panels -------------------------------------------------------------------------------------
 
     def messages(self) -> None:
-        """What the panels' message weighs, with no run connected; and a window that shows it."""
-        for zones in ZONES_OF_MESSAGES:
-            with Box(zones) as box, Fleet(zones, box.port):
-                time.sleep(1.5)
-                pace = load.Pace()
-                cpu = box.process.cpu_percent(self.extent.idle_seconds)
-                pace.close()
-                self.results.add(f"/core/to_gui, {zones} zones: size", "kB", max(pace.sizes, default=0) / 1e3)
-                self.results.add(f"/core/to_gui, {zones} zones: rate", "1/s", pace.rate)
-                self.results.add(f"core, {zones} zones, as many robots, no run: CPU", "% of a core", cpu)
+        """What it costs to make the panels' messages, without a network."""
         for zones in ZONES_OF_MESSAGES:
             for in_runs, what in ((False, "no run"), (True, "all in runs")):
                 cost = simulated.publish_ms(zones, in_runs, self.extent.idle_seconds / 5)
                 self.results.add(f"panels' messages, {zones} zones, {what}: made in", "ms", cost)
 
+    def _idle(self, box: Box) -> None:
+        """What the panels' message weighs while no run is connected, and what it costs."""
+        time.sleep(1.5)  # until all robots were heard
+        pace = load.Pace()
+        cpu = box.process.cpu_percent(self.extent.idle_seconds)
+        pace.close()
+        name = f"no run, {box.zones} zones and robots"
+        self.results.add(f"{name}: /core/to_gui", "kB", max(pace.sizes, default=0) / 1e3)
+        self.results.add(f"{name}: /core/to_gui", "1/s", pace.rate)
+        self.results.add(f"{name}: CPU", "% of a core", cpu)
+
     def window(self) -> None:
         """A client window beside a box whose zones all have runs."""
         import panels
 
-        with box_in_runs(WINDOW_ZONES) as (_box, fleet):
+        with box_in_runs(WINDOW_ZONES, idle=self._idle) as (_box, fleet):
             fleet.keep_sending(load.ORIGINAL_PERIOD_S)
             cpu = panels.window_cpu(self.extent.idle_seconds)
         self.results.add(f"client window, all panels, {WINDOW_ZONES} zones in runs: CPU", "% of a core", cpu, 20)
@@ -175,9 +177,12 @@ class Bench:
 
 
 @contextlib.contextmanager
-def box_in_runs(count: int, profile: str = "") -> Iterator[Tuple[Box, Fleet]]:
-    """A box with so many zones, in each a robot that executes."""
+def box_in_runs(count: int, profile: str = "", idle: Optional[Callable[[Box], None]] = None
+                ) -> Iterator[Tuple[Box, Fleet]]:
+    """A box with so many zones, in each a robot that executes. `idle` is called before they are connected."""
     with Box(count, profile) as box, Fleet(count, box.port) as fleet:
+        if idle is not None:
+            idle(box)
         reaction.connect(box, fleet, count)
         reaction.start(box, fleet, count)
         yield box, fleet
@@ -229,8 +234,7 @@ def measure(bench: Bench, options: argparse.Namespace, began: float) -> int:
     """Run the parts, and say how it went."""
     for part in options.parts or PARTS:
         getattr(bench, part)()
-    loads: List[float] = list(os.getloadavg())
-    bench.results.add("load of the machine, mean of the last minute", "processes", loads[0])
+    bench.results.add("load of the machine, mean of the last minute", "processes", os.getloadavg()[0])
     bench.results.write(options.output)
     missed = bench.results.missed
     print(f"{len(bench.results.numbers)} numbers in {time.monotonic() - began:.0f} s, {len(missed)} beyond their "
