@@ -76,6 +76,9 @@ class TestOverview(PanelCase):
         for number in (1, 2):  # the same words again are another request
             self.other.asked = Asked(number, "Place it")
             wait_until(lambda n=number: len(beeps) >= n, "it beeps")
+            before = self.client.model.clock_s
+            wait_until(lambda b=before: self.client.model.clock_s > b + 0.3, "the panel was shown anew")
+            self.assertEqual(len(beeps), number)
         self.other.asked = None
         for number in (3, 4):
             self.other.switches, self.other.switches_asked = set(), True
