@@ -70,8 +70,6 @@ class PublicDisplay(QWidget):
         """Take what the core published, and show the moment; call it several times a second."""
         received = self._feed.take(TOPIC)
         if received is not None and received.message != self._details:
-            if self._details is not None and received.message.box_uuid != self._details.box_uuid:
-                self._clock = BoxClock()  # another core, perhaps on another computer
             self._details, self._heard = received.message, received.mono
             self._clock.sample(received.mono, received.message.clock.to_sec())
         is_old, now = self.is_old, time.monotonic()
