@@ -40,7 +40,7 @@ class Awaited(NamedTuple):
 
 
 class Robot:
-    """One robot. All but `ask` belongs to the fleet's thread."""
+    """One robot. Its methods belong to the fleet's thread; its values may be looked at from any."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, index: int, password: str) -> None:
         self.team = f"Team{index}"

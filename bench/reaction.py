@@ -16,8 +16,8 @@ from roah_rsbb.states import BoxState, RobotState
 
 # A robot in a run that says one of these changes the box's state, to and fro, as often as wanted.
 PROBES = ((RobotState.PREPARING, BoxState.PREPARE), (RobotState.WAITING_GOAL, BoxState.WAITING_RESULT))
-# Pauses of this length are in no step with the box's ticks of 100 ms, nor with 200 ms.
-PAUSE_S = (0.02, 0.12)
+# Pauses of these lengths, a whole period of 200 ms, end anywhere in it, also when they begin with one.
+PAUSE_S = (0.02, 0.22)
 
 
 def connect(box: Box, fleet: Fleet, count: int) -> None:

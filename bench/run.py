@@ -43,8 +43,8 @@ class Extent(NamedTuple):
     day_zones: int
 
 
-QUICK = Extent(probes=40, starts=12, clicks=5, seconds=1.2, idle_seconds=1.0, day_hours=0.2, day_zones=2)
-FULL = Extent(probes=500, starts=100, clicks=40, seconds=15.0, idle_seconds=10.0, day_hours=10.0, day_zones=4)
+QUICK = Extent(probes=36, starts=12, clicks=5, seconds=1.2, idle_seconds=1.0, day_hours=0.2, day_zones=2)
+FULL = Extent(probes=300, starts=100, clicks=40, seconds=15.0, idle_seconds=10.0, day_hours=10.0, day_zones=4)
 
 
 class Bench:
