@@ -130,7 +130,7 @@ class PublicDisplay(QWidget):
         painter.setBrush(look.stripe)
         painter.drawRoundedRect(QRectF(place.x, place.y, edge, place.h), edge / 2, edge / 2)
         inside = Rect(place.x + 2 * edge, place.y + edge / 3, place.w - 3 * edge, place.h - 2 * edge / 3)
-        parts = public_layout.narrow_card(inside) if place.w < 0.6 * self.width() else public_layout.wide_card(inside)
+        parts = public_layout.card_parts(place, inside, Screen(self.width(), self.height()))
         writer.write(parts.team, card.team, look.team, bold=True)
         writer.write(parts.benchmark, card.benchmark, look.team)
         writer.write(parts.place, card.place, FAINT)

@@ -119,6 +119,22 @@ def wide_card(inside: Rect) -> CardParts:
     return CardParts(*left.rows(0.44, 0.32, 0.24), *right.rows(0.66, 0.34))
 
 
+def flat_card(inside: Rect) -> CardParts:
+    """One of three in one column: two lines of large letters rather than three small ones."""
+    gap = 0.1 * inside.h
+    left, right = inside.columns(gap, (1 - COUNTDOWN) * inside.w)
+    upper, benchmark = left.rows(0.53, 0.47)
+    team, place = upper.columns(gap, 0.55 * upper.w)
+    return CardParts(team, benchmark, place, *right.rows(0.66, 0.34))
+
+
+def card_parts(place: Rect, inside: Rect, screen: Screen) -> CardParts:
+    """The parts of a card at `place`, whose texts are `inside`."""
+    if place.w < 0.6 * screen.width:
+        return narrow_card(inside)
+    return flat_card(inside) if place.h < CARD[-1] * screen.unit else wide_card(inside)
+
+
 def narrow_card(inside: Rect) -> CardParts:
     """In two columns: the benchmark's name has the whole width."""
     gap = 0.1 * inside.h

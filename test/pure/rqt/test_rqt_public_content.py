@@ -136,7 +136,7 @@ def test_nothing_overlaps_and_there_is_room_for_what_follows(size, count):
     assert public_layout.rows_that_fit(below, screen.unit, with_scores=True) >= 1
 
 
-@pytest.mark.parametrize("parts", [public_layout.wide_card, public_layout.narrow_card])
+@pytest.mark.parametrize("parts", [public_layout.wide_card, public_layout.flat_card, public_layout.narrow_card])
 def test_the_parts_of_a_card_do_not_overlap(parts):
     inside = Rect(10.0, 20.0, 600.0, 120.0)
     found = parts(inside)
