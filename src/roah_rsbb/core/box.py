@@ -5,7 +5,7 @@ command of the referee that makes no sense raises `Refused` and changes nothing.
 """
 
 import math
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, Optional
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.all_robots import AllRobotsRun
@@ -17,8 +17,7 @@ from roah_rsbb.core.device_commands import CATERING
 from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.core.functionality import FunctionalityRun
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, RobotReport, TabletState
-from roah_rsbb.core.module_messages import ModulesState, RunForModule
-from roah_rsbb.core.modules import Modules
+from roah_rsbb.core.module_events import ModuleEvents
 from roah_rsbb.core.refused import Refused, did_you_mean
 from roah_rsbb.core.results import FinishedRuns, finished_run
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots, RobotId
@@ -31,11 +30,9 @@ from roah_rsbb.core.zone_run import ZoneRun
 
 # So many ports that cannot be opened, more than there are robots to connect, mean that no port can.
 MAX_PORTS_TRIED = 20
-# The benchmark with switches that the referee watches.
-HOMF = "HOMF"
 
 
-class Box:
+class Box(ModuleEvents):
     """The referee, scoring and benchmarking box, without its sockets, clocks and files."""
 
     def __init__(
@@ -47,12 +44,12 @@ class Box:
     ) -> None:
         """`beacon_size`: bytes of the datagram that carries a beacon. `last_port`: the highest private port
         that this competition ever used, from the record; None: none yet."""
+        super().__init__()
         self.settings = settings
         self.robots = ActiveRobots(settings.robot_timeout, config.passwords)
         self.zones: Dict[str, Zone] = {plan.name: Zone(plan) for plan in config.zones}
         self.devices = DevicesState()
         self.tablet = Tablet()
-        self.modules = Modules()
         self.watches = Watches(settings.listen_duration)
         self.finished = FinishedRuns()
         self._clock = ClockWatch()
@@ -167,43 +164,6 @@ class Box:
         self.tick(now)
         self._run_in(zone_name).set_score(now, group, desc, value)
 
-    def manual_operation_complete(self, now: Now, zone_name: str, operation: int = 0, answer: str = "") -> None:
-        """The referee did what a benchmarking module asked for; raises `Refused`.
-
-        `operation`: number of the request that was answered, 0: whatever is asked now. An empty answer is the
-        first of those to choose from.
-        """
-        self.tick(now)
-        run = self._run_in(zone_name)
-        if not isinstance(run, FunctionalityRun):
-            raise Refused([f"no manual operation is asked for in zone '{zone_name}'"])
-        run.complete_operation(now, operation, answer)
-
-    def omf_button(self, now: Now, zone_name: str, switch: int) -> None:
-        """HOMF: the referee saw a switch change, numbered from 1; raises `Refused`."""
-        self.tick(now)
-        run = self._homf_run(zone_name)
-        run.sheet_of_switches().press(switch)
-        run.switches_entered(now)
-
-    def omf_damaged(self, now: Now, zone_name: str, damaged: int) -> None:
-        """HOMF: so many switches were damaged; raises `Refused`."""
-        self.tick(now)
-        run = self._homf_run(zone_name)
-        run.sheet_of_switches().damage(damaged)
-        run.switches_entered(now)
-
-    def omf_complete(self, now: Now, zone_name: str) -> None:
-        """HOMF: all was entered that the robot changed; raises `Refused`."""
-        self.tick(now)
-        self._homf_run(zone_name).complete_switches(now)
-
-    def _homf_run(self, zone_name: str) -> FunctionalityRun:
-        run = self._run_in(zone_name)
-        if not isinstance(run, FunctionalityRun) or run.event.benchmark.code != HOMF:
-            raise Refused([f"zone '{zone_name}' runs {run.event.benchmark.code}: only {HOMF} has switches"])
-        return run
-
     def zone(self, name: str) -> Zone:
         """The zone of that name; raises `Refused` with the names that there are."""
         zone = self.zones.get(name)
@@ -256,36 +216,6 @@ class Box:
         if zone.event.benchmark.code == CATERING:
             self.tablet.display_map = False  # what the run before left on the tablet is not this robot's
         self._emit(effects.SendBeacon())
-
-    # -- the benchmarking modules -------------------------------------------------------------------
-
-    def on_modules(self, now: Now, state: ModulesState) -> None:
-        """A node of benchmarking modules says what it drives, and where it is in its runs."""
-        self.tick(now)
-        self.modules.hear(now, state)
-        self._tell_runs_of_modules(now)
-
-    def module_runs(self) -> Tuple[RunForModule, ...]:
-        """What benchmarking modules need to know of the runs that they drive."""
-        return tuple(run.for_module() for run in self._functionality_runs())
-
-    def _miss_modules(self, now: Now) -> None:
-        """Nodes that are gone by now hold their runs from then on, but not before what was due earlier."""
-        due = self.modules.deadline()
-        while due is not None and due <= now.mono:
-            then = Now(due, now.utc + (due - now.mono))
-            for run in self._zone_runs():
-                run.tick(then)
-            self.modules.forget_gone(then)
-            self._tell_runs_of_modules(then)
-            due = self.modules.deadline()
-
-    def _functionality_runs(self) -> List[FunctionalityRun]:
-        return [run for run in self.runs() if isinstance(run, FunctionalityRun)]
-
-    def _tell_runs_of_modules(self, now: Now) -> None:
-        for run in self._functionality_runs():
-            run.on_modules(now)
 
     # -- the network --------------------------------------------------------------------------------
 
