@@ -11,7 +11,6 @@ ready then are left out, and join as soon as they are ready.
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects, run_log
-from roah_rsbb.core.benchmarks import Event
 from roah_rsbb.core.clock import Now, clock_text
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.link import SILENT_S
@@ -101,9 +100,12 @@ class MemberRun(Run):
 class AllRobotsRun:
     """See `ZoneRun`. It has at least one member whenever somebody looks at it."""
 
-    def __init__(self, zone: str, event: Event, settings: Settings, surroundings: Surroundings, now: Now) -> None:
-        self.event = event
-        self.zone = zone
+    def __init__(self, first: Entry, settings: Settings, surroundings: Surroundings, now: Now) -> None:
+        """`first`: the entry of the robot that is added first."""
+        self.event = event = first.event
+        self.zone = first.zone
+        self.identity = first.identity(now)
+        self.opened_utc = now.utc
         self.phase = Phase.CONNECTED
         self.end_reason: Optional[EndReason] = None
         self.desc = ""

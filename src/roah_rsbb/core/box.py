@@ -206,7 +206,7 @@ class Box(ModuleEvents):
         self._emit(effects.OpenChannel(entry.port, robot.id.team, robot.id.robot, robot.host))
         surroundings = Surroundings(self._emit, self._show_map)
         if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
-            whole = zone.run or AllRobotsRun(zone.name, zone.event, self.settings, surroundings, now)
+            whole = zone.run or AllRobotsRun(entry, self.settings, surroundings, now)
             whole.add(now, entry)
             zone.run = whole
         elif zone.event.benchmark.kind is Kind.FUNCTIONALITY:

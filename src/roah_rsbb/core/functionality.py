@@ -59,7 +59,6 @@ class FunctionalityRun(Run):
     def __init__(
         self, entry: Entry, settings: Settings, surroundings: Surroundings, modules: Modules, now: Now
     ) -> None:
-        self.identity = f"{entry.event.benchmark.code}-{entry.port}-{now.utc:.3f}"
         self.attempt = 0
         self.steps: List[Step] = []
         self.scores: Tuple[ScoreValue, ...] = ()

@@ -64,6 +64,10 @@ class Entry(NamedTuple):
     robot: RobotId
     port: int  # UDP port of the private channel; it identifies the run in the whole competition
 
+    def identity(self, now: Now) -> str:
+        """The name of the run that begins now with this entry: no other run of this or another competition has it."""
+        return f"{self.event.benchmark.code}-{self.port}-{now.utc:.3f}"
+
 
 class Surroundings(NamedTuple):
     """What a run reaches of the box around it."""
@@ -84,6 +88,8 @@ class Run:
 
     def __init__(self, entry: Entry, settings: Settings, surroundings: Surroundings, now: Now) -> None:
         self.event = event = entry.event
+        self.identity = entry.identity(now)
+        self.opened_utc = now.utc
         self.zone = entry.zone
         self.robot = entry.robot
         self.port = entry.port

@@ -14,6 +14,8 @@ class ZoneRun(Protocol):
     """The run in a zone. `Run` is one, for a single robot; `AllRobotsRun` another, which has many of them."""
 
     event: Event
+    identity: str  # the name of the run: no other run of this or another competition has it
+    opened_utc: float  # UTC seconds of *connect*
     phase: Phase
     end_reason: Optional[EndReason]
     desc: str  # what is the matter, in one line

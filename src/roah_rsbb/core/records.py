@@ -1,0 +1,76 @@
+"""The record of a run: who scored what, why it ended, who signed it off. It is what remains of a run.
+
+It is made by the core with every change, kept in the journal, and read by whoever shows or exports results.
+"""
+
+from typing import NamedTuple, Optional, Tuple
+
+from roah_rsbb.core.module_messages import ScoreValue
+
+
+class ItemRecord(NamedTuple):
+    """A scoring item of the referee's sheet, as it stands."""
+
+    group: str
+    desc: str
+    kind: str  # "bool" or "uint"
+    value: int
+    not_attempted: bool = False  # the robot did not try: other than a 0 that it earned
+    corrected: bool = False  # changed after the run was over
+
+
+class ScoreEntry(NamedTuple):
+    """One change of the score sheet. An entry that is withdrawn stays in the history, and counts no more."""
+
+    number: int  # 1, 2, … within the run
+    utc: float  # UTC seconds
+    who: str
+    group: str
+    desc: str
+    old: int
+    value: int
+    not_attempted: bool = False
+    note: str = ""
+    correction: bool = False  # made after the run was over
+    withdrawn_utc: float = 0.0  # UTC seconds; 0.0: it counts
+    withdrawn_by: str = ""
+    withdrawn_note: str = ""
+
+
+class StopRecord(NamedTuple):
+    """One end of a run; a run that was started again after a stop has several."""
+
+    utc: float  # UTC seconds
+    who: str  # who stopped it; empty: nobody, it ended by itself
+    end_reason: str  # name of an `EndReason`, in lower case
+    desc: str  # what the referee read
+    reason: str = ""  # what the referee typed
+
+
+class SignOff(NamedTuple):
+    """The score sheet was signed off: it is final."""
+
+    utc: float  # UTC seconds
+    who: str
+
+
+class RunRecord(NamedTuple):
+    """All that remains of a run."""
+
+    identity: str
+    zone: str
+    benchmark: str  # code
+    team: str
+    round: int
+    run: int
+    scheduled: float  # UTC seconds
+    opened_utc: float  # UTC seconds of *connect*
+    closed_utc: float = 0.0  # UTC seconds of *disconnect*; 0.0: still connected
+    end_reason: str = ""  # name of an `EndReason`, in lower case; empty: it was never started, or it runs
+    elapsed_s: float = 0.0  # seconds that counted until the last end
+    items: Tuple[ItemRecord, ...] = ()
+    history: Tuple[ScoreEntry, ...] = ()
+    module_scores: Tuple[ScoreValue, ...] = ()  # of the benchmarking module
+    stops: Tuple[StopRecord, ...] = ()
+    sign_off: Optional[SignOff] = None
+    robots: Tuple[str, ...] = ()  # their names, without the team where it is one

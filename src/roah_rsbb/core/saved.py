@@ -1,0 +1,136 @@
+"""Saved state: what outlives the process, as plain values that JSON can hold.
+
+Theory of operation. Every object with a state that a restart must not lose has `saved()`, which returns a
+NamedTuple of plain values, and `restore(state)`, which a fresh object takes it back with. `freeze` makes JSON's
+values of such a tuple, `thaw` the tuple again: by the names of its fields and their types, so that a state
+which an older version wrote can still be read as long as new fields have defaults.
+
+A moment on the monotonic clock means nothing after the computer was started anew. Fields of that kind are
+declared as `Mono`, and `thaw` moves all of them by the same amount (see `Anchor`).
+"""
+
+import enum
+import functools
+from typing import Any, Callable, Dict, NamedTuple, NewType, Optional, Tuple, TypeVar, Union, get_type_hints
+
+from roah_rsbb.core.clock import Now
+
+# A moment on the monotonic clock, in seconds.
+Mono = NewType("Mono", float)
+
+T = TypeVar("T")
+_Thaw = Callable[[Any, float], Any]
+
+
+class BadState(Exception):
+    """A saved state that this version cannot read; the text says where and why."""
+
+
+class Anchor(NamedTuple):
+    """One moment on both clocks, and which start of the computer the monotonic one belongs to."""
+
+    mono: float
+    utc: float
+    boot: str
+
+    def shift(self, now: Now, boot: str) -> float:
+        """By how many seconds moments that were saved at this anchor are to be moved, now and in this `boot`.
+
+        Within one start of the computer the monotonic clock tells the truth. Else UTC must: a clock that went
+        backwards meanwhile means that no time passed.
+        """
+        if boot == self.boot:
+            return 0.0
+        passed = max(0.0, now.utc - self.utc)
+        return now.mono - passed - self.mono
+
+
+def freeze(value: Any) -> Any:
+    """JSON's form of a saved state; fields that have their default are left out."""
+    if value is None or value.__class__ in (bool, int, float, str):
+        return value
+    if isinstance(value, enum.Enum):
+        return value.value
+    if hasattr(value, "_fields"):
+        defaults = value._field_defaults
+        return {
+            name: freeze(field)
+            for name, field in zip(value._fields, value)
+            if name not in defaults or field != defaults[name]
+        }
+    if isinstance(value, dict):
+        return {str(key): freeze(item) for key, item in value.items()}
+    return [freeze(item) for item in value]
+
+
+def thaw(cls: Callable[..., T], data: Any, shift: float = 0.0) -> T:
+    """The saved state of type `cls` that `freeze` made `data` of; moments are moved by `shift` seconds.
+
+    Raises `BadState`.
+    """
+    try:
+        return _thaw_of(cls)(data, shift)
+    except (TypeError, ValueError, KeyError, AttributeError) as error:
+        raise BadState(f"{getattr(cls, '__name__', cls)}: {error}") from None
+
+
+@functools.lru_cache(maxsize=None)
+def _thaw_of(hint: Any) -> _Thaw:
+    """How values of a type are read."""
+    if hint is Mono:
+        return lambda data, shift: float(data) + shift
+    if hint is Now:
+        return lambda data, shift: Now(float(data["mono"]) + shift, float(data["utc"]))
+    if hint in (bool, int, str):
+        return functools.partial(_exactly, hint)
+    if hint is float:
+        return lambda data, _shift: float(data)
+    if isinstance(hint, type) and issubclass(hint, enum.Enum):
+        return lambda data, _shift: hint(data)
+    if hasattr(hint, "_fields"):
+        return _tuple_of_fields(hint)
+    origin, args = getattr(hint, "__origin__", None), getattr(hint, "__args__", ())
+    if origin is Union and len(args) == 2 and type(None) in args:
+        inner = _thaw_of(next(arg for arg in args if arg is not type(None)))
+        return lambda data, shift: None if data is None else inner(data, shift)
+    if origin is tuple:
+        return _tuple_of_items(args)
+    if origin is dict:
+        inner = _thaw_of(args[1])
+        return lambda data, shift: {key: inner(item, shift) for key, item in data.items()}
+    if hint is Any or hint is object or origin is Union:
+        return lambda data, _shift: data
+    raise TypeError(f"no saved state can hold {hint}")
+
+
+def _exactly(kind: type, data: Any, _shift: float) -> Any:
+    if data.__class__ is not kind:
+        raise TypeError(f"found {data!r}, expected {kind.__name__}")
+    return data
+
+
+def _tuple_of_fields(hint: Any) -> _Thaw:
+    fields: Optional[Dict[str, _Thaw]] = None
+
+    def read(data: Any, shift: float) -> Any:
+        nonlocal fields
+        if fields is None:
+            hints = get_type_hints(hint)
+            fields = {name: _thaw_of(hints[name]) for name in hint._fields}
+        return hint(**{name: fields[name](item, shift) for name, item in data.items() if name in fields})
+
+    return read
+
+
+def _tuple_of_items(args: Tuple[Any, ...]) -> _Thaw:
+    if len(args) == 2 and args[1] is Ellipsis:
+        inner = _thaw_of(args[0])
+        return lambda data, shift: tuple(inner(item, shift) for item in data)
+    each = [_thaw_of(arg) for arg in args if arg != ()]
+
+    def read(data: Any, shift: float) -> Tuple[Any, ...]:
+        if len(data) != len(each):
+            raise ValueError(f"found {len(data)} values, expected {len(each)}")
+        return tuple(thaw_item(item, shift) for thaw_item, item in zip(each, data))
+
+    return read
