@@ -30,6 +30,14 @@ class Taken(NamedTuple):
     problems: List[str]  # for the referee
 
 
+class DeviceCommandsState(NamedTuple):
+    """The saved state of `DeviceCommands`; see its attributes."""
+
+    had_first: bool = False
+    told_ignored: bool = False
+    wishes: Wishes = NO_WISHES
+
+
 class DeviceCommands:
     """The wishes of the robot in one run."""
 
@@ -39,6 +47,14 @@ class DeviceCommands:
         self._had_first = False
         self._told_ignored = False
         self._wishes: Wishes = NO_WISHES
+
+    def saved(self) -> DeviceCommandsState:
+        """The state for the journal."""
+        return DeviceCommandsState(self._had_first, self._told_ignored, self._wishes)
+
+    def restore(self, state: DeviceCommandsState) -> None:
+        """What was obeyed before a restart is not obeyed again when the robot repeats it."""
+        self._had_first, self._told_ignored, self._wishes = state
 
     def take(self, report: RobotReport) -> Taken:
         """Take a fresh message; only what changed since the messages before is a command."""

@@ -8,8 +8,8 @@ from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now, wire_ns, wire_seconds
 from roah_rsbb.core.messages import RobotReport
-from roah_rsbb.core.skew import SkewEstimate, skew_off, skew_text, within
-from roah_rsbb.core.timeline import Timeline, Verdict
+from roah_rsbb.core.skew import SkewEstimate, SkewSample, skew_off, skew_text, within
+from roah_rsbb.core.timeline import Timeline, TimelineState, Verdict
 from roah_rsbb.states import RobotState
 
 # A robot sends every second: after this long without a message something is wrong.
@@ -40,6 +40,17 @@ class Heard(NamedTuple):
 STALE = Heard(False, False, False, ())
 
 
+class LinkState(NamedTuple):
+    """The saved state of a `RobotLink`; see its attributes."""
+
+    host: Optional[str] = None
+    last: Optional[RobotReport] = None
+    last_heard: Optional[Now] = None
+    timeline: TimelineState = TimelineState()
+    skew: Optional[SkewSample] = None
+    told_invalid: bool = False
+
+
 class RobotLink:
     """One robot's messages on its private channel."""
 
@@ -48,7 +59,7 @@ class RobotLink:
         self._allowed_skew = allowed_skew
         self._timeline = Timeline()
         self._skew = SkewEstimate()
-        self._opened = now
+        self._listens_since = now.mono
         self._old = 0  # messages since the last fresh one that were not newer than that
         self._told_silent = False
         self._told_invalid = False
@@ -61,6 +72,19 @@ class RobotLink:
         self.host: Optional[str] = None
         self.last: Optional[RobotReport] = None
         self.last_heard: Optional[Now] = None
+
+    def saved(self) -> LinkState:
+        """The state for the journal."""
+        return LinkState(
+            self.host, self.last, self.last_heard, self._timeline.saved(), self._skew.saved(), self._told_invalid
+        )
+
+    def restore(self, state: LinkState) -> None:
+        """Go on as before a restart; the robot is not silent because nobody listened."""
+        self.host, self.last, self.last_heard = state.host, state.last, state.last_heard
+        self._timeline.restore(state.timeline)
+        self._skew.restore(state.skew)
+        self._told_invalid = state.told_invalid
 
     @property
     def skew(self) -> Optional[float]:
@@ -152,7 +176,9 @@ class RobotLink:
         return reasons
 
     def _silent_from(self) -> float:
-        return (self.last_heard or self._opened).mono + SILENT_S
+        if self.last_heard is None:
+            return self._listens_since + SILENT_S
+        return max(self.last_heard.mono, self._listens_since) + SILENT_S
 
     def _silence_text(self, now: Now) -> str:
         if self.last_heard is None:

@@ -3,7 +3,7 @@
 Both are plain records of what was asked for and what was said; the run decides what follows.
 """
 
-from typing import List, Tuple
+from typing import List, NamedTuple, Tuple
 
 from roah_rsbb.core.module_messages import Request
 from roah_rsbb.core.refused import Refused
@@ -35,14 +35,36 @@ def check_answer(request: Request, operation: int, answer: str) -> str:
     raise Refused([f"'{request.text}' takes no answer: complete it without one"])
 
 
+class SwitchesState(NamedTuple):
+    """The saved state of `Switches`; see its attributes."""
+
+    initial_state: Tuple[bool, ...]
+    changed: Tuple[int, ...] = ()
+    damaged: int = 0
+
+
 class Switches:
     """HOMF: the switches as the referee sees them; they are numbered from 1."""
 
     def __init__(self, initial_state: Tuple[bool, ...]) -> None:
+        self._initial_state = initial_state
         self._count = len(initial_state)
         self._on = {number for number, on in enumerate(initial_state, 1) if on}
         self.changed: List[int] = []
         self.damaged = 0
+
+    def saved(self) -> SwitchesState:
+        """The state for the journal."""
+        return SwitchesState(self._initial_state, tuple(self.changed), self.damaged)
+
+    @classmethod
+    def restored(cls, state: SwitchesState) -> "Switches":
+        """The switches that were saved."""
+        switches = cls(state.initial_state)
+        for switch in state.changed:
+            switches.press(switch)
+        switches.damaged = state.damaged
+        return switches
 
     def press(self, switch: int) -> None:
         """The referee saw a switch change; raises `Refused`."""

@@ -4,7 +4,7 @@ The box logs a string once; it logs the same text again only after a message tha
 came in between (wire protocol, Repeated strings). Only fresh messages may be put in.
 """
 
-from typing import FrozenSet, Iterable, List
+from typing import FrozenSet, Iterable, List, Tuple
 
 
 class RepeatedStrings:
@@ -12,6 +12,14 @@ class RepeatedStrings:
 
     def __init__(self) -> None:
         self._last: FrozenSet[str] = frozenset()
+
+    def saved(self) -> Tuple[str, ...]:
+        """The state for the journal."""
+        return tuple(sorted(self._last))
+
+    def restore(self, state: Tuple[str, ...]) -> None:
+        """What was received before a restart is not new after it."""
+        self._last = frozenset(state)
 
     def receive(self, texts: Iterable[str]) -> List[str]:
         """Take one message's strings; return those that are new, in their order."""

@@ -3,12 +3,21 @@
 Both use the monotonic clock only (architecture, rule 4).
 """
 
-from typing import Optional
+from typing import NamedTuple, Optional
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.core.saved import Mono
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import BoxState, RobotState
+
+
+class CountdownState(NamedTuple):
+    """The saved state of a countdown; see its attributes."""
+
+    deadline: Optional[Mono] = None
+    paused_at: Optional[Mono] = None
+    stopped_at: Optional[Mono] = None  # of a run's clock only
 
 
 class Countdown:
@@ -18,6 +27,14 @@ class Countdown:
         self._seconds = seconds
         self._deadline: Optional[float] = None  # as if there were no more pauses
         self._paused_at: Optional[float] = None
+
+    def saved(self) -> CountdownState:
+        """The state for the journal."""
+        return CountdownState(self._deadline, self._paused_at)
+
+    def restore(self, state: CountdownState) -> None:
+        """Go on where a countdown was when it was saved: the time since then has passed for it, too."""
+        self._deadline, self._paused_at = state.deadline, state.paused_at
 
     def start(self, now: Now) -> None:
         """Only the first call starts it."""
@@ -67,6 +84,15 @@ class RunClock(Countdown):
         super().__init__(timeout)
         self._after_stop = after_stop
         self._stopped_at: Optional[float] = None
+
+    def saved(self) -> CountdownState:
+        """See `Countdown.saved`."""
+        return super().saved()._replace(stopped_at=self._stopped_at)
+
+    def restore(self, state: CountdownState) -> None:
+        """See `Countdown.restore`."""
+        super().restore(state)
+        self._stopped_at = state.stopped_at
 
     def start(self, now: Now) -> None:
         """The first start sets the deadline, a later one keeps it."""

@@ -7,12 +7,21 @@ best one. Benchmarks may start only within `allowed_skew` (manual, section 1).
 """
 
 from collections import deque
-from typing import Deque, List, Optional, Tuple
+from typing import Deque, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core.saved import Mono
 
 # Three beacons: a clock that was put right is believed after this long.
 WINDOW_S = 2.5
 # A window of a robot that sends every few milliseconds is still enough with so many samples.
 MAX_SAMPLES = 64
+
+
+class SkewSample(NamedTuple):
+    """A skew, and when it was measured."""
+
+    mono: Mono
+    seconds: float
 
 
 class SkewEstimate:
@@ -21,6 +30,15 @@ class SkewEstimate:
     def __init__(self) -> None:
         self._samples: Deque[Tuple[float, float]] = deque(maxlen=MAX_SAMPLES)
         self.seconds: Optional[float] = None
+
+    def saved(self) -> Optional[SkewSample]:
+        """The state for the journal: the estimate of now, as if it were one sample."""
+        return None if self.seconds is None else SkewSample(Mono(self._samples[-1][0]), self.seconds)
+
+    def restore(self, state: Optional[SkewSample]) -> None:
+        """Go on with what was measured before a restart."""
+        if state is not None:
+            self.sample(state.mono, state.seconds)
 
     @property
     def count(self) -> int:

@@ -80,6 +80,12 @@ class Tablet:
         position = self._position.said
         return TabletState(self.display_map, self._call.said.time, position.time, *position.value)
 
+    def restore(self, state: TabletState) -> None:
+        """Take what the beacon said before a restart: robots would take anything else for a call."""
+        self.display_map = state.display_map
+        self._call.said = _Said(state.call_time, None)
+        self._position.said = _Said(state.position_time, (state.position_x, state.position_y))
+
     def hear(self, now: Now, host: str, beacon: TabletState) -> Heard:
         """Take a TabletBeacon from `host`; which view is shown is not its to say."""
         absurd = _absurd(beacon)

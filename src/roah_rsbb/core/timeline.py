@@ -9,7 +9,9 @@ back would stand above all that follows.
 """
 
 import enum
-from typing import Optional
+from typing import NamedTuple, Optional
+
+from roah_rsbb.core.saved import Mono
 
 # For this long nothing may have come on the old timeline before a new one is believed. A robot sends
 # every second: it may lose one datagram and still be taken for alive.
@@ -27,6 +29,13 @@ class Verdict(enum.Enum):
     CLOCK_SET_BACK = "clock set back"  # accept it: the robot's timeline starts anew here
 
 
+class TimelineState(NamedTuple):
+    """The saved state of a `Timeline`."""
+
+    newest: Optional[int] = None  # nanoseconds, the robot's clock
+    newest_mono: Mono = Mono(0.0)
+
+
 class Timeline:
     """The times of one robot's messages on one channel, in nanoseconds."""
 
@@ -35,6 +44,14 @@ class Timeline:
         self._newest_mono = 0.0
         self._candidate: Optional[int] = None
         self._rising = 0
+
+    def saved(self) -> TimelineState:
+        """The state for the journal."""
+        return TimelineState(self.newest, Mono(self._newest_mono))
+
+    def restore(self, state: TimelineState) -> None:
+        """What was old before a restart is old after it, too."""
+        self.newest, self._newest_mono = state
 
     def judge(self, mono: float, time_ns: int) -> Verdict:
         """Judge a message that arrived at `mono` (s) and carries `time_ns`; accepted ones count."""
