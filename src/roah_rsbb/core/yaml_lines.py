@@ -83,9 +83,18 @@ def read_yaml(path: str, report: Report, what: str, shape: str, secret: bool = F
     what it should contain. Errors that leave the rest readable are reported, and `Unusable` stands in
     their place.
     """
+    text = read_text(path, report, what)
     try:
-        text = _decode(path, _read(path, what))
-        return _Builder(path, text, report, secret).build(shape)
+        return None if text is None else _Builder(path, text, report, secret).build(shape)
+    except _Stop as stop:
+        report.error(*stop.error)
+        return None
+
+
+def read_text(path: str, report: Report, what: str) -> Optional[str]:
+    """The text of a file that is no larger than a configuration file; None after an error."""
+    try:
+        return _decode(path, _read(path, what))
     except _Stop as stop:
         report.error(*stop.error)
         return None
