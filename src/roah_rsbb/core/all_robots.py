@@ -16,9 +16,9 @@ from roah_rsbb.core.effects import Level
 from roah_rsbb.core.link import SILENT_S
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.online_data import DisplayText
-from roah_rsbb.core.run import EndReason, Entry, Phase, Run, Surroundings, said_in
-from roah_rsbb.core.run_clock import RunClock
-from roah_rsbb.core.scoring import ScoreSheet, score_text
+from roah_rsbb.core.run import EndReason, Entry, Phase, Run, RunState, Surroundings, said_in
+from roah_rsbb.core.run_clock import CountdownState, RunClock
+from roah_rsbb.core.scoring import ScoreSheet, SheetState, score_text
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import BoxState
 
@@ -51,6 +51,21 @@ WHOLE_ENDS: Dict[EndReason, str] = {
 DOINGS: Dict[BoxState, str] = {
     BoxState.STOP: "stopped", BoxState.PREPARE: "preparing", BoxState.WAITING_RESULT: "executing",
 }
+
+
+class AllRobotsState(NamedTuple):
+    """The saved state of an `AllRobotsRun`; see its attributes."""
+
+    identity: str
+    opened_utc: float
+    phase: Phase
+    end_reason: Optional[EndReason]
+    desc: str
+    clock: CountdownState
+    sheet: SheetState
+    log: str
+    online_data: str
+    members: Tuple[RunState, ...]
 
 
 class MemberRun(Run):
@@ -123,7 +138,30 @@ class AllRobotsRun:
 
     def add(self, now: Now, entry: Entry) -> None:
         """One more robot, whose channel is being opened."""
-        self._members.append(MemberRun(self, entry, self._settings, self._surroundings, now))
+        member = MemberRun(self, entry, self._settings, self._surroundings, now)
+        self._members.append(member)
+        member.open(now)
+
+    def saved(self) -> AllRobotsState:
+        """The state for the journal."""
+        return AllRobotsState(
+            self.identity, self.opened_utc, self.phase, self.end_reason, self.desc, self.clock.saved(),
+            self.sheet.saved(), self.log.text, self.online_data.text,
+            tuple(member.saved() for member in self._members),
+        )
+
+    def resume(self, now: Now, state: AllRobotsState) -> None:
+        """Go on where the run was when the core ended."""
+        self.identity, self.opened_utc = state.identity, state.opened_utc
+        self.phase, self.end_reason, self.desc = state.phase, state.end_reason, state.desc
+        self.log.text, self.online_data.text = state.log, state.online_data
+        self.clock.restore(state.clock)
+        self.sheet.restore(state.sheet)
+        for of_member in state.members:
+            entry = Entry(self.zone, self.event, of_member.robot, of_member.port)
+            member = MemberRun(self, entry, self._settings, self._surroundings, now)
+            self._members.append(member)
+            member.resume(now, of_member)
 
     def members(self) -> Tuple[MemberRun, ...]:
         """See `ZoneRun`."""
@@ -167,6 +205,10 @@ class AllRobotsRun:
         for member in self._members:
             self._emit(effects.RunLogged(member.port, run_log.SCORE, (group, desc, value)))
         self.say(now, Level.INFO, score_text(group, desc, old, value))
+
+    def warn(self, now: Now, text: str) -> None:
+        """See `ZoneRun`."""
+        self.say(now, Level.WARNING, text)
 
     def close(self, now: Now) -> None:
         """See `ZoneRun`."""

@@ -19,6 +19,7 @@ from roah_rsbb.core.functionality import FunctionalityRun
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, RobotReport, TabletState
 from roah_rsbb.core.module_events import ModuleEvents
 from roah_rsbb.core.refused import Refused, did_you_mean
+from roah_rsbb.core.restart import BOX, Restart
 from roah_rsbb.core.results import FinishedRuns, finished_run
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots, RobotId
 from roah_rsbb.core.run import Entry, Run, Surroundings
@@ -32,7 +33,7 @@ from roah_rsbb.core.zone_run import ZoneRun
 MAX_PORTS_TRIED = 20
 
 
-class Box(ModuleEvents):
+class Box(ModuleEvents, Restart):
     """The referee, scoring and benchmarking box, without its sockets, clocks and files."""
 
     def __init__(
@@ -73,7 +74,7 @@ class Box(ModuleEvents):
         """
         runs = self._runs_deadline() if self._calm_until is None else self._calm_until
         modules = self.modules.deadline()
-        deadline = runs if modules is None else min(runs, modules)
+        deadline = min(t for t in (runs, modules, self._reopen_deadline()) if t is not None)
         return None if deadline == math.inf else deadline
 
     def tick(self, now: Now) -> None:
@@ -81,6 +82,7 @@ class Box(ModuleEvents):
         self._calm_until = None
         self._look_at_clock(now)
         self._miss_modules(now)
+        self._reopen(now)
         for run in self._zone_runs():
             run.tick(now)
 
@@ -157,6 +159,7 @@ class Box(ModuleEvents):
         reasons = self.reasons_off(now, zone, command)
         if reasons:
             raise Refused(reasons)
+        self._changed.add(zone.name)
         COMMANDS[command].execute(self, zone, now)
 
     def set_score(self, now: Now, zone_name: str, group: str, desc: str, value: int) -> None:
@@ -204,18 +207,24 @@ class Box(ModuleEvents):
         entry = Entry(zone.name, zone.event, robot.id, self._last_port)
         self._emit(effects.PortTaken(entry.port))
         self._emit(effects.OpenChannel(entry.port, robot.id.team, robot.id.robot, robot.host))
-        surroundings = Surroundings(self._emit, self._show_map)
         if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
-            whole = zone.run or AllRobotsRun(entry, self.settings, surroundings, now)
-            whole.add(now, entry)
-            zone.run = whole
-        elif zone.event.benchmark.kind is Kind.FUNCTIONALITY:
-            zone.run = FunctionalityRun(entry, self.settings, surroundings, self.modules, now)
+            zone.run = zone.run or AllRobotsRun(entry, self.settings, self._surroundings(zone.name), now)
+            zone.run.add(now, entry)
         else:
-            zone.run = Run(entry, self.settings, surroundings, now)
+            zone.run = run = self._make_run(now, entry)
+            run.open(now)
         if zone.event.benchmark.code == CATERING:
             self.tablet.display_map = False  # what the run before left on the tablet is not this robot's
         self._emit(effects.SendBeacon())
+
+    def _make_run(self, now: Now, entry: Entry) -> Run:
+        surroundings = self._surroundings(entry.zone)
+        if entry.event.benchmark.kind is Kind.FUNCTIONALITY:
+            return FunctionalityRun(entry, self.settings, surroundings, self.modules, now)
+        return Run(entry, self.settings, surroundings, now)
+
+    def _surroundings(self, zone: str) -> Surroundings:
+        return Surroundings(self._emit_in(zone), self._show_map)
 
     # -- the network --------------------------------------------------------------------------------
 
@@ -225,6 +234,9 @@ class Box(ModuleEvents):
         if run is None:
             return
         self._calm_until = None
+        if run.resumed:
+            self._reopen_later(now, run, error)
+            return
         zone = self.zones[run.zone]
         text = f"UDP port {port} cannot be used for the private channel: {error}"
         self._notice(Level.WARNING, text, zone.name)
@@ -338,6 +350,8 @@ class Box(ModuleEvents):
     # -- shared -------------------------------------------------------------------------------------
 
     def _emit(self, effect: Effect) -> None:
+        if isinstance(effect, effects.SendBeacon):
+            self._changed.add(BOX)
         self._effects.append(effect)
 
     def _notice(self, level: Level, text: str, zone: str = "") -> None:

@@ -83,6 +83,12 @@ class RunOpened(NamedTuple):
     robot: str = ""  # its name, where more than one robot of the team may be in the run
 
 
+class RunResumed(NamedTuple):
+    """A run goes on after a restart of the core, and so does its log."""
+
+    port: int
+
+
 class RunLogged(NamedTuple):
     """An entry of the run log: see `roah_rsbb.core.run_log` for topics and their kinds of value."""
 
@@ -125,5 +131,5 @@ class GiveUp(NamedTuple):
 
 Effect = Union[
     PortTaken, OpenChannel, AimChannel, CloseChannel, SendState, SendBeacon, TimeoutRung, SetDevice,
-    RunOpened, RunLogged, RunClosed, ModuleRunsChanged, Notice, GiveUp,
+    RunOpened, RunResumed, RunLogged, RunClosed, ModuleRunsChanged, Notice, GiveUp,
 ]

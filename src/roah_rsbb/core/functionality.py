@@ -5,13 +5,14 @@ timeouts, but no rule of any benchmark.
 """
 
 import json
-from typing import List, Optional, Tuple
+from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects, machine, run_log
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.manual_operations import Switches, check_answer
-from roah_rsbb.core.messages import GoalMessage, RobotReport
+from roah_rsbb.core.goal import Goal, GoalState
+from roah_rsbb.core.manual_operations import Switches, SwitchesState, check_answer
+from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.module_messages import (
     Outcome,
     OutcomeKind,
@@ -38,19 +39,17 @@ MAX_STEPS = 2000
 HOPF = "HOPF"
 
 
-class _Goal:
-    """A goal under way."""
+class FunctionalityState(NamedTuple):
+    """What a `FunctionalityRun` saves besides the state of every run; see its attributes."""
 
-    def __init__(self, now: Now, request: Request) -> None:
-        self.request = request
-        self.message = GoalMessage(request.goal, request.pose, request.initial_state, request.switches)
-        self.clock = Countdown(request.timeout or float("inf"))
-        if request.timeout:
-            self.clock.start(now)
-        self.told: Optional[Now] = None  # when the robot was first told to execute
-
-    def executing_s(self, mono: float) -> float:
-        return 0.0 if self.told is None else max(0.0, mono - self.told.mono)
+    attempt: int
+    steps: Tuple[Step, ...] = ()
+    scores: Tuple[ScoreValue, ...] = ()
+    switches: Optional[SwitchesState] = None
+    held: bool = False
+    kept: str = ""
+    goal: Optional[GoalState] = None  # of the last step
+    elapsed_s: float = 0.0
 
 
 class FunctionalityRun(Run):
@@ -69,9 +68,31 @@ class FunctionalityRun(Run):
         self._node = ""  # of the modules that drive this attempt
         self._progress: Optional[Progress] = None
         self._kept = ""
-        self._goal: Optional[_Goal] = None
+        self._goal: Optional[Goal] = None
         self._elapsed_s = 0.0
         super().__init__(entry, settings, surroundings, now)
+
+    def open(self, now: Now) -> None:
+        """See `Run.open`."""
+        super().open(now)
+        self._changed()
+
+    # -- restart of the core ------------------------------------------------------------------------
+
+    def saved_for_module(self) -> FunctionalityState:
+        """The state for the journal that other runs do not have."""
+        switches = None if self.switches is None else self.switches.saved()
+        goal = None if self._goal is None else self._goal.saved()
+        return FunctionalityState(
+            self.attempt, tuple(self.steps), self.scores, switches, self.held, self._kept, goal, self._elapsed_s
+        )
+
+    def resume_for_module(self, state: FunctionalityState) -> None:
+        """After `resume`: the rest of it. Modules go on by themselves, as after a restart of their own."""
+        self.attempt, self.steps, self.scores = state.attempt, list(state.steps), state.scores
+        self.switches = None if state.switches is None else Switches.restored(state.switches)
+        self.held, self._kept, self._elapsed_s = state.held, state.kept, state.elapsed_s
+        self._goal = None if state.goal is None else Goal.restored(self.steps[-1].request, state.goal)
         self._changed()
 
     # -- the referee --------------------------------------------------------------------------------
@@ -251,7 +272,8 @@ class FunctionalityRun(Run):
     # -- goals --------------------------------------------------------------------------------------
 
     def _open_goal(self, now: Now, request: Request) -> None:
-        self._goal = _Goal(now, request)
+        self._goal = Goal(request)
+        self._goal.start(now)
         if request.initial_state:
             self.switches = Switches(request.initial_state)
         self._emit(effects.RunLogged(self.port, run_log.GOAL, goal_json(request)))
@@ -280,7 +302,7 @@ class FunctionalityRun(Run):
         elif step is machine.Step.GOAL_DONE:
             self._goal_done(now, goal, result_text(report))
 
-    def _goal_done(self, now: Now, goal: _Goal, result: str) -> None:
+    def _goal_done(self, now: Now, goal: Goal, result: str) -> None:
         seconds = goal.executing_s(now.mono)
         if result:
             self._emit(effects.RunLogged(self.port, run_log.RESULT, result))
@@ -290,7 +312,7 @@ class FunctionalityRun(Run):
         self._say(now, Level.INFO, f"Goal completed by the robot in {seconds:.1f} s")
         self._close_goal(Outcome(OutcomeKind.DONE, result=result, executing_s=seconds, ended_utc=now.utc))
 
-    def _goal_timed_out(self, now: Now, goal: _Goal, due: float) -> None:
+    def _goal_timed_out(self, now: Now, goal: Goal, due: float) -> None:
         seconds = goal.executing_s(due)
         self._say(now, Level.WARNING, f"Goal timed out after {goal.request.timeout:g} s")
         self._close_goal(Outcome(

@@ -19,6 +19,7 @@ class ModuleEvents(abc.ABC):
     """A part of `roah_rsbb.core.box.Box`, which has the runs and the time."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.modules = Modules()
 
     @abc.abstractmethod

@@ -6,19 +6,19 @@ when, is decided in `roah_rsbb.core.commands`.
 """
 
 import enum
-from typing import Callable, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects, machine, run_log
 from roah_rsbb.core.benchmarks import ALL_TEAMS, Event
 from roah_rsbb.core.clock import Now, clock_text
-from roah_rsbb.core.device_commands import DeviceCommands
+from roah_rsbb.core.device_commands import DeviceCommands, DeviceCommandsState
 from roah_rsbb.core.effects import Effect, How, Level
-from roah_rsbb.core.link import RobotLink
+from roah_rsbb.core.link import LinkState, RobotLink
 from roah_rsbb.core.messages import NO_GOAL, BoxMessage, GoalMessage, RobotReport
 from roah_rsbb.core.online_data import DisplayText, RepeatedStrings
 from roah_rsbb.core.robots import RobotId
-from roah_rsbb.core.run_clock import RunClock, SavingWatch
-from roah_rsbb.core.scoring import ScoreSheet, score_text
+from roah_rsbb.core.run_clock import CountdownState, RunClock, SavingWatch
+from roah_rsbb.core.scoring import ScoreSheet, SheetState, score_text
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import BoxState, RobotState
 
@@ -69,6 +69,26 @@ class Entry(NamedTuple):
         return f"{self.event.benchmark.code}-{self.port}-{now.utc:.3f}"
 
 
+class RunState(NamedTuple):
+    """The saved state of a `Run`; see its attributes."""
+
+    port: int
+    robot: RobotId
+    identity: str
+    opened_utc: float
+    phase: Phase
+    end_reason: Optional[EndReason]
+    desc: str
+    message: BoxMessage
+    link: LinkState
+    clock: CountdownState
+    sheet: SheetState
+    log: str = ""
+    online_data: str = ""
+    devices: DeviceCommandsState = DeviceCommandsState()
+    strings: Dict[str, Tuple[str, ...]] = {}
+
+
 class Surroundings(NamedTuple):
     """What a run reaches of the box around it."""
 
@@ -105,13 +125,43 @@ class Run:
         self._strings = {field.name: RepeatedStrings() for field in ONLINE_FIELDS}
         self._emit = surroundings.emit
         self._show_map = surroundings.show_map
+        self.resumed = False  # after a restart of the core
         self.desc = ""  # what is the matter, in one line
         self._last_logged: Optional[Tuple[RobotReport, bool]] = None
         self.message = BoxMessage(event.benchmark.code, BoxState.STOP)
+
+    def open(self, now: Now) -> None:
+        """Begin: `resume` is the other way to."""
         # Where all robots run at once, a team may have several.
-        name = self.robot.robot if event.team == ALL_TEAMS else ""
-        self._emit(effects.RunOpened(self.port, self.robot.team, event.round, event.run, name))
+        name = self.robot.robot if self.event.team == ALL_TEAMS else ""
+        self._emit(effects.RunOpened(self.port, self.robot.team, self.event.round, self.event.run, name))
         self._set_state(now, BoxState.STOP, "Connected: waiting for the robot's first message")
+
+    # -- restart of the core ------------------------------------------------------------------------
+
+    def saved(self) -> RunState:
+        """The state for the journal."""
+        return RunState(
+            self.port, self.robot, self.identity, self.opened_utc, self.phase, self.end_reason, self.desc,
+            self.message, self.link.saved(), self.clock.saved(), self.sheet.saved(), self.log.text,
+            self.online_data.text, self.devices.saved(),
+            {name: strings.saved() for name, strings in self._strings.items()},
+        )
+
+    def resume(self, now: Now, state: RunState) -> None:
+        """Instead of `open`: go on where the run was when the core ended."""
+        self.resumed = True
+        self.identity, self.opened_utc = state.identity, state.opened_utc
+        self.phase, self.end_reason, self.desc, self.message = state.phase, state.end_reason, state.desc, state.message
+        self.log.text, self.online_data.text = state.log, state.online_data
+        self.link.restore(state.link)
+        self.clock.restore(state.clock)
+        self.sheet.restore(state.sheet)
+        self.devices.restore(state.devices)
+        for name, strings in state.strings.items():
+            self._strings[name].restore(strings)
+        self._emit(effects.RunResumed(self.port))
+        self._emit(effects.SendState(self.port, self.message, How.CHANGE))
 
     def members(self) -> Tuple["Run", ...]:
         """See `ZoneRun`: this run is its only member."""

@@ -50,7 +50,7 @@ def freeze(value: Any) -> Any:
     if value is None or value.__class__ in (bool, int, float, str):
         return value
     if isinstance(value, enum.Enum):
-        return value.value
+        return value.name
     if hasattr(value, "_fields"):
         defaults = value._field_defaults
         return {
@@ -86,7 +86,7 @@ def _thaw_of(hint: Any) -> _Thaw:
     if hint is float:
         return lambda data, _shift: float(data)
     if isinstance(hint, type) and issubclass(hint, enum.Enum):
-        return lambda data, _shift: hint(data)
+        return lambda data, _shift: hint[data]
     if hasattr(hint, "_fields"):
         return _tuple_of_fields(hint)
     origin, args = getattr(hint, "__origin__", None), getattr(hint, "__args__", ())

@@ -111,8 +111,8 @@ def schedule(box: Box) -> List[ScheduleLine]:
 
 def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
     run = zone.run
-    shown = run if run is not None else zone.last_run
     off = tuple(tuple(box.reasons_off(now, zone, command)) for command in COMMANDS)
+    log, online_data = _texts(zone)
     warnings = [] if run is None else run.warnings(now)
     if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
         warnings += outsiders(box, zone, now)
@@ -122,8 +122,8 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         timer=zone.event.benchmark.total_timeout if run is None else run.timer(now),
         state="",
         off=off,
-        log="" if shown is None else shown.log.text,
-        online_data="" if shown is None else shown.online_data.text,
+        log=log,
+        online_data=online_data,
         scoring=() if run is None else tuple(run.sheet.groups()),
         warnings=tuple(warnings),
         phase=IDLE if run is None else run.phase.value,
@@ -132,6 +132,14 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         all_robots=_all_robots(run, now) if isinstance(run, AllRobotsRun) else None,
     )
     return view._replace(state="\n".join(_state_lines(box, zone, view, now)))
+
+
+def _texts(zone: Zone) -> Tuple[str, str]:
+    """Log and online data: of the run, or of the one before."""
+    if zone.run is not None:
+        return zone.run.log.text, zone.run.online_data.text
+    last = zone.last_run
+    return ("", "") if last is None else (last.log, last.online_data)
 
 
 def _module(run: FunctionalityRun) -> ModuleView:

@@ -99,6 +99,11 @@ class Watches:
         self._keep(now, ("clock", None), text, CLOCK_REMEMBER_S)
         return text
 
+    def restarted(self, now: Now, text: str) -> None:
+        """Runs go on after a restart of the core: then there is no time to listen for another box, either."""
+        self._listen_duration = 0.0
+        self._keep(now, ("restart", None), text, CLOCK_REMEMBER_S)
+
     def warnings(self, now: Now) -> List[str]:
         """What every referee should know now."""
         self._kept = {key: kept for key, kept in self._kept.items() if kept[0] >= now.mono}

@@ -1,10 +1,18 @@
 """A zone: a group of scheduled benchmarks, the event it is at, and the run in it (manual, section 1)."""
 
-from typing import Optional
+from typing import NamedTuple, Optional
 
 from roah_rsbb.core.benchmarks import Event, ZonePlan
 from roah_rsbb.core.run import EndReason
 from roah_rsbb.core.zone_run import ZoneRun
+
+
+class LastRun(NamedTuple):
+    """What a zone still shows of the run that was left last."""
+
+    end_reason: Optional[EndReason]  # None: it was never started
+    log: str
+    online_data: str
 
 
 class Zone:
@@ -15,7 +23,7 @@ class Zone:
         self.events = plan.events
         self.index = 0
         self.run: Optional[ZoneRun] = None
-        self.last_run: Optional[ZoneRun] = None  # the run before, for its log
+        self.last_run: Optional[LastRun] = None  # until the zone shows another event
 
     @property
     def event(self) -> Event:
@@ -40,6 +48,7 @@ class Zone:
     def leave(self, auto_next: bool) -> None:
         """The run is over and disconnected; after one that was completed the next event follows."""
         run, self.run = self.run, None
-        self.last_run = run
-        if auto_next and run is not None and run.end_reason is EndReason.COMPLETED and not self.at_last:
+        assert run is not None, "there is a run to leave"
+        self.last_run = LastRun(run.end_reason, run.log.text, run.online_data.text)
+        if auto_next and run.end_reason is EndReason.COMPLETED and not self.at_last:
             self.move(1)

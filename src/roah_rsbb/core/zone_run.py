@@ -39,6 +39,9 @@ class ZoneRun(Protocol):
     def set_score(self, now: Now, group: str, desc: str, value: int) -> None:
         """The referee marks a scoring item; raises `Refused`."""
 
+    def warn(self, now: Now, text: str) -> None:
+        """What goes wrong around this run: its referee reads it in the log."""
+
     def close(self, now: Now) -> None:
         """Leave the run, with all its channels."""
 

@@ -33,16 +33,18 @@ def test_a_zone_with_one_event_is_at_both_ends():
 @pytest.mark.parametrize("reason", [None, *EndReason])
 def test_only_a_completed_run_moves_the_zone_on(auto_next, reason):
     zone = _zone("HGTKMH", "HWV")
-    zone.run = run = SimpleNamespace(end_reason=reason)
+    text = SimpleNamespace(text="12:00:00Z STOP\n")
+    zone.run = SimpleNamespace(end_reason=reason, log=text, online_data=text)
     zone.leave(auto_next)
     moved = auto_next and reason is EndReason.COMPLETED
     assert (zone.index, zone.run) == (int(moved), None)
     # The log of the last run stays to be read, until the zone shows another event.
-    assert zone.last_run is (None if moved else run)
+    assert zone.last_run == (None if moved else (reason, text.text, text.text))
 
 
 def test_after_the_last_event_there_is_no_next():
     zone = _zone("HGTKMH")
-    zone.run = SimpleNamespace(end_reason=EndReason.COMPLETED)
+    text = SimpleNamespace(text="")
+    zone.run = SimpleNamespace(end_reason=EndReason.COMPLETED, log=text, online_data=text)
     zone.leave(auto_next=True)
     assert (zone.index, zone.run) == (0, None)
