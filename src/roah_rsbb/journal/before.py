@@ -1,0 +1,51 @@
+"""What the journal holds of the time before this start of the core."""
+
+import sqlite3
+from typing import Dict, NamedTuple, Optional, Tuple
+
+from roah_rsbb.journal.file import Session
+
+# So many runs that are over are taken up again: those that a referee may still want to correct.
+MAX_OUTCOMES = 100
+
+
+class Before(NamedTuple):
+    """All that a core needs to go on."""
+
+    states: Dict[str, str]  # by name; JSON
+    outcomes: Tuple[str, ...]  # JSON of the records of the newest runs that are over, the oldest first
+    log_files: Dict[int, str]  # path of the run log, by the port
+    last_port: Optional[int]  # the highest private port that was used
+    last: Optional[Session]  # the session before, with the times of its last record
+
+
+NOTHING = Before({}, (), {}, None, None)
+
+
+def read_before(connection: sqlite3.Connection) -> Before:
+    """Read it, before the session that begins is written; raises sqlite3.Error."""
+    outcomes = connection.execute(
+        "SELECT outcome FROM runs WHERE closed_utc IS NOT NULL AND outcome IS NOT NULL"
+        " ORDER BY opened_utc DESC LIMIT ?", (MAX_OUTCOMES,)).fetchall()
+    return Before(
+        states=dict(connection.execute("SELECT name, state FROM states")),
+        outcomes=tuple(outcome for (outcome,) in reversed(outcomes)),
+        log_files=dict(connection.execute("SELECT port, log_file FROM members WHERE log_file IS NOT NULL")),
+        last_port=connection.execute("SELECT max(port) FROM members").fetchone()[0],
+        last=_last_session(connection),
+    )
+
+
+def _last_session(connection: sqlite3.Connection) -> Optional[Session]:
+    row = connection.execute(
+        "SELECT id, utc, mono, boot_id, pid, box_uuid, launch FROM sessions ORDER BY id DESC LIMIT 1").fetchone()
+    if row is None:
+        return None
+    number, session = row[0], Session(*row[1:])
+    newest = [(session.mono, session.utc)]
+    newest += connection.execute(
+        "SELECT mono, utc FROM entries WHERE session = ? ORDER BY id DESC LIMIT 1", (number,)).fetchall()
+    newest += connection.execute(
+        "SELECT mono, utc FROM links WHERE mono >= ? ORDER BY rowid DESC LIMIT 1", (session.mono,)).fetchall()
+    mono, utc = max(newest)
+    return session._replace(mono=mono, utc=utc)

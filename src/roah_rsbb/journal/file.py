@@ -1,0 +1,216 @@
+"""The journal's file: found, checked, brought up to date; or put aside, and a new one begun.
+
+A file that cannot be gone on with is never deleted: it is renamed, where `results --journal` can read it.
+"""
+
+import contextlib
+import enum
+import fcntl
+import json
+import os
+import sqlite3
+import time
+from typing import List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.journal import schema
+
+FILE_NAME = "roah_rsbb_journal.sqlite3"
+# What SQLite keeps beside its file.
+COMPANIONS = ("", "-wal", "-shm")
+# So many cores with one log_dir get a journal of their own.
+MAX_CORES = 20
+COMPETITION = "competition"
+
+
+class CannotWrite(Exception):
+    """There is no journal for now: the directory is missing, full, read-only, or mended later."""
+
+
+class Resume(enum.Enum):
+    """When a core goes on from the journal that is there (parameter `resume`)."""
+
+    ALWAYS = "always"
+    LAUNCH = "launch"  # only within one roslaunch: after a crash, but not when somebody starts anew
+    NEVER = "never"
+
+
+class Session(NamedTuple):
+    """One start of the core."""
+
+    utc: float
+    mono: float
+    boot_id: str  # of the computer's start: another one has another monotonic clock
+    pid: int
+    box_uuid: str
+    launch: str  # of the roslaunch that it belongs to; empty: none
+
+
+class File(NamedTuple):
+    """An open journal."""
+
+    connection: sqlite3.Connection
+    warnings: Tuple[str, ...]
+
+
+def boot_id() -> str:
+    """Which start of the computer this is; empty where that is not told."""
+    try:
+        with open("/proc/sys/kernel/random/boot_id", encoding="ascii") as file:
+            return file.read().strip()
+    except OSError:
+        return ""
+
+
+def lock(log_dir: str) -> Tuple[str, int]:
+    """The path of the first journal in the directory that no other core has, and the lock on it, which lasts as
+    long as its file descriptor. Raises `CannotWrite`."""
+    base, suffix = os.path.splitext(FILE_NAME)
+    try:
+        os.makedirs(log_dir, exist_ok=True)
+        for number in range(1, MAX_CORES + 1):
+            path = os.path.join(log_dir, FILE_NAME if number == 1 else f"{base}_{number}{suffix}")
+            fd = os.open(f"{path}.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            try:
+                fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                os.close(fd)
+                continue
+            return path, fd
+    except OSError as error:
+        raise CannotWrite(f"{log_dir}: {error.strerror}") from None
+    raise CannotWrite(f"{log_dir}: {MAX_CORES} cores keep their journals there: end some, or give another log_dir")
+
+
+def open_file(path: str, competition: str, resume: Resume, launch: str) -> File:
+    """Open the journal for a competition (JSON: a list of its events, each a list), or begin a new one.
+
+    `launch`: of the session that begins. Raises `CannotWrite`.
+    """
+    warnings: List[str] = []
+    if os.path.exists(path):
+        try:
+            why = _why_not(path, competition, resume, launch)
+        except sqlite3.OperationalError as error:
+            raise CannotWrite(f"{path}: {error}") from None
+        if why:
+            aside = put_aside(path)
+            warnings.append(f"The journal that was in {path} is not gone on with: {why}. It is kept as {aside}")
+    try:
+        connection = _connect(path)
+        _prepare(connection, competition)
+    except (sqlite3.Error, OSError) as error:
+        raise CannotWrite(f"{path}: {error}") from None
+    return File(connection, tuple(warnings))
+
+
+def put_aside(path: str) -> str:
+    """Rename a journal with all that belongs to it; returns its new path. Raises `CannotWrite`."""
+    base, suffix = os.path.splitext(path)
+    stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
+    names = (f"{base}_aside_{stamp}{number}{suffix}" for number in ("", *(f"_{n}" for n in range(2, 1000))))
+    aside = next(name for name in names if not os.path.exists(name))
+    try:
+        for companion in COMPANIONS:
+            if os.path.exists(path + companion):
+                os.rename(path + companion, aside + companion)
+    except OSError as error:
+        raise CannotWrite(f"{path} cannot be put aside: {error.strerror}") from None
+    return aside
+
+
+def _connect(path: str) -> sqlite3.Connection:
+    connection = sqlite3.connect(path, timeout=1.0, isolation_level=None)
+    try:
+        mode = connection.execute("PRAGMA journal_mode = WAL").fetchone()[0]
+        # Another thread syncs (see `disk`); a file system without a write-ahead log has each commit wait.
+        connection.execute(f"PRAGMA synchronous = {'OFF' if mode == 'wal' else 'FULL'}")
+        connection.execute("PRAGMA wal_autocheckpoint = 0")
+    except sqlite3.Error:
+        connection.close()
+        raise
+    return connection
+
+
+def _prepare(connection: sqlite3.Connection, competition: str) -> None:
+    if not _number(connection, "application_id"):
+        schema.create(connection)
+    schema.migrate(connection, _number(connection, "user_version"))
+    connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (COMPETITION, competition))
+
+
+def _why_not(path: str, competition: str, resume: Resume, launch: str) -> str:
+    """Why a journal that is there cannot be gone on with; empty: it can. Raises OperationalError if it could be
+    read only later."""
+    try:
+        connection = _connect(path)
+    except sqlite3.OperationalError:
+        raise
+    except sqlite3.DatabaseError as error:
+        return f"it is damaged, or no journal at all ({error})"
+    try:
+        return _problem_of(connection, competition) or _begins_anew(connection, resume, launch)
+    except sqlite3.OperationalError:
+        raise
+    except (sqlite3.DatabaseError, ValueError) as error:
+        return f"it is damaged ({error})"
+    finally:
+        connection.close()
+
+
+def _problem_of(connection: sqlite3.Connection, competition: str) -> str:
+    is_empty = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0
+    if is_empty:
+        return ""  # the core was ended before it could write anything
+    if _number(connection, "application_id") != schema.APPLICATION_ID:
+        return "it is another program's"
+    version = _number(connection, "user_version")
+    if version > schema.VERSION:
+        return f"a newer version of roah_rsbb wrote it (its tables have version {version}, known are {schema.VERSION})"
+    if any(v not in schema.MIGRATIONS for v in range(version, schema.VERSION)):
+        return f"its tables have version {version}, which this version of roah_rsbb does not know any more"
+    found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
+    if found != "ok":
+        return f"it is damaged ({found})"
+    row = connection.execute("SELECT value FROM meta WHERE key = ?", (COMPETITION,)).fetchone()
+    if row is not None and not same_competition(row[0], competition):
+        return "it is of another competition: none of its events is in the schedule"
+    return ""
+
+
+def _begins_anew(connection: sqlite3.Connection, resume: Resume, launch: str) -> str:
+    row = connection.execute("SELECT launch FROM sessions ORDER BY id DESC LIMIT 1").fetchone()
+    if row is None or resume is Resume.ALWAYS or (resume is Resume.LAUNCH and row[0] == launch):
+        return ""
+    return f"this core was started to begin anew (its parameter resume is '{resume.value}')"
+
+
+def same_competition(saved: str, present: str) -> bool:
+    """Whether two schedules have an event in common, whenever it takes place: a schedule may change on the day."""
+    events = {tuple(event[:-1]) for event in json.loads(saved)}
+    return bool(events & {tuple(event[:-1]) for event in json.loads(present)})
+
+
+def _number(connection: sqlite3.Connection, pragma: str) -> int:
+    return connection.execute(f"PRAGMA {pragma}").fetchone()[0]
+
+
+def identity(path: str) -> Optional[Tuple[int, int]]:
+    """Which file is at this path; None: there is none. One that was removed goes on to take what is written to it."""
+    try:
+        found = os.stat(path)
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+def copied(connection: sqlite3.Connection, path: str) -> sqlite3.Connection:
+    """Write all that an open journal holds to a new file; raises sqlite3.Error and leaves no half of it."""
+    draft = f"{path}.draft"
+    for companion in COMPANIONS:
+        if os.path.exists(draft + companion):
+            os.remove(draft + companion)
+    with contextlib.closing(sqlite3.connect(draft, isolation_level=None)) as new:
+        connection.backup(new)
+        new.execute("PRAGMA journal_mode = DELETE")
+    os.rename(draft, path)
+    return _connect(path)

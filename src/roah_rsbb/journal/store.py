@@ -1,0 +1,202 @@
+"""The one writer of the journal.
+
+Theory of operation. `write` takes what one event changed and commits it before it returns, so that it outlives
+the process; `disk` forces it to the disk soon after. What cannot be written (a full disk, a missing directory)
+waits in memory and goes out with the first write that succeeds, in order: runs go on meanwhile.
+
+All methods but `sync` belong to one thread.
+"""
+
+import contextlib
+import os
+import sqlite3
+import time
+from typing import Callable, List, Optional, Tuple
+
+from roah_rsbb.journal import file as files
+from roah_rsbb.journal.batch import Batch, Entry, Pending
+from roah_rsbb.journal.before import NOTHING, Before, read_before
+from roah_rsbb.journal.disk import Disk
+from roah_rsbb.journal.file import CannotWrite, Resume, Session
+
+# What could not be written is tried again after this long.
+RETRY_S = 0.5
+# Scores and sign-offs wait for the disk so long at most.
+SYNC_TIMEOUT_S = 2.0
+
+# What is told when there is no trouble any more.
+MENDED = ""
+
+
+class Journal:
+    """Writes one journal."""
+
+    def __init__(
+        self, log_dir: str, session: Session, competition: str, resume: Resume, on_trouble: Callable[[str], None]
+    ) -> None:
+        """Never raises. `on_trouble` is called, from any thread, with what keeps the record from the disk and the
+        remedy; with `MENDED` when it is over."""
+        self._log_dir = log_dir
+        self._session = session
+        self._competition = competition
+        self._on_trouble = on_trouble
+        self._connection: Optional[sqlite3.Connection] = None
+        self._lock: Optional[int] = None
+        self._file: Optional[Tuple[int, int]] = None
+        self._disk: Optional[Disk] = None
+        self._pending = Pending()
+        self._retry_at = 0.0
+        self._session_id = 0
+        self._trouble = MENDED
+        self._disk_trouble = MENDED
+        self.path = os.path.join(log_dir, files.FILE_NAME)
+        self.before: Before = NOTHING
+        self.warnings: Tuple[str, ...] = ()
+        self._attempt(lambda: self._open(resume))
+
+    # -- writing ------------------------------------------------------------------------------------
+
+    def write(self, batch: Batch) -> None:
+        """Commit what one event changed, with all that still waits. What cannot be written waits: `trouble`."""
+        self._pending.add(batch)
+        if self._retry_at and time.monotonic() < self._retry_at:
+            return
+        self._attempt(self._flush)
+
+    def look(self) -> None:
+        """To be called about once a second: write what waits, and see whether the file is still there."""
+        if self._connection is not None and files.identity(self.path) != self._file:
+            self._attempt(self._move)
+        if self._connection is None or not self._pending.is_empty():
+            self._attempt(self._flush)
+
+    def sync(self) -> bool:
+        """From any other thread: wait until all that was written is on the disk; False: it is not, and the referee
+        was told why."""
+        disk = self._disk
+        return disk is not None and not self._trouble and disk.wait(SYNC_TIMEOUT_S)
+
+    def close(self) -> None:
+        """Write what waits, bring all onto the disk and into one file."""
+        self._attempt(self._flush)
+        self._release()
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
+
+    def entries_of(self, port: int) -> List[Entry]:
+        """All entries of a robot's part in a run, also those that still wait, in order."""
+        found: List[Entry] = []
+        if self._connection is not None:
+            with contextlib.suppress(sqlite3.Error):
+                rows = self._connection.execute(
+                    "SELECT utc, mono, zone, identity, port, who, kind, value FROM entries WHERE identity ="
+                    " (SELECT identity FROM members WHERE port = ?) AND port = ? ORDER BY id", (port, port))
+                found = [Entry(*row) for row in rows]
+        return found + [entry for entry in self._pending.entries if entry.port == port]
+
+    # -- trouble ------------------------------------------------------------------------------------
+
+    def _attempt(self, step: Callable[[], None]) -> None:
+        """Do a step. If it fails, the runs go on, and all that is to be written waits."""
+        try:
+            step()
+        except (CannotWrite, sqlite3.Error, OSError) as error:
+            self._retry_at = time.monotonic() + RETRY_S
+            self._tell(
+                f"The journal {self.path} cannot be written: {error}. Runs go on and their scores are kept in memory: "
+                "free or mend the disk of log_dir before this computer is switched off"
+            )
+            return
+        self._retry_at = 0.0
+        self._tell(MENDED)
+
+    def _tell(self, trouble: str) -> None:
+        before, self._trouble = self._trouble, trouble
+        if trouble != before:
+            self._on_trouble(trouble or self._disk_trouble)
+
+    def _on_disk_problem(self, problem: str) -> None:
+        """From the thread of `Disk`."""
+        text = f"The journal {self.path} does not get onto the disk: {problem}. Mend the disk of log_dir"
+        self._disk_trouble = text if problem else MENDED
+        self._on_trouble(self._trouble or self._disk_trouble)
+
+    # -- steps --------------------------------------------------------------------------------------
+
+    def _open(self, resume: Resume) -> None:
+        if self._lock is None:
+            self.path, self._lock = files.lock(self._log_dir)
+        opened = files.open_file(self.path, self._competition, resume, self._session.launch)
+        self._take(opened.connection)
+        self.warnings += opened.warnings
+        self.before = read_before(opened.connection)
+        cursor = opened.connection.execute(
+            "INSERT INTO sessions (utc, mono, boot_id, pid, box_uuid, launch) VALUES (?, ?, ?, ?, ?, ?)", self._session
+        )
+        self._session_id = cursor.lastrowid
+        self._disk.written()
+
+    def _take(self, connection: sqlite3.Connection) -> None:
+        self._connection = connection
+        self._file = files.identity(self.path)
+        self._disk = Disk(self.path, self._on_disk_problem)
+
+    def _release(self) -> None:
+        if self._disk is not None:
+            self._disk.end()
+            self._disk = None
+        if self._connection is not None:
+            with contextlib.suppress(sqlite3.Error):
+                self._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            self._connection.close()
+            self._connection = None
+
+    def _move(self) -> None:
+        """Somebody removed the file, or its directory: what it held is still in our hands, and is written anew."""
+        old = self._connection
+        os.close(self._lock)
+        self._lock = None
+        self.path, self._lock = files.lock(self._log_dir)
+        if os.path.exists(self.path):
+            files.put_aside(self.path)
+        new = files.copied(old, self.path)
+        self._disk.end()
+        self._take(new)
+        old.close()
+        self._disk.written()
+
+    def _flush(self) -> None:
+        if self._connection is None:
+            self._open(Resume.ALWAYS)
+        waiting, connection = self._pending, self._connection
+        if waiting.is_empty():
+            return
+        connection.execute("BEGIN IMMEDIATE")
+        try:
+            _insert(connection, self._session_id, waiting)
+            connection.execute("COMMIT")
+        except BaseException:
+            with contextlib.suppress(sqlite3.Error):
+                connection.execute("ROLLBACK")
+            raise
+        self._pending = Pending()
+        self._disk.written()
+
+
+def _insert(connection: sqlite3.Connection, session: int, waiting: Pending) -> None:
+    connection.executemany("INSERT OR REPLACE INTO states VALUES (?, ?)", waiting.states.items())
+    connection.executemany(
+        "INSERT INTO entries (session, utc, mono, zone, identity, port, who, kind, value)"
+        " VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", ((session, *entry) for entry in waiting.entries))
+    connection.executemany(
+        "INSERT OR IGNORE INTO runs (identity, zone, benchmark, team, round, run, scheduled, opened_utc)"
+        " VALUES (?, ?, ?, ?, ?, ?, ?, ?)", waiting.runs)
+    connection.executemany(
+        "INSERT OR IGNORE INTO members (port, identity, team, robot) VALUES (?, ?, ?, ?)", waiting.members)
+    connection.executemany(
+        "UPDATE members SET log_file = ? WHERE port = ?", ((path, port) for port, path in waiting.log_files.items()))
+    connection.executemany(
+        "UPDATE runs SET closed_utc = ?, outcome = ? WHERE identity = ?",
+        ((*outcome, identity) for identity, outcome in waiting.outcomes.items()))
+    connection.executemany("INSERT INTO links VALUES (?, ?, ?, ?)", waiting.links)
