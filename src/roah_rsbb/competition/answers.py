@@ -4,12 +4,12 @@ import datetime
 import ipaddress
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
+from roah_rsbb.competition.moments import read_day
 from roah_rsbb.core.benchmarks import ALL_TEAMS, KINDS, Kind
 from roah_rsbb.core.config_errors import Place, Report, listing, quote
 from roah_rsbb.core.config_passwords import MAX_TEAM_BYTES
 from roah_rsbb.core.yaml_fields import choice, text
 from roah_rsbb.core.yaml_lines import Scalar
-from roah_rsbb.competition.moments import read_day
 
 # Two zones are what a competition usually has (manual, section 1).
 _TASKS, _OTHERS = "Task Benchmarks", "Functionality Benchmarks"

@@ -7,12 +7,12 @@ from xml.parsers import expat
 from roah_rsbb.bmbox import ground_truth_config
 from roah_rsbb.bmbox.parameters import read_parameters
 from roah_rsbb.bmbox.registry import modules
+from roah_rsbb.competition import files
+from roah_rsbb.competition.texts import module_codes
 from roah_rsbb.core import config
 from roah_rsbb.core.benchmarks import ALL_TEAMS, Config, Event
 from roah_rsbb.core.config_errors import ConfigErrors, Place, Report, listing, quote
 from roah_rsbb.core.yaml_lines import read_text
-from roah_rsbb.competition import files
-from roah_rsbb.competition.texts import module_codes
 
 # The launch file's arguments that name files of the directory.
 _NAMED_FILES = {

@@ -3,9 +3,9 @@
 import datetime
 from typing import Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
 
+from roah_rsbb.competition.moments import VenueClock
 from roah_rsbb.core.benchmarks import ALL_TEAMS, KINDS, Kind
 from roah_rsbb.core.config_errors import Place, Report
-from roah_rsbb.competition.moments import VenueClock
 
 
 class Run(NamedTuple):
@@ -72,8 +72,9 @@ def timetable(
             begins += day.every
         if begins > ends:
             at = clock.wall(begins)
+            next_day = " the next day" if at.date() > day.day else ""
             report.error(
-                Place("--days", 0, 0), f"runs on {day.day} until {at:%H:%M}" + (" the next day" * (at.date() > day.day)),
+                Place("--days", 0, 0), f"runs on {day.day} until {at:%H:%M}{next_day}",
                 f"that they are over by {day.last:%H:%M}: begin earlier (--begin), have them follow each other "
                 "sooner (--every), choose more zones or fewer benchmarks, or end later (--end)")
     return Plan(tuple(teams), tuple(PlannedZone(name, tuple(found)) for name, found in runs.items()))

@@ -7,15 +7,16 @@ import sys
 from typing import Callable, Dict, List, Optional
 
 from roah_rsbb.comm.arguments import Parser
-from roah_rsbb.core.config_benchmarks import BenchmarksFile
-from roah_rsbb.core.config_errors import ConfigErrors, Place, Report
-from roah_rsbb.core.config_passwords import PasswordsFile
 from roah_rsbb.competition import answers, files
 from roah_rsbb.competition.check import check
 from roah_rsbb.competition.files import CannotWrite, Hosts
+from roah_rsbb.competition.moments import read_clock
 from roah_rsbb.competition.plan import Day, Plan, timetable
 from roah_rsbb.competition.questions import QUESTIONS, Missing, known_answers
 from roah_rsbb.competition.sheet import OPTIONAL, REQUIRED, Known, read_sheet
+from roah_rsbb.core.config_benchmarks import BenchmarksFile
+from roah_rsbb.core.config_errors import ConfigErrors, Place, Report
+from roah_rsbb.core.config_passwords import PasswordsFile
 
 _DESCRIPTION = """\
 Make the directory of a competition: benchmarks, passwords (made by chance), schedule, parameters of the
@@ -113,12 +114,11 @@ def _schedule_only(report: Report, options: argparse.Namespace, config_dir: str)
     """Make the schedule of an existing competition anew from a sheet; its teams and benchmarks stay."""
     if not options.sheet:
         raise Missing("not given: --sheet, from which --schedule-only makes the schedule")
-    given = [q.option for q in QUESTIONS
-             if q.option != "time-zone" and getattr(options, q.option.replace("-", "_")) is not None]
-    for option in given:
-        report.error(Place("--" + option, 0, 0), "this option beside --schedule-only", "it only makes the schedule anew")
-    clock = known_answers(argparse.Namespace(**{**vars(options), **dict.fromkeys(
-        (name.replace("-", "_") for name in given))}), report, None, print)["time-zone"]
+    for question in QUESTIONS:
+        if question.option != "time-zone" and getattr(options, question.option.replace("-", "_")) is not None:
+            report.error(Place("--" + question.option, 0, 0), "this option beside --schedule-only",
+                         "it only makes the schedule anew")
+    clock = read_clock(report, Place("--time-zone", 0, 0), options.time_zone or "local")
     benchmarks, passwords = (os.path.join(options.directory, name) for name in (files.BENCHMARKS, files.PASSWORDS))
     teams = PasswordsFile(passwords, report).by_team
     codes = BenchmarksFile(benchmarks, report).by_code
@@ -141,7 +141,8 @@ def _told(directory: str) -> int:
     for warning in found.warnings:
         print(f"warning: {warning}")
     if found.errors:
-        print(f"{len(found.errors)} errors: the box would not start with these files")
+        count = len(found.errors)
+        print(f"{count} error{'s' if count > 1 else ''}: the box would not start with these files")
         return 1
     print(f"All is well: {found.summary}")
     return 0

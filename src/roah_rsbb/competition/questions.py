@@ -4,10 +4,10 @@ import argparse
 import datetime
 from typing import Callable, Dict, List, NamedTuple, Optional
 
-from roah_rsbb.core.benchmarks import KINDS
-from roah_rsbb.core.config_errors import Place, Report
 from roah_rsbb.competition import answers, moments
 from roah_rsbb.competition.answers import Reader
+from roah_rsbb.core.benchmarks import KINDS
+from roah_rsbb.core.config_errors import Place, Report
 
 
 class Question(NamedTuple):

@@ -9,13 +9,13 @@ import datetime
 import io
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.competition.answers import benchmark_code, team_name
+from roah_rsbb.competition.moments import VenueClock, read_day, read_time
+from roah_rsbb.competition.plan import Plan, PlannedZone, Run, for_all
 from roah_rsbb.core.benchmarks import ALL_TEAMS
 from roah_rsbb.core.config_errors import Place, Report, listing, nearest, quote, suggestion
 from roah_rsbb.core.yaml_fields import integer, text
 from roah_rsbb.core.yaml_lines import Scalar, read_text
-from roah_rsbb.competition.answers import benchmark_code, team_name
-from roah_rsbb.competition.moments import VenueClock, read_day, read_time
-from roah_rsbb.competition.plan import Plan, PlannedZone, Run, for_all
 
 REQUIRED = ("zone", "benchmark", "team", "date", "time")
 OPTIONAL = ("round", "run")
@@ -60,10 +60,9 @@ def read_sheet(
     rows = _Sheet(path, content, report, clock, teams, codes).rows()
     if not rows and len(report.errors) == before:
         report.error(Place(path, 0, 0), "no runs", f"{_SHAPE}; below it a row for each run")
-    if len(report.errors) > before:
-        return None
     _warn_of_names(report, rows)
-    return _plan(report, rows)
+    plan = _plan(report, rows)
+    return plan if len(report.errors) == before else None
 
 
 def column_name(number: int) -> str:
@@ -117,6 +116,8 @@ class _Sheet:
         for index, name in enumerate(self._head):
             word = name.casefold()
             place = Place(self._path, number, index + 1)
+            if not word:
+                continue
             if word not in _COLUMNS:
                 self._report.error(place, f"{quote(name)} in column {column_name(index + 1)}",
                                    f"the name of a column{suggestion(word, _COLUMNS)}")
@@ -132,10 +133,11 @@ class _Sheet:
         """A run; None if anything is wrong with it."""
         report = self._report
         known = len(report.errors)
-        for index in range(len(self._head), len(cells)):
-            if cells[index]:
-                report.error(Place(self._path, number, index + 1), f"{quote(cells[index])} in column "
-                             f"{column_name(index + 1)}, which has no name", "a name for it in the first row, or nothing")
+        for index, content in enumerate(cells):
+            if content and not (index < len(self._head) and self._head[index]):
+                report.error(Place(self._path, number, index + 1),
+                             f"{quote(content)} in column {column_name(index + 1)}, which has no name",
+                             "a name for it in the first row, or nothing")
         cell = {name: Scalar(Place(self._path, number, index + 1), cells[index] if index < len(cells) else "",
                              False, False) for name, index in self._columns.items()}
         zone = text(report, Scalar(cell["zone"].place, cell["zone"].text, True, False), self._what("zone"))

@@ -9,9 +9,9 @@ from xml.sax.saxutils import quoteattr
 
 import yaml
 
-from roah_rsbb.core.benchmarks import KINDS, Kind
 from roah_rsbb.competition.moments import VenueClock
 from roah_rsbb.competition.plan import Plan, PlannedZone, Run
+from roah_rsbb.core.benchmarks import KINDS, Kind
 
 # Without those that are taken for one another when a password is read from paper.
 _LETTERS = "".join(c for c in string.ascii_letters if c not in "lIoO")
