@@ -4,9 +4,7 @@ A changed state leaves at once, then ten times at 50 ms intervals, because any s
 lost; after that once a second. An answer to what came in may leave between these, and moves none of them.
 """
 
-BURST_COUNT = 10
-BURST_INTERVAL_S = 0.05
-PERIOD_S = 1.0
+from roah_rsbb.timing import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S
 
 
 class StateSender:

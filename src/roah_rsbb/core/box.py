@@ -5,7 +5,7 @@ command of the referee that makes no sense raises `Refused` and changes nothing.
 """
 
 import math
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, List, Mapping, Optional, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.all_robots import AllRobotsRun
@@ -16,13 +16,17 @@ from roah_rsbb.core.commands import COMMANDS, NO_RUN, robots_to_connect
 from roah_rsbb.core.device_commands import CATERING
 from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.core.functionality import FunctionalityRun
+from roah_rsbb.core.link_record import LinkSample
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, RobotReport, TabletState
 from roah_rsbb.core.module_events import ModuleEvents
+from roah_rsbb.core.records import NOBODY, By
+from roah_rsbb.core.referee_record import RunName, checked_note, checked_who
 from roah_rsbb.core.refused import Refused, did_you_mean
 from roah_rsbb.core.restart import BOX, Restart
-from roah_rsbb.core.results import FinishedRuns, finished_run
+from roah_rsbb.core.results import FinishedRuns
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots, RobotId
 from roah_rsbb.core.run import Entry, Run, Surroundings
+from roah_rsbb.core.score_events import ScoreEvents
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
@@ -33,7 +37,7 @@ from roah_rsbb.core.zone_run import ZoneRun
 MAX_PORTS_TRIED = 20
 
 
-class Box(ModuleEvents, Restart):
+class Box(ModuleEvents, ScoreEvents, Restart):
     """The referee, scoring and benchmarking box, without its sockets, clocks and files."""
 
     def __init__(
@@ -52,7 +56,7 @@ class Box(ModuleEvents, Restart):
         self.devices = DevicesState()
         self.tablet = Tablet()
         self.watches = Watches(settings.listen_duration)
-        self.finished = FinishedRuns()
+        self.finished = FinishedRuns(config.benchmarks)
         self._clock = ClockWatch()
         self._beacon_size = beacon_size
         self._last_port = max(settings.rsbb_port, last_port or 0)
@@ -150,22 +154,29 @@ class Box(ModuleEvents, Restart):
         """What there is room for besides the runs that there are."""
         return Capacity(self._beacon_size, self.settings.max_datagram, self._last_port, self.beacon().robots)
 
+    def link_samples(self, now: Now, unreadable: Mapping[int, int]) -> Tuple[Tuple[int, LinkSample], ...]:
+        """The port of each robot in a run, and how its link was since the last call: to be called once a second.
+
+        `unreadable`: by port, all datagrams so far that could not be read; a port that is not there has none.
+        """
+        return tuple((run.port, run.link.sample(now, unreadable.get(run.port, 0))) for run in self.runs())
+
     # -- the referee --------------------------------------------------------------------------------
 
-    def command(self, now: Now, zone_name: str, command: str) -> None:
-        """Carry out connect, disconnect, start, stop, previous or next; raises `Refused`."""
-        self.tick(now)
-        zone = self.zone(zone_name)
-        reasons = self.reasons_off(now, zone, command)
-        if reasons:
-            raise Refused(reasons)
-        self._changed.add(zone.name)
-        COMMANDS[command].execute(self, zone, now)
+    def command(self, now: Now, zone_name: str, command: str, who: str = "", reason: str = "") -> None:
+        """Carry out connect, disconnect, start, stop, previous or next; raises `Refused`.
 
-    def set_score(self, now: Now, zone_name: str, group: str, desc: str, value: int) -> None:
-        """Mark a scoring item of the run in a zone; raises `Refused`."""
+        `reason`: why the run is stopped, if it is by this command.
+        """
         self.tick(now)
-        self._run_in(zone_name).set_score(now, group, desc, value)
+        with self._recording(RunName(zone_name), who, command, reason=reason):
+            zone = self.zone(zone_name)
+            reasons = self.reasons_off(now, zone, command)
+            if reasons:
+                raise Refused(reasons)
+            by = By(checked_who(who), checked_note(reason))
+            self._changed.add(zone.name)
+            COMMANDS[command].execute(self, zone, now, by)
 
     def zone(self, name: str) -> Zone:
         """The zone of that name; raises `Refused` with the names that there are."""
@@ -182,14 +193,12 @@ class Box(ModuleEvents, Restart):
         for robot in robots:
             self._open_run(now, zone, robot)
 
-    def leave(self, now: Now, zone: Zone) -> None:
+    def leave(self, now: Now, zone: Zone, by: By = NOBODY) -> None:
         """Disconnect the run in a zone."""
         run = zone.run
         assert run is not None, "disconnect was checked before"
-        run.close(now)
-        finished = finished_run(now, zone.name, run)
-        if finished is not None:
-            self.finished.add(finished)
+        run.close(now, by)
+        self.finished.add(run.record(now))
         zone.leave(self.settings.auto_next)
         self._emit(effects.SendBeacon())
 
@@ -341,6 +350,13 @@ class Box(ModuleEvents, Restart):
         self.tick(now)
         if self.watches.trouble(now, text):
             self._notice(Level.ERROR, text)
+
+    def on_journal(self, now: Now, trouble: str) -> None:
+        """What keeps the journal from the disk, with the remedy; empty: all of it is written now."""
+        self.tick(now)
+        if self.watches.journal(trouble):
+            level, text = (Level.ERROR, trouble) if trouble else (Level.INFO, "The journal is written again")
+            self._notice(level, text)
 
     def _show_map(self, display_map: bool) -> None:
         if display_map != self.tablet.display_map:

@@ -7,6 +7,7 @@ Staleness, skew, silence and clock steps are judged here; what they mean for the
 from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now, wire_ns, wire_seconds
+from roah_rsbb.core.link_record import LinkRecorder, LinkSample
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.skew import SkewEstimate, SkewSample, skew_off, skew_text, within
 from roah_rsbb.core.timeline import Timeline, TimelineState, Verdict
@@ -69,6 +70,7 @@ class RobotLink:
         self._moved_mono = 0.0
         self._bad: Optional[str] = None
         self._bad_mono = 0.0
+        self.record = LinkRecorder(now)
         self.host: Optional[str] = None
         self.last: Optional[RobotReport] = None
         self.last_heard: Optional[Now] = None
@@ -111,6 +113,7 @@ class RobotLink:
         verdict = self._timeline.judge(now.mono, wire_ns(report.time))
         if verdict in (Verdict.DUPLICATE, Verdict.STALE):
             self._old += 1
+            self.record.old(duplicate=verdict is Verdict.DUPLICATE)
             return STALE
         notices = self._note_clock(now, verdict, report)
         new_host = host != self.host
@@ -130,6 +133,11 @@ class RobotLink:
     def restart_skew(self) -> None:
         """The box's clock was set: all samples so far mean nothing."""
         self._skew.restart()
+        self.record.clock_set()
+
+    def sample(self, now: Now, unreadable: int) -> LinkSample:
+        """The link record since the last sample. `unreadable`: all unreadable datagrams of this channel so far."""
+        return self.record.sample(now, self.skew, self.host, unreadable)
 
     def tick(self, now: Now) -> List[str]:
         """Notices that are due because time went by."""
@@ -196,7 +204,7 @@ class RobotLink:
         return [self._moved]
 
     def _note_clock(self, now: Now, verdict: Verdict, report: RobotReport) -> List[str]:
-        """Take the skew sample; return what is to be said of it."""
+        """Take the skew sample, and the record; return what is to be said of the robot's clock."""
         sample = wire_seconds(report.time) - now.utc
         before = self.skew
         step = None
@@ -208,7 +216,8 @@ class RobotLink:
         if step is not None:
             self._step, self._step_mono = step, now.mono
             self._skew.restart()
-        self._skew.sample(now.mono, sample)
+        skew = self._skew.sample(now.mono, sample)
+        self.record.heard(now, report, late_s=skew - sample, clock_set=step is not None)
         return ([step] if step is not None else []) + self._note_validity()
 
     def _note_validity(self) -> List[str]:

@@ -305,6 +305,7 @@ class Run:
         ):
             self._emit(effects.RunLogged(self.port, topic, value))
         self._say(now, Level.INFO, f"{state.name}: {desc}")
+        self.link.record.box_says(now, state)
         self._emit(effects.SendState(self.port, self.message, How.CHANGE))
 
     def _log_report(self, report: RobotReport) -> None:
