@@ -1,6 +1,10 @@
 """Node roah_rsbb_comm (type comm): what a team runs on its robot (ROS interface, Team's side).
 
 It speaks with the box, of any generation, and offers topics and services to the robot's own programs.
+
+Parameters (private): team_name (must be given), robot_name, rsbb_key (the team's password), rsbb_host (broadcast
+address of the network with the box, or the box's), rsbb_port, bind_host, rsbb_cypher; for tests clock_offset (s), loss
+(share of datagrams).
 """
 
 import logging
@@ -12,6 +16,7 @@ from typing import Callable, Optional
 import rospy
 from google.protobuf import text_format
 
+from roah_rsbb.client.command_line import explain
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.nodes.comm_interface import NUMBERS, CommInterface, Owner
 from roah_rsbb.nodes.params import BadParams, Params
@@ -149,6 +154,7 @@ def _override_message(request: object) -> Optional[pb.BenchmarkState]:
 
 def main() -> None:
     """Entry point of the node."""
+    explain(__doc__)
     rospy.init_node("roah_rsbb_comm", disable_signals=True)
     try:
         status = CommNode().run()

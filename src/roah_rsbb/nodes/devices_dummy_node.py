@@ -2,6 +2,8 @@
 
 It prints what it is told. At a terminal it takes ring, open and close; so do its services ~ring and ~door, and
 this program with such a word.
+
+Parameters (private): bind_host (127.0.0.1), port (6665, TCP).
 """
 
 import argparse

@@ -2,6 +2,8 @@
 
 What is set is held, and told to the SmartIF controller now or as soon as it is reached; /devices/status (latched)
 says whether it is. A node that crashed holds again what it held before: that is on the parameter server.
+
+Parameters (private): smartif_host, smartif_port (TCP).
 """
 
 import concurrent.futures
@@ -13,6 +15,7 @@ from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 from std_srvs.srv import EmptyResponse
 
+from roah_rsbb.client.command_line import explain
 from roah_rsbb.core.device_commands import PERCENTAGES, SWITCHES
 from roah_rsbb.devices.client import SmartIfClient
 from roah_rsbb.devices.home import OUTPUTS, BadValue, Home
@@ -122,6 +125,7 @@ def _keep(saved: object) -> None:
 
 def main() -> None:
     """Entry point of the node."""
+    explain(__doc__)
     rospy.init_node("roah_devices", disable_signals=True)
     try:
         DevicesNode().run()

@@ -2,6 +2,9 @@
 
 What a team writes between the comm node and its robot, with the dummy's behaviour in the robot's place: it
 uses nothing but the comm node's topics and services, and may serve as an example of that.
+
+Parameters (private): prepare_duration, execute_duration (s); to misbehave: never_end, crash_in (prepare, execute),
+save_nothing.
 """
 
 import asyncio
@@ -15,6 +18,7 @@ from std_msgs.msg import Empty, UInt32
 from std_msgs.msg import String as StringMsg
 from std_srvs.srv import Empty as EmptySrv
 
+from roah_rsbb.client.command_line import explain
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
 from roah_rsbb.nodes.comm_interface import GOAL_TYPES, NUMBERS
 from roah_rsbb.nodes.dummy_log import log_to_ros
@@ -207,6 +211,7 @@ def _goal_of(message: Any) -> Goal:
 
 def main() -> None:
     """Entry point of the node."""
+    explain(__doc__)
     rospy.init_node("dummy_robot", disable_signals=True)
     log_to_ros()
     try:

@@ -21,6 +21,7 @@ from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
 from roah_rsbb.bmbox.dummy_world import DummyWorld
 from roah_rsbb.bmbox.ground_truth import Pose3, compose, inverse, rotation
 from roah_rsbb.bmbox.ground_truth_config import FILE_NAME, GroundTruthConfig, Marker, load
+from roah_rsbb.client.command_line import explain
 from roah_rsbb.core.config_errors import ConfigErrors
 from roah_rsbb.core.module_messages import RunForModule
 from roah_rsbb.msg import ModuleRuns
@@ -119,6 +120,7 @@ def worn(config: GroundTruthConfig, team: str) -> Iterator[Tuple[str, Marker]]:
 
 def main() -> None:
     """Entry point of the node."""
+    explain(__doc__)
     rospy.init_node("roah_rsbb_dummy_ground_truth")
     try:
         node = DummyGroundTruthNode()

@@ -2,6 +2,9 @@
 
 Each has a loopback address of its own. Teams and passwords come from the box's own files, so that no password
 is in a launch file, a parameter or the list of processes.
+
+Parameters (private): robots (how many), rsbb_host, rsbb_port, and the box's files: benchmarks_file, schedule_file,
+passwords_file.
 """
 
 import asyncio
@@ -11,6 +14,7 @@ from typing import List
 
 import rospy
 
+from roah_rsbb.client.command_line import explain
 from roah_rsbb.core.benchmarks import ALL_TEAMS, Config
 from roah_rsbb.core.config import ConfigErrors, load
 from roah_rsbb.nodes.dummy_log import log_to_ros
@@ -72,6 +76,7 @@ class DummyRobotsNode:
 
 def main() -> None:
     """Entry point of the node."""
+    explain(__doc__)
     rospy.init_node("dummy_robots", disable_signals=True)
     log_to_ros()
     try:

@@ -17,6 +17,7 @@ from roah_rsbb.bmbox import registry
 from roah_rsbb.bmbox.ground_truth_config import FILE_NAME
 from roah_rsbb.bmbox.module import Module
 from roah_rsbb.bmbox.parameters import read_parameters
+from roah_rsbb.client.command_line import explain
 from roah_rsbb.core.module_messages import ModuleInfo, ModulesState, RunForModule
 from roah_rsbb.core.refused import did_you_mean
 from roah_rsbb.msg import ModuleRuns
@@ -147,6 +148,7 @@ def _parameter_file(folder: str, kind: Type[Module]) -> WatchedFile:
 
 def main() -> None:
     """Entry point of the node."""
+    explain(__doc__)
     rospy.init_node("roah_rsbb_modules", disable_signals=True)
     try:
         node = ModulesNode()

@@ -2,6 +2,8 @@
 
 /devices/bell and /timeout each run a command. Nothing that a player does or does not do is an error here: it is
 one warning.
+
+Parameters (private): bell_ring_command, timeout_ring_command; empty: our own sounds, with aplay.
 """
 
 import os
@@ -12,6 +14,7 @@ import rospkg
 import rospy
 from std_msgs.msg import Empty
 
+from roah_rsbb.client.command_line import explain
 from roah_rsbb.devices.sounds import Sound
 from roah_rsbb.nodes.params import BadParams, Params
 
@@ -43,6 +46,7 @@ def _sound(params: Params, name: str) -> Sound:
 
 def main() -> None:
     """Entry point of the node."""
+    explain(__doc__)
     rospy.init_node("roah_rsbb_sounds")
     params = Params()
     try:

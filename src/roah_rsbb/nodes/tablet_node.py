@@ -2,6 +2,9 @@
 
 It works whatever is missing: without a network or a free port it tries again, without a map there is still the
 call button. It says so once, with the remedy.
+
+Parameters (private): rsbb_host, rsbb_port, bind_host; tablet_port (TCP, 0: any free one), tablet_host (address at which
+it is served; default: all, or this computer's alone if rsbb_host is), map_file (as map_saver writes it).
 """
 
 import asyncio
@@ -12,6 +15,7 @@ from typing import Callable, Dict, Optional
 import rospkg
 import rospy
 
+from roah_rsbb.client.command_line import explain
 from roah_rsbb.comm import sockets
 from roah_rsbb.nodes.params import BadParams, Params
 from roah_rsbb.nodes.ros_loop import RosLoop
@@ -100,6 +104,7 @@ def _load_map(map_file: str) -> Optional[maps.Map]:
 
 def main() -> None:
     """Entry point of the node."""
+    explain(__doc__)
     rospy.init_node("roah_rsbb_tablet", disable_signals=True)
     try:
         TabletNode().run()

@@ -10,6 +10,7 @@ from typing import Type
 import rospy
 from python_qt_binding.QtCore import QSettings
 
+from roah_rsbb.client.command_line import explain_panel
 from roah_rsbb.rqt import application, display, widgets
 from roah_rsbb.rqt.client import Client
 from roah_rsbb.rqt.panel import Panel
@@ -27,6 +28,7 @@ def name_of(kind: Type[Panel]) -> str:
 
 def main(kind: Type[Panel]) -> None:
     """Show the panel until it is closed or ROS ends."""
+    explain_panel(sys.modules[kind.__module__].__doc__)
     if not display.has_display():
         sys.exit(display.NO_DISPLAY)
     name = name_of(kind)

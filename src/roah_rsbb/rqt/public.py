@@ -6,6 +6,7 @@ import time
 import rospy
 from python_qt_binding.QtCore import QTimer
 
+from roah_rsbb.client.command_line import explain
 from roah_rsbb.client.feed import Feed
 from roah_rsbb.msg import PublicDetails
 from roah_rsbb.rqt import application, display
@@ -48,6 +49,7 @@ def _chosen_screen() -> int:
 
 def main() -> None:
     """Show the display until it is closed (Alt-F4) or ROS ends."""
+    explain(__doc__)
     if not display.has_display():
         sys.exit(display.NO_DISPLAY)
     application.init_node("roah_rsbb_public")
