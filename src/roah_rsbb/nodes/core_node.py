@@ -2,6 +2,11 @@
 
 The only place where the core meets rospy. Its topics, services and parameters are those of the ROS
 interface, plus /core/details and /core/public_details.
+
+Parameters (private), which docs/organiser.md explains: rsbb_host, rsbb_port, bind_host, benchmarks_file, schedule_file,
+passwords_file, log_dir, resume, public_results, rsbb_cypher, private_mode, robot_timeout, allowed_skew,
+after_stop_duration, check_messages_saved, check_messages_saved_timeout, auto_next, display_log_size, max_datagram,
+listen_duration; end_launch (for launch files: what cannot be mended by starting again ends the launch).
 """
 
 import gc
@@ -15,6 +20,7 @@ import rospy
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 
+from roah_rsbb.client.command_line import explain
 from roah_rsbb.comm.ciphers import Cipher, Key, cipher_by_label
 from roah_rsbb.core import config, views
 from roah_rsbb.core.box import Box
@@ -250,6 +256,7 @@ def _end_launch() -> None:
 
 def main() -> None:
     """Entry point of the node."""
+    explain(__doc__)
     rospy.init_node("roah_rsbb_core", disable_signals=True)
     try:
         status = CoreNode().run()
