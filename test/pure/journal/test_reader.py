@@ -1,0 +1,226 @@
+"""Reading a journal: while it is written, afterwards, from wherever it lies."""
+
+import contextlib
+import os
+import shutil
+import sqlite3
+import tempfile
+
+import pytest
+
+from helpers.journals import UTC0, Writer
+from roah_rsbb.core.link_record import LinkSample
+from roah_rsbb.core.records import RunRecord
+from roah_rsbb.journal import schema
+from roah_rsbb.journal.reader import JournalError, JournalMember, JournalReader, JournalRun
+
+RECORD = RunRecord("HNF-6667-1.000", "fbm", "HNF", "Alpha", 1, 2, UTC0 - 600.0, UTC0)
+NOBODY = 65534
+
+
+@pytest.fixture
+def writer(tmp_path):
+    writer = Writer(tmp_path / "log")
+    writer.run(RECORD)
+    writer.entry("/rsbb_log/rsbb_state", 1, RECORD.identity)
+    writer.entry("command", {"command": "start"}, RECORD.identity, "fbm", who="/referee")
+    writer.entry("command", {"command": "start", "refused": ["no"]}, "", "tbm", port=None, who="/referee")
+    writer.link(LinkSample(1.0, received=1))
+    yield writer
+    writer.journal.close()
+
+
+def files_beside(path):
+    return sorted(os.listdir(os.path.dirname(path)))
+
+
+def identities(path):
+    with JournalReader(str(path)) as reader:
+        return [run.identity for run in reader.runs()]
+
+
+def statement(path, text):
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        connection.execute(text)
+        connection.commit()
+
+
+def test_what_is_in_it(writer):
+    with JournalReader(writer.path) as reader:
+        [run] = reader.runs()
+        assert run == JournalRun(*RECORD[:8], None, {**run.outcome})
+        assert run.outcome["team"] == "Alpha"
+        assert reader.run(RECORD.identity) == run
+        assert reader.run("another") is None
+        assert reader.members(RECORD.identity) == [
+            JournalMember(6667, RECORD.identity, "Alpha", "r1", "/logs/6667.bag")
+        ]
+        state, start = reader.entries(RECORD.identity)
+        assert (state.kind, state.value, state.port, state.utc, state.session) == (
+            "/rsbb_log/rsbb_state", 1, 6667, UTC0 + 1.0, 1
+        )
+        assert (start.who, start.value, start.number) == ("/referee", {"command": "start"}, state.number + 1)
+        assert [c.value.get("refused") for c in reader.commands("tbm")] == [["no"]]
+        assert [c.value for c in reader.commands("fbm")] == [{"command": "start"}]
+        [link] = reader.links(6667)
+        assert (link.sample, link.utc) == ({"seconds": 1.0, "received": 1}, UTC0 + 4.0)
+        assert reader.links(6668) == []
+        [session] = reader.sessions()
+        assert (session.box_uuid, session.pid) == ("uuid", 1234)
+        assert reader.meta()["competition"] == "[]"
+
+
+def test_a_run_that_is_over(writer):
+    writer.outcome(RECORD._replace(closed_utc=UTC0 + 60.0))
+    with JournalReader(writer.path) as reader:
+        assert reader.run(RECORD.identity).closed_utc == UTC0 + 60.0
+
+
+def test_while_the_box_writes_it_is_of_one_moment(writer):
+    with JournalReader(writer.path) as reader:
+        writer.run(RECORD._replace(identity="later"), ())
+        assert [run.identity for run in reader.runs()] == [RECORD.identity]
+    assert identities(writer.path) == [RECORD.identity, "later"]
+
+
+def test_the_box_can_write_while_it_is_read(writer):
+    with JournalReader(writer.path) as reader:
+        writer.entry("notice", {})
+        writer.close()
+        assert len(reader.runs()) == 1
+
+
+def test_a_past_competition_is_left_as_it_is(writer):
+    writer.close()
+    before = files_beside(writer.path)
+    assert identities(writer.path) == [RECORD.identity]
+    assert files_beside(writer.path) == before
+
+
+def test_a_copy_with_and_without_its_log(writer, tmp_path):
+    """While the box runs, what it wrote last is in the log (-wal) only."""
+    for name, suffixes in (("both", ("", "-wal")), ("file", ("",))):
+        (tmp_path / name).mkdir()
+        for suffix in suffixes:
+            shutil.copy(writer.path + suffix, tmp_path / name / f"j.sqlite3{suffix}")
+    assert identities(tmp_path / "both" / "j.sqlite3") == [RECORD.identity]
+    writer.close()
+    (tmp_path / "closed").mkdir()
+    shutil.copy(writer.path, tmp_path / "closed" / "j.sqlite3")
+    assert identities(tmp_path / "closed" / "j.sqlite3") == [RECORD.identity]
+
+
+def test_a_journal_of_a_file_system_without_write_ahead_log(writer, tmp_path):
+    writer.close()
+    statement(writer.path, "PRAGMA journal_mode = DELETE")
+    assert identities(writer.path) == [RECORD.identity]
+    connection = sqlite3.connect(writer.path, isolation_level=None)
+    connection.execute("BEGIN IMMEDIATE")
+    connection.execute("UPDATE runs SET identity = 'changed'")
+    assert identities(writer.path) == [RECORD.identity], "nothing of it is committed"
+    connection.execute("COMMIT")
+    connection.close()
+    assert identities(writer.path) == ["changed"]
+
+
+def as_nobody(do):
+    """What `do` returns (a text) when it is called without the right to write anywhere but in /tmp."""
+    if os.getuid() != 0:
+        return do()
+    read, write = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            os.setgroups([])
+            os.setgid(NOBODY)
+            os.setuid(NOBODY)
+            os.write(write, do().encode())
+        except BaseException as error:
+            os.write(write, f"failed: {error!r}".encode())
+        finally:
+            os._exit(0)
+    os.waitpid(child, 0)
+    os.close(write)
+    with os.fdopen(read) as file:
+        return file.read()
+
+
+@pytest.mark.parametrize("suffixes", [("",), ("", "-wal"), ("", "-wal", "-shm")])
+def test_a_directory_that_cannot_be_written(writer, suffixes):
+    """A copy on a CD, say, also one that was made while the box ran."""
+    if "-wal" not in suffixes:
+        writer.close()
+    directory = tempfile.mkdtemp()
+    try:
+        for suffix in suffixes:
+            shutil.copy(writer.path + suffix, os.path.join(directory, f"j.sqlite3{suffix}"))
+            os.chmod(os.path.join(directory, f"j.sqlite3{suffix}"), 0o444)
+        os.chmod(directory, 0o555)
+        copies = [name for name in os.listdir(tempfile.gettempdir()) if name.startswith("roah_rsbb_journal_")]
+        assert as_nobody(lambda: str(identities(os.path.join(directory, "j.sqlite3")))) == str([RECORD.identity])
+        assert files_beside(os.path.join(directory, "x")) == sorted(f"j.sqlite3{s}" for s in suffixes)
+        left = [name for name in os.listdir(tempfile.gettempdir()) if name.startswith("roah_rsbb_journal_")]
+        assert set(left) <= set(copies)
+    finally:
+        os.chmod(directory, 0o755)
+        shutil.rmtree(directory)
+
+
+def test_a_journal_of_an_older_version_is_read_from_a_copy(writer, monkeypatch):
+    writer.close()
+    statement(writer.path, "ALTER TABLE members RENAME COLUMN robot TO bot")
+    statement(writer.path, "PRAGMA user_version = 0")
+    monkeypatch.setitem(schema.MIGRATIONS, 0, ("ALTER TABLE members RENAME COLUMN bot TO robot",))
+    with JournalReader(writer.path) as reader:
+        assert reader.members(RECORD.identity)[0].robot == "r1"
+    with contextlib.closing(sqlite3.connect(writer.path)) as connection:
+        assert connection.execute("PRAGMA user_version").fetchone() == (0,), "the file itself is not touched"
+
+
+def error_of(path):
+    with pytest.raises(JournalError) as caught, JournalReader(str(path)) as reader:
+        reader.runs()
+        reader.entries(RECORD.identity)
+        reader.links(6667)
+    assert str(path) in str(caught.value)
+    return str(caught.value)
+
+
+def test_what_cannot_be_read_is_said_with_the_remedy(writer, tmp_path):
+    assert "there is no such file" in error_of(tmp_path / "none")
+    assert "there is no such file" in error_of(tmp_path)
+    writer.close()
+    statement(writer.path, f"PRAGMA user_version = {schema.VERSION + 1}")
+    assert "a newer version of roah_rsbb" in error_of(writer.path)
+    statement(writer.path, "PRAGMA user_version = -5")
+    assert "read it with the version that wrote it" in error_of(writer.path)
+    text = tmp_path / "text"
+    text.write_text("no database, but a text that is long enough to be one\n" * 100)
+    assert "no journal at all" in error_of(text)
+    foreign = tmp_path / "foreign"
+    statement(foreign, "CREATE TABLE runs (identity TEXT)")
+    assert "another program's" in error_of(foreign)
+    empty = tmp_path / "empty"
+    empty.touch()
+    assert "nothing was written" in error_of(empty)
+
+
+@pytest.mark.parametrize("keep", [0.9, 0.5, 0.2, 0.01])
+def test_a_torn_file(writer, keep):
+    for i in range(300):
+        writer.entry("notice", {"text": str(i) * 20}, RECORD.identity)
+    writer.close()
+    os.truncate(writer.path, int(os.path.getsize(writer.path) * keep))
+    assert "damaged" in error_of(writer.path)
+
+
+def test_damaged_pages_and_values(writer):
+    for i in range(300):
+        writer.entry("notice", {"text": str(i) * 20}, RECORD.identity)
+    writer.close()
+    statement(writer.path, "UPDATE entries SET value = '{' WHERE id = 7")
+    assert "damaged" in error_of(writer.path)
+    with open(writer.path, "r+b") as file:
+        file.seek(8192)
+        file.write(os.urandom(20_000))
+    assert "damaged" in error_of(writer.path)
