@@ -10,15 +10,18 @@ ready then are left out, and join as soon as they are ready.
 
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core import effects, run_log
+from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now, clock_text
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.link import SILENT_S
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.online_data import DisplayText
-from roah_rsbb.core.run import EndReason, Entry, Phase, Run, RunState, Surroundings, said_in
+from roah_rsbb.core.phases import EndReason, Phase
+from roah_rsbb.core.records import NOBODY, By
+from roah_rsbb.core.run import Entry, Run, RunState, Surroundings, said_in
+from roah_rsbb.core.run_book import BookState
 from roah_rsbb.core.run_clock import CountdownState, RunClock
-from roah_rsbb.core.scoring import ScoreSheet, SheetState, score_text
+from roah_rsbb.core.scored_run import ScoredRun
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import BoxState
 
@@ -62,7 +65,7 @@ class AllRobotsState(NamedTuple):
     end_reason: Optional[EndReason]
     desc: str
     clock: CountdownState
-    sheet: SheetState
+    book: BookState
     log: str
     online_data: str
     members: Tuple[RunState, ...]
@@ -105,6 +108,9 @@ class MemberRun(Run):
         """The bell rings once for all."""
         self._end(now, EndReason.TIMEOUT)
 
+    def _record_changed(self, now: Now) -> None:
+        """The whole run has one record for all."""
+
     def _say(self, now: Now, level: Level, text: str) -> None:
         self._whole.say(now, level, f"{self.robot}: {text}")
 
@@ -112,11 +118,12 @@ class MemberRun(Run):
         self._whole.online_data.add(f"{clock_text(now.utc)} {self.robot}: {text}")
 
 
-class AllRobotsRun:
+class AllRobotsRun(ScoredRun):
     """See `ZoneRun`. It has at least one member whenever somebody looks at it."""
 
     def __init__(self, first: Entry, settings: Settings, surroundings: Surroundings, now: Now) -> None:
         """`first`: the entry of the robot that is added first."""
+        super().__init__(first.event)
         self.event = event = first.event
         self.zone = first.zone
         self.identity = first.identity(now)
@@ -125,7 +132,6 @@ class AllRobotsRun:
         self.end_reason: Optional[EndReason] = None
         self.desc = ""
         self.clock = RunClock(event.benchmark.total_timeout, settings.after_stop_duration)
-        self.sheet = ScoreSheet(event.benchmark.scoring)
         self.log = DisplayText(settings.display_log_size)
         self.online_data = DisplayText(settings.display_log_size)
         self._settings = settings
@@ -140,13 +146,14 @@ class AllRobotsRun:
         """One more robot, whose channel is being opened."""
         member = MemberRun(self, entry, self._settings, self._surroundings, now)
         self._members.append(member)
+        self._record_changed(now)
         member.open(now)
 
     def saved(self) -> AllRobotsState:
         """The state for the journal."""
         return AllRobotsState(
             self.identity, self.opened_utc, self.phase, self.end_reason, self.desc, self.clock.saved(),
-            self.sheet.saved(), self.log.text, self.online_data.text,
+            self.book.saved(), self.log.text, self.online_data.text,
             tuple(member.saved() for member in self._members),
         )
 
@@ -156,7 +163,7 @@ class AllRobotsRun:
         self.phase, self.end_reason, self.desc = state.phase, state.end_reason, state.desc
         self.log.text, self.online_data.text = state.log, state.online_data
         self.clock.restore(state.clock)
-        self.sheet.restore(state.sheet)
+        self.book.restore(state.book)
         for of_member in state.members:
             entry = Entry(self.zone, self.event, of_member.robot, of_member.port)
             member = MemberRun(self, entry, self._settings, self._surroundings, now)
@@ -185,6 +192,7 @@ class AllRobotsRun:
         """See `ZoneRun`. The members start the clock that they share, and stop it when they end."""
         self.phase = Phase.RUNNING
         self.end_reason = None
+        self._note_start(now)
         for member in self._members:
             if member.why_not_ready(now):
                 member.leave_out(now)
@@ -193,27 +201,19 @@ class AllRobotsRun:
         self.desc = f"Started with {len(self._in_phase(Phase.RUNNING))} of {len(self._members)} robots"
         self.say(now, Level.INFO, self.desc)
 
-    def stop(self, now: Now) -> None:
+    def stop(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`."""
         for member in self._in_phase(Phase.RUNNING):
             member.stop(now)
-        self._end(now, EndReason.STOPPED)
-
-    def set_score(self, now: Now, group: str, desc: str, value: int) -> None:
-        """See `ZoneRun`; each robot's run log has it."""
-        old = self.sheet.set(group, desc, value)
-        for member in self._members:
-            self._emit(effects.RunLogged(member.port, run_log.SCORE, (group, desc, value)))
-        self.say(now, Level.INFO, score_text(group, desc, old, value))
+        self._end(now, EndReason.STOPPED, by)
 
     def warn(self, now: Now, text: str) -> None:
         """See `ZoneRun`."""
         self.say(now, Level.WARNING, text)
 
-    def close(self, now: Now) -> None:
+    def close(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`."""
-        if self.phase is Phase.RUNNING:
-            self.end_reason, self.phase = EndReason.STOPPED, Phase.ENDED
+        self._note_close(now, by)
         for member in self._members:
             member.close(now)
 
@@ -242,13 +242,14 @@ class AllRobotsRun:
         else:
             self._end(now, EndReason.NO_MESSAGES_SAVED)
 
-    def _end(self, now: Now, reason: EndReason) -> None:
+    def _end(self, now: Now, reason: EndReason, by: By = NOBODY) -> None:
         self.phase = Phase.ENDED
         self.end_reason = reason
         self._settled_mono = now.mono + SETTLE_S
         ends = [member.end_reason for member in self._in_phase(Phase.ENDED)]
         counted = [f"{ends.count(end)} {text}" for end, text in ENDS.items() if end in ends]
         self.desc = f"{WHOLE_ENDS[reason]} ({', '.join(counted)})"
+        self._note_end(now, self.desc, by)
         self.say(now, Level.INFO, self.desc)
 
     # -- for the referee's eyes ---------------------------------------------------------------------
@@ -300,6 +301,14 @@ class AllRobotsRun:
     def say(self, now: Now, level: Level, text: str) -> None:
         """Tell the referee, in the log of the run and in that of the node."""
         self._emit(said_in(self.log, now, level, text, self.zone))
+
+    _say = say
+
+    def _log_ports(self) -> Tuple[int, ...]:
+        return tuple(member.port for member in self._members)
+
+    def _robot_names(self) -> Tuple[str, ...]:
+        return tuple(str(member.robot) for member in self._members)
 
     def _in_phase(self, phase: Phase) -> List[MemberRun]:
         return [member for member in self._members if member.phase is phase]

@@ -7,8 +7,8 @@ HSUF). The referee is told who is left out and why, and may disconnect and conne
 from typing import TYPE_CHECKING, List, NamedTuple, Tuple
 
 from roah_rsbb.core.clock import Now
+from roah_rsbb.core.phases import Phase
 from roah_rsbb.core.robots import ActiveRobot
-from roah_rsbb.core.run import Phase
 from roah_rsbb.core.skew import skew_off
 from roah_rsbb.core.zone import Zone
 

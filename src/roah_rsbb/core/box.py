@@ -20,7 +20,7 @@ from roah_rsbb.core.link_record import LinkSample
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, RobotReport, TabletState
 from roah_rsbb.core.module_events import ModuleEvents
 from roah_rsbb.core.records import NOBODY, By
-from roah_rsbb.core.referee_record import RunName, checked_note, checked_who
+from roah_rsbb.core.referee_record import RunName, checked_who, cut_note
 from roah_rsbb.core.refused import Refused, did_you_mean
 from roah_rsbb.core.restart import BOX, Restart
 from roah_rsbb.core.results import FinishedRuns
@@ -174,7 +174,7 @@ class Box(ModuleEvents, ScoreEvents, Restart):
             reasons = self.reasons_off(now, zone, command)
             if reasons:
                 raise Refused(reasons)
-            by = By(checked_who(who), checked_note(reason))
+            by = By(checked_who(who), cut_note(reason))  # no stop is refused for many words
             self._changed.add(zone.name)
             COMMANDS[command].execute(self, zone, now, by)
 

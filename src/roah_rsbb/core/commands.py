@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Callable, Dict, List, NamedTuple, Sequence
 from roah_rsbb.core import all_robots_choice
 from roah_rsbb.core.benchmarks import Kind
 from roah_rsbb.core.clock import Now
+from roah_rsbb.core.phases import EndReason, Phase
+from roah_rsbb.core.records import By
 from roah_rsbb.core.robots import ActiveRobot
-from roah_rsbb.core.run import EndReason, Phase
 from roah_rsbb.core.skew import skew_off
 from roah_rsbb.core.zone import Zone
 
@@ -25,7 +26,7 @@ class Command(NamedTuple):
     """A command to a zone."""
 
     reasons_off: Callable[["Box", Zone, Now], List[str]]
-    execute: Callable[["Box", Zone, Now], None]
+    execute: Callable[["Box", Zone, Now, By], None]
 
 
 # -- connect --------------------------------------------------------------------------------------
@@ -88,12 +89,12 @@ def _stop_off(box: "Box", zone: Zone, now: Now) -> List[str]:
     return [] if zone.run is not None else ["No run is connected: there is nothing to stop"]
 
 
-def _stop(box: "Box", zone: Zone, now: Now) -> None:
+def _stop(box: "Box", zone: Zone, now: Now, by: By) -> None:
     """The first press ends the run, the second one leaves it."""
     if zone.run.phase is Phase.RUNNING:
-        zone.run.stop(now)
+        zone.run.stop(now, by)
     else:
-        box.leave(now, zone)
+        box.leave(now, zone, by)
 
 
 def _disconnect_off(box: "Box", zone: Zone, now: Now) -> List[str]:
@@ -114,10 +115,10 @@ def _next_off(box: "Box", zone: Zone, now: Now) -> List[str]:
 
 
 COMMANDS: Dict[str, Command] = {
-    "connect": Command(_connect_off, lambda box, zone, now: box.connect(now, zone)),
-    "disconnect": Command(_disconnect_off, lambda box, zone, now: box.leave(now, zone)),
-    "start": Command(_start_off, lambda box, zone, now: zone.run.start(now)),
+    "connect": Command(_connect_off, lambda box, zone, now, by: box.connect(now, zone)),
+    "disconnect": Command(_disconnect_off, lambda box, zone, now, by: box.leave(now, zone, by)),
+    "start": Command(_start_off, lambda box, zone, now, by: zone.run.start(now)),
     "stop": Command(_stop_off, _stop),
-    "previous": Command(_previous_off, lambda box, zone, now: zone.move(-1)),
-    "next": Command(_next_off, lambda box, zone, now: zone.move(1)),
+    "previous": Command(_previous_off, lambda box, zone, now, by: zone.move(-1)),
+    "next": Command(_next_off, lambda box, zone, now, by: zone.move(1)),
 }

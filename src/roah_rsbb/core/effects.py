@@ -6,9 +6,10 @@ the box because of it (rule 5).
 """
 
 import enum
-from typing import NamedTuple, Optional, Union
+from typing import Any, Dict, NamedTuple, Optional, Union
 
 from roah_rsbb.core.messages import BoxMessage
+from roah_rsbb.core.records import RunRecord
 
 
 class How(enum.Enum):
@@ -103,6 +104,23 @@ class RunClosed(NamedTuple):
     port: int
 
 
+class RecordChanged(NamedTuple):
+    """What remains of a run changed, also of one that is over: keep this record of it."""
+
+    record: RunRecord
+
+
+class Recorded(NamedTuple):
+    """Somebody did something to a zone, or tried to: keep it, also if it was refused."""
+
+    zone: str
+    identity: str  # of the run; empty: none
+    port: Optional[int]  # of the run, if it has one only
+    kind: str  # "command"
+    value: Dict[str, Any]  # JSON; a command: its name ("command"), its arguments, the reasons if it was refused
+    who: str
+
+
 class ModuleRunsChanged(NamedTuple):
     """What benchmarking modules need to know changed: publish `Box.module_runs` at once."""
 
@@ -131,5 +149,6 @@ class GiveUp(NamedTuple):
 
 Effect = Union[
     PortTaken, OpenChannel, AimChannel, CloseChannel, SendState, SendBeacon, TimeoutRung, SetDevice,
-    RunOpened, RunResumed, RunLogged, RunClosed, ModuleRunsChanged, Notice, GiveUp,
+    RunOpened, RunResumed, RunLogged, RunClosed, RecordChanged, Recorded,
+    ModuleRunsChanged, Notice, GiveUp,
 ]

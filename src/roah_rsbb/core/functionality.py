@@ -25,8 +25,11 @@ from roah_rsbb.core.module_messages import (
 )
 from roah_rsbb.core.module_texts import goal_json, result_text, scores_json
 from roah_rsbb.core.modules import Driver, Modules
+from roah_rsbb.core.phases import EndReason, Phase
+from roah_rsbb.core.records import NOBODY, By
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.core.run import EndReason, Entry, Phase, Run, Surroundings
+from roah_rsbb.core.run import Entry, Run, Surroundings
+from roah_rsbb.core.run_book import Marked
 from roah_rsbb.core.run_clock import Countdown
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import BoxState
@@ -49,7 +52,6 @@ class FunctionalityState(NamedTuple):
     held: bool = False
     kept: str = ""
     goal: Optional[GoalState] = None  # of the last step
-    elapsed_s: float = 0.0
 
 
 class FunctionalityRun(Run):
@@ -69,7 +71,6 @@ class FunctionalityRun(Run):
         self._progress: Optional[Progress] = None
         self._kept = ""
         self._goal: Optional[Goal] = None
-        self._elapsed_s = 0.0
         super().__init__(entry, settings, surroundings, now)
 
     def open(self, now: Now) -> None:
@@ -84,14 +85,14 @@ class FunctionalityRun(Run):
         switches = None if self.switches is None else self.switches.saved()
         goal = None if self._goal is None else self._goal.saved()
         return FunctionalityState(
-            self.attempt, tuple(self.steps), self.scores, switches, self.held, self._kept, goal, self._elapsed_s
+            self.attempt, tuple(self.steps), self.scores, switches, self.held, self._kept, goal
         )
 
     def resume_for_module(self, state: FunctionalityState) -> None:
         """After `resume`: the rest of it. Modules go on by themselves, as after a restart of their own."""
         self.attempt, self.steps, self.scores = state.attempt, list(state.steps), state.scores
         self.switches = None if state.switches is None else Switches.restored(state.switches)
-        self.held, self._kept, self._elapsed_s = state.held, state.kept, state.elapsed_s
+        self.held, self._kept = state.held, state.kept
         self._goal = None if state.goal is None else Goal.restored(self.steps[-1].request, state.goal)
         self._changed()
 
@@ -102,13 +103,12 @@ class FunctionalityRun(Run):
         self.attempt += 1
         self.steps, self.scores, self.switches = [], (), None
         self.held, self._node, self._progress, self._kept, self._goal = False, "", None, "", None
-        self._elapsed_s = 0.0
         self._set_state(now, BoxState.STOP, "Started: the benchmarking module begins")
         self._changed()
 
-    def set_score(self, now: Now, group: str, desc: str, value: int) -> None:
+    def _score_changed(self, now: Now, marked: Marked) -> None:
         """As for every run; the module can read the referee's scores."""
-        super().set_score(now, group, desc, value)
+        super()._score_changed(now, marked)
         self._changed()
 
     @property
@@ -196,6 +196,7 @@ class FunctionalityRun(Run):
         if progress.scores != self.scores:
             self.scores = progress.scores
             self._emit(effects.RunLogged(self.port, run_log.MODULE_SCORE, scores_json(self.scores)))
+            self._record_changed(now)
         for warning in progress.warnings:
             if before is None or warning not in before.warnings:
                 self._say(now, Level.WARNING, f"Benchmarking module: {warning}")
@@ -260,7 +261,7 @@ class FunctionalityRun(Run):
             self.identity, self.attempt, self.zone, event.benchmark.code, event.team, event.round, event.run,
             running=self.phase is Phase.RUNNING,
             end_reason="" if self.end_reason is None else self.end_reason.name.lower(),
-            elapsed_s=self._elapsed_s,
+            elapsed_s=self.book.elapsed_s,
             goal_timeout=event.benchmark.timeout,
             total_timeout=event.benchmark.total_timeout,
             told_utc=0.0 if self._goal is None or self._goal.told is None else self._goal.told.utc,
@@ -347,16 +348,15 @@ class FunctionalityRun(Run):
                 self._goal_timed_out(now, goal, due)
         super().tick(now)
 
-    def _end(self, now: Now, reason: EndReason, desc: str = "") -> None:
-        self._elapsed_s = self.clock.elapsed(now)
+    def _end(self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY) -> None:
         self._goal = None
         self.held = False
-        super()._end(now, reason, desc)
+        super()._end(now, reason, desc, by)
         self._changed()
 
-    def close(self, now: Now) -> None:
+    def close(self, now: Now, by: By = NOBODY) -> None:
         """See `Run.close`."""
-        super().close(now)
+        super().close(now, by)
         self._changed()
 
     # -- for the referee's eyes ---------------------------------------------------------------------

@@ -7,6 +7,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.functionality import FunctionalityRun
 from roah_rsbb.core.module_messages import ModulesState, RunForModule
 from roah_rsbb.core.modules import Modules
+from roah_rsbb.core.referee_record import RefereeRecord, RunName
 from roah_rsbb.core.refused import Refused
 from roah_rsbb.core.run import Run
 from roah_rsbb.core.zone_run import ZoneRun
@@ -15,7 +16,7 @@ from roah_rsbb.core.zone_run import ZoneRun
 HOMF = "HOMF"
 
 
-class ModuleEvents(abc.ABC):
+class ModuleEvents(RefereeRecord):
     """A part of `roah_rsbb.core.box.Box`, which has the runs and the time."""
 
     def __init__(self) -> None:
@@ -38,36 +39,42 @@ class ModuleEvents(abc.ABC):
 
     # -- the referee --------------------------------------------------------------------------------
 
-    def manual_operation_complete(self, now: Now, zone_name: str, operation: int = 0, answer: str = "") -> None:
+    def manual_operation_complete(
+        self, now: Now, zone_name: str, operation: int = 0, answer: str = "", who: str = ""
+    ) -> None:
         """The referee did what a benchmarking module asked for; raises `Refused`.
 
         `operation`: number of the request that was answered, 0: whatever is asked now. An empty answer is the
         first of those to choose from.
         """
         self.tick(now)
-        run = self._run_in(zone_name)
-        if not isinstance(run, FunctionalityRun):
-            raise Refused([f"no manual operation is asked for in zone '{zone_name}'"])
-        run.complete_operation(now, operation, answer)
+        with self._recording(RunName(zone_name), who, "manual_operation", operation=operation, answer=answer):
+            run = self._run_in(zone_name)
+            if not isinstance(run, FunctionalityRun):
+                raise Refused([f"no manual operation is asked for in zone '{zone_name}'"])
+            run.complete_operation(now, operation, answer)
 
-    def omf_button(self, now: Now, zone_name: str, switch: int) -> None:
+    def omf_button(self, now: Now, zone_name: str, switch: int, who: str = "") -> None:
         """HOMF: the referee saw a switch change, numbered from 1; raises `Refused`."""
         self.tick(now)
-        run = self._homf_run(zone_name)
-        run.sheet_of_switches().press(switch)
-        run.switches_entered(now)
+        with self._recording(RunName(zone_name), who, "omf_button", switch=switch):
+            run = self._homf_run(zone_name)
+            run.sheet_of_switches().press(switch)
+            run.switches_entered(now)
 
-    def omf_damaged(self, now: Now, zone_name: str, damaged: int) -> None:
+    def omf_damaged(self, now: Now, zone_name: str, damaged: int, who: str = "") -> None:
         """HOMF: so many switches were damaged; raises `Refused`."""
         self.tick(now)
-        run = self._homf_run(zone_name)
-        run.sheet_of_switches().damage(damaged)
-        run.switches_entered(now)
+        with self._recording(RunName(zone_name), who, "omf_damaged", damaged=damaged):
+            run = self._homf_run(zone_name)
+            run.sheet_of_switches().damage(damaged)
+            run.switches_entered(now)
 
-    def omf_complete(self, now: Now, zone_name: str) -> None:
+    def omf_complete(self, now: Now, zone_name: str, who: str = "") -> None:
         """HOMF: all was entered that the robot changed; raises `Refused`."""
         self.tick(now)
-        self._homf_run(zone_name).complete_switches(now)
+        with self._recording(RunName(zone_name), who, "omf_complete"):
+            self._homf_run(zone_name).complete_switches(now)
 
     def _homf_run(self, zone_name: str) -> FunctionalityRun:
         run = self._run_in(zone_name)

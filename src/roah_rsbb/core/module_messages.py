@@ -13,6 +13,7 @@ are already there, and so arrives where it was.
 import enum
 from typing import NamedTuple, Optional, Tuple
 
+from roah_rsbb.core.records import ScoreValue
 from roah_rsbb.core.scoring import ScoreGroup
 
 
@@ -91,16 +92,6 @@ class RunForModule(NamedTuple):
     sheet: Tuple[ScoreGroup, ...] = ()  # the referee's own scores
     steps: Tuple[Step, ...] = ()
     kept: str = ""  # JSON that the module asked to keep
-
-
-class ScoreValue(NamedTuple):
-    """One line of a module's score."""
-
-    group: str  # of what it is one of several, such as "waypoint 2"; empty: of the whole run
-    name: str  # such as distance_error
-    value: str  # JSON: a number, true, false, a text, or null while there is none
-    unit: str  # m, rad, s, or empty
-    desc: str = ""  # for the referee
 
 
 class Progress(NamedTuple):

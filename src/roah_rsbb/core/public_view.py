@@ -9,8 +9,8 @@ from typing import List, NamedTuple, Optional, Tuple
 from roah_rsbb.core.benchmarks import Event
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.results import FinishedRun
-from roah_rsbb.core.run import EndReason, Phase
+from roah_rsbb.core.phases import EndReason, Phase
+from roah_rsbb.core.results import Result
 from roah_rsbb.core.zone import Zone
 
 # More fits on no screen.
@@ -51,7 +51,7 @@ class PublicView(NamedTuple):
     results: PublicResults
     runs: Tuple[PublicRun, ...]  # in the order of the zones
     following: Tuple[Following, ...]  # the soonest first
-    finished: Tuple[FinishedRun, ...]  # the newest first
+    finished: Tuple[Result, ...]  # the newest first
 
     def without_time(self) -> "PublicView":
         """The same at any moment, for as long as nothing happens."""
@@ -88,9 +88,9 @@ def _following(zone: Zone) -> List[Following]:
     return [Following(zone.name, event) for event in zone.events[zone.index + is_over:]]
 
 
-def _finished(box: Box, results: PublicResults) -> Tuple[FinishedRun, ...]:
+def _finished(box: Box, results: PublicResults) -> Tuple[Result, ...]:
     return () if results is PublicResults.NONE else box.finished.newest(MAX_FINISHED)
 
 
-def _allowed(run: FinishedRun, results: PublicResults) -> FinishedRun:
-    return run if results is PublicResults.SCORES else run._replace(scoring=(), module_scores=())
+def _allowed(run: Result, results: PublicResults) -> Result:
+    return run if results is PublicResults.SCORES else run._replace(items=(), module_scores=())

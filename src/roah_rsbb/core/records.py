@@ -5,7 +5,15 @@ It is made by the core with every change, kept in the journal, and read by whoev
 
 from typing import NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.module_messages import ScoreValue
+
+class ScoreValue(NamedTuple):
+    """One line of a module's score."""
+
+    group: str  # of what it is one of several, such as "waypoint 2"; empty: of the whole run
+    name: str  # such as distance_error
+    value: str  # JSON: a number, true, false, a text, or null while there is none
+    unit: str  # m, rad, s, or empty
+    desc: str = ""  # for the referee
 
 
 class ItemRecord(NamedTuple):
@@ -16,7 +24,7 @@ class ItemRecord(NamedTuple):
     kind: str  # "bool" or "uint"
     value: int
     not_attempted: bool = False  # the robot did not try: other than a 0 that it earned
-    corrected: bool = False  # changed after the run was over
+    corrected: bool = False  # it stands otherwise than when the run was over
 
 
 class ScoreEntry(NamedTuple):
@@ -31,10 +39,12 @@ class ScoreEntry(NamedTuple):
     value: int
     not_attempted: bool = False
     note: str = ""
+    old_not_attempted: bool = False
     correction: bool = False  # made after the run was over
     withdrawn_utc: float = 0.0  # UTC seconds; 0.0: it counts
     withdrawn_by: str = ""
     withdrawn_note: str = ""
+    withdrawal_corrects: bool = False  # withdrawn after the run was over
 
 
 class StopRecord(NamedTuple):
@@ -44,7 +54,8 @@ class StopRecord(NamedTuple):
     who: str  # who stopped it; empty: nobody, it ended by itself
     end_reason: str  # name of an `EndReason`, in lower case
     desc: str  # what the referee read
-    reason: str = ""  # what the referee typed
+    reason: str = ""  # what the referee typed, then or later
+    reason_by: str = ""  # who typed it
 
 
 class SignOff(NamedTuple):
@@ -65,12 +76,24 @@ class RunRecord(NamedTuple):
     run: int
     scheduled: float  # UTC seconds
     opened_utc: float  # UTC seconds of *connect*
+    started_utc: float = 0.0  # UTC seconds of the last *start*; 0.0: it was never started
     closed_utc: float = 0.0  # UTC seconds of *disconnect*; 0.0: still connected
     end_reason: str = ""  # name of an `EndReason`, in lower case; empty: it was never started, or it runs
-    elapsed_s: float = 0.0  # seconds that counted until the last end
+    elapsed_s: float = 0.0  # seconds that counted until the last end; of a run that runs, so far
     items: Tuple[ItemRecord, ...] = ()
     history: Tuple[ScoreEntry, ...] = ()
     module_scores: Tuple[ScoreValue, ...] = ()  # of the benchmarking module
     stops: Tuple[StopRecord, ...] = ()
     sign_off: Optional[SignOff] = None
     robots: Tuple[str, ...] = ()  # their names, without the team where it is one
+
+
+class By(NamedTuple):
+    """Who gave a command, and why, if that was said."""
+
+    who: str = ""
+    reason: str = ""
+
+
+# The command of nobody known: an end that came by itself.
+NOBODY = By()

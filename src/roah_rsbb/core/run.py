@@ -5,7 +5,6 @@ score sheet and all that the robot said, and turns events into effects. Who may 
 when, is decided in `roah_rsbb.core.commands`.
 """
 
-import enum
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects, machine, run_log
@@ -16,29 +15,14 @@ from roah_rsbb.core.effects import Effect, How, Level
 from roah_rsbb.core.link import LinkState, RobotLink
 from roah_rsbb.core.messages import NO_GOAL, BoxMessage, GoalMessage, RobotReport
 from roah_rsbb.core.online_data import DisplayText, RepeatedStrings
+from roah_rsbb.core.phases import EndReason, Phase
+from roah_rsbb.core.records import NOBODY, By
 from roah_rsbb.core.robots import RobotId
+from roah_rsbb.core.run_book import BookState
 from roah_rsbb.core.run_clock import CountdownState, RunClock, SavingWatch
-from roah_rsbb.core.scoring import ScoreSheet, SheetState, score_text
+from roah_rsbb.core.scored_run import ScoredRun
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import BoxState, RobotState
-
-
-class Phase(enum.Enum):
-    """Where a run is, in the referee's eyes."""
-
-    CONNECTED = "connected"
-    RUNNING = "running"
-    ENDED = "ended"
-
-
-class EndReason(enum.Enum):
-    """Why a run ended; the text is what the referee reads."""
-
-    STOPPED = "Benchmark stopped by the referee"
-    COMPLETED = "Benchmark completed by the robot"
-    TIMEOUT = "Stopped due to timeout"
-    NO_MESSAGES_SAVED = "Stopped: the robot saves no offline data (messages saved stays 0)"
-    MODULE_FAILED = "Stopped: the benchmarking module cannot go on"
 
 
 class OnlineField(NamedTuple):
@@ -82,7 +66,7 @@ class RunState(NamedTuple):
     message: BoxMessage
     link: LinkState
     clock: CountdownState
-    sheet: SheetState
+    book: BookState
     log: str = ""
     online_data: str = ""
     devices: DeviceCommandsState = DeviceCommandsState()
@@ -103,10 +87,11 @@ def said_in(log: DisplayText, now: Now, level: Level, text: str, zone: str) -> e
     return effects.Notice(level, text, zone)
 
 
-class Run:
+class Run(ScoredRun):
     """One run of a task benchmark: its robot has no explicit goal."""
 
     def __init__(self, entry: Entry, settings: Settings, surroundings: Surroundings, now: Now) -> None:
+        super().__init__(entry.event)
         self.event = event = entry.event
         self.identity = entry.identity(now)
         self.opened_utc = now.utc
@@ -118,7 +103,6 @@ class Run:
         self.link = RobotLink(settings.allowed_skew, now)
         self.clock = RunClock(event.benchmark.total_timeout, settings.after_stop_duration)
         self.saving = SavingWatch(settings)
-        self.sheet = ScoreSheet(event.benchmark.scoring)
         self.log = DisplayText(settings.display_log_size)
         self.online_data = DisplayText(settings.display_log_size)
         self.devices = DeviceCommands(event.benchmark.code)
@@ -135,6 +119,7 @@ class Run:
         # Where all robots run at once, a team may have several.
         name = self.robot.robot if self.event.team == ALL_TEAMS else ""
         self._emit(effects.RunOpened(self.port, self.robot.team, self.event.round, self.event.run, name))
+        self._record_changed(now)
         self._set_state(now, BoxState.STOP, "Connected: waiting for the robot's first message")
 
     # -- restart of the core ------------------------------------------------------------------------
@@ -143,7 +128,7 @@ class Run:
         """The state for the journal."""
         return RunState(
             self.port, self.robot, self.identity, self.opened_utc, self.phase, self.end_reason, self.desc,
-            self.message, self.link.saved(), self.clock.saved(), self.sheet.saved(), self.log.text,
+            self.message, self.link.saved(), self.clock.saved(), self.book.saved(), self.log.text,
             self.online_data.text, self.devices.saved(),
             {name: strings.saved() for name, strings in self._strings.items()},
         )
@@ -156,7 +141,7 @@ class Run:
         self.log.text, self.online_data.text = state.log, state.online_data
         self.link.restore(state.link)
         self.clock.restore(state.clock)
-        self.sheet.restore(state.sheet)
+        self.book.restore(state.book)
         self.devices.restore(state.devices)
         for name, strings in state.strings.items():
             self._strings[name].restore(strings)
@@ -177,29 +162,23 @@ class Run:
         self.clock.start(now)
         self.phase = Phase.RUNNING
         self.end_reason = None
+        self._note_start(now)
         self._begin(now)
 
     def _begin(self, now: Now) -> None:
         self._set_state(now, BoxState.PREPARE, "Robot preparing for the task")
 
-    def stop(self, now: Now) -> None:
+    def stop(self, now: Now, by: By = NOBODY) -> None:
         """The referee ends the run."""
-        self._end(now, EndReason.STOPPED)
-
-    def set_score(self, now: Now, group: str, desc: str, value: int) -> None:
-        """The referee marks a scoring item; raises `Refused` if there is no such item or value."""
-        old = self.sheet.set(group, desc, value)
-        self._emit(effects.RunLogged(self.port, run_log.SCORE, (group, desc, value)))
-        self._say(now, Level.INFO, score_text(group, desc, old, value))
+        self._end(now, EndReason.STOPPED, by=by)
 
     def warn(self, now: Now, text: str) -> None:
         """What goes wrong around this run: its referee reads it in the log."""
         self._say(now, Level.WARNING, text)
 
-    def close(self, now: Now) -> None:
+    def close(self, now: Now, by: By = NOBODY) -> None:
         """Leave the run. The box sends no last message: its state simply ends."""
-        if self.phase is Phase.RUNNING:
-            self.end_reason, self.phase = EndReason.STOPPED, Phase.ENDED
+        self._note_close(now, by)
         self._say(now, Level.INFO, "Disconnected")
         self._emit(effects.RunLogged(self.port, run_log.END, None))
         self._emit(effects.CloseChannel(self.port))
@@ -290,10 +269,11 @@ class Run:
 
     # -- shared ------------------------------------------------------------------------------------
 
-    def _end(self, now: Now, reason: EndReason, desc: str = "") -> None:
+    def _end(self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY) -> None:
         self.phase = Phase.ENDED
         self.end_reason = reason
         self.clock.stop(now)
+        self._note_end(now, desc or reason.value, by)
         self._set_state(now, BoxState.STOP, desc or reason.value)
 
     def _set_state(self, now: Now, state: BoxState, desc: str, goal: GoalMessage = NO_GOAL) -> None:
@@ -322,6 +302,12 @@ class Run:
     def _tell_online(self, now: Now, text: str) -> None:
         """Show online data to the referee."""
         self.online_data.add(f"{clock_text(now.utc)} {text}")
+
+    def _log_ports(self) -> Tuple[int, ...]:
+        return (self.port,)
+
+    def _robot_names(self) -> Tuple[str, ...]:
+        return (self.robot.robot,)
 
     def _say(self, now: Now, level: Level, text: str) -> None:
         self._emit(said_in(self.log, now, level, text, self.zone))

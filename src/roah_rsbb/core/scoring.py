@@ -7,9 +7,9 @@ without one. So one entry can be withdrawn without touching the others, and what
 whatever became of the benchmarks file: entries of items that it no longer has stay in the history.
 
 The history is bounded. What one person does to an item within a moment is one entry, for a referee who counts
-with the mouse wheel makes ten changes a second; and where there are too many entries, the oldest plain one that a later
-one of the same person and item replaced is left out. Notes, corrections and withdrawals are never left out.
-The run log and the journal have each change in any case.
+with the mouse wheel makes ten changes a second. Where there are too many entries, the oldest plain one is left out
+that the next one replaced, if possible of the same person; so notes, withdrawals, and how an item stood when the
+run was over are never lost. The run log and the journal have each change in any case.
 """
 
 from typing import Dict, List, NamedTuple, Optional, Tuple
@@ -23,13 +23,20 @@ from roah_rsbb.core.refused import Refused, did_you_mean
 MAX_VALUE = 2**31 - 1
 # Changes of an item by the same person so soon (s) after an entry of theirs belong to it.
 ONE_ENTRY_S = 1.0
+# Entries besides two for each item, and how many of them may be no plain ones: have a note or be withdrawn.
 MAX_ENTRIES = 200
+MAX_NOTED = 100
 
 Key = Tuple[str, str]  # group and description of an item
 
 
+def standing_text(value: int, not_attempted: bool) -> str:
+    """How an item stands, for the referee's eyes."""
+    return "not attempted" if not_attempted else str(value)
+
+
 def score_text(group: str, desc: str, old: str, value: str) -> str:
-    """An item's change for the referee's eyes."""
+    """An item's change for the referee's eyes; both are texts of `standing_text`."""
     return f"Score: {group}: {desc} {old} -> {value}"
 
 
@@ -103,9 +110,11 @@ class ScoreSheet:
         before = self._item(key)
         if not mark.note and (value, mark.not_attempted) == (before.value, before.not_attempted):
             return before
+        if mark.note:
+            self._check_noted("set the value without a note")
         entry = ScoreEntry(
             self._next_number(), now.utc, who, mark.group, mark.desc, before.value, value,
-            mark.not_attempted, mark.note, correction, old_not_attempted=before.not_attempted,
+            mark.not_attempted, mark.note, before.not_attempted, correction,
         )
         same = self._same_moment(now, entry)
         if same is None:
@@ -126,6 +135,8 @@ class ScoreSheet:
         entry = self._history[index]
         if entry.withdrawn_utc:
             raise Refused([f"entry {number} was withdrawn already, by {entry.withdrawn_by or 'somebody'}"])
+        if _is_plain(entry):
+            self._check_noted("set the value instead")
         self._history[index] = entry._replace(
             withdrawn_utc=now.utc, withdrawn_by=who, withdrawn_note=note, withdrawal_corrects=correction
         )
@@ -139,8 +150,8 @@ class ScoreSheet:
             last = self._history[index]
             if (last.group, last.desc) == (entry.group, entry.desc):
                 begun = self._begun.get(last.number)
-                plain = not (last.note or entry.note) and _by(last) == _by(entry)
-                return index if plain and begun is not None and now.mono - begun <= ONE_ENTRY_S else None
+                alike = (last.who, last.note, last.correction) == (entry.who, "", entry.correction) and not entry.note
+                return index if alike and begun is not None and now.mono - begun <= ONE_ENTRY_S else None
         return None
 
     def _replace(self, index: int, entry: ScoreEntry) -> None:
@@ -154,28 +165,37 @@ class ScoreSheet:
             )
 
     def _make_room(self) -> None:
-        """Leave out what a later entry of the same person replaced anyway, if there are too many."""
-        if len(self._history) < MAX_ENTRIES:
+        """Leave one entry out if there are too many."""
+        if len(self._history) < MAX_ENTRIES + 2 * len(self._items):
             return
+        pairs = self._replaced_pairs()
+        alike = [pair for pair in pairs if self._history[pair[0]].who == self._history[pair[1]].who]
+        for index, later in (alike or pairs)[-1:]:
+            gone = self._history[index]
+            self._history[later] = self._history[later]._replace(
+                old=gone.old, old_not_attempted=gone.old_not_attempted
+            )
+            del self._history[index]
+            self._begun.pop(gone.number, None)
+
+    def _replaced_pairs(self) -> List[Tuple[int, int]]:
+        """The indices of plain entries and of the next, plain entry of the same item; the oldest last.
+
+        There are always some where there are too many entries, because few may be no plain ones.
+        """
+        pairs: List[Tuple[int, int]] = []
         newer: Dict[Key, int] = {}  # index of the next entry of the item
-        found = None
         for index in reversed(range(len(self._history))):
             entry = self._history[index]
             later = newer.get((entry.group, entry.desc))
-            if later is not None and _is_plain(entry) and _is_plain(self._history[later]):
-                if _by(entry) == _by(self._history[later]):
-                    found = index, later
             newer[entry.group, entry.desc] = index
-        if found is None:
-            raise Refused([
-                f"the score sheet has {MAX_ENTRIES} entries with notes, corrections or withdrawals: there is no room "
-                "for more. Sign it off, and write what is missing on paper"
-            ])
-        index, later = found
-        gone = self._history[index]
-        self._history[later] = self._history[later]._replace(old=gone.old, old_not_attempted=gone.old_not_attempted)
-        del self._history[index]
-        self._begun.pop(gone.number, None)
+            if later is not None and _may_replace(self._history[later], entry):
+                pairs.append((index, later))
+        return pairs
+
+    def _check_noted(self, instead: str) -> None:
+        if sum(1 for entry in self._history if not _is_plain(entry)) >= MAX_NOTED:
+            raise Refused([f"{MAX_NOTED} entries of the score sheet have a note or are withdrawn already: {instead}"])
 
     def _next_number(self) -> int:
         return 1 + max((entry.number for entry in self._history), default=0)
@@ -236,9 +256,9 @@ class ScoreSheet:
         return f"no scoring item '{desc}' in group '{group}'{did_you_mean(desc, descs)}"
 
 
-def _by(entry: ScoreEntry) -> Tuple[str, bool]:
-    return entry.who, entry.correction
-
-
 def _is_plain(entry: ScoreEntry) -> bool:
-    return not (entry.note or entry.correction or entry.withdrawn_utc)
+    return not (entry.note or entry.withdrawn_utc)
+
+
+def _may_replace(later: ScoreEntry, entry: ScoreEntry) -> bool:
+    return _is_plain(entry) and _is_plain(later) and entry.correction is later.correction

@@ -11,8 +11,8 @@ from roah_rsbb.core.commands import COMMANDS, robots_to_connect
 from roah_rsbb.core.functionality import FunctionalityRun
 from roah_rsbb.core.manual_operations import Switches
 from roah_rsbb.core.module_messages import Request, RequestKind, ScoreValue
+from roah_rsbb.core.phases import Phase
 from roah_rsbb.core.robots import ActiveRobot
-from roah_rsbb.core.run import Phase
 from roah_rsbb.core.scoring import ScoreGroup
 from roah_rsbb.core.zone import Zone
 from roah_rsbb.core.zone_run import ZoneRun

@@ -3,7 +3,7 @@
 from typing import NamedTuple, Optional
 
 from roah_rsbb.core.benchmarks import Event, ZonePlan
-from roah_rsbb.core.run import EndReason
+from roah_rsbb.core.phases import EndReason
 from roah_rsbb.core.zone_run import ZoneRun
 
 

@@ -5,9 +5,11 @@ from typing import List, Optional, Protocol, Sequence
 from roah_rsbb.core.benchmarks import Event
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.online_data import DisplayText
-from roah_rsbb.core.run import EndReason, Phase, Run
+from roah_rsbb.core.phases import EndReason, Phase
+from roah_rsbb.core.records import NOBODY, By, RunRecord
+from roah_rsbb.core.run import Run
 from roah_rsbb.core.run_clock import RunClock
-from roah_rsbb.core.scoring import ScoreSheet
+from roah_rsbb.core.scoring import Mark, ScoreSheet
 
 
 class ZoneRun(Protocol):
@@ -33,16 +35,25 @@ class ZoneRun(Protocol):
     def start(self, now: Now) -> None:
         """Start, or start again after a stop; `start_off` was empty."""
 
-    def stop(self, now: Now) -> None:
+    def stop(self, now: Now, by: By = NOBODY) -> None:
         """The referee ends the run."""
 
-    def set_score(self, now: Now, group: str, desc: str, value: int) -> None:
+    def mark(self, now: Now, who: str, mark: Mark) -> None:
         """The referee marks a scoring item; raises `Refused`."""
+
+    def withdraw_score(self, now: Now, by: By, number: int) -> None:
+        """An entry of the score sheet counts no more; raises `Refused`."""
+
+    def give_stop_reason(self, now: Now, by: By, number: int) -> None:
+        """The referee says why the run was stopped; raises `Refused`."""
+
+    def record(self, now: Now) -> RunRecord:
+        """All that would remain of the run if it were over now."""
 
     def warn(self, now: Now, text: str) -> None:
         """What goes wrong around this run: its referee reads it in the log."""
 
-    def close(self, now: Now) -> None:
+    def close(self, now: Now, by: By = NOBODY) -> None:
         """Leave the run, with all its channels."""
 
     def deadline(self) -> Optional[float]:

@@ -3,11 +3,11 @@
 from roah_rsbb.core.benchmarks import Event
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.public_view import PublicRun, PublicView
-from roah_rsbb.core.results import FinishedRun
+from roah_rsbb.core.results import Result
 from roah_rsbb.msg import PublicDetails, PublicEvent, PublicResult
 from roah_rsbb.msg import PublicRun as PublicRunMsg
 from roah_rsbb.nodes.ros_times import ros_duration, ros_time
-from roah_rsbb.nodes.score_convert import group_message, score_message
+from roah_rsbb.nodes.score_convert import items_message, score_message
 
 
 def public_details(view: PublicView, now: Now, box_uuid: str) -> PublicDetails:
@@ -41,11 +41,11 @@ def _run(run: PublicRun, now: Now) -> PublicRunMsg:
     )
 
 
-def _result(run: FinishedRun) -> PublicResult:
+def _result(run: Result) -> PublicResult:
     return PublicResult(
         event=_event(run.zone, run.event),
-        end_reason=run.end_reason.name.lower(),
+        end_reason=run.end_reason,
         disconnected=ros_time(run.disconnected_utc),
-        scoring=[group_message(group) for group in run.scoring],
+        scoring=items_message(run.items),
         module_scores=[score_message(score) for score in run.module_scores if not score.group],
     )

@@ -1,9 +1,14 @@
 """Between scores, the referee's and the modules', and their ROS messages."""
 
+from typing import Dict, Iterable, List
+
 from roah_rsbb.core.benchmarks import ScoreKind, ScoringItem
 from roah_rsbb.core.module_messages import ScoreValue
+from roah_rsbb.core.records import ItemRecord
 from roah_rsbb.core.scoring import ScoreGroup
 from roah_rsbb.msg import ModuleScore, ZoneScoreGroup
+
+_TYPES = {kind.name.lower(): int(kind) for kind in ScoreKind}
 
 
 def group_message(group: ScoreGroup) -> ZoneScoreGroup:
@@ -14,6 +19,22 @@ def group_message(group: ScoreGroup) -> ZoneScoreGroup:
         descriptions=[item.desc for item, _ in group.items],
         current_values=[value for _, value in group.items],
     )
+
+
+def items_message(items: Iterable[ItemRecord]) -> List[ZoneScoreGroup]:
+    """A score sheet, group by group; an item whose type nobody knows is a count."""
+    grouped: Dict[str, List[ItemRecord]] = {}
+    for item in items:
+        grouped.setdefault(item.group, []).append(item)
+    return [
+        ZoneScoreGroup(
+            group_name=name,
+            types=bytes(_TYPES.get(item.kind, int(ScoreKind.UINT)) for item in group),
+            descriptions=[item.desc for item in group],
+            current_values=[item.value for item in group],
+        )
+        for name, group in grouped.items()
+    ]
 
 
 def group_of(message: ZoneScoreGroup) -> ScoreGroup:

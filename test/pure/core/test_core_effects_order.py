@@ -21,7 +21,10 @@ def test_connect():
     driver.robot().beacon()
     driver.taken()
     driver.command("connect")
-    assert _names(driver) == ["PortTaken", "OpenChannel", "RunOpened", *["RunLogged"] * 5, "SendState", "SendBeacon"]
+    assert _names(driver) == [
+        "Recorded", "PortTaken", "OpenChannel", "RunOpened", "RecordChanged", *["RunLogged"] * 5, "SendState",
+        "SendBeacon",
+    ]
 
 
 def test_start_and_stop():
@@ -30,7 +33,7 @@ def test_start_and_stop():
     for command in ("start", "stop"):
         driver.taken()
         driver.command(command)
-        assert _names(driver) == [*["RunLogged"] * 5, "SendState"]
+        assert _names(driver) == ["Recorded", "RecordChanged", *["RunLogged"] * 5, "SendState"]
 
 
 def test_disconnect():
@@ -38,7 +41,7 @@ def test_disconnect():
     driver.connected()
     driver.taken()
     driver.command("disconnect")
-    assert _names(driver) == ["RunLogged", "CloseChannel", "RunClosed", "SendBeacon"]
+    assert _names(driver) == ["Recorded", "RecordChanged", "RunLogged", "CloseChannel", "RunClosed", "SendBeacon"]
 
 
 def test_a_robots_first_message_aims_the_channel():

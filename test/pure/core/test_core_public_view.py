@@ -4,11 +4,10 @@ import pytest
 
 from helpers.all_robots import all_robots_box, connect_all, robots_of, start_all
 from helpers.box_driver import BoxDriver
-from helpers.competition import DOOR, UTC0, competition, event
+from helpers.competition import DOOR, UTC0, competition, event, run_record
 from helpers.module_player import started
 from roah_rsbb.core.module_messages import RequestKind, ScoreValue
 from roah_rsbb.core.public_view import MAX_FINISHED, MAX_FOLLOWING, PublicResults, public_view
-from roah_rsbb.core.results import FinishedRun
 from roah_rsbb.core.run import EndReason, Phase
 
 NONE, OUTCOMES, SCORES = PublicResults.NONE, PublicResults.OUTCOMES, PublicResults.SCORES
@@ -112,9 +111,9 @@ def test_results_are_told_only_if_allowed():
     driver.command("disconnect")
     assert _view(driver, NONE).finished == ()
     (outcome,) = _view(driver, OUTCOMES).finished
-    assert (outcome.end_reason, outcome.scoring, outcome.module_scores) == (EndReason.COMPLETED, (), ())
+    assert (outcome.end_reason, outcome.items, outcome.module_scores) == ("completed", (), ())
     (score,) = _view(driver, SCORES).finished
-    assert dict(score.scoring[0].items)[DOOR] == 1
+    assert [item.value for item in score.items if item.desc == DOOR.desc] == [1]
 
 
 def test_what_a_module_scored_is_a_result():
@@ -129,7 +128,7 @@ def test_what_a_module_scored_is_a_result():
 def test_only_the_newest_results_are_told():
     driver = BoxDriver()
     for run in range(MAX_FINISHED + 1):
-        driver.box.finished.add(FinishedRun("tbm", event(run=run), EndReason.STOPPED, UTC0, (), ()))
+        driver.box.finished.add(run_record(run))
     assert [run.event.run for run in _view(driver, OUTCOMES).finished] == list(range(MAX_FINISHED, 0, -1))
 
 

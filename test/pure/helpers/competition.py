@@ -1,6 +1,7 @@
 """A small competition, made by hand: benchmarks, events and zones for the tests of the core."""
 
 from roah_rsbb.core.benchmarks import Benchmark, Config, Event, ScoreKind, ScoringItem, ZonePlan
+from roah_rsbb.core.records import ItemRecord, RunRecord, StopRecord
 
 UTC0 = 1_800_000_000.0
 TEAMS = ("Alpha", "Beta", "Gamma")
@@ -30,3 +31,14 @@ def competition(teams=TEAMS, **zones):
     ]
     benchmarks = {e.benchmark.code: e.benchmark for plan in plans for e in plan.events}
     return Config(benchmarks, {team: f"password of {team}" for team in teams}, tuple(plans))
+
+
+def run_record(run=1, zone="tbm", identity=None, **fields):
+    """The record of a run that was stopped and left; its items are those of `SCORING`, at 0."""
+    items = tuple(ItemRecord(item.group, item.desc, item.kind.name.lower(), 0) for item in SCORING)
+    record = RunRecord(
+        identity or f"HGTKMH-{6000 + run}-{UTC0 + run:.3f}", zone, "HGTKMH", "Alpha", 1, run, UTC0, UTC0 + run,
+        started_utc=UTC0 + run, closed_utc=UTC0 + run + 1.0, end_reason="stopped", items=items,
+        stops=(StopRecord(UTC0 + run, "Anna", "stopped", "Benchmark stopped by the referee"),), robots=("r1",),
+    )
+    return record._replace(**fields)
