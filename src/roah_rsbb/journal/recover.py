@@ -5,13 +5,13 @@ import os
 import shutil
 import sqlite3
 import tempfile
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.journal import schema
 from roah_rsbb.journal.reader import LOGS, JournalError
 
-# More rows than that are not looked for one by one in a damaged part.
-MAX_PROBED = 2_000_000
+# So many rows at most are looked for one by one behind the last that was found, where there is no end.
+MAX_PROBED = 50_000
 
 Row = Tuple[Any, ...]
 
@@ -83,7 +83,7 @@ def _copy_rows(old: sqlite3.Connection, out: sqlite3.Connection, table: _Table) 
         if table.key == "rowid":
             begin = first[-1][0] + 1 if first else 1
             end = last[-1][0] if last else begin + MAX_PROBED
-            rows += [row for row in (_probe(old, table, i) for i in _ids(begin, end)) if row is not None]
+            rows += [row for row in (_probe(old, table, i) for i in range(begin, end)) if row is not None]
     count = 0
     for row in rows:
         marks = ", ".join("?" * (len(row) - 1))
@@ -99,10 +99,6 @@ def _read(old: sqlite3.Connection, table: _Table, order: str) -> Tuple[List[Row]
         rows.extend(old.execute(f"SELECT {table.key}, * FROM {table.name} NOT INDEXED {by}"))
         return rows, True
     return rows, False
-
-
-def _ids(begin: int, end: int) -> Iterator[int]:
-    return iter(range(begin, min(end, begin + MAX_PROBED)))
 
 
 def _probe(old: sqlite3.Connection, table: _Table, rowid: int) -> Optional[Row]:
