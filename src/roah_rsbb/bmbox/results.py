@@ -13,6 +13,9 @@ import yaml
 # Characters. A robot's datagram has room for less than a thousand.
 MAX_RESULT = 2000
 MAX_DEPTH = 5
+# Brackets, commas, colons and so on: PyYAML takes a long time for very many, and looks at all of a line at once.
+MAX_SIGNS = 100
+_SIGNS = "[{,:-?\n"
 _SHOWN = 60
 
 
@@ -55,6 +58,8 @@ def _plain(text: str) -> Any:
     """The YAML of a text with every scalar as the text that stands there; raises BadResult."""
     if len(text) > MAX_RESULT:
         raise BadResult(f"the result has {len(text)} characters: at most {MAX_RESULT} are read")
+    if sum(map(text.count, _SIGNS)) > MAX_SIGNS:
+        raise BadResult(f"the result {_shown(text)} has too many parts: expected a few keys and values")
     try:
         events = list(_safe_events(text))
     except yaml.YAMLError as error:

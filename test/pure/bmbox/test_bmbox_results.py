@@ -33,7 +33,8 @@ def test_a_text_is_what_stands_there(text, name):
     ("{n: 1", "no YAML"), ("\x00", "no YAML"), ("a: b: c", "no YAML"), ("{n: 1}\n---\n{n: 2}", "several documents"),
     ("&a {n: *a}", "anchor"), ("{n: &a 1, m: *a}", "anchor"), ("{n: !!int 1}", "tag"),
     ("!!python/object/apply:os.system [ls]", "tag"), ("x" * 2001, "2001 characters"),
-    ("[" * 1000 + "]" * 1000, "levels deep"), ("{? {a: 1} : 2, ? [1] : 3}", "has no n"),
+    ("[" * 50 + "]" * 50, "levels deep"), ("[" * 1000 + "]" * 1000, "too many parts"),
+    ("{n: [" + "1," * 100 + "]}", "too many parts"), ("{? {a: 1} : 2, ? [1] : 3}", "has no n"),
 ])
 def test_what_is_no_result_says_why(text, reason):
     with pytest.raises(BadResult) as raised:
