@@ -9,7 +9,7 @@ Active robots and nodes of benchmarking modules are not saved: both say all that
 """
 
 import abc
-from typing import Callable, Dict, List, NamedTuple, Optional, Set
+from typing import Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.all_robots import AllRobotsRun, AllRobotsState
@@ -18,6 +18,7 @@ from roah_rsbb.core.clock import Now, clock_text
 from roah_rsbb.core.effects import Effect, How, Level
 from roah_rsbb.core.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.messages import DevicesState, TabletState
+from roah_rsbb.core.records import RunRecord
 from roah_rsbb.core.run import Entry, Run, RunState, Surroundings
 from roah_rsbb.core.zone import LastRun, Zone
 from roah_rsbb.core.zone_run import ZoneRun
@@ -48,7 +49,7 @@ class ZoneState(NamedTuple):
     last_run: Optional[LastRun] = None
 
 
-class BoxState(NamedTuple):
+class BoxSaved(NamedTuple):
     """The saved state of what belongs to no zone."""
 
     devices: DevicesState = DevicesState()
@@ -59,8 +60,9 @@ class Saved(NamedTuple):
     """All that a restart goes on from, and when it was saved."""
 
     utc: float  # UTC seconds of the last record before the restart
-    box: BoxState
+    box: BoxSaved
     zones: Dict[str, ZoneState]
+    records: Tuple[RunRecord, ...] = ()  # of the runs that are over, the oldest first
 
 
 def key_of(event: Event) -> EventKey:
@@ -114,9 +116,9 @@ class Restart(abc.ABC):
             return state._replace(run=run.saved(), for_module=for_module)
         return state._replace(last_run=zone.last_run)
 
-    def saved_box(self) -> BoxState:
+    def saved_box(self) -> BoxSaved:
         """The state of what belongs to no zone."""
-        return BoxState(self.devices, self.tablet.state)
+        return BoxSaved(self.devices, self.tablet.state)
 
     def _emit_in(self, zone: str) -> Callable[[Effect], None]:
         """Emit effects of a run in this zone."""
@@ -134,6 +136,7 @@ class Restart(abc.ABC):
         """Go on from what was saved before a restart. To be called once, before any other event."""
         self.devices = saved.box.devices
         self.tablet.restore(saved.box.tablet)
+        self.finished.restore(saved.records)
         for name, state in saved.zones.items():
             self._resume_zone(now, name, state)
         runs = self._zone_runs()

@@ -33,12 +33,19 @@ MANUAL_OPERATION = "/rsbb_log/manual_operation"
 HOPF_RESULT = "/rsbb_log/opf_result"
 RESULT = "/rsbb_log/result"
 SWITCHES = "/rsbb_log/omf_switches"
+DEVICES = ("switch_1", "switch_2", "switch_3", "blinds", "dimmer")
 
 
 def device_topic(device: str) -> str:
     """The topic of a device's commands; `device` is switch_1 … 3, blinds or dimmer."""
     return f"/rsbb_log/devices/{device}"
 
+
+# What a robot said, or what follows from it alone.
+FROM_ROBOT = frozenset((
+    CLIENT_STATE, CLIENT_PAYLOAD, NOTIFICATION, ACTIVATION_EVENT, VISITOR, COMMAND, HOPF_RESULT, RESULT, DISPLAY_MAP,
+    *(device_topic(device) for device in DEVICES),
+))
 
 KINDS: Dict[str, LogKind] = {
     STATE: LogKind.UINT8,
@@ -56,5 +63,5 @@ KINDS: Dict[str, LogKind] = {
     VISITOR: LogKind.STRING,
     COMMAND: LogKind.STRING,
     **dict.fromkeys((GOAL, MODULE_SCORE, MANUAL_OPERATION, HOPF_RESULT, RESULT, SWITCHES), LogKind.STRING),
-    **{device_topic(d): LogKind.UINT8 for d in ("switch_1", "switch_2", "switch_3", "blinds", "dimmer")},
+    **{device_topic(device): LogKind.UINT8 for device in DEVICES},
 }

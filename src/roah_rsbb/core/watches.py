@@ -23,6 +23,7 @@ class Watches:
         # (kind, cause) -> (monotonic time until which it is shown, text)
         self._kept: Dict[Tuple[str, object], Tuple[float, str]] = {}
         self._devices_trouble = ""
+        self._journal_trouble = ""
 
     def start(self, now: Now) -> None:
         """The first call begins the time in which the box only listens."""
@@ -57,6 +58,11 @@ class Watches:
     def trouble(self, now: Now, text: str) -> Optional[str]:
         """Something on this computer does not work."""
         return self._keep(now, ("trouble", text), text, TROUBLE_REMEMBER_S)
+
+    def journal(self, text: str) -> bool:
+        """What keeps the journal from the disk, for as long as it does; empty: nothing. Returns whether it is news."""
+        is_new, self._journal_trouble = text != self._journal_trouble, text
+        return is_new
 
     def not_listed(self, now: Now, host: str) -> Optional[str]:
         """A robot's beacon that the list of active robots has no room or no use for."""
@@ -107,7 +113,8 @@ class Watches:
     def warnings(self, now: Now) -> List[str]:
         """What every referee should know now."""
         self._kept = {key: kept for key, kept in self._kept.items() if kept[0] >= now.mono}
-        return [text for _, text in self._kept.values()]
+        journal = [self._journal_trouble] if self._journal_trouble else []
+        return journal + [text for _, text in self._kept.values()]
 
     def _keep(self, now: Now, key: Tuple[str, object], text: str, seconds: float) -> Optional[str]:
         old = self._kept.get(key)

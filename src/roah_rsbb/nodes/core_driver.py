@@ -14,12 +14,17 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.nodes.core_journal import CoreJournal
 from roah_rsbb.nodes.core_radio import CoreRadio
 from roah_rsbb.nodes.run_log_writer import RunLogWriter
 
 # Readings of clocks this close together are of one moment; a busy machine takes a few attempts.
 SAME_MOMENT_S = 0.005
 MAX_READINGS = 10
+
+def _on_record(_effect: Effect) -> None:
+    """The journal has it: there is nothing more to do."""
+
 
 _LOG = {Level.INFO: rospy.loginfo, Level.WARNING: rospy.logwarn, Level.ERROR: rospy.logerr}
 
@@ -34,6 +39,7 @@ class CoreDriver:
         radio: CoreRadio,
         run_logs: RunLogWriter,
         ports: PortRecord,
+        journal: CoreJournal,
         ring_timeout: Callable[[], None],
         tell_modules: Callable[[], None],
         set_device: Callable[[effects.SetDevice], None],
@@ -44,6 +50,7 @@ class CoreDriver:
         self._radio = radio
         self._run_logs = run_logs
         self._ports = ports
+        self._journal = journal
         self._ring_timeout = ring_timeout
         self._tell_modules = tell_modules
         self._give_up = give_up
@@ -62,6 +69,9 @@ class CoreDriver:
             effects.TimeoutRung: lambda e: self._ring_timeout(),
             effects.SetDevice: set_device,
             effects.RunOpened: self._run_opened,
+            effects.RunResumed: self._run_resumed,
+            effects.RecordChanged: _on_record,
+            effects.Recorded: _on_record,
             effects.RunLogged: lambda e: self._run_logs.logged(e, time.time()),
             effects.RunClosed: lambda e: self._run_logs.closed(e),
             effects.ModuleRunsChanged: self._want_modules_told,
@@ -99,14 +109,14 @@ class CoreDriver:
         self._carrying_out = True
         notices: List[effects.Notice] = []
         try:
-            todo = self.box.take_effects()
+            todo = self._take_effects()
             while todo:
                 for effect in todo:
                     if isinstance(effect, effects.Notice):
                         notices.append(effect)
                     else:
                         self._do(effect)
-                todo = self.box.take_effects()
+                todo = self._take_effects()
             if self._beacon_wanted:
                 self._beacon_wanted = False
                 self._radio.send_beacon()
@@ -118,6 +128,17 @@ class CoreDriver:
             # A line in the node's log takes longer than a datagram, and nobody waits for it.
             for notice in notices:
                 self._do(notice)
+
+    def _take_effects(self) -> List[Effect]:
+        """What is to be done; it is on record when this returns."""
+        todo = self.box.take_effects()
+        if todo:
+            try:
+                self._journal.record(self.now(), todo)
+            except Exception:
+                # A record that cannot be made must not keep the robots from their run.
+                rospy.logerr_throttle(1.0, "internal error: what happened could not be recorded", exc_info=True)
+        return todo
 
     def _do(self, effect: Effect) -> None:
         try:
@@ -169,6 +190,11 @@ class CoreDriver:
         if self._unopened.pop(effect.port, False):
             return  # the box tries again on another port: no log for this one
         self._run_logs.opened(effect, time.time())
+        self._journal.log_file(effect.port, self._run_logs.files[effect.port])
+
+    def _run_resumed(self, effect: effects.RunResumed) -> None:
+        self._unopened.pop(effect.port, None)
+        self._run_logs.resumed(effect.port, self._journal.log_file_before(effect.port))
 
     @staticmethod
     def _notice(effect: effects.Notice) -> None:

@@ -10,9 +10,11 @@ listen_duration; end_launch (for launch files: what cannot be mended by starting
 """
 
 import gc
+import os
 import signal
 import sys
 import threading
+import time
 import uuid
 from typing import Callable
 
@@ -28,7 +30,9 @@ from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules import MAX_NODES
 from roah_rsbb.core.public_view import PublicResults, public_view
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.journal.file import Resume, Session, boot_id
 from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.journal.store import Journal
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
@@ -41,6 +45,7 @@ from roah_rsbb.msg import (
 )
 from roah_rsbb.nodes import module_convert, public_convert, ros_convert
 from roah_rsbb.nodes.core_driver import CoreDriver
+from roah_rsbb.nodes.core_journal import CoreJournal, competition, saved_before
 from roah_rsbb.nodes.core_radio import CoreRadio, Network, beacon_size
 from roah_rsbb.nodes.core_services import CoreServices
 from roah_rsbb.nodes.device_calls import DeviceCalls
@@ -53,6 +58,7 @@ GUI_PERIOD_S = 0.1
 # Every fifth of the panels' messages goes with one for the public.
 PUBLIC_EVERY = 5
 DETAILS_EVERY = 10
+JOURNAL_EVERY = 10
 
 # The node that ends the launch may still be starting, and ending takes its time.
 END_LAUNCH_S = 10.0
@@ -100,6 +106,7 @@ class CoreNode:
         network = _network(params, settings)
         files = [params.path(name) for name in ("benchmarks_file", "schedule_file", "passwords_file")]
         log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
+        resume = Resume(params.choice("resume", Resume.ALWAYS.value, [choice.value for choice in Resume]))
         results = params.choice("public_results", PublicResults.NONE.value, [choice.value for choice in PublicResults])
         params.done()
         loaded, warnings = config.load(*files)
@@ -115,14 +122,17 @@ class CoreNode:
         self._last_public_view = None
         ports = PortRecord(log_dir)
         last_port, port_warnings = ports.read()
-        box = Box(loaded, settings, beacon_size, last_port)
+        session = Session(time.time(), time.monotonic(), boot_id(), os.getpid(), self._uuid, rospy.get_param("/run_id", ""))
+        self._store = Journal(log_dir, session, competition(loaded), resume, self._on_journal_trouble)
+        box = Box(loaded, settings, beacon_size, max(last_port or 0, self._store.before.last_port or 0))
         keys = {team: Key(password) for team, password in loaded.passwords.items()}
         self._radio = CoreRadio(self._ros.loop, network, keys, box, self._event)
         self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble)
+        self._journal = CoreJournal(box, self._store)
         self._timeout_topic = rospy.Publisher("/timeout", Empty, queue_size=1)
         self._device_calls = DeviceCalls(self._on_device_refused)
         self._driver = CoreDriver(
-            self._ros.loop, box, self._radio, self._run_logs, ports,
+            self._ros.loop, box, self._radio, self._run_logs, ports, self._journal,
             ring_timeout=lambda: self._timeout_topic.publish(Empty()), tell_modules=self._tell_modules,
             set_device=self._device_calls.set, give_up=self._give_up,
         )
@@ -130,14 +140,22 @@ class CoreNode:
         self._modules = Newest(self._ros.post, lambda state: self._event(box.on_modules, state), MAX_NODES)
         self._network = network
         self._log_dir = log_dir
-        for warning in port_warnings:
+        for warning in (*port_warnings, *self._store.warnings):
             self._driver.event(box.on_trouble, warning)
         self._check_log_dir()
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Go on where the core was when it ended, if it is in the journal."""
+        saved, warnings = saved_before(self._store.before, self._driver.now(), boot_id())
+        for warning in warnings:
+            self._driver.event(self._box.on_trouble, warning)
+        self._driver.event(self._box.resume, saved)
 
     def run(self) -> int:
         """Run until shut down; returns the process's exit status."""
         self._driver.tick()
-        self._radio.open(self._box.settings.listen_duration)
+        self._radio.open(self._box.listening_left(self._driver.now()))
         rospy.loginfo("Listening on UDP %s:%d, private channels above; log in %s",
                       self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
         self._topics = {
@@ -159,6 +177,7 @@ class CoreNode:
         self._ros.run()
         self._radio.close()
         self._run_logs.stop()
+        self._store.close()
         if self._gave_up:
             _end_launch()
         self._ros.close()
@@ -186,6 +205,9 @@ class CoreNode:
     def _on_log_trouble(self, text: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_trouble, text))
 
+    def _on_journal_trouble(self, text: str) -> None:
+        self._ros.post(lambda: self._event(self._box.on_journal, text))
+
     def _give_up(self, reason: str) -> None:
         self._gave_up = reason
         rospy.logfatal("%s", reason)
@@ -211,6 +233,8 @@ class CoreNode:
             self._publish("public", ros_convert.to_public(self._box, now))
         self._publish_public_details(now)
         self._publish_details(now, zone_views)
+        if self._ticks % JOURNAL_EVERY == 0:
+            self._journal.each_second(now, self._radio.unreadable())
         self._ticks += 1
 
     def _publish_public_details(self, now) -> None:

@@ -96,6 +96,10 @@ class CoreRadio:
             self.close_channel(port)
         self.public.close()
 
+    def unreadable(self) -> Dict[int, int]:
+        """By private port, how many datagrams arrived there so far that could not be read."""
+        return {port: sum(private.channel.complaints.totals().values()) for port, private in self._privates.items()}
+
     # -- what the box wants sent --------------------------------------------------------------------
 
     def send_beacon(self) -> None:

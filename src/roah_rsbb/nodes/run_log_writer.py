@@ -37,12 +37,19 @@ def _message(entry: effects.RunLogged):
 class _Bag:
     """A bag that grows."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, resume: bool = False) -> None:
         """Raises OSError."""
         self.path = path
-        self._file = open(path, "w+b")  # noqa: SIM115 (closed with the bag)
-        self._bag = rosbag.Bag(self._file, "w")
+        if resume:
+            self._index()
+        self._file = open(path, "r+b" if resume else "w+b")  # noqa: SIM115 (closed with the bag)
+        self._bag = rosbag.Bag(self._file, "a" if resume else "w")
         self._dirty = False
+
+    def _index(self) -> None:
+        with rosbag.Bag(self.path, "a", allow_unindexed=True) as bag:
+            for _ in bag.reindex():
+                pass
 
     def write(self, entry: effects.RunLogged, utc: float) -> None:
         self._bag.write(entry.topic, _message(entry), rospy.Time.from_sec(utc))
@@ -89,6 +96,11 @@ class RunLogWriter:
         self.files[effect.port] = path
         self._jobs.put(lambda: self._open(effect.port, path))
 
+    def resumed(self, port: int, path: str) -> None:
+        """A run goes on after a restart of the core, and so does its log."""
+        self.files[port] = path
+        self._jobs.put(lambda: self._open(port, path, resume=True))
+
     def logged(self, effect: effects.RunLogged, utc: float) -> None:
         """An entry of a run's log."""
         self._jobs.put(lambda: self._write(effect, utc))
@@ -123,10 +135,10 @@ class RunLogWriter:
         for port in list(self._bags):
             self._close(port)
 
-    def _open(self, port: int, path: str) -> None:
+    def _open(self, port: int, path: str, resume: bool = False) -> None:
         try:
             os.makedirs(self._log_dir, exist_ok=True)
-            self._bags[port] = _Bag(path)
+            self._bags[port] = _Bag(path, resume)
         except (OSError, rosbag.ROSBagException) as error:
             self._trouble(path, error)
 

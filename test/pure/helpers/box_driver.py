@@ -39,6 +39,9 @@ class BoxDriver:
         self.channels = {}  # port -> host that is sent to, of channels that are open
         self.states = {}  # port -> messages sent, each as often as it was handed over
         self.bags = {}  # port -> entries (topic, value) of the run's log
+        self._begin(listening)
+
+    def _begin(self, listening):
         self.event(self.box.tick)
         if not listening:
             self.run(self.settings.listen_duration)
@@ -75,11 +78,11 @@ class BoxDriver:
         try:
             return method(self.now, *arguments)
         finally:
-            todo = self.box.take_effects()
+            todo = self._take_effects()
             while todo:
                 for effect in todo:
                     self._carry_out(effect)
-                todo = self.box.take_effects()
+                todo = self._take_effects()
 
     def command(self, command, zone="tbm"):
         """The referee presses a button; raises `Refused`."""
@@ -140,6 +143,9 @@ class BoxDriver:
         """Values in a run's log, of these topics."""
         return [value for topic, value in self.bags[port] if topic in topics]
 
+    def _take_effects(self):
+        return self.box.take_effects()
+
     # -- hands ----------------------------------------------------------------------------------------
 
     def _carry_out(self, effect):
@@ -158,6 +164,8 @@ class BoxDriver:
             self.states.setdefault(effect.port, []).append(effect.message)
         elif isinstance(effect, effects.RunOpened):
             self.bags[effect.port] = []
+        elif isinstance(effect, effects.RunResumed):
+            self.bags.setdefault(effect.port, [])
         elif isinstance(effect, effects.RunLogged):
             self.bags[effect.port].append((effect.topic, effect.value))
 

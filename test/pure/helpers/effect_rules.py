@@ -24,6 +24,7 @@ class EffectRules:
         self._taken = set()  # ports on record
         self._opened = set()  # ports of channels
         self._bags = set()  # ports of run logs that are open
+        self._resumed = None  # port of a run that goes on now
         self._last = {}  # (port, topic) -> last value logged
 
     def see(self, effect):
@@ -49,6 +50,15 @@ class EffectRules:
         assert effect.port in self._taken
         self._bags.add(effect.port)
 
+    def restart(self):
+        """The core was started anew: what is on record stays."""
+        self._taken, self._opened, self._bags = set(), set(), set()
+
+    def _RunResumed(self, effect):
+        assert effect.port in self._opened, "a run goes on whose channel is not opened"
+        self._bags.add(effect.port)
+        self._resumed = effect.port
+
     def _RunLogged(self, effect):
         assert effect.port in self._bags, "an entry for a run log that is not open"
         assert effect.topic in KINDS, effect.topic
@@ -60,6 +70,9 @@ class EffectRules:
         self._bags.remove(effect.port)
 
     def _SendState(self, effect):
+        if effect.port == self._resumed:
+            self._resumed = None  # it was on record before the restart
+            return
         state = effect.message.state
         topics = (run_log.STATE, run_log.BOX_STATE, run_log.STATE_NAME)
         logged = [self._last.get((effect.port, topic)) for topic in topics]

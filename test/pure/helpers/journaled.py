@@ -1,0 +1,75 @@
+"""A box in simulated time with a real journal: it can be killed at any moment, and goes on from what is on record."""
+
+import shutil
+
+from helpers.box_driver import BoxDriver, beacon_bytes
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.journal.file import Resume, Session
+from roah_rsbb.journal.store import Journal
+from roah_rsbb.nodes.core_journal import CoreJournal, competition, saved_before
+
+
+class JournaledDriver(BoxDriver):
+    """As `BoxDriver`. `on_record(driver)` is called whenever something was put on record, before it is done."""
+
+    def __init__(self, log_dir, config, settings=None, on_record=None, **of_driver):
+        self.config = config
+        self.boot = "boot 1"
+        self.journal = None
+        self.troubles = []
+        self.restarts = 0
+        self.on_record = on_record
+        self._log_dir = log_dir
+        super().__init__(config, settings, **of_driver)
+
+    def _begin(self, listening):
+        self.open(self._log_dir / "0")
+        super()._begin(listening)
+
+    def open(self, directory, resume=Resume.ALWAYS, launch=""):
+        """Open the journal in a directory, and go on from it."""
+        session = Session(self.now.utc, self.now.mono, self.boot, 1, "uuid", launch)
+        self.journal = Journal(str(directory), session, competition(self.config), resume, self.troubles.append)
+        self._rules.restart()
+        self.box = Box(self.config, self.settings, beacon_bytes, self.journal.before.last_port)
+        self.core_journal = CoreJournal(self.box, self.journal)
+        saved, warnings = saved_before(self.journal.before, self.now, self.boot)
+        self.troubles += [*self.journal.warnings, *warnings]
+        self.event(self.box.resume, saved)
+
+    def _take_effects(self):
+        todo = super()._take_effects()
+        if todo:
+            self.core_journal.record(self.now, todo)
+            if self.on_record is not None:
+                self.on_record(self)
+        return todo
+
+    def copy(self, directory):
+        """The journal's files as a process that is killed now leaves them."""
+        directory.mkdir()
+        for path in self._directory.iterdir():
+            shutil.copy(path, directory / path.name)
+
+    @property
+    def _directory(self):
+        return self._log_dir / str(self.restarts)
+
+    def kill(self, seconds=2.0, boot=None, config=None):
+        """The process is killed, and started again after so many seconds; `boot`: with the computer."""
+        after = self._log_dir / str(self.restarts + 1)
+        self.copy(after)
+        self.journal.close()
+        self.now = self.now.later(seconds)
+        if boot is not None:
+            self.boot = boot
+            self.now = Now(50.0, self.now.utc)
+        self.config = config or self.config
+        self.restarts += 1
+        self.go_on_in(after)
+
+    def go_on_in(self, directory):
+        """A core that is started with the journal in this directory."""
+        self.channels = {}
+        self.open(directory)
