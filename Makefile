@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install-deps build demo test lint test-pure test-python38 test-pip test-install test-ros screenshots bench clean
+.PHONY: help install-deps build demo test lint test-pure test-python38 test-pip test-docs test-install test-ros screenshots bench clean
 
 # ROS's own Python: the first python3 on PATH may be another one.
 PYTHON := /usr/bin/python3
@@ -28,7 +28,7 @@ build: install-deps ## build into build/devel
 demo: build ## the dummy set-up on this machine alone
 	@$(BUILT); rosrun roah_rsbb demo
 
-test: build $(if $(filter no,$(LINT)),,lint) test-pure test-python38 test-pip test-install test-ros ## all tests
+test: build $(if $(filter no,$(LINT)),,lint) test-pure test-python38 test-pip test-docs test-install test-ros ## all tests
 
 lint: install-deps ## ruff and catkin_lint
 	@tools/lint
@@ -41,6 +41,9 @@ test-python38: install-deps ## the same on Python 3.8, where there is one
 
 test-pip: install-deps ## a robot without ROS, from the wheel that pip makes
 	@tools/test_pip_install
+
+test-docs: build ## commands, links and examples of the documentation
+	@$(BUILT); $(PYTHON) -m pytest -q test/docs
 
 test-install: build ## the demonstration, from an install space
 	@tools/test_install

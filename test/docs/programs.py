@@ -1,0 +1,74 @@
+"""What the package's programs and launch files say of themselves, asked once each."""
+
+import concurrent.futures
+import functools
+import os
+import pathlib
+import re
+import subprocess
+from typing import Dict, List, NamedTuple, Set
+from xml.etree import ElementTree
+
+from pages import ROOT
+
+SCRIPTS = sorted(path.name for path in (ROOT / "scripts").iterdir())
+LAUNCH_FILES = sorted(path.name for path in (ROOT / "launch").iterdir())
+AT_ONCE = 3
+LIMIT_S = 60.0
+# Nobody must be there: help that waits for a ROS master, a display or a key is none.
+_NOBODY = {"ROS_MASTER_URI": "http://127.0.0.1:1", "DISPLAY": "", "WAYLAND_DISPLAY": ""}
+
+
+class Said(NamedTuple):
+    """How a program ended, and what it printed."""
+
+    status: int
+    text: str
+
+
+def ask(*command: str) -> Said:
+    """Run a program that answers at once."""
+    ended = subprocess.run(
+        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True,
+        env={**os.environ, **_NOBODY}, timeout=LIMIT_S, check=False)
+    return Said(ended.returncode, ended.stdout)
+
+
+def _ask_all(questions: Dict[str, List[str]]) -> Dict[str, Said]:
+    with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:
+        return dict(zip(questions, pool.map(lambda command: ask(*command), questions.values())))
+
+
+@functools.lru_cache(maxsize=None)
+def helps() -> Dict[str, Said]:
+    """What each script answers to --help."""
+    return _ask_all({name: [str(ROOT / "scripts" / name), "--help"] for name in SCRIPTS})
+
+
+@functools.lru_cache(maxsize=None)
+def help_of(script: str, word: str) -> Said:
+    """What a script answers to --help behind a command of its own, such as `referee run --help`."""
+    return ask(str(ROOT / "scripts" / script), word, "--help")
+
+
+@functools.lru_cache(maxsize=None)
+def ros_args() -> Dict[str, Said]:
+    """What roslaunch says of each launch file's arguments."""
+    return _ask_all({name: ["roslaunch", "--ros-args", str(ROOT / "launch" / name)] for name in LAUNCH_FILES})
+
+
+def arguments(launch_file: str) -> Set[str]:
+    """The arguments that a launch file takes."""
+    root = ElementTree.parse(str(ROOT / "launch" / launch_file)).getroot()
+    return {arg.get("name") for arg in root.findall("arg")}
+
+
+def options(text: str) -> Set[str]:
+    """The options that a help names."""
+    return set(re.findall(r"(?<![\w-])--?[a-zA-Z][\w-]*", text))
+
+
+def make_targets() -> Set[str]:
+    """What `make` makes."""
+    makefile = pathlib.Path(ROOT / "Makefile").read_text(encoding="utf-8")
+    return set(re.findall(r"^([a-z0-9-]+):.*##", makefile, re.MULTILINE))

@@ -1,0 +1,58 @@
+"""The commands that the documentation marks to be run are run, and print what it says."""
+
+import os
+import re
+import subprocess
+
+import pages
+import pytest
+
+LIMIT_S = 60.0
+MARKED = [page for page in pages.NAMES if any(block.mark for block in pages.blocks(page))]
+
+
+def fits(expected, printed):
+    """Whether a text is as a page says it is; … stands for anything in a line, or alone for any lines."""
+    pattern = "".join(
+        "(?:.*\n)*?" if line.strip() == "…" else re.escape(line).replace(re.escape("…"), ".*?") + "\n"
+        for line in expected.splitlines())
+    return re.fullmatch(pattern, printed) is not None
+
+
+def run(block, folder):
+    """Run a block's commands as they would be typed; returns what was printed."""
+    wanted = re.fullmatch(r"(?:exit (\d+))?", block.given)
+    assert wanted, f"{block.where}: mark 'run: {block.given}'"
+    ended = subprocess.run(
+        ["bash", "-e", "-o", "pipefail", "-c", block.text], cwd=str(folder), stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=LIMIT_S, check=False,
+        env={**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:1", "TZ": "UTC", "LC_ALL": "C.UTF-8"})
+    assert ended.returncode == int(wanted.group(1) or 0), f"{block.where} printed\n{ended.stdout}"
+    return ended.stdout
+
+
+@pytest.mark.parametrize("page", MARKED)
+def test_what_is_to_be_run_runs(page, tmp_path):
+    printed = None
+    for block in pages.blocks(page):
+        if block.mark == "file":
+            path = tmp_path / block.given
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(block.text, encoding="utf-8")
+        elif block.mark == "run":
+            printed = run(block, tmp_path)
+        elif block.mark == "prints":
+            assert printed is not None, f"{block.where}: nothing was run before it"
+            assert fits(block.text, printed), f"{block.where}: this was printed:\n{printed}"
+
+
+def test_there_is_something_to_run():
+    assert "docs/organiser.md" in MARKED
+
+
+@pytest.mark.parametrize("expected, printed, fit", [
+    ("a\nb\n", "a\nb\n", True), ("a\n", "a\nb\n", False), ("a … c\n", "a b c\n", True), ("a … c\n", "a\nc\n", False),
+    ("a\n…\nd\n", "a\nb\nc\nd\n", True), ("…\n", "", True), ("a.c\n", "abc\n", False),
+])
+def test_what_fits(expected, printed, fit):
+    assert fits(expected, printed) is fit
