@@ -94,6 +94,6 @@ def _restored(saved: object) -> Optional[Home]:
             home.set(device, int(value))
         sec, nsec = (int(part) for part in saved["bell"])
         home.bell, home.door = (sec, nsec), bool(saved["door"])
-    except (TypeError, KeyError, AttributeError, ValueError):
+    except (TypeError, KeyError, AttributeError, ValueError, OverflowError):
         return None
     return home if 0 <= sec < 2**32 and 0 <= nsec < 10**9 else None

@@ -7,8 +7,9 @@ the image's bottom left corner and the angle by which the image is turned counte
 
 import math
 import os
+import stat
 import zlib
-from typing import Any, Dict, NamedTuple, Tuple
+from typing import Any, Dict, NamedTuple, Optional, Tuple
 
 import yaml
 
@@ -17,6 +18,7 @@ from roah_rsbb.tablet import images
 # Files larger than this are no maps of a test bed.
 MAX_YAML_BYTES = 64 * 1024
 MAX_IMAGE_BYTES = 64 * 1024 * 1024
+_LONGEST_SHOWN = 80
 
 
 class MapError(ValueError):
@@ -57,35 +59,45 @@ class Map(NamedTuple):
 def load(path: str) -> Map:
     """The map of a YAML file as `map_server` reads it, with a PGM or PNG image. Raises `MapError`."""
     try:
-        document = yaml.safe_load(_read(path, MAX_YAML_BYTES))
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
+        # Every value as the text that stands there: PyYAML stumbles over some that it takes for numbers or dates.
+        document = yaml.load(_read(path, MAX_YAML_BYTES), Loader=yaml.BaseLoader)
+    except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
+        if isinstance(error, MapError):
+            raise
         raise MapError(f"{path}: this is no YAML: {' '.join(str(error).split())}") from None
     if not isinstance(document, dict):
         raise MapError(f"{path}: found no keys; expected image, resolution and origin, as map_saver writes them")
-    resolution = _number(path, document, "resolution")
-    if not 1e-4 <= resolution <= 10.0:
-        raise MapError(f"{path}: resolution is {resolution:g}; expected metres a pixel, such as 0.05")
+    resolution = _number(document.get("resolution"))
+    if resolution is None or not 1e-4 <= resolution <= 10.0:
+        raise MapError(f"{path}: resolution is {_shown(document, 'resolution')}; expected metres a pixel, such as 0.05")
     origin = document.get("origin")
-    if not (isinstance(origin, list) and len(origin) == 3 and all(_is_number(item) for item in origin)):
-        raise MapError(f"{path}: origin is {origin!r}; expected [x, y, yaw] in metres and radians")
-    negate = document.get("negate", 0)
-    if negate not in (0, 1):
-        raise MapError(f"{path}: negate is {negate!r}; expected 0 or 1")
+    numbers = [_number(item) for item in origin] if isinstance(origin, list) else []
+    if len(numbers) != 3 or None in numbers:
+        raise MapError(f"{path}: origin is {_shown(document, 'origin')}; expected [x, y, yaw] in metres and radians")
+    negate = document.get("negate", "0")
+    if negate not in ("0", "1"):
+        raise MapError(f"{path}: negate is {_shown(document, 'negate')}; expected 0 or 1")
     image = document.get("image")
     if not isinstance(image, str) or not image:
-        raise MapError(f"{path}: image is {image!r}; expected the name of a .pgm or .png file")
+        raise MapError(f"{path}: image is {_shown(document, 'image')}; expected the name of a .pgm or .png file")
     png, width, height = _image(os.path.join(os.path.dirname(os.path.abspath(path)), image))
-    x, y, yaw = (float(item) for item in origin)
-    return Map(png, width, height, resolution, (x, y, yaw), bool(negate))
+    x, y, yaw = numbers
+    return Map(png, width, height, resolution, (x, y, yaw), negate == "1")
 
 
 def _read(path: str, limit: int) -> bytes:
     try:
+        # A pipe might block for ever, and a device has no end.
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            raise MapError(f"{path}: is a directory or a device. Correct map_file, or image in it")
         with open(path, "rb") as file:
-            data = file.read(limit + 1)
+            size = os.fstat(file.fileno()).st_size
+            data = b"" if size > limit else file.read(size)
     except OSError as error:
         raise MapError(f"{path}: cannot be read: {error.strerror}. Correct map_file, or image in it") from None
-    if len(data) > limit:
+    except ValueError as error:  # a NUL or half a character in the path
+        raise error if isinstance(error, MapError) else MapError(f"{path!r}: is no file's name ({error})") from None
+    if size > limit:
         raise MapError(f"{path}: is larger than {limit // 1024} kB: crop or scale the map")
     return data
 
@@ -101,13 +113,16 @@ def _image(path: str) -> Tuple[bytes, int, int]:
     return images.write_png(grey), grey.width, grey.height
 
 
-def _number(path: str, document: Dict[Any, Any], key: str) -> float:
-    value = document.get(key)
-    if not _is_number(value):
-        raise MapError(f"{path}: {key} is {value!r}; expected a number")
-    return float(value)
+def _number(found: Any) -> Optional[float]:
+    """What can be computed with: finite, and not so large that it becomes infinite; None: it is no such number."""
+    try:
+        value = float(found) if isinstance(found, str) else math.nan
+    except ValueError:
+        return None
+    return value if abs(value) <= 1e9 else None
 
 
-def _is_number(value: object) -> bool:
-    """What can be computed with: finite, and not so large that it becomes infinite."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= 1e9
+def _shown(document: Dict[Any, Any], key: str) -> str:
+    """What stands at a key, for messages."""
+    text = repr(document.get(key))
+    return text if len(text) <= _LONGEST_SHOWN else text[:_LONGEST_SHOWN - 3] + "..."

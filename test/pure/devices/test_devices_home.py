@@ -60,6 +60,7 @@ def test_what_is_saved_is_restored():
 
 @pytest.mark.parametrize("saved", [
     None, 5, "x", {}, [], {"values": {"dimmer": 101}, "bell": ["0", "0"], "door": False},
+    {"values": {"dimmer": float("inf")}, "bell": ["0", "0"], "door": False},
     {"values": {"radio": 1}, "bell": ["0", "0"], "door": False}, {"values": {}, "bell": ["x", "0"], "door": False},
     {"values": {}, "bell": ["-1", "0"], "door": False}, {"values": {"dimmer": 5}, "bell": ["0"], "door": False},
     {"values": {"dimmer": 5}, "bell": ["0", "0"]}, {"values": 3, "bell": ["0", "0"], "door": False},
