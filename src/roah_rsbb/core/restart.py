@@ -27,6 +27,8 @@ from roah_rsbb.core.zone_run import ZoneRun
 BOX = ""
 # A private port that cannot be opened after a restart is tried again after this long.
 REOPEN_S = 1.0
+# For so long a run that went on after a restart is marked.
+MARK_S = 60.0
 
 
 class EventKey(NamedTuple):
@@ -87,6 +89,7 @@ class Restart(abc.ABC):
         super().__init__()
         self._changed: Set[str] = set()
         self._reopen_at: Dict[int, float] = {}  # port -> monotonic time (s)
+        self._restarted: Optional[Tuple[float, str]] = None  # monotonic time (s), and what is said of it
 
     @abc.abstractmethod
     def _emit(self, effect: Effect) -> None: ...
@@ -145,6 +148,7 @@ class Restart(abc.ABC):
             text = f"The core was restarted at {clock_text(now.utc)}, {down:.0f} s after its last record"
             for run in runs:
                 run.warn(now, f"{text}: the run goes on")
+            self._restarted = (now.mono, text)
             self.watches.restarted(now, text)
             self._emit(effects.SendBeacon())
         self.tick(now)
@@ -191,6 +195,13 @@ class Restart(abc.ABC):
             now, f"The run of {event.benchmark}, team {event.team}, that was connected before the restart cannot go on: "
             f"{why}. Its scores are in the journal: see 'rosrun roah_rsbb results'",
         )
+
+    def restart_warnings(self, now: Now, run: ZoneRun) -> List[str]:
+        """What the referee of a run should know of a restart, for a while."""
+        if self._restarted is None or now.mono - self._restarted[0] > MARK_S:
+            return []
+        was_there = any(member.resumed for member in run.members())
+        return [f"{self._restarted[1]}: the run went on"] if was_there else []
 
     # -- ports that cannot be opened ----------------------------------------------------------------
 

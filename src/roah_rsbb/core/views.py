@@ -113,7 +113,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
     run = zone.run
     off = tuple(tuple(box.reasons_off(now, zone, command)) for command in COMMANDS)
     log, online_data = _texts(zone)
-    warnings = [] if run is None else run.warnings(now)
+    warnings = [] if run is None else box.restart_warnings(now, run) + run.warnings(now)
     if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
         warnings += outsiders(box, zone, now)
     view = ZoneView(

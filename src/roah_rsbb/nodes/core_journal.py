@@ -83,6 +83,13 @@ class CoreJournal:
         """Where the run log of a robot is."""
         self._journal.write(Batch(log_files=((port, path),)))
 
+    def log_entries(self, port: int) -> List[Tuple[str, object, float]]:
+        """All that belongs into the run log of a robot so far: topic, value and UTC seconds, in order."""
+        return [
+            (entry.kind, json.loads(entry.value), entry.utc)
+            for entry in self._journal.entries_of(port) if entry.kind in run_log.KINDS
+        ]
+
     def log_file_before(self, port: int) -> str:
         """Where the run log of a robot was before the restart; empty: nobody knows."""
         return self._journal.before.log_files.get(port, "")
