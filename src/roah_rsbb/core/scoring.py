@@ -150,8 +150,8 @@ class ScoreSheet:
             last = self._history[index]
             if (last.group, last.desc) == (entry.group, entry.desc):
                 begun = self._begun.get(last.number)
-                alike = (last.who, last.note, last.correction) == (entry.who, "", entry.correction) and not entry.note
-                return index if alike and begun is not None and now.mono - begun <= ONE_ENTRY_S else None
+                is_same = begun is not None and now.mono - begun <= ONE_ENTRY_S and _is_alike(last, entry)
+                return index if is_same else None
         return None
 
     def _replace(self, index: int, entry: ScoreEntry) -> None:
@@ -258,6 +258,12 @@ class ScoreSheet:
 
 def _is_plain(entry: ScoreEntry) -> bool:
     return not (entry.note or entry.withdrawn_utc)
+
+
+def _is_alike(last: ScoreEntry, entry: ScoreEntry) -> bool:
+    """Whether both may be one entry; "not attempted" is worth one of its own."""
+    same = (last.who, last.correction, last.not_attempted) == (entry.who, entry.correction, entry.not_attempted)
+    return same and not last.note and not entry.note
 
 
 def _may_replace(later: ScoreEntry, entry: ScoreEntry) -> bool:

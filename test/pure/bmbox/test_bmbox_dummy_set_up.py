@@ -11,7 +11,7 @@ from roah_rsbb.bmbox.ground_truth import Pose3, compose, seen_from
 from roah_rsbb.bmbox.parameters import read_parameters
 from roah_rsbb.bmbox.registry import modules
 from roah_rsbb.core.module_messages import RequestKind
-from roah_rsbb.core.run import EndReason
+from roah_rsbb.core.phases import EndReason
 
 RESTARTS = [None, 1.7]  # seconds from one crash of the modules to the next
 

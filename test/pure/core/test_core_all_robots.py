@@ -19,8 +19,8 @@ from helpers.all_robots import (
 )
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.effects import Level
+from roah_rsbb.core.phases import EndReason
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.core.run import EndReason
 from roah_rsbb.core.settings import Settings
 
 # -- connect ------------------------------------------------------------------------------------------

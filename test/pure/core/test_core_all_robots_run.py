@@ -23,7 +23,7 @@ from helpers.all_robots import (
 from helpers.competition import event
 from roah_rsbb.core import effects, views
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.run import EndReason, Phase
+from roah_rsbb.core.phases import EndReason, Phase
 from roah_rsbb.states import BoxState, RobotState
 
 # -- start --------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from helpers.competition import competition, event
 from helpers.linked_world import FakeLink, World, assert_legal
 from helpers.module_player import BEAT_S, ScriptedModules
 from roah_rsbb.core.module_messages import OutcomeKind, RequestKind
-from roah_rsbb.core.run import EndReason, Phase
+from roah_rsbb.core.phases import EndReason, Phase
 from roah_rsbb.core.settings import Settings
 
 hypothesis = pytest.importorskip("hypothesis")

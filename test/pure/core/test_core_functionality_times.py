@@ -6,8 +6,8 @@ import pytest
 from helpers.module_player import does_goal, started
 from roah_rsbb.core import effects
 from roah_rsbb.core.module_messages import OutcomeKind, RequestKind, ScoreValue
+from roah_rsbb.core.phases import EndReason, Phase
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.core.run import EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import BoxState, RobotState
 

@@ -14,8 +14,8 @@ from roah_rsbb.comm.frame import decode_private, decode_public
 from roah_rsbb.core.clock import Now, wire_seconds
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.module_messages import RequestKind
+from roah_rsbb.core.phases import EndReason
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.core.run import EndReason
 from roah_rsbb.nodes import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.states import BoxState

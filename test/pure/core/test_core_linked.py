@@ -6,7 +6,7 @@ import pytest
 
 from helpers.competition import competition, event
 from helpers.linked_world import FakeLink, World, assert_legal
-from roah_rsbb.core.run import EndReason, Phase
+from roah_rsbb.core.phases import EndReason, Phase
 from roah_rsbb.states import BoxState, RobotState
 
 STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT

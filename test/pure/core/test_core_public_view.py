@@ -7,8 +7,8 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import DOOR, UTC0, competition, event, run_record
 from helpers.module_player import started
 from roah_rsbb.core.module_messages import RequestKind, ScoreValue
+from roah_rsbb.core.phases import EndReason, Phase
 from roah_rsbb.core.public_view import MAX_FINISHED, MAX_FOLLOWING, PublicResults, public_view
-from roah_rsbb.core.run import EndReason, Phase
 
 NONE, OUTCOMES, SCORES = PublicResults.NONE, PublicResults.OUTCOMES, PublicResults.SCORES
 

@@ -9,11 +9,13 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import TEAMS, competition, event
 from helpers.linked_world import FakeLink, World, assert_legal
-from roah_rsbb.core import views
+from roah_rsbb.core import effects, views
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
+from roah_rsbb.core.phases import EndReason, Phase
+from roah_rsbb.core.referee_record import RunName
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.core.run import EndReason, Phase
+from roah_rsbb.core.scoring import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.timeline import Timeline, Verdict
 from roah_rsbb.robot.machine import IllegalEvent
@@ -43,6 +45,19 @@ def _reports(times):
 
 
 @st.composite
+def _scores(draw, zone):
+    """What a referee does to a score sheet; a run is named by "now" or "last", see `_apply`."""
+    name = RunName(zone, draw(st.sampled_from(["", "now", "last", "x"])))
+    group = draw(st.sampled_from(["Penalized", ""]))
+    mark = Mark(group, "bumps", draw(INT64), draw(st.booleans()), draw(st.sampled_from(["", "note", "x" * 600])))
+    return draw(st.sampled_from([
+        ("set_score", (zone, group, "bumps", mark.value)), ("score", (name, mark)), ("score", (name, mark)),
+        ("withdraw_score", (name, draw(st.integers(-1, 4)))), ("sign_off", (name,)),
+        ("give_stop_reason", (name, "reason", "", draw(st.integers(-1, 3)))),
+    ]))
+
+
+@st.composite
 def _events(draw):
     """Method of the box, and its arguments; None for a time means now."""
     kind = draw(st.sampled_from(["command"] * 6 + ["report"] * 6 + ["beacon"] * 3 + ["score", "other", "pass", "set"]))
@@ -55,7 +70,7 @@ def _events(draw):
         team, robot = draw(NAMES), draw(st.sampled_from(["r1", "r2"]))
         return "on_robot_beacon", (draw(HOSTS), team, robot, draw(st.none() | st.tuples(INT64, INT64)))
     if kind == "score":
-        return "set_score", (zone, draw(st.sampled_from(["Penalized", ""])), "bumps", draw(INT64))
+        return draw(_scores(zone))
     if kind == "pass":
         return "pass", (draw(st.sampled_from([0.0, 0.05, 1.0, 3.0, 20.0, 1000.0])),)
     if kind == "set":
@@ -67,6 +82,16 @@ def _events(draw):
         ("on_tablet", ("10.0.0.4", TabletState(False, (5, 0), (7, 999_999_999), 1.5, -2.5))),
         ("manual_operation_complete", (zone,)), ("omf_complete", (zone,)), ("omf_button", (zone, 1)), ("tick", ()),
     ]))
+
+
+def _meant(driver, name):
+    """A run with its identity: the one in the zone, or the last one that is over."""
+    zone, finished = driver.box.zones.get(name.zone), driver.box.finished.records()
+    if name.identity == "now" and zone is not None and zone.run is not None:
+        return name._replace(identity=zone.run.identity)
+    if name.identity == "last" and finished:
+        return RunName(finished[0].zone, finished[0].identity)
+    return name
 
 
 def _apply(driver, name, arguments):
@@ -82,10 +107,27 @@ def _apply(driver, name, arguments):
         arguments = (port, host, report._replace(time=now if report.time is None else report.time))
     elif name == "on_robot_beacon":
         arguments = (*arguments[:3], now if arguments[3] is None else arguments[3])
+    elif name in ("score", "withdraw_score", "sign_off", "give_stop_reason"):
+        arguments = (_meant(driver, arguments[0]), *arguments[1:])
     try:
         driver.event(getattr(driver.box, name), *arguments)
     except Refused as refused:
         assert refused.reasons and all(refused.reasons)
+
+
+def _check_records(driver, told):
+    """What was told of a run is what is in force; and what was signed off stays as it is."""
+    for effect in driver.taken(effects.RecordChanged):
+        before = told.get(effect.record.identity)
+        assert before is None or before.sign_off is None
+        told[effect.record.identity] = effect.record
+    for zone in driver.box.zones.values():
+        if zone.run is not None:
+            record = zone.run.record(driver.now)
+            last = told[record.identity]
+            assert record._replace(elapsed_s=0.0, robots=()) == last._replace(elapsed_s=0.0, robots=())
+    for record in driver.box.finished.records():
+        assert record == told[record.identity]
 
 
 @many
@@ -97,8 +139,10 @@ def test_no_order_of_events_breaks_the_box(sequence):
         all=[event("HSUF", team="ALL", timeout=30.0)],
     )
     driver = BoxDriver(config, Settings(display_log_size=300))
+    told = {}  # identity -> the last record that was told
     for name, arguments in sequence:
         _apply(driver, name, arguments)
+        _check_records(driver, told)
         runs = driver.box.runs()
         assert len({run.robot for run in runs}) == len(runs)
         assert len({run.port for run in runs}) == len(runs)

@@ -5,8 +5,8 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core import effects, views
+from roah_rsbb.core.phases import EndReason, Phase
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.core.run import EndReason, Phase
 from roah_rsbb.states import BoxState, RobotState
 
 

@@ -8,7 +8,7 @@ from roah_rsbb.bmbox.parameters import read_parameters
 from roah_rsbb.bmbox.registry import modules
 from roah_rsbb.bmbox.runner import ModuleRunner
 from roah_rsbb.core.module_messages import ModuleInfo, ModulesState
-from roah_rsbb.core.run import Phase
+from roah_rsbb.core.phases import Phase
 from roah_rsbb.states import BoxState, RobotState
 
 PREPARE_S, EXECUTE_S = 1.0, 3.0
