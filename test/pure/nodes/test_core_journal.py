@@ -9,7 +9,7 @@ from helpers.module_player import FakeModules, does_goal
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.messages import DevicesState, TabletState
 from roah_rsbb.core.module_messages import RequestKind, ScoreValue
-from roah_rsbb.core.run import EndReason, Phase
+from roah_rsbb.core.phases import EndReason, Phase
 from roah_rsbb.core.saved import freeze
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import Resume
