@@ -142,7 +142,8 @@ def _told(directory: str) -> int:
         print(f"warning: {warning}")
     if found.errors:
         count = len(found.errors)
-        print(f"{count} error{'s' if count > 1 else ''}: the box would not start with these files")
+        print("1 error: mend it before the box is started" if count == 1 else
+              f"{count} errors: mend them before the box is started")
         return 1
     print(f"All is well: {found.summary}")
     return 0

@@ -201,7 +201,7 @@ def test_check(run, tmp_path):
     status, out, _ = run("--check", "erl")
     assert status == 1
     assert out.splitlines()[0].startswith("error: erl/passwords.yaml: found no file")
-    assert out.splitlines()[-1] == "1 error: the box would not start with these files"
+    assert out.splitlines()[-1] == "1 error: mend it before the box is started"
 
 
 def test_help(run):
