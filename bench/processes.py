@@ -8,7 +8,8 @@ import socket
 import sys
 import tempfile
 import time
-from typing import List
+import xmlrpc.client
+from typing import Dict, List
 
 import rosgraph
 import rospy
@@ -21,6 +22,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 # Below the ports of the tests (from 20000), which may run on this machine at the same time.
 PORTS = range(10000, 19800, 200)
 START_S = 30.0
+CORE = "/roah_rsbb_core"
 _TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 
 
@@ -94,13 +96,15 @@ class Box:
         self.port = free_port()
         self._folder = pathlib.Path(tempfile.mkdtemp(prefix="roah_rsbb_bench."))
         self._configure()
-        launcher = [sys.executable] if not profile else [sys.executable, "-m", "cProfile", "-o", profile]
-        settings = {
+        self.process = self._started(profile, {
             "rsbb_host": BROADCAST, "bind_host": BOX_HOST, "rsbb_port": self.port, "listen_duration": 0.3,
             "log_dir": self._folder / "log", "max_datagram": 8000, "robot_timeout": 30.0,
             **{f"{name}_file": self._folder / f"{name}.yaml" for name in ("benchmarks", "schedule", "passwords")},
-        }
-        self.process = Measured(
+        })
+
+    def _started(self, profile: str, settings: Dict[str, object]) -> Measured:
+        launcher = [sys.executable] if not profile else [sys.executable, "-m", "cProfile", "-o", profile]
+        return Measured(
             *launcher, str(ROOT / "scripts" / "roah_rsbb_core"), *(f"_{k}:={v}" for k, v in settings.items()))
 
     def _configure(self) -> None:
@@ -157,3 +161,22 @@ class Box:
         host, _, port = address.partition(":")
         ours: List[str] = ["0100007F", "FFFFFF7F"]
         return host in ours and self.port <= int(port, 16) < self.port + PORTS.step
+
+
+class LaunchedBox(Box):
+    """The same, started by roslaunch as `roah_rsbb.launch` does it: it is started again when it dies."""
+
+    ARGUMENTS = ("rsbb_host", "rsbb_port", "bind_host", "benchmarks_file", "schedule_file", "passwords_file", "log_dir")
+
+    def _started(self, profile: str, settings: Dict[str, object]) -> Measured:
+        for name in ("listen_duration", "max_datagram"):
+            rospy.set_param(f"{CORE}/{name}", settings[name])
+        given = {**{name: settings[name] for name in self.ARGUMENTS}, "public_results": "none", "resume": "always"}
+        launch = str(ROOT / "launch" / "core.launch.xml")
+        return Measured("roslaunch", launch, *(f"{name}:={value}" for name, value in given.items()))
+
+    @property
+    def core_pid(self) -> int:
+        """The process of the core, whichever it is now."""
+        caller = rospy.get_name()
+        return xmlrpc.client.ServerProxy(rosgraph.Master(caller).lookupNode(CORE)).getPid(caller)[2]

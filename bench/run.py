@@ -21,6 +21,7 @@ sys.path.insert(0, str(ROOT / "test" / "ros"))
 import load  # noqa: E402
 import processes  # noqa: E402
 import reaction  # noqa: E402
+import resume  # noqa: E402
 import rospy  # noqa: E402
 import simulated  # noqa: E402
 from fleet import REGULAR_S, Fleet  # noqa: E402
@@ -29,6 +30,7 @@ from table import Results, quantile  # noqa: E402
 
 ZONES_OF_MESSAGES = (1, 20, 100)
 WINDOW_ZONES = 20
+RESUMED = 10
 
 
 class Extent(NamedTuple):
@@ -37,14 +39,15 @@ class Extent(NamedTuple):
     probes: int
     starts: int
     clicks: int
+    kills: int
     seconds: float  # of each load
     idle_seconds: float
     day_hours: float
     day_zones: int
 
 
-QUICK = Extent(probes=36, starts=12, clicks=5, seconds=1.2, idle_seconds=1.0, day_hours=0.2, day_zones=2)
-FULL = Extent(probes=300, starts=100, clicks=40, seconds=15.0, idle_seconds=10.0, day_hours=10.0, day_zones=4)
+QUICK = Extent(probes=36, starts=12, clicks=5, kills=2, seconds=1.2, idle_seconds=1.0, day_hours=0.2, day_zones=2)
+FULL = Extent(probes=300, starts=100, clicks=40, kills=10, seconds=15.0, idle_seconds=10.0, day_hours=10.0, day_zones=4)
 
 
 class Bench:
@@ -90,6 +93,17 @@ class Bench:
             finally:
                 bench.close()
         self.results.add_spread("click on START to PREPARE on the wire", "ms", taken, {})
+
+    # -- restart ------------------------------------------------------------------------------------
+
+    def resume(self) -> None:
+        """From kill -9 of the core to the last robot's channel."""
+        with processes.LaunchedBox(RESUMED) as box, Fleet(RESUMED, box.port) as fleet:
+            reaction.connect(box, fleet, RESUMED)
+            reaction.start(box, fleet, RESUMED)
+            taken = resume.kills(box, fleet, self.extent.kills)
+        self.results.add(f"kill -9 to the resumed channels of {RESUMED} robots, median", "s", quantile(taken, 0.5), 3)
+        self.results.add(f"kill -9 to the resumed channels of {RESUMED} robots, longest", "s", max(taken), 3)
 
     # -- many robots --------------------------------------------------------------------------------
 
@@ -197,7 +211,7 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "many", "hundred", "messages", "window", "day")}
+    "one", "resume", "many", "hundred", "messages", "window", "day")}
 
 
 def main() -> int:
