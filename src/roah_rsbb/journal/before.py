@@ -28,7 +28,10 @@ def read_before(connection: sqlite3.Connection) -> Before:
         "SELECT outcome FROM runs WHERE closed_utc IS NOT NULL AND outcome IS NOT NULL"
         " ORDER BY opened_utc DESC LIMIT ?", (MAX_OUTCOMES,)).fetchall()
     return Before(
-        states=dict(connection.execute("SELECT name, state FROM states")),
+        states={
+            name: state for name, state in connection.execute("SELECT name, state FROM states")
+            if isinstance(name, str)
+        },
         outcomes=tuple(outcome for (outcome,) in reversed(outcomes)),
         log_files=dict(connection.execute("SELECT port, log_file FROM members WHERE log_file IS NOT NULL")),
         last_port=connection.execute("SELECT max(port) FROM members").fetchone()[0],
@@ -47,5 +50,9 @@ def _last_session(connection: sqlite3.Connection) -> Optional[Session]:
         "SELECT mono, utc FROM entries WHERE session = ? ORDER BY id DESC LIMIT 1", (number,)).fetchall()
     newest += connection.execute(
         "SELECT mono, utc FROM links WHERE mono >= ? ORDER BY rowid DESC LIMIT 1", (session.mono,)).fetchall()
-    mono, utc = max(newest)
+    # SQLite keeps whatever it finds in a damaged file, also what is no number.
+    times = [(mono, utc) for mono, utc in newest if isinstance(mono, float) and isinstance(utc, float)]
+    if not times:
+        return None
+    mono, utc = max(times)
     return session._replace(mono=mono, utc=utc)

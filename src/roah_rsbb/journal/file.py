@@ -148,6 +148,8 @@ def _why_not(path: str, competition: str, resume: Resume, launch: str) -> str:
     except sqlite3.DatabaseError as error:
         return f"it is damaged, or no journal at all ({error})"
     try:
+        if _is_empty(connection):
+            return ""  # the core was ended before it could write anything
         return _problem_of(connection, competition) or _begins_anew(connection, resume, launch)
     except sqlite3.OperationalError:
         raise
@@ -157,10 +159,11 @@ def _why_not(path: str, competition: str, resume: Resume, launch: str) -> str:
         connection.close()
 
 
+def _is_empty(connection: sqlite3.Connection) -> bool:
+    return connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0
+
+
 def _problem_of(connection: sqlite3.Connection, competition: str) -> str:
-    is_empty = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0
-    if is_empty:
-        return ""  # the core was ended before it could write anything
     if _number(connection, "application_id") != schema.APPLICATION_ID:
         return "it is another program's"
     version = _number(connection, "user_version")
@@ -171,6 +174,8 @@ def _problem_of(connection: sqlite3.Connection, competition: str) -> str:
     found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
     if found != "ok":
         return f"it is damaged ({found})"
+    if version == schema.VERSION and not schema.is_whole(connection):
+        return "it is damaged (its tables are not those of a journal)"
     row = connection.execute("SELECT value FROM meta WHERE key = ?", (COMPETITION,)).fetchone()
     if row is not None and not same_competition(row[0], competition):
         return "it is of another competition: none of its events is in the schedule"
@@ -185,8 +190,14 @@ def _begins_anew(connection: sqlite3.Connection, resume: Resume, launch: str) ->
 
 
 def same_competition(saved: str, present: str) -> bool:
-    """Whether two schedules have an event in common, whenever it takes place: a schedule may change on the day."""
-    events = {tuple(event[:-1]) for event in json.loads(saved)}
+    """Whether two schedules have an event in common, whenever it takes place: a schedule may change on the day.
+
+    Raises ValueError if what is saved is no schedule.
+    """
+    try:
+        events = {tuple(event[:-1]) for event in json.loads(saved)}
+    except (TypeError, KeyError, RecursionError) as error:
+        raise ValueError(f"its schedule cannot be read: {error}") from None
     return bool(events & {tuple(event[:-1]) for event in json.loads(present)})
 
 

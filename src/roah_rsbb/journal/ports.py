@@ -10,6 +10,7 @@ from typing import List, Optional, Tuple
 
 FILE_NAME = "used_private_ports"
 LARGEST_PORT = 65535
+_DIGITS = 5
 
 
 class PortRecord:
@@ -28,7 +29,7 @@ class PortRecord:
                 lines = file.read().split()
         except FileNotFoundError:
             return None, []
-        ports = [int(line) for line in lines if line.isdigit() and int(line) <= LARGEST_PORT]
+        ports = [int(line) for line in lines if len(line) <= _DIGITS and line.isdigit() and int(line) <= LARGEST_PORT]
         warnings = []
         if len(ports) < len(lines):
             warnings.append(f"{self.path}: {len(lines) - len(ports)} lines are no UDP port and were skipped")

@@ -171,7 +171,7 @@ class JournalReader:
     def _json(self, text: str) -> Any:
         try:
             return json.loads(text)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise self._damaged(f"{error}: {text[:40]!r}") from None
 
     def _rows(self, statement: str, *values: object) -> List[Tuple[Any, ...]]:

@@ -4,6 +4,8 @@ Who changes a table raises `VERSION` and adds the statements that lead there fro
 of an older version is brought up to date when the core opens it.
 """
 
+import contextlib
+import functools
 import sqlite3
 from typing import Dict, Tuple
 
@@ -43,6 +45,28 @@ def migrate(connection: sqlite3.Connection, version: int) -> None:
     while version < VERSION:
         _run(connection, MIGRATIONS[version], version + 1)
         version += 1
+
+
+def is_whole(connection: sqlite3.Connection) -> bool:
+    """Whether a file of the present version has the tables that it should have, and nothing that acts on them."""
+    return _shape(connection) == _whole_shape()
+
+
+@functools.lru_cache(maxsize=1)
+def _whole_shape() -> Dict[str, Tuple[str, ...]]:
+    with contextlib.closing(sqlite3.connect(":memory:", isolation_level=None)) as connection:
+        create(connection)
+        return _shape(connection)
+
+
+def _shape(connection: sqlite3.Connection) -> Dict[str, Tuple[str, ...]]:
+    """The columns of each table, and triggers and views, which no journal has."""
+    names = connection.execute(
+        "SELECT name FROM sqlite_master WHERE type != 'index' AND name NOT LIKE 'sqlite_%'").fetchall()
+    return {
+        name: tuple(column for (column,) in connection.execute("SELECT name FROM pragma_table_info(?)", (name,)))
+        for (name,) in names
+    }
 
 
 def _run(connection: sqlite3.Connection, statements: Tuple[str, ...], version: int) -> None:

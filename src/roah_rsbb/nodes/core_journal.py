@@ -174,13 +174,13 @@ def saved_before(before: Before, now: Now, boot: str) -> Tuple[Saved, List[str]]
                 box = thaw(BoxSaved, json.loads(text), shift)
             elif name.startswith(ZONE_STATE):
                 zones[name[len(ZONE_STATE):]] = thaw(ZoneState, json.loads(text), shift)
-        except (BadState, ValueError) as error:
+        except (BadState, ValueError, RecursionError) as error:
             what = "home devices and tablet" if name == BOX_STATE else f"zone {name[len(ZONE_STATE):]}"
             warnings.append(f"The journal's state of {what} cannot be read: {error}. It begins anew")
     for text in before.outcomes:
         try:
             records.append(thaw(RunRecord, json.loads(text)))
-        except (BadState, ValueError) as error:
+        except (BadState, ValueError, RecursionError) as error:
             warnings.append(f"The journal's record of a run cannot be read, and cannot be corrected here: {error}")
     utc = now.utc if last is None else last.utc
     return Saved(utc, box, zones, tuple(records)), warnings

@@ -47,6 +47,12 @@ def test_superscript_digits_are_no_port(record):
     assert record.read()[0] == 6667
 
 
+def test_digits_without_end_are_no_port(record):
+    """Python refuses to read numbers of more than 4300."""
+    write(record, b"6667\n" + b"9" * 5000)
+    assert record.read()[0] == 6667
+
+
 def test_a_directory_that_is_gone_is_told(tmp_path):
     record = PortRecord(os.path.join(str(tmp_path), "gone"))
     with pytest.raises(OSError, match="gone"):
