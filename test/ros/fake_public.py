@@ -72,6 +72,7 @@ class FakePublic:
         )
         if scores:
             result.scoring = [_group("Achievements", 3, 1), _group("Penalized behaviours", 2)]
+            result.not_attempted = [0, 1]
             result.module_scores = [ModuleScore("", "reached", "4", "", "Waypoints reached")]
         return result
 

@@ -5,12 +5,12 @@ means the run that is connected in the zone, whatever it is.
 """
 
 import abc
-from typing import Union
+from typing import List, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Effect, Level
-from roah_rsbb.core.records import By
+from roah_rsbb.core.records import By, RunRecord
 from roah_rsbb.core.referee_record import RefereeRecord, RunName, checked_note, checked_who
 from roah_rsbb.core.refused import Refused
 from roah_rsbb.core.results import FinishedRun, FinishedRuns
@@ -40,6 +40,18 @@ class ScoreEvents(RefereeRecord):
 
     @abc.abstractmethod
     def _notice(self, level: Level, text: str, zone: str = "") -> None: ...
+
+    # -- looking ------------------------------------------------------------------------------------
+
+    def records(self, now: Now) -> List[RunRecord]:
+        """The records of the runs in the zones, in their order, then of those that are over, the last one first."""
+        runs = [zone.run for zone in self.zones.values() if zone.run is not None]
+        return [run.record(now) for run in runs] + self.finished.records()
+
+    def record_of(self, now: Now, name: RunName) -> RunRecord:
+        """The record of a run; raises `Refused`."""
+        run = self._named(name)
+        return run.record if isinstance(run, FinishedRun) else run.record(now)
 
     # -- scores -------------------------------------------------------------------------------------
 

@@ -42,6 +42,7 @@ class CoreDriver:
         journal: CoreJournal,
         ring_timeout: Callable[[], None],
         tell_modules: Callable[[], None],
+        results_changed: Callable[[], None],
         set_device: Callable[[effects.SetDevice], None],
         give_up: Callable[[str], None],
     ) -> None:
@@ -70,7 +71,7 @@ class CoreDriver:
             effects.SetDevice: set_device,
             effects.RunOpened: self._run_opened,
             effects.RunResumed: self._run_resumed,
-            effects.RecordChanged: _on_record,
+            effects.RecordChanged: lambda e: results_changed(),
             effects.Recorded: _on_record,
             effects.RunLogged: lambda e: self._run_logs.logged(e, time.time()),
             effects.RunClosed: lambda e: self._run_logs.closed(e),

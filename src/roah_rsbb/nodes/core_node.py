@@ -42,6 +42,7 @@ from roah_rsbb.msg import (
     ModuleRuns,
     ModulesState,
     PublicDetails,
+    Results,
 )
 from roah_rsbb.nodes import module_convert, public_convert, ros_convert
 from roah_rsbb.nodes.core_driver import CoreDriver
@@ -51,6 +52,7 @@ from roah_rsbb.nodes.core_services import CoreServices
 from roah_rsbb.nodes.device_calls import DeviceCalls
 from roah_rsbb.nodes.newest import Newest
 from roah_rsbb.nodes.params import BadParams, Params
+from roah_rsbb.nodes.results_convert import ResultsBoard
 from roah_rsbb.nodes.ros_loop import RosLoop
 from roah_rsbb.nodes.run_log_writer import RunLogWriter
 
@@ -129,12 +131,13 @@ class CoreNode:
         self._radio = CoreRadio(self._ros.loop, network, keys, box, self._event)
         self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble)
         self._journal = CoreJournal(box, self._store)
+        self._results = ResultsBoard(box, self._uuid)
         self._timeout_topic = rospy.Publisher("/timeout", Empty, queue_size=1)
         self._device_calls = DeviceCalls(self._on_device_refused)
         self._driver = CoreDriver(
             self._ros.loop, box, self._radio, self._run_logs, ports, self._journal,
             ring_timeout=lambda: self._timeout_topic.publish(Empty()), tell_modules=self._tell_modules,
-            set_device=self._device_calls.set, give_up=self._give_up,
+            results_changed=self._results.on_record_changed, set_device=self._device_calls.set, give_up=self._give_up,
         )
         self._box = box
         self._modules = Newest(self._ros.post, lambda state: self._event(box.on_modules, state), MAX_NODES)
@@ -163,9 +166,10 @@ class CoreNode:
             "public": rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True),
             "public_details": rospy.Publisher("/core/public_details", PublicDetails, queue_size=1, latch=True),
             "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
+            "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
         }
-        CoreServices(self._box, self._ros, self._event)
+        CoreServices(self._box, self._ros, self._event, self._store.sync)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
         rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
         rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
@@ -233,6 +237,9 @@ class CoreNode:
             self._publish("public", ros_convert.to_public(self._box, now))
         self._publish_public_details(now)
         self._publish_details(now, zone_views)
+        results = self._results.take(now)
+        if results is not None:
+            self._publish("results", results)
         if self._ticks % JOURNAL_EVERY == 0:
             self._journal.each_second(now, self._radio.unreadable())
         self._ticks += 1

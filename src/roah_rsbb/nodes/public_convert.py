@@ -42,10 +42,14 @@ def _run(run: PublicRun, now: Now) -> PublicRunMsg:
 
 
 def _result(run: Result) -> PublicResult:
+    scoring = items_message(run.items)
     return PublicResult(
         event=_event(run.zone, run.event),
         end_reason=run.end_reason,
         disconnected=ros_time(run.disconnected_utc),
-        scoring=items_message(run.items),
+        scoring=scoring,
+        not_attempted=[
+            sum(item.not_attempted for item in run.items if item.group == group.group_name) for group in scoring
+        ],
         module_scores=[score_message(score) for score in run.module_scores if not score.group],
     )

@@ -125,6 +125,7 @@ def _zone_details(view: views.ZoneView, log_files) -> ZoneDetails:
     run = view.run
     if run is None:
         return message
+    message.identity = run.identity
     message.end_reason = "" if run.end_reason is None else run.end_reason.name.lower()
     if view.all_robots is not None:
         _add_all_robots(message, view.all_robots)

@@ -21,15 +21,20 @@ def group_message(group: ScoreGroup) -> ZoneScoreGroup:
     )
 
 
+def type_of(item: ItemRecord) -> int:
+    """An item's type in ZoneScoreGroup; one that nobody knows is a count."""
+    return _TYPES.get(item.kind, int(ScoreKind.UINT))
+
+
 def items_message(items: Iterable[ItemRecord]) -> List[ZoneScoreGroup]:
-    """A score sheet, group by group; an item whose type nobody knows is a count."""
+    """A score sheet, group by group."""
     grouped: Dict[str, List[ItemRecord]] = {}
     for item in items:
         grouped.setdefault(item.group, []).append(item)
     return [
         ZoneScoreGroup(
             group_name=name,
-            types=bytes(_TYPES.get(item.kind, int(ScoreKind.UINT)) for item in group),
+            types=bytes(type_of(item) for item in group),
             descriptions=[item.desc for item in group],
             current_values=[item.value for item in group],
         )

@@ -8,6 +8,7 @@ import time
 from typing import NamedTuple, Optional, Tuple
 
 from roah_rsbb.client import module_scores
+from roah_rsbb.client.sheet_sums import Group, sums_text
 from roah_rsbb.rqt import texts
 
 ALL_TEAMS = "ALL"
@@ -100,7 +101,11 @@ def _following(event, utc_s: float, many_zones: bool) -> Line:
 
 def _result(result, utc_s: float) -> Line:
     event = result.event
-    sums = [f"{group.group_name} {sum(group.current_values)}" for group in result.scoring if group.current_values]
+    groups = [
+        Group(group.group_name, group.current_values, not_attempted)
+        for group, not_attempted in zip(result.scoring, result.not_attempted)
+    ]
+    sums = [sums_text(groups)] if groups else []
     lines = [module_scores.readable(score) for score in result.module_scores]
     return Line(
         _when(result.disconnected, utc_s), _team(event.team), event.benchmark,

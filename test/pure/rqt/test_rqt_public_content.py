@@ -108,9 +108,10 @@ def test_a_result_and_its_scores():
 
     score = SimpleNamespace(group="", name="reached", value="4", unit="", desc="Reached")
     result = SimpleNamespace(event=_event(), end_reason="timeout", disconnected=_Time(NOW - 60.0),
-                             scoring=[group("Good", 1, 3), group("Empty"), group("Bad", 0)], module_scores=[score])
+                             scoring=[group("Good", 1, 3), group("Empty"), group("Bad", 0, 0)],
+                             not_attempted=[0, 0, 1], module_scores=[score])
     (line,) = _content(finished=[result]).results
-    assert line == ("07:59", "Alpha", "Visitors", "■ time is up", "Reached 4 · Good 4 · Bad 0")
+    assert line == ("07:59", "Alpha", "Visitors", "■ time is up", "Reached 4 · Good 4 · Bad 0 (1 not attempted)")
 
 
 @pytest.mark.parametrize("count, expected", [(0, [0]), (1, [1]), (6, [6]), (7, [4, 3]), (20, [5, 5, 5, 5])])
