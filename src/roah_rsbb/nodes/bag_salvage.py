@@ -1,0 +1,131 @@
+"""Reads run logs that nobody closed: everything that is in the file, whether it has an index or not.
+
+Theory of operation. A bag (format 2.0, not compressed) is a row of records, each a header and data with their
+lengths before them. A chunk is a record too, whose data are records again: passing over its own few bytes only,
+one reads all messages in one row, also those of a chunk that was not ended. A process that was killed leaves a
+last record that is torn; whoever cut the power may leave zeros. What else cannot be read is damage.
+"""
+
+import os
+import struct
+from typing import IO, Dict, Iterator, NamedTuple, Optional, Tuple
+
+MAGIC = b"#ROSBAG V2.0\n"
+# No record of a run log is longer; what says so is no length.
+MAX_RECORD = 1 << 24
+_MSG_DATA, _FILE_HEADER, _INDEX_DATA, _CHUNK, _CHUNK_INFO, _CONNECTION = 0x02, 0x03, 0x04, 0x05, 0x06, 0x07
+_LENGTH = struct.Struct("<L")
+_STAMP = struct.Struct("<LL")
+
+
+class NotABag(ValueError):
+    """The file is something else."""
+
+
+class Message(NamedTuple):
+    """A message as it is in a bag."""
+
+    topic: str
+    stamp: Tuple[int, int]  # UTC: seconds, nanoseconds
+    data: bytes
+    kind: Dict[str, bytes]  # header of its connection: type, md5sum, message_definition
+
+
+class Salvage:
+    """Iterates over the messages of a bag, in the order in which they were written.
+
+    After that `damage` says where the file cannot be read on; empty: it was read to its end, or to a torn record.
+    """
+
+    def __init__(self, file: IO[bytes]) -> None:
+        """`file`: open for reading, at its beginning. Raises `NotABag`."""
+        self.damage = ""
+        self._file = file
+        self._size = os.fstat(file.fileno()).st_size
+        magic = file.read(len(MAGIC))
+        if not MAGIC.startswith(magic):
+            raise NotABag("it does not begin as a bag")
+
+    def __iter__(self) -> Iterator[Message]:
+        connections: Dict[bytes, Tuple[str, Dict[str, bytes]]] = {}
+        try:
+            while True:
+                at = self._file.tell()
+                header = self._fields(self._sized())
+                op = header[b"op"][0]
+                if op == _CHUNK:
+                    if header[b"compression"] != b"none":
+                        raise ValueError("it is compressed")
+                    self._length()
+                    continue
+                data = self._sized()
+                if op == _CONNECTION:
+                    connections[header[b"conn"]] = header[b"topic"].decode(), _named(self._fields(data))
+                elif op == _MSG_DATA:
+                    topic, kind_of_topic = connections[header[b"conn"]]
+                    yield Message(topic, _STAMP.unpack(header[b"time"]), data, kind_of_topic)
+                elif op not in (_FILE_HEADER, _INDEX_DATA, _CHUNK_INFO):
+                    raise ValueError(f"unknown record {op}")
+        except EOFError:
+            pass
+        except (ValueError, KeyError, IndexError, struct.error):
+            if not self._only_zeros(at):
+                self.damage = f"at byte {at} of {self._size}"
+
+    def _length(self) -> int:
+        data = self._file.read(_LENGTH.size)
+        if len(data) < _LENGTH.size:
+            raise EOFError
+        return _LENGTH.unpack(data)[0]
+
+    def _sized(self) -> bytes:
+        length = self._length()
+        if length > MAX_RECORD:
+            raise ValueError("no length")
+        data = self._file.read(length)
+        if len(data) < length:
+            raise EOFError
+        return data
+
+    @staticmethod
+    def _fields(data: bytes) -> Dict[bytes, bytes]:
+        fields, at = {}, 0
+        while at < len(data):
+            end = at + _LENGTH.size + _LENGTH.unpack_from(data, at)[0]
+            name, equals, value = data[at + _LENGTH.size:end].partition(b"=")
+            if not equals or end > len(data):
+                raise ValueError("no field")
+            fields[name] = value
+            at = end
+        return fields
+
+    def _only_zeros(self, at: int) -> bool:
+        self._file.seek(at)
+        while True:
+            data = self._file.read(1 << 16)
+            if not data:
+                return True
+            if data.strip(b"\0"):
+                return False
+
+
+def _named(fields: Dict[bytes, bytes]) -> Dict[str, bytes]:
+    return {name.decode(): value for name, value in fields.items()}
+
+
+def is_closed(file: IO[bytes]) -> bool:
+    """Whether a bag has its index, which is written when it is closed. `file`: open for reading, at its beginning."""
+    if file.read(len(MAGIC)) != MAGIC:
+        return False
+    length = file.read(_LENGTH.size)
+    if len(length) < _LENGTH.size:
+        return False
+    index = _index_position(file.read(min(_LENGTH.unpack(length)[0], MAX_RECORD)))
+    return index is not None and 0 < index < os.fstat(file.fileno()).st_size
+
+
+def _index_position(header: bytes) -> Optional[int]:
+    name = b"index_pos="
+    at = header.find(name)
+    data = header[at + len(name):at + len(name) + 8]
+    return struct.unpack("<Q", data)[0] if at >= 0 and len(data) == 8 else None
