@@ -3,6 +3,7 @@
 import pathlib
 
 import pytest
+
 import roah_rsbb
 
 rosbag = pytest.importorskip("rosbag")

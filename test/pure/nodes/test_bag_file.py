@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+
 from helpers.bags import END, NAME, SCORE, STATE, TEXT, UTC, entries, plain, read, rosbag
 from roah_rsbb.nodes import bag_file
 from roah_rsbb.nodes.bag_file import DAMAGED, DRAFT, GrowingBag, message_of, write_whole

@@ -11,6 +11,7 @@ import threading
 import time
 
 import pytest
+
 from helpers.bags import END, NAME, TEXT, UTC, UUID, entries, plain, read, rosbag
 from roah_rsbb.core import effects
 from roah_rsbb.nodes import run_log_writer
