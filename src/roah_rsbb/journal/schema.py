@@ -61,11 +61,12 @@ def _whole_shape() -> Dict[str, Tuple[str, ...]]:
 
 def _shape(connection: sqlite3.Connection) -> Dict[str, Tuple[str, ...]]:
     """The columns of each table, and triggers and views, which no journal has."""
-    names = connection.execute(
-        "SELECT name FROM sqlite_master WHERE type != 'index' AND name NOT LIKE 'sqlite_%'").fetchall()
+    found = connection.execute(
+        "SELECT type, name FROM sqlite_master WHERE type != 'index' AND name NOT LIKE 'sqlite_%'").fetchall()
     return {
         name: tuple(column for (column,) in connection.execute("SELECT name FROM pragma_table_info(?)", (name,)))
-        for (name,) in names
+        if kind == "table" else (kind,)
+        for kind, name in found
     }
 
 
