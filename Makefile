@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install-deps build demo test lint test-pure test-python38 test-pip test-docs test-install test-ros screenshots bench clean
+.PHONY: help install-deps build demo test lint test-pure test-python38 test-pip test-docs test-install test-ros screenshots bench fuzz clean
 
 # ROS's own Python: the first python3 on PATH may be another one.
 PYTHON := /usr/bin/python3
@@ -13,6 +13,10 @@ BUILT := source build/devel/setup.bash
 LINT := yes
 # Options of the bench.
 BENCH :=
+# Of each target: make fuzz FUZZ_SECONDS=600
+export FUZZ_SECONDS ?= 60
+# Only some: make fuzz FUZZ="box results"
+FUZZ :=
 
 help: ## list what can be made
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z0-9-]+):.*## /  make \1\t/' | expand -t 24
@@ -56,6 +60,9 @@ screenshots: build ## the pictures in docs/images, from a fake core on a virtual
 
 bench: build ## speed and load (bench/README.md), also in build/bench.json; make bench BENCH=--quick
 	@$(BUILT); $(PYTHON) bench/run.py $(BENCH)
+
+fuzz: build ## coverage-guided fuzzing (test/fuzz/README.md); make fuzz FUZZ_SECONDS=600
+	@tools/fuzz $(FUZZ)
 
 clean: ## remove what was built
 	rm -rf build

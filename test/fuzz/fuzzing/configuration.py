@@ -1,0 +1,196 @@
+"""Files that people write: configuration, passwords, maps. Errors are those that are documented, and nothing else."""
+
+import atexit
+import os
+import pathlib
+import shutil
+import tempfile
+from typing import Callable, Iterator, List, Optional
+
+from fuzzing.target import Step, Target
+
+from roah_rsbb.bmbox import ground_truth_config
+from roah_rsbb.bmbox.hopf import HOPF
+from roah_rsbb.bmbox.parameters import read_parameters
+from roah_rsbb.comm.passwords import BadPasswords, parse_passwords
+from roah_rsbb.core import config
+from roah_rsbb.core.config_errors import ConfigErrors
+from roah_rsbb.tablet import images, maps
+
+_ROOT = pathlib.Path(__file__).resolve().parents[3]
+# Between the files in an input.
+_CUT = b"\n=====\n"
+# What is larger takes longer, and says no more.
+_LONGEST = 20_000
+_NAMES = ("benchmarks", "schedule", "passwords")
+_SMALL = {
+    "benchmarks": b"- code: HGTKMH\n  name: Tour\n  desc: A tour\n  timeout: 600\n  scoring:\n"
+                  b"    - Achievements:\n        - {desc: finds the door, type: bool}\n",
+    "schedule": b"- zone: Home\n  schedule:\n    - {benchmark: HGTKMH, team: Alpha, round: 1, run: 1, "
+                b"scheduled_time: 2026-01-01 10:00:00}\n",
+    "passwords": b"Alpha: secret1234\n",
+}
+
+
+class _Folder:
+    """A folder for the files of one input after the other."""
+
+    def __init__(self) -> None:
+        self._path: Optional[str] = None
+
+    def file(self, name: str, data: bytes) -> str:
+        """The path of a file with this content."""
+        if self._path is None:
+            self._path = tempfile.mkdtemp(prefix="roah_rsbb_fuzz_")
+            atexit.register(shutil.rmtree, self._path, ignore_errors=True)
+        path = os.path.join(self._path, name)
+        with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "wb") as file:
+            file.write(data[:_LONGEST])
+        return path
+
+
+_FOLDER = _Folder()
+
+
+def _load_all(data: bytes) -> None:
+    """The three files of the box: those that the input has not are small ones in order."""
+    parts = dict(zip(_NAMES, data.split(_CUT)))
+    paths = [_FOLDER.file(name, parts.get(name) or _SMALL[name]) for name in _NAMES]
+    try:
+        loaded, warnings = config.load(*paths)
+    except ConfigErrors as errors:
+        assert errors.errors
+        report = str(errors)
+    else:
+        assert all(zone.events for zone in loaded.zones)
+        report = "\n".join(warnings)
+    assert "secret1234" not in report
+
+
+def _load_ground_truth(data: bytes) -> None:
+    try:
+        loaded = ground_truth_config.load(_FOLDER.file("ground_truth.yaml", data))
+    except ConfigErrors as errors:
+        assert errors.errors
+    else:
+        loaded.all_markers()
+
+
+def _load_parameters(data: bytes) -> None:
+    try:
+        loaded = read_parameters(_FOLDER.file("hopf.yaml", data), HOPF.CODE, HOPF.PARAMETERS)
+    except ConfigErrors as errors:
+        assert errors.errors
+    else:
+        assert loaded.items
+
+
+def _load_passwords(data: bytes) -> None:
+    """What programs without YAML read in a passwords file is what the box reads in it."""
+    try:
+        text = data.decode("utf-8")
+        ours = parse_passwords(text, "passwords.yaml")
+    except UnicodeDecodeError:
+        return
+    except BadPasswords as bad:
+        assert str(bad).startswith("passwords.yaml:")
+        return
+    paths = [_FOLDER.file(name, _SMALL[name]) for name in _NAMES[:2]]
+    # The schedule's team must have a password.
+    added = b"" if "Alpha" in ours else b"\nAlpha: secret1234\n"
+    try:
+        loaded, _ = config.load(*paths, _FOLDER.file("passwords", data + added))
+    except ConfigErrors as errors:
+        # The box has rules for names besides: how long they are, and that ALL is none.
+        assert all("100 bytes" in error.expected or "ALL" in error.found for error in errors.errors), str(errors)
+        return
+    assert {**loaded.passwords, "Alpha": ""} == {**ours, "Alpha": ""}
+
+
+def _load_map(data: bytes) -> None:
+    parts = data.split(_CUT, 1)
+    _FOLDER.file("map.pgm", parts[1] if len(parts) > 1 else b"P5 2 1 255\n\x00\xff")
+    try:
+        loaded = maps.load(_FOLDER.file("map.yaml", parts[0]))
+    except maps.MapError as error:
+        assert "\n" not in str(error)
+        return
+    x, y = loaded.to_metres(0.5, 0.5)
+    assert abs(x) < float("inf")
+    assert abs(y) < float("inf")
+    loaded.to_image(x, y)
+
+
+def _steps(load: Callable[[bytes], None]) -> Callable[[bytes], Iterator[Step]]:
+    def steps(data: bytes) -> Iterator[Step]:
+        yield lambda: load(data)
+    return steps
+
+
+# -- inputs to begin with ---------------------------------------------------------------------------------
+
+
+def _joined(*parts: bytes) -> bytes:
+    return _CUT.join(parts)
+
+
+def _config_seeds() -> List[bytes]:
+    small = _joined(*(_SMALL[name] for name in _NAMES))
+    bad = (
+        b"", b"\0", b"\xff\xfe", b"[" * 30, b"&a [*a]", b"a: &a b\nc: *a", b"!!python/object:os.system {}", b"a: a: a",
+        b"\ta: 1", b"? [a]\n: b\n", b"- 1\n- 2", b"9" * 5000, b"Alpha: [secret1234", b"Alpha: 'secret1234\n",
+        b"Alpha: \"\\ud800\"\n", b"Alpha: \"\\UFFFFFFFF\"\n", b"%YAML 1.99999999999999999999\n---\nAlpha: x\n",
+    )
+    files = [(_ROOT / "config" / f"{name}.yaml").read_bytes()[:1500] for name in _NAMES]
+    return [small, _joined(*files)] + [
+        _joined(*(wrong if name == at else _SMALL[name] for name in _NAMES)) for wrong in bad for at in _NAMES
+    ]
+
+
+def _shipped(*names: str) -> List[bytes]:
+    found = [path for name in names for path in sorted((_ROOT / "config").rglob(name))]
+    assert found, names
+    return [path.read_bytes()[:3000] for path in found] + [b"", b"[" * 100, b"a: 1\na: 2\n", b"&a [*a]", b"!!int 1"]
+
+
+def _password_seeds() -> List[bytes]:
+    return [
+        b"Alpha: secret1234\nBeta: 'it''s'\nGamma: \"a\\\"b\"\n", b"--- \nAlpha: x # y\n", b"# c\n\nAlpha: a:b\n",
+        b"a b : c d\n", "Ä: ö\n".encode(), b"Alpha: x\nAlpha: y\n", b"Alpha: 12\n", b"Alpha: 0x_\n", b"Alpha: 1:2\n",
+        b"Alpha: =\n", b"Alpha: <<\n", b"'<<': x\n", b"ALL: x\n", b"\xef\xbb\xbfAlpha: x\n", b"A: " + b"b:" * 500,
+        b"A: b\x85c\n", "A: b\u2028c\n".encode(), b"A: \x07\n", b"x" * 101 + b": y\n", b"A: y\n", b"y: n\n",
+    ]
+
+
+def _map_seeds() -> List[bytes]:
+    yaml = b"image: map.pgm\nresolution: 0.05\norigin: [-1.0, 2.0, 0.5]\nnegate: 0\n"
+    pgm = (
+        b"P5 2 2 255\n\x00\x01\x02\x03", b"P2\n# c\n2 2 15\n0 1 2 15\n", b"P5 8192 8192 65535\n", b"P2 1 1 65535\n99999",
+        b"P5 99999999999999999999 1 1\n", b"P5 1 1 0\n\0", b"P6 1 1 255\n", images.PNG_SIGNATURE + b"\0" * 20,
+        images.write_png(images.Grey(2, 1, b"\0\xff")), b"P2 2 1 255\n" + b"9" * 5000, b"P5\n#",
+    )
+    wrong = (
+        b"", b"image: map.pgm\nresolution: 1e999\norigin: [0,0,0]", b"[" * 300, b"&a [*a]", b"resolution: .nan",
+        b"image: [1]\nresolution: 1\norigin: [1,2,3]", b"image: /dev/zero\nresolution: 1\norigin: [1,2,3]",
+        b"image: \"a\\0b\"\nresolution: 1\norigin: [1,2,3]", b"resolution: 1\norigin: [1,2," + b"9" * 400 + b"]",
+        b"a: 2015-99-99\n", b"!!python/object/apply:os.system [ls]", b"!!timestamp x", b"? {a: 1}\n: 2\n",
+        b"negate: [1]\nimage: map.pgm\nresolution: 1\norigin: [1,2,3]",
+        b"a: &a [x,x]\nb: &b [*a,*a]\nc: &c [*b,*b]\nresolution: *c\n", b"resolution: " + b"9" * 5000,
+        b"image: \"\\ud800\"\nresolution: 1\norigin: [1,2,3]", b"!!int ''", b"!!float x", b"!!int 1_:2",
+    )
+    return [_joined(yaml, image) for image in pgm] + [_joined(text, pgm[0]) for text in wrong]
+
+
+_YAML = tuple(token.encode() for token in (
+    "- ", ": ", "  ", "[", "]", "{", "}", "&a ", "*a", "!!int ", "!!python/name:os ", "'", '"', "|\n", ">-\n", "\n", "#",
+    "---\n", "<<: ", ".nan", "1e999", "0x1f", "%YAML 1.1\n", "\u2028", "\ufeff", "\\ud800", "\t", "null", "2015-01-01",
+    "benchmark", "code", "team", "zone", "schedule", "scoring", "timeout", "round", "time", "frame", "markers",
+    "transform", "items", "goals", "resolution", "origin", "image", "negate",
+)) + (_CUT, b"P5 ", b"P2 ", b"9" * 5000)
+
+CONFIGURATION = Target("configuration", _steps(_load_all), _config_seeds, _YAML, is_timed=False)
+GROUND_TRUTH = Target(
+    "ground_truth", _steps(_load_ground_truth), lambda: _shipped("ground_truth.yaml"), _YAML, is_timed=False)
+PARAMETERS = Target("parameters", _steps(_load_parameters), lambda: _shipped("HOPF.yaml"), _YAML, is_timed=False)
+PASSWORDS = Target("passwords", _steps(_load_passwords), _password_seeds, _YAML, is_timed=False)
+MAP = Target("map", _steps(_load_map), _map_seeds, _YAML, is_timed=False)

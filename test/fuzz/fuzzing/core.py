@@ -1,0 +1,274 @@
+"""The box in a competition: whatever robots, tablets, other boxes, modules and referees do, and whenever."""
+
+import contextlib
+import json
+from typing import Iterator, List
+
+from fuzzing.frames import KEY
+from fuzzing.reader import Reader
+from fuzzing.target import Step, Target
+
+from helpers.box_driver import BoxDriver
+from helpers.competition import competition, event
+from roah_rsbb.comm import frame
+from roah_rsbb.comm.ciphers import Cipher
+from roah_rsbb.core import restart, views
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.commands import COMMANDS
+from roah_rsbb.core.effects import RunOpened
+from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
+from roah_rsbb.core.module_messages import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.saved import freeze, thaw
+from roah_rsbb.nodes import wire_convert
+from roah_rsbb.nodes.module_limits import checked_state
+from roah_rsbb.states import RobotState
+
+ZONES = ("catering", "visitor", "object", "waypoints", "all")
+HOSTS = ("10.0.0.2", "10.0.0.3", "10.0.0.9")
+TEAMS = ("Alpha", "Beta", "Gamma")
+CODES = ("HOPF", "HNF", "HOMF")
+NODES = ("n1", "n2")
+_TIMES_S = (0.0, 0.001, 0.05, 1.0, 3.1, 20.0, 1000.0, 1e6)
+_CLOCK_STEPS_S = (-1e9, -1.0, 1e-3, 1.0, 1e9)
+_LEAST_UINT32, _MOST_UINT32 = 0, 2**32 - 1
+
+
+class ForgetfulDriver(BoxDriver):
+    """Drives a box, and keeps nothing of what came of it but what the rules of effects need."""
+
+    def _carry_out(self, effect):
+        super()._carry_out(effect)
+        self.effects.clear()
+        self.states.clear()
+        if not isinstance(effect, RunOpened):
+            for bag in self.bags.values():
+                bag.clear()
+
+    def restart(self) -> None:
+        """The core is ended, and goes on from what it had saved."""
+        box = self.box
+        zones = {name: _again(restart.ZoneState, box.saved_zone(name)) for name in box.zones}
+        saved = restart.Saved(self.now.utc, _again(restart.BoxSaved, box.saved_box()), zones)
+        self.box = Box(self.config, self.settings, box._beacon_size, max(self.channels, default=None))
+        self._rules.restart()
+        self.channels.clear()
+        self.event(self.box.resume, saved)
+
+
+def _again(kind, state):
+    """A saved state, from the journal."""
+    return thaw(kind, json.loads(json.dumps(freeze(state))))
+
+
+class Play:
+    """One input: a box with runs under way, and what happens to it then."""
+
+    def __init__(self, data: bytes) -> None:
+        self.reader = Reader(data)
+        config = competition(
+            catering=["HCFGAC", "HWV"], visitor=[event("HWV", team="Beta", timeout=30.0)],
+            object=[event("HOPF"), event("HOMF")], waypoints=[event("HNF", team="Gamma", timeout=60.0)],
+            all=[event("HSUF", team="ALL", timeout=30.0)],
+        )
+        self.driver = ForgetfulDriver(config)
+        self.driver.config = config
+        self._begin()
+
+    def _begin(self) -> None:
+        """A robot executes in the first zone, another has a goal in a functionality benchmark."""
+        self.driver.executing("catering", team="Alpha", name="r1", host=HOSTS[0])
+        node = ModulesState(NODES[0], tuple(ModuleInfo(code) for code in CODES))
+        self.driver.event(self.driver.box.on_modules, node)
+        robot = self.driver.connected("waypoints", team="Gamma", name="r1", host=HOSTS[1])
+        self.driver.event(self.driver.box.on_modules, node)
+        self.driver.command("start", "waypoints")
+        run = self.driver.run_in("waypoints")
+        goal = Request(1, RequestKind.GOAL, "to the kitchen", goal="[1.0, 2.0, 0.0]", pose=(1.0, 2.0, 0.0))
+        self.driver.event(self.driver.box.on_modules, node._replace(progress=(Progress(run.identity, 1, goal),)))
+        for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
+            robot.says(state)
+
+    def steps(self) -> Iterator[Step]:
+        """Everything that happens, and after each the look that panels take."""
+        acts = (
+            self._report, self._report, self._report, self._report_of_anybody, self._beacon, self._tablet,
+            self._network, self._modules, self._command, self._score, self._pass, self._set_clock, self._devices,
+            self._operation, self._restart,
+        )
+        while self.reader:
+            yield self.reader.choice(acts)()
+            yield self._look
+            self._check()
+
+    # -- what happens -------------------------------------------------------------------------------
+
+    def _event(self, name: str, *arguments: object) -> Step:
+        def do() -> None:
+            with contextlib.suppress(Refused):
+                self.driver.event(getattr(self.driver.box, name), *arguments)
+        return do
+
+    def _read_report(self, time) -> RobotReport:
+        r = self.reader
+        none_or = lambda read: read() if r.flag() else None  # noqa: E731
+        uint32 = lambda: r.integer(signed=False, size=4)  # noqa: E731
+        return RobotReport(
+            time, uint32(), r.choice(list(RobotState)), r.texts(), r.texts(), r.texts(), r.texts(),
+            none_or(r.flag), none_or(r.flag), none_or(r.flag), none_or(uint32), none_or(uint32), none_or(r.flag),
+            none_or(r.text), none_or(r.text), none_or(r.text), none_or(r.double), none_or(r.double),
+            none_or(r.double),
+        )
+
+    def _report(self) -> Step:
+        """A robot in a run says something, just now."""
+        runs = self.driver.box.runs()
+        self.driver.jump(0.001)
+        if not runs:
+            return self._event("tick")
+        run = self.reader.choice(runs)
+        now = self.driver.robot().time()
+        return self._event("on_robot_report", run.port, run.link.host or HOSTS[0], self._read_report(now))
+
+    def _time(self):
+        return self.reader.integer(), self.reader.integer()
+
+    def _report_of_anybody(self) -> Step:
+        """Somebody says something, with any time."""
+        port, host = 6667 + self.reader.byte() % 6, self.reader.choice(HOSTS)
+        return self._event("on_robot_report", port, host, self._read_report(self._time()))
+
+    def _beacon(self) -> Step:
+        team = self.reader.choice(TEAMS) if self.reader.flag() else self.reader.text()
+        robot = self.reader.choice(("r1", "r2")) if self.reader.flag() else self.reader.text()
+        time = self.driver.robot().time() if self.reader.flag() else self._time()
+        return self._event("on_robot_beacon", self.reader.choice(HOSTS), team, robot, time)
+
+    def _tablet(self) -> Step:
+        r = self.reader
+        said = TabletState(False, self._time(), self._time(), r.double(), r.double())
+        return self._event("on_tablet", r.choice(HOSTS), said)
+
+    def _network(self) -> Step:
+        r = self.reader
+        host, port = r.choice(HOSTS), 6667 + r.byte() % 6
+        return r.choice((
+            lambda: self._event("on_foreign_box", host),
+            lambda: self._event("on_complaint", r.text()),
+            lambda: self._event("on_unreadable", port, r.text()),
+            lambda: self._event("on_channel_failed", port, "in use"),
+            lambda: self._event("on_trouble", r.text()),
+        ))()
+
+    def _modules(self) -> Step:
+        r = self.reader
+        infos = tuple(ModuleInfo(code) for code in CODES)
+        said = ModulesState(r.choice(NODES), infos, tuple(r.list_of(self._progress, 2)))
+        return lambda: self.driver.event(self.driver.box.on_modules, checked_state(said))
+
+    def _progress(self) -> Progress:
+        r = self.reader
+        runs = self.driver.box.module_runs()
+        run = r.choice(runs) if runs and r.byte() < 224 else None
+        identity, attempt = (r.text(), r.integer()) if run is None else (run.run, run.attempt)
+        request = self._request(0 if run is None else len(run.steps)) if r.flag() else None
+        scores = r.list_of(lambda: ScoreValue(r.text(), r.text(), r.text(), r.text(), r.text()))
+        return Progress(
+            identity, attempt, request, tuple(scores), r.text(), r.texts(), r.text(), r.byte() > 224,
+            r.text() if r.byte() > 224 else "",
+        )
+
+    def _request(self, taken: int) -> Request:
+        r = self.reader
+        number = taken + 1 if r.byte() < 224 else r.integer()
+        pose = tuple(r.list_of(r.double)) if r.flag() else None
+        return Request(
+            number, r.choice(list(RequestKind)), r.text(), r.texts(), r.flag(), r.text(), pose,
+            tuple(r.list_of(r.flag, 12)), tuple(r.list_of(lambda: r.integer(size=4), 12)), r.double(), "{}",
+        )
+
+    def _command(self) -> Step:
+        return self._event("command", self.reader.choice((*ZONES, "none")), self.reader.choice(sorted(COMMANDS)))
+
+    def _score(self) -> Step:
+        r = self.reader
+        group, desc = r.choice(("Achievements", "Penalized", "")), r.choice(("detects the door", "bumps", ""))
+        return self._event("set_score", r.choice(ZONES), group, desc, r.integer(size=4))
+
+    def _pass(self) -> Step:
+        """Time goes by: the box is told of it only now."""
+        self.driver.jump(self.reader.choice(_TIMES_S))
+        return self._event("tick")
+
+    def _set_clock(self) -> Step:
+        self.driver.set_clock(self.reader.choice(_CLOCK_STEPS_S))
+        return self._event("tick")
+
+    def _devices(self) -> Step:
+        r = self.reader
+        if r.flag():
+            return self._event("on_device_refused", r.choice(ZONES), "dimmer", r.byte(), r.text())
+        return self._event("on_devices", DevicesState((r.byte(), r.byte()), r.flag(), dimmer=r.byte() % 101))
+
+    def _operation(self) -> Step:
+        r = self.reader
+        zone = r.choice(ZONES)
+        return r.choice((
+            lambda: self._event("manual_operation_complete", zone, r.byte(), r.text()),
+            lambda: self._event("omf_button", zone, r.byte()),
+            lambda: self._event("omf_damaged", zone, r.byte()),
+            lambda: self._event("omf_complete", zone),
+        ))()
+
+    def _restart(self) -> Step:
+        return self.driver.restart
+
+    # -- what came of it ----------------------------------------------------------------------------
+
+    def _look(self) -> None:
+        """What is published and sent, at its own pace."""
+        driver = self.driver
+        for view in views.zones(driver.box, driver.now):
+            assert view.state
+            assert view.timer >= 0
+        assert views.status(driver.box, driver.now)
+        frame.encode(wire_convert.beacon_message(driver.box.beacon()))
+        driver.box.module_runs()
+        deadline = driver.box.deadline()
+        assert deadline is None or deadline > driver.now.mono - 1e6
+
+    def _check(self) -> None:
+        box = self.driver.box
+        runs = box.runs()
+        assert len({run.robot for run in runs}) == len({run.port for run in runs}) == len(runs)
+        for run in runs:
+            datagram = frame.encode(wire_convert.state_message(run.message), Cipher.AES_128_CBC, KEY)
+            assert len(datagram) <= self.driver.settings.max_datagram
+            assert len(run.log.text) <= self.driver.settings.display_log_size
+            assert len(run.online_data.text) <= self.driver.settings.display_log_size
+
+
+def steps(data: bytes) -> Iterator[Step]:
+    """Everything that happens to a box."""
+    return Play(data).steps()
+
+
+def seeds() -> List[bytes]:
+    """Robots that finish with results, say very much, fall back; modules that ask; referees; restarts."""
+    said = bytes([0, 1, 1])  # of the first run: a message is saved, PREPARING
+    return [
+        b"",
+        bytes(range(256)),
+        said + b"\xff\x02ab" + said + b"\0\xff\x05visit",  # 990 texts, twice
+        said + b"\x01\xffabcd" + said + b"\x02\xff\xf0\x9f\xa4\x96\x03abc",  # texts of 60 kB
+        bytes([0, 1, 1, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]) + b"\xff[",  # the goal's result, 60 kB
+        bytes([0, 0, 1, 3, 0, 0, 0, 0, 1, 1, 1, 0, 0, 1, 200, 1, 101, 1, 1]),  # devices
+        bytes([10, 4, 0, 0, 1, 1, 10, 6, 0, 1, 1, 1]),
+        bytes([14, 0, 0, 1, 1, 14, 10, 3, 14]),
+        bytes([8, 0, 4, 8, 0, 1, 8, 2, 0, 4, 1, 1, 1, 0, 8, 2, 0, 8, 2, 4]),
+        bytes([7, 0, 1, 0, 0, 1, 0, 1, 2, 0x48, 0x69, 1, 1, 0x61, 0, 0, 0, 0, 0, 0, 0]),
+        bytes([11, 0, 0, 1, 1, 11, 4, 10, 7, 3, 0, 1, 200, 200, 1, 1]),
+    ]
+
+
+BOX = Target("box", steps, seeds, tuple(bytes([kind]) for kind in range(15)) + (b"\xff", b"\xfe", b"\x80"))

@@ -1,0 +1,319 @@
+"""The journal: damaged, torn, of another program, or with values that nobody wrote. The box starts all the same."""
+
+import atexit
+import contextlib
+import functools
+import json
+import os
+import pathlib
+import shutil
+import sqlite3
+import tempfile
+from typing import Any, Dict, Iterator, List, Tuple
+
+from fuzzing.reader import Reader
+from fuzzing.target import Step, Target
+
+from helpers.box_driver import BoxDriver, beacon_bytes
+from helpers.competition import competition, event
+from helpers.journaled import JournaledDriver
+from helpers.module_player import FakeModules
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.module_messages import RequestKind
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.journal.batch import Batch
+from roah_rsbb.journal.file import COMPANIONS, FILE_NAME, Resume, Session
+from roah_rsbb.journal.log_names import log_name
+from roah_rsbb.journal.ports import FILE_NAME as PORTS_FILE
+from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.journal.reader import JournalError, JournalReader
+from roah_rsbb.journal.recover import recover
+from roah_rsbb.journal.store import Journal
+from roah_rsbb.nodes.core_journal import competition as competition_json
+from roah_rsbb.nodes.core_journal import saved_before
+from roah_rsbb.states import RobotState
+
+_LARGEST = 300_000
+_VALUES: Tuple[Any, ...] = (
+    None, 0, 1, -1, 2**63 - 1, 65536, 6667, 0.0, 1.5, -1e300, float("inf"), "", "x", "NaN", "[]", "{}", "null", "[[1]]",
+    "[[{}]]", '["a"]', "{", b"", b"\xff", "[" * 5000, '{"event": {}}', "PREPARE", "RUNNING", True, False, "é" * 50, "\ud800",
+)
+_TABLES = ("meta", "sessions", "runs", "members", "entries", "links", "states")
+_CONFIG = competition(
+    catering=["HCFGAC"], waypoints=[event("HNF", team="Gamma", timeout=60.0)], switches=[event("HOMF", team="Beta")],
+    all=[event("HSUF", team="ALL", timeout=30.0)],
+)
+
+
+class _Folders:
+    """Makes an empty folder for each input, in memory where the system has such a place."""
+
+    def __init__(self) -> None:
+        place = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
+        self._top = functools.lru_cache(maxsize=1)(lambda: tempfile.mkdtemp(prefix="roah_rsbb_fuzz_", dir=place))
+
+    def fresh(self) -> pathlib.Path:
+        if not self._top.cache_info().currsize:
+            atexit.register(shutil.rmtree, self._top(), ignore_errors=True)
+        path = pathlib.Path(self._top()) / "log"
+        shutil.rmtree(path, ignore_errors=True)
+        path.mkdir()
+        return path
+
+
+_FOLDERS = _Folders()
+
+
+@functools.lru_cache(maxsize=None)
+def _good() -> bytes:
+    """A journal as a box leaves it that is ended in the middle of things."""
+    folder = _FOLDERS.fresh()
+    driver = JournaledDriver(folder, _CONFIG)
+    driver.executing("catering")
+    modules = FakeModules(driver, "HNF", "HOMF")
+    modules.beat()
+    robot = driver.connected("waypoints", team="Gamma", host="10.0.0.3")
+    driver.command("start", "waypoints")
+    modules.asks(RequestKind.REFEREE, "waypoints", text="Doors open", choices=("Done", "Skip"))
+    driver.event(driver.box.manual_operation_complete, "waypoints")
+    modules.asks(RequestKind.GOAL, "waypoints", goal="[1, 2, 3]", pose=(1.0, 2.0, 3.0), timeout=30.0)
+    for state in (RobotState.PREPARING, RobotState.WAITING_GOAL):
+        robot.says(state, notifications=("hello",))
+    driver.connected("switches", team="Beta", host="10.0.0.4")
+    driver.command("start", "switches")
+    modules.asks(RequestKind.GOAL, "switches", initial_state=(True, False), switches=(2,))
+    driver.score("Achievements", "detects the door", 1, "catering")
+    driver.journal.close()
+    return (folder / "0" / FILE_NAME).read_bytes()
+
+
+# -- ways in which a journal is not as it was ------------------------------------------------------------
+
+
+def _written(path: pathlib.Path, data: bytes) -> None:
+    """Damage the good journal in one of several ways, as the input says."""
+    reader = Reader(data)
+    way = reader.choice((_whole, _bytes, _torn, _rows, _rows, _schema, _state, _state, _log))
+    way(path, reader)
+
+
+def _whole(path: pathlib.Path, reader: Reader) -> None:
+    """Any file."""
+    path.write_bytes(reader.rest()[:_LARGEST])
+
+
+def _bytes(path: pathlib.Path, reader: Reader) -> None:
+    """Some bytes are wrong."""
+    spoilt = bytearray(_good())
+    while reader:
+        at = int.from_bytes(reader.take(3), "big") % len(spoilt)
+        piece = reader.take(1 + reader.byte() % 16)
+        spoilt[at:at + len(piece)] = piece
+    path.write_bytes(spoilt[:_LARGEST])
+
+
+def _torn(path: pathlib.Path, reader: Reader) -> None:
+    """Its end is missing, or is nothing."""
+    good = _good()
+    size = int.from_bytes(reader.take(3), "big") % len(good)
+    path.write_bytes(good[:size] + (bytes(len(good) - size) if reader.flag() else b""))
+
+
+def _log(path: pathlib.Path, reader: Reader) -> None:
+    """There is a write-ahead log beside it, of whatever."""
+    path.write_bytes(_good())
+    path.with_name(path.name + reader.choice(COMPANIONS[1:])).write_bytes(reader.rest()[:_LARGEST])
+
+
+@contextlib.contextmanager
+def _database(path: pathlib.Path) -> Iterator[sqlite3.Connection]:
+    path.write_bytes(_good())
+    with contextlib.closing(sqlite3.connect(str(path), isolation_level=None)) as connection:
+        yield connection
+
+
+def _try(connection: sqlite3.Connection, statement: str, *values: object) -> None:
+    """What SQLite does not take stays as it is."""
+    with contextlib.suppress(sqlite3.Error, UnicodeEncodeError, OverflowError):
+        connection.execute(statement, values)
+
+
+def _rows(path: pathlib.Path, reader: Reader) -> None:
+    """Values in the tables are others, of other types."""
+    with _database(path) as connection:
+        while reader:
+            table = reader.choice(_TABLES)
+            columns = [row[1] for row in connection.execute(f"PRAGMA table_info({table})")]
+            column, value = reader.choice(columns), reader.choice(_VALUES)
+            _try(connection, f"UPDATE OR REPLACE {table} SET {column} = ?", value)
+
+
+def _schema(path: pathlib.Path, reader: Reader) -> None:
+    """Tables are missing, or others; the numbers in the file's header are others."""
+    with _database(path) as connection:
+        while reader:
+            table, number = reader.choice(_TABLES), reader.integer(size=4)
+            _try(connection, reader.choice((
+                f"DROP TABLE {table}", f"DELETE FROM {table}", f"ALTER TABLE {table} ADD COLUMN more{number % 9} TEXT",
+                f"ALTER TABLE {table} RENAME TO other", f"PRAGMA user_version = {number}",
+                f"PRAGMA application_id = {number}", f"CREATE VIEW view{number % 9} AS SELECT * FROM {table}",
+                f"CREATE TRIGGER t{number % 9} BEFORE INSERT ON {table} BEGIN SELECT RAISE(ABORT, 'no'); END",
+            )))
+
+
+def _state(path: pathlib.Path, reader: Reader) -> None:
+    """A saved state is JSON, but not what the box saved."""
+    with _database(path) as connection:
+        states: Dict[str, str] = dict(connection.execute("SELECT name, state FROM states"))
+        while reader:
+            name = reader.choice(sorted(states))
+            value = json.loads(states[name])
+            _change(value, reader)
+            states[name] = json.dumps(value)
+            _try(connection, "UPDATE states SET state = ? WHERE name = ?", states[name], name)
+
+
+def _change(value: Any, reader: Reader) -> None:
+    """Put another value somewhere inside of it."""
+    while isinstance(value, (dict, list)) and value:
+        key = reader.choice(sorted(value)) if isinstance(value, dict) else reader.byte() % len(value)
+        if not isinstance(value[key], (dict, list)) or not value[key] or reader.byte() > 224:
+            new = reader.choice([other for other in _VALUES if not isinstance(other, bytes)])
+            if reader.byte() > 224:
+                del value[key]
+            else:
+                value[key] = new
+            return
+        value = value[key]
+
+
+# -- targets -----------------------------------------------------------------------------------------------
+
+
+def start_steps(data: bytes) -> Iterator[Step]:
+    """A core starts with this journal, goes on from it or puts it aside, and writes."""
+    folder = _FOLDERS.fresh()
+    path = folder / FILE_NAME
+    _written(path, data)
+    yield lambda: _start(folder)
+
+
+def _start(folder: pathlib.Path) -> None:
+    driver = BoxDriver(_CONFIG)
+    troubles: List[str] = []
+    session = Session(driver.now.utc, driver.now.mono, "boot 1", 1, "uuid", "")
+    journal = Journal(str(folder), session, competition_json(_CONFIG), Resume.ALWAYS, troubles.append)
+    try:
+        driver.box = Box(_CONFIG, Settings(), beacon_bytes, journal.before.last_port)
+        driver._rules.restart()
+        saved, _ = saved_before(journal.before, driver.now, "boot 1")
+        driver.event(driver.box.resume, saved)
+        driver.run(5.0)
+        journal.write(Batch(states=(("box", "{}"),)))
+        assert not troubles, troubles
+        assert dict(journal._connection.execute("SELECT name, state FROM states"))["box"] == "{}"
+    finally:
+        journal.close()
+
+
+def read_steps(data: bytes) -> Iterator[Step]:
+    """Somebody reads this journal, or what can be had of it."""
+    folder = _FOLDERS.fresh()
+    path = folder / FILE_NAME
+    _written(path, data)
+    yield lambda: _read(str(path))
+    before = path.read_bytes()
+
+    def mend() -> None:
+        with contextlib.suppress(JournalError):
+            recover(str(path), str(folder / "new.sqlite3"))
+            _read(str(folder / "new.sqlite3"))
+
+    yield mend
+    assert path.read_bytes() == before
+
+
+def _read(path: str) -> None:
+    with contextlib.suppress(JournalError), JournalReader(path) as reader:
+        reader.meta()
+        reader.sessions()
+        for run in reader.runs():
+            reader.run(run.identity)
+            reader.entries(run.identity)
+            for member in reader.members(run.identity):
+                reader.links(member.port)
+        reader.commands("catering")
+
+
+def port_steps(data: bytes) -> Iterator[Step]:
+    """The record of used ports."""
+    folder = _FOLDERS.fresh()
+    (folder / PORTS_FILE).write_bytes(data)
+    record = PortRecord(str(folder))
+
+    def read() -> None:
+        largest, _ = record.read()
+        assert largest is None or 0 <= largest <= 65535
+
+    yield read
+
+
+def name_steps(data: bytes) -> Iterator[Step]:
+    """The name of a run log: a file of that name can be made, in its folder."""
+    reader = Reader(data)
+    team = "".join(reader.text().split())[:100] or "Team"
+    while len(team.encode()) > 100:  # as the passwords file has it
+        team = team[:-1]
+    robot, utc = reader.text(), reader.choice((0.0, 1.8e9, 2.0**32))
+    name = ""
+
+    def make() -> None:
+        nonlocal name
+        name = log_name(utc, team, robot, 255, 255, "u" * 36)
+
+    yield make
+    assert os.path.basename(name) == name
+    assert "\0" not in name
+    assert len(os.fsencode(name)) <= 240, "there must be room for .active, and for a port"
+
+
+# -- inputs to begin with ---------------------------------------------------------------------------------
+
+
+def journal_seeds() -> List[bytes]:
+    """Each way of damage, a few times."""
+    with _database(_FOLDERS.fresh() / FILE_NAME) as connection:
+        columns = {table: len(list(connection.execute(f"PRAGMA table_info({table})"))) for table in _TABLES}
+    each_value = [
+        bytes([3, table, column, value])
+        for table, name in enumerate(_TABLES) for column in range(columns[name]) for value in range(len(_VALUES))
+    ]
+    return [
+        b"\x00", b"\x00SQLite format 3\0", b"\x00" + _good()[:100], b"\x00" + bytes(5000), b"\x00not a database" * 20,
+        b"\x01\0\0\x12\1\xff\xff", b"\x01\0\x10\x00\x0fxxxxxxxxxxxxxxxx", b"\x01\0\0\x64\x0f" + b"\xff" * 16,
+        *(b"\x02" + size.to_bytes(3, "big") + bytes([zero]) for size in (0, 1, 99, 4096, 20_000) for zero in (0, 1)),
+        *(bytes([5, table, 0, act]) for table in range(len(_TABLES)) for act in range(8)),
+        b"\x05\0\x05\4", b"\x05\0\xc0\xff\xff\xff\xff\4", b"\x05\0\x01\5", b"\x05\0\0\5",
+        b"\x08\0" + b"\x37\x7f\x06\x82" * 100, b"\x08\1" + bytes(32768), b"\x08\0",
+    ] + each_value[::7]
+
+
+def read_seeds() -> List[bytes]:
+    """Fewer of them: each is read, mended and read again."""
+    return journal_seeds()[::5]
+
+
+def name_seeds() -> List[bytes]:
+    """Names of robots that mean harm, and honest ones."""
+    names = ("r1", "../../etc/passwd", "a\0b", "x" * 200, "ä" * 100, "..", "", "-rf", "\u202e", "a/b", "\n")
+    return [bytes([2]) + b"Te" + bytes([len(n.encode())]) + n.encode() for n in names] + [b"\xff\xf0\x9f\xa4\x96\xffabcd"]
+
+
+_TOKENS = tuple(bytes([way]) for way in range(9)) + (b"SQLite format 3\0", b"RSBB")
+
+START = Target("start", start_steps, journal_seeds, _TOKENS, is_timed=False)
+READ = Target("read", read_steps, read_seeds, _TOKENS, is_timed=False)
+PORTS = Target("ports", port_steps, lambda: [
+    b"6667\n6668\n", b"\n66", b"\xb2\n", "²\n٣\n".encode(), b"9" * 5000, b"\xff\xfe", b"-1 99999 0x1f", b"",
+], (b"\n", b"6667", b"\0"))
+NAMES = Target("names", name_steps, name_seeds, (b"/", b"..", b"\0", "é".encode(), b" "))
