@@ -351,6 +351,12 @@ class Box(ModuleEvents, ScoreEvents, Restart):
         if self.watches.trouble(now, text):
             self._notice(Level.ERROR, text)
 
+    def on_mended(self, now: Now, trouble: str, text: str) -> None:
+        """A trouble that was told is over, and `text` says so."""
+        self.tick(now)
+        self.watches.mended(trouble)
+        self._notice(Level.INFO, text)
+
     def on_journal(self, now: Now, trouble: str) -> None:
         """What keeps the journal from the disk, with the remedy; empty: all of it is written now."""
         self.tick(now)

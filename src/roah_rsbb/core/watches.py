@@ -59,6 +59,10 @@ class Watches:
         """Something on this computer does not work."""
         return self._keep(now, ("trouble", text), text, TROUBLE_REMEMBER_S)
 
+    def mended(self, text: str) -> None:
+        """A trouble of this text is over."""
+        self._kept.pop(("trouble", text), None)
+
     def journal(self, text: str) -> bool:
         """What keeps the journal from the disk, for as long as it does; empty: nothing. Returns whether it is news."""
         is_new, self._journal_trouble = text != self._journal_trouble, text

@@ -196,6 +196,7 @@ class CoreDriver:
     def _run_resumed(self, effect: effects.RunResumed) -> None:
         self._unopened.pop(effect.port, None)
         self._run_logs.resumed(effect.port, self._journal.log_file_before(effect.port))
+        self._journal.log_file(effect.port, self._run_logs.files[effect.port])
 
     @staticmethod
     def _notice(effect: effects.Notice) -> None:

@@ -129,8 +129,9 @@ class CoreNode:
         box = Box(loaded, settings, beacon_size, max(last_port or 0, self._store.before.last_port or 0))
         keys = {team: Key(password) for team, password in loaded.passwords.items()}
         self._radio = CoreRadio(self._ros.loop, network, keys, box, self._event)
-        self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble)
         self._journal = CoreJournal(box, self._store)
+        self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble, self._on_log_mended,
+                                      self._journal.log_entries, self._ros.post)
         self._results = ResultsBoard(box, self._uuid)
         self._timeout_topic = rospy.Publisher("/timeout", Empty, queue_size=1)
         self._device_calls = DeviceCalls(self._on_device_refused)
@@ -154,6 +155,7 @@ class CoreNode:
         for warning in warnings:
             self._driver.event(self._box.on_trouble, warning)
         self._driver.event(self._box.resume, saved)
+        self._run_logs.mend(self._store.before.log_files)
 
     def run(self) -> int:
         """Run until shut down; returns the process's exit status."""
@@ -208,6 +210,9 @@ class CoreNode:
 
     def _on_log_trouble(self, text: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_trouble, text))
+
+    def _on_log_mended(self, trouble: str, text: str) -> None:
+        self._ros.post(lambda: self._event(self._box.on_mended, trouble, text))
 
     def _on_journal_trouble(self, text: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_journal, text))
