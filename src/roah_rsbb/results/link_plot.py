@@ -1,0 +1,231 @@
+"""The link record of a robot over the time of its run, as a picture (SVG) that needs nothing else."""
+
+import math
+from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
+
+from roah_rsbb.core.link_record import LinkSample
+from roah_rsbb.results.page import Markup, joined, tag
+from roah_rsbb.results.run_result import LinkSecond
+from roah_rsbb.results.story import Stretch
+from roah_rsbb.results.texts import clock
+
+WIDTH, LEFT, RIGHT = 720.0, 86.0, 8.0
+STRIP, SPACE, ROW = 54.0, 13.0, 15.0
+# More columns than that cannot be told apart on paper.
+MAX_COLUMNS = 600
+# Samples further apart have no record between them: the box was down.
+NO_RECORD_S = 3.0
+# A robot is called silent after this long (`core/link.py`); the usual limit of the skew (manual, section 1).
+SILENT_S = 3.0
+ALLOWED_SKEW_S = 0.1
+
+_STEPS_S = (1, 2, 5, 10, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 14400, 43200, 86400)
+_MAX_TICKS = 8
+_FILLS = {
+    "STOP": "#d8d8d8", "PREPARE": "#ffe08a", "PREPARING": "#ffe08a", "GOAL_TX": "#b5d3f2", "WAITING_GOAL": "#b5d3f2",
+    "WAITING_RESULT": "#9ad79a", "EXECUTING": "#9ad79a", "RESULT_TX": "#e3b7e8",
+}
+_OTHER_FILL = "#ffffff"
+_LETTER = 5.4  # width of a letter of the states' names
+
+
+class Rows(NamedTuple):
+    """What is drawn under the record."""
+
+    box: Sequence[Stretch]
+    robot: Sequence[Stretch]
+
+
+class _Column(NamedTuple):
+    """Some seconds of the record, as one."""
+
+    begin_utc: float
+    end_utc: float
+    sample: LinkSample
+
+
+class _Scale(NamedTuple):
+    """From UTC seconds to x."""
+
+    begin: float
+    end: float
+
+    def x(self, utc: float) -> float:
+        share = (utc - self.begin) / (self.end - self.begin)
+        return LEFT + min(1.0, max(0.0, share)) * (WIDTH - LEFT - RIGHT)
+
+
+class _Strip:
+    """One of the record's quantities: its place, and the scale of its values."""
+
+    def __init__(self, top: float, low: float, high: float) -> None:
+        self.top, self.low, self.high = top, low, high
+
+    def y(self, value: float) -> float:
+        share = (min(self.high, max(self.low, value)) - self.low) / (self.high - self.low)
+        return self.top + STRIP * (1.0 - share)
+
+    def frame(self, title: str, unit: str) -> Markup:
+        bottom = self.top + STRIP
+        return joined((
+            tag("rect", x=LEFT, y=self.top, width=WIDTH - LEFT - RIGHT, height=STRIP, fill="none", stroke="#999"),
+            _text(2, self.top + 10, title, weight="bold"), _text(2, self.top + 21, unit),
+            _text(LEFT - 3, self.top + 8, f"{self.high:.3g}", anchor="end"),
+            _text(LEFT - 3, bottom, f"{self.low:.3g}", anchor="end"),
+        ))
+
+    def level(self, value: float) -> Markup:
+        """A line across."""
+        if not self.low < value < self.high:
+            return Markup("")
+        y = _n(self.y(value))
+        return tag("line", x1=LEFT, x2=WIDTH - RIGHT, y1=y, y2=y, stroke="#b00", stroke_dasharray="3 3")
+
+
+def link_plot(link: Sequence[LinkSecond], begin_utc: float, end_utc: float, rows: Rows, in_utc: bool) -> Markup:
+    """The picture; `begin_utc` and `end_utc` of the run, which all of the record is within."""
+    scale = _Scale(begin_utc, max(end_utc, begin_utc + 1.0))
+    columns = _columns(link, scale)
+    parts: List[Markup] = []
+    top = 4.0
+    for draw in (_silence, _losses, _delays, _skews):
+        parts.append(draw(columns, scale, top))
+        top += STRIP + SPACE
+    parts.append(_no_record(link, scale, top - SPACE))
+    parts += [_states("Box", rows.box, scale, top), _states("Robot", rows.robot, scale, top + ROW + 3)]
+    top += 2 * ROW + 3
+    parts.append(_axis(scale, top, in_utc))
+    return tag(
+        "svg", *parts, xmlns="http://www.w3.org/2000/svg", viewBox=f"0 0 {WIDTH:g} {top + 18:g}", role="img",
+        font_family="DejaVu Sans, Verdana, sans-serif", font_size="8",
+    )
+
+
+def _columns(link: Sequence[LinkSecond], scale: _Scale) -> List[_Column]:
+    """The samples, or so many of them together that there are no more than `MAX_COLUMNS`."""
+    together = max(1, math.ceil(len(link) / MAX_COLUMNS))
+    found: List[_Column] = []
+    for i in range(0, len(link), together):
+        part = link[i:i + together]
+        samples = [second.sample for second in part]
+        begin = part[0].utc - part[0].sample.seconds
+        found.append(_Column(max(begin, scale.begin), part[-1].utc, LinkSample(
+            seconds=part[-1].utc - begin,
+            lost=sum(s.lost for s in samples), unanswered=sum(s.unanswered for s in samples),
+            gap_s=max(s.gap_s for s in samples), late_s=max(s.late_s for s in samples),
+            round_trip_s=_extreme(min, [s.round_trip_s for s in samples]),
+            round_trip_max_s=_extreme(max, [s.round_trip_max_s for s in samples]),
+            skew_s=_extreme(max, [s.skew_s for s in samples]),
+        )))
+    return found
+
+
+def _extreme(of: Callable[..., float], values: List[Optional[float]]) -> Optional[float]:
+    return of((value for value in values if value is not None), default=None)
+
+
+def _bars(columns: List[_Column], scale: _Scale, strip: _Strip, value: Callable[[LinkSample], float],
+          fill: str) -> Markup:
+    """A bar from 0 to a value of each column."""
+    path, base = [], _n(strip.y(0.0))
+    for column in columns:
+        height = value(column.sample)
+        if height:
+            x, right = scale.x(column.begin_utc), scale.x(column.end_utc)
+            path.append(f"M{_n(x)} {base}H{_n(max(right, x + 0.6))}V{_n(strip.y(height))}H{_n(x)}Z")
+    return tag("path", d="".join(path), fill=fill) if path else Markup("")
+
+
+def _silence(columns: List[_Column], scale: _Scale, top: float) -> Markup:
+    strip = _Strip(top, 0.0, max([4.0, *(c.sample.gap_s for c in columns)]))
+    return joined((
+        _bars(columns, scale, strip, lambda s: s.gap_s, "#555"), strip.level(SILENT_S), strip.frame("Silence", "s"),
+    ))
+
+
+def _losses(columns: List[_Column], scale: _Scale, top: float) -> Markup:
+    """Lost on the way to the box above the middle, on the way to the robot below it."""
+    most = max([5, *(max(c.sample.lost, c.sample.unanswered) for c in columns)])
+    strip = _Strip(top, -most, most)
+    return joined((
+        _bars(columns, scale, strip, lambda s: s.lost, "#c33"),
+        _bars(columns, scale, strip, lambda s: -s.unanswered, "#36c"), strip.frame("Lost", "datagrams"),
+        _text(2, top + 33, "above: to the box"), _text(2, top + 43, "below: to the robot"),
+    ))
+
+
+def _delays(columns: List[_Column], scale: _Scale, top: float) -> Markup:
+    trips = [(c, t) for c in columns for t in {c.sample.round_trip_s, c.sample.round_trip_max_s} if t is not None]
+    strip = _Strip(top, 0.0, max([0.2, *(c.sample.late_s for c in columns), *(t for _, t in trips)]))
+    dots = [
+        tag("circle", cx=_n((scale.x(c.begin_utc) + scale.x(c.end_utc)) / 2), cy=_n(strip.y(t)), r=1.8, fill="#36c")
+        for c, t in trips
+    ]
+    return joined((
+        _bars(columns, scale, strip, lambda s: s.late_s, "#888"), *dots, strip.frame("Delay", "s"),
+        _text(2, top + 33, "bars: late messages"), _text(2, top + 43, "dots: round trips"),
+    ))
+
+
+def _skews(columns: List[_Column], scale: _Scale, top: float) -> Markup:
+    known = [c for c in columns if c.sample.skew_s is not None]
+    most = max([1.2 * ALLOWED_SKEW_S, *(abs(c.sample.skew_s) for c in known)])
+    strip = _Strip(top, -most, most)
+    path, before = [], -math.inf
+    for c in known:
+        joins = c.begin_utc - before < NO_RECORD_S
+        path.append(f"{'L' if joins else 'M'}{_n(scale.x(c.begin_utc))} {_n(strip.y(c.sample.skew_s))}"
+                    f"H{_n(scale.x(c.end_utc))}")
+        before = c.end_utc
+    return joined((
+        strip.level(ALLOWED_SKEW_S), strip.level(-ALLOWED_SKEW_S),
+        tag("path", d="".join(path), fill="none", stroke="#111"), strip.frame("Clock skew", "s"),
+    ))
+
+
+def _no_record(link: Sequence[LinkSecond], scale: _Scale, bottom: float) -> Markup:
+    """Grey where nobody took a record."""
+    recorded = [(second.utc - second.sample.seconds, second.utc) for second in link]
+    parts: List[Markup] = []
+    for (_, end), (begin, _) in zip([(0.0, scale.begin), *recorded], [*recorded, (scale.end, 0.0)]):
+        if begin - end > NO_RECORD_S:
+            x = scale.x(end)
+            parts.append(tag("rect", tag("title", "no record: the box was down"), x=_n(x), y=4,
+                             width=_n(scale.x(begin) - x), height=_n(bottom - 4), fill="#000", fill_opacity="0.12"))
+    return joined(parts)
+
+
+def _states(title: str, stretches: Sequence[Stretch], scale: _Scale, top: float) -> Markup:
+    parts: List[Markup] = [_text(2, top + 10, title, weight="bold")]
+    for stretch in stretches:
+        x, width = scale.x(stretch.begin_utc), scale.x(stretch.end_utc) - scale.x(stretch.begin_utc)
+        seconds = f"{stretch.name}, {stretch.end_utc - stretch.begin_utc:.1f} s"
+        parts.append(tag("rect", tag("title", seconds), x=_n(x), y=top, width=_n(max(width, 0.3)), height=ROW,
+                         fill=_FILLS.get(stretch.name, _OTHER_FILL), stroke="#666", stroke_width="0.3"))
+        if width > _LETTER * len(stretch.name) + 4:
+            parts.append(_text(x + 3, top + 10.5, stretch.name))
+    return joined(parts)
+
+
+def _axis(scale: _Scale, top: float, in_utc: bool) -> Markup:
+    seconds = scale.end - scale.begin
+    step = next((s for s in _STEPS_S if seconds / s <= _MAX_TICKS), seconds / _MAX_TICKS)
+    parts: List[Markup] = []
+    tick = math.ceil(scale.begin / step) * step
+    while tick <= scale.end:
+        x = _n(scale.x(tick))
+        parts += [
+            tag("line", x1=x, x2=x, y1=4, y2=_n(top), stroke="#000", stroke_opacity="0.15"),
+            _text(x, top + 12, clock(tick, in_utc)[:8], anchor="middle" if x < WIDTH - 40 else "end"),
+        ]
+        tick += step
+    return joined(parts)
+
+
+def _text(x: float, y: float, text: str, anchor: Optional[str] = None, weight: Optional[str] = None) -> Markup:
+    return tag("text", text, x=_n(x), y=_n(y), text_anchor=anchor, font_weight=weight)
+
+
+def _n(number: float) -> float:
+    """Short enough for a picture."""
+    return round(number, 2)

@@ -1,0 +1,90 @@
+"""Pages of HTML whose every text is escaped, unless it was made here.
+
+Robots' strings are in these pages, and nobody checked them: `tag` escapes all that is not `Markup`. A page needs
+nothing from outside, and its policy forbids the browser to fetch, run or send anything.
+"""
+
+import html
+from typing import Iterable, Sequence, Union
+
+from roah_rsbb.results.texts import visible
+
+_POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
+
+# Elements that have no end tag.
+_VOID = frozenset(("br", "meta"))
+
+_STYLE = """
+@page { size: A4; margin: 14mm 13mm; }
+* { box-sizing: border-box; }
+body { font: 10pt/1.35 "DejaVu Sans", Verdana, sans-serif; color: #111; max-width: 190mm; margin: 6mm auto;
+  padding: 0 4mm; }
+h1 { font-size: 17pt; margin: 0 0 1mm; } h2 { font-size: 11.5pt; margin: 6mm 0 1.5mm; break-after: avoid; }
+h3 { font-size: 10pt; margin: 3mm 0 1mm; break-after: avoid; }
+p { margin: 1mm 0; } .small { font-size: 8pt; color: #444; }
+table { border-collapse: collapse; width: 100%; } thead { display: table-header-group; } tr { break-inside: avoid; }
+th, td { text-align: left; vertical-align: top; padding: .7mm 1.6mm; border-bottom: .2mm solid #bbb;
+  overflow-wrap: anywhere; white-space: pre-wrap; }
+th { font-size: 8pt; color: #444; white-space: normal; overflow-wrap: normal; }
+td.number, th.number { text-align: right; white-space: nowrap; overflow-wrap: normal; }
+td.time { white-space: nowrap; overflow-wrap: normal; font-size: 8.5pt; }
+table.facts { width: auto; } table.facts th { width: 30mm; font-size: 10pt; }
+td.value { width: 28mm; font-weight: bold; white-space: nowrap; }
+.mark { font-size: 8pt; border: .2mm solid #111; border-radius: .8mm; padding: 0 1mm; white-space: nowrap; }
+.bad { font-weight: bold; } del { color: #555; }
+.signatures { display: flex; gap: 10mm; margin-top: 16mm; break-inside: avoid; }
+.signatures div { flex: 1; border-top: .3mm solid #111; padding-top: 1mm; font-size: 8pt; }
+svg { width: 100%; height: auto; display: block; break-inside: avoid; }
+@media print { body { margin: 0; padding: 0; max-width: none; } a { color: inherit; text-decoration: none; } }
+"""
+
+
+class Markup(str):
+    """HTML that was made here."""
+
+    __slots__ = ()
+
+
+Child = Union[str, Markup]
+
+
+def tag(name: str, /, *children: Child, **attributes: object) -> Markup:
+    """An element. Attributes: `class_` is class, `text_anchor` is text-anchor; those that are None are left out."""
+    parts = [f"<{name}"]
+    for key, value in attributes.items():
+        if value is not None:
+            parts.append(f' {key.rstrip("_").replace("_", "-")}="{html.escape(visible(str(value)))}"')
+    if name in _VOID:
+        return Markup("".join(parts) + ">")
+    return Markup("".join(parts) + ">" + joined(children) + f"</{name}>")
+
+
+def joined(children: Iterable[Child]) -> Markup:
+    """Several, one after the other."""
+    return Markup("".join(c if isinstance(c, Markup) else html.escape(visible(c)) for c in children))
+
+
+def table(headings: Sequence[Child], rows: Iterable[Sequence[Child]], classes: Sequence[str] = ()) -> Markup:
+    """A table; `classes`: of the cells of each column, empty for none."""
+    classes = [*classes, *[""] * (len(headings) - len(classes))]
+
+    def row(name: str, cells: Sequence[Child]) -> Markup:
+        return tag("tr", *(tag(name, cell, class_=class_ or None) for cell, class_ in zip(cells, classes)))
+
+    body = [row("td", cells) for cells in rows]
+    return tag("table", tag("thead", row("th", headings)), tag("tbody", *body))
+
+
+def facts_table(facts: Iterable[Sequence[Child]]) -> Markup:
+    """Names and what they are."""
+    return tag("table", *(tag("tr", tag("th", name), tag("td", value)) for name, value in facts), class_="facts")
+
+
+def page(title: str, *body: Child) -> str:
+    """A whole page."""
+    head = tag(
+        "head", tag("meta", charset="utf-8"), tag("meta", http_equiv="Content-Security-Policy", content=_POLICY),
+        tag("meta", name="viewport", content="width=device-width"), tag("title", title),
+        tag("style", Markup(_STYLE)),
+    )
+    return "<!DOCTYPE html>\n" + tag("html", head, tag("body", *body), lang="en") + "\n"

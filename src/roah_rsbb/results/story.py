@@ -1,0 +1,215 @@
+"""What happened in a run, from the journal's entries, sorted by what it is about."""
+
+import json
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core import run_log
+from roah_rsbb.journal.reader import JournalEntry
+from roah_rsbb.results.run_result import RunResult
+from roah_rsbb.results.texts import plain
+from roah_rsbb.states import RobotState
+
+# Kinds of entries that are no topic of a run log.
+COMMAND = "command"
+NOTICE = "notice"
+ADDRESS = "address"
+TIMEOUT = "timeout"
+
+
+class Happening(NamedTuple):
+    """One line of a section."""
+
+    utc: float  # UTC seconds
+    who: str  # empty: the box
+    robot: str  # where the run has several
+    text: str
+    bad: bool = False  # refused, or a warning
+
+
+class Section(NamedTuple):
+    """All of a kind, in order."""
+
+    title: str
+    happenings: Tuple[Happening, ...]
+
+
+class Stretch(NamedTuple):
+    """A state that lasted."""
+
+    begin_utc: float
+    end_utc: float
+    name: str
+
+
+def sections(result: RunResult) -> List[Section]:
+    """All sections that have anything in them."""
+    found: Dict[str, List[Happening]] = {title: [] for title in _TITLES}
+    memory = _Memory()
+    for entry in result.entries:
+        teller = _TELLERS.get(entry.kind)
+        if teller is None:
+            if entry.kind not in _TOLD_ELSEWHERE:
+                found[_OTHER].append(_happening(result, entry, f"{entry.kind}: {plain(entry.value)}"))
+            continue
+        title, tell = teller
+        text = tell(memory, entry)
+        if text:
+            found[title].append(_happening(result, entry, text))
+    return [Section(title, tuple(happenings)) for title, happenings in found.items() if happenings]
+
+
+def box_states(result: RunResult, port: int, end_utc: float) -> List[Stretch]:
+    """What the box asked of a robot, and from when to when; the last one ends at `end_utc`."""
+    changes = [(e.utc, plain(e.value)) for e in result.entries if e.kind == run_log.STATE_NAME and e.port == port]
+    return _stretches(changes, end_utc)
+
+
+def robot_states(result: RunResult, port: int, end_utc: float) -> List[Stretch]:
+    """What a robot said that it was doing."""
+    changes = [(e.utc, _robot_state(e.value)) for e in result.entries
+               if e.kind == run_log.CLIENT_STATE and e.port == port]
+    return _stretches(changes, end_utc)
+
+
+def _stretches(changes: List[Tuple[float, str]], end_utc: float) -> List[Stretch]:
+    found: List[Stretch] = []
+    for i, (utc, name) in enumerate(changes):
+        if found and found[-1].name == name:
+            utc = found.pop().begin_utc
+        end = changes[i + 1][0] if i + 1 < len(changes) else max(utc, end_utc)
+        found.append(Stretch(utc, end, name))
+    return found
+
+
+def _happening(result: RunResult, entry: JournalEntry, text: str) -> Happening:
+    bad = entry.kind == NOTICE or (entry.kind == COMMAND and "refused" in _dict(entry.value))
+    return Happening(entry.utc, entry.who, result.robot_at(entry.port), text, bad)
+
+
+def _robot_state(value: object) -> str:
+    try:
+        return RobotState(value).name
+    except ValueError:
+        return plain(value)
+
+
+def _dict(value: object) -> Dict[str, object]:
+    return value if isinstance(value, dict) else {}
+
+
+class _Memory:
+    """What the text of the next entry needs of those before, by port."""
+
+    def __init__(self) -> None:
+        self.state: Dict[Optional[int], str] = {}
+        self.robot: Dict[Optional[int], str] = {}
+
+
+# Makes the text of an entry; an empty one: nothing that was not said yet.
+_Tell = Callable[[_Memory, JournalEntry], str]
+
+
+def _state_name(memory: _Memory, entry: JournalEntry) -> str:
+    memory.state[entry.port] = plain(entry.value)
+    return ""
+
+
+def _state_desc(memory: _Memory, entry: JournalEntry) -> str:
+    return f"Box: {memory.state.get(entry.port, '')}: {plain(entry.value)}"
+
+
+def _client_state(memory: _Memory, entry: JournalEntry) -> str:
+    name = _robot_state(entry.value)
+    if memory.robot.get(entry.port) == name:
+        return ""
+    memory.robot[entry.port] = name
+    return f"Robot: {name}"
+
+
+def _as_it_is(_memory: _Memory, entry: JournalEntry) -> str:
+    return plain(entry.value)
+
+
+def _saying(word: str) -> _Tell:
+    """The value behind a word."""
+    return lambda _memory, entry: f"{word}: {plain(entry.value)}"
+
+
+def _only(text: str) -> _Tell:
+    """Always the same."""
+    return lambda _memory, _entry: text
+
+
+def _goal(_memory: _Memory, entry: JournalEntry) -> str:
+    return "Goal: " + "; ".join(_goal_parts(entry.value))
+
+
+def _command(_memory: _Memory, entry: JournalEntry) -> str:
+    command = dict(_dict(entry.value))
+    name = plain(command.pop("command", "?"))
+    refused = command.pop("refused", None)
+    words = [name, *(f"{key}: {plain(value)}" for key, value in command.items())]
+    if refused is not None:
+        reasons = refused if isinstance(refused, list) else [refused]
+        words.append("REFUSED: " + "; ".join(plain(reason) for reason in reasons))
+    return "; ".join(words)
+
+
+def _notice(_memory: _Memory, entry: JournalEntry) -> str:
+    notice = _dict(entry.value)
+    return f"{plain(notice.get('level', ''))}: {plain(notice.get('text', ''))}"
+
+
+def _goal_parts(value: object) -> Iterator[str]:
+    """What is said in a goal (`core/module_texts.py`), with as few words as it takes."""
+    try:
+        goal = json.loads(value) if isinstance(value, str) else value
+    except ValueError:
+        goal = None
+    if not isinstance(goal, dict):
+        yield plain(value)
+        return
+    if goal.get("text"):
+        yield plain(goal["text"])
+    for key in ("goal", "pose", "initial_state", "switches"):
+        if goal.get(key):
+            yield f"{key.replace('_', ' ')}: {plain(goal[key])}"
+    if goal.get("timeout"):
+        yield f"{plain(goal['timeout'])} s"
+
+
+_STATES = "Timeline of states"
+_GOALS = "Goals and results"
+_OPERATIONS = "Manual operations"
+_COMMANDS = "Referee's commands"
+_ONLINE_DATA = "Online data"
+_DEVICES = "Home devices and tablet"
+_WARNINGS = "Warnings"
+_OTHER = "Other"
+_TITLES = (_STATES, _GOALS, _OPERATIONS, _COMMANDS, _ONLINE_DATA, _DEVICES, _WARNINGS, _OTHER)
+
+_TELLERS: Dict[str, Tuple[str, _Tell]] = {
+    run_log.STATE_NAME: (_STATES, _state_name),
+    run_log.STATE_DESC: (_STATES, _state_desc),
+    run_log.CLIENT_STATE: (_STATES, _client_state),
+    ADDRESS: (_STATES, _saying("Robot's address")),
+    TIMEOUT: (_STATES, _only("Timeout")),
+    run_log.END: (_STATES, _only("Disconnected")),
+    run_log.GOAL: (_GOALS, _goal),
+    run_log.RESULT: (_GOALS, _saying("Result")),
+    run_log.MANUAL_OPERATION: (_OPERATIONS, _as_it_is),
+    run_log.SWITCHES: (_OPERATIONS, _saying("Switches")),
+    COMMAND: (_COMMANDS, _command),
+    run_log.NOTIFICATION: (_ONLINE_DATA, _saying("notification")),
+    run_log.ACTIVATION_EVENT: (_ONLINE_DATA, _saying("activation event")),
+    run_log.VISITOR: (_ONLINE_DATA, _saying("visitor")),
+    run_log.COMMAND: (_ONLINE_DATA, _saying("final command")),
+    run_log.DISPLAY_MAP: (_DEVICES, _saying("display_map")),
+    **{run_log.device_topic(device): (_DEVICES, _saying(device)) for device in run_log.DEVICES},
+    NOTICE: (_WARNINGS, _notice),
+}
+# The same again, or what the score sheet says better.
+_TOLD_ELSEWHERE = frozenset((
+    run_log.STATE, run_log.BOX_STATE, run_log.BOX_PAYLOAD, run_log.CLIENT_PAYLOAD, run_log.SCORE,
+    run_log.MODULE_SCORE, run_log.HOPF_RESULT,
+))
