@@ -84,6 +84,7 @@ class Restart(abc.ABC):
 
     zones: Dict[str, Zone]
     devices: DevicesState
+    _effects: List[Effect]
 
     def __init__(self) -> None:
         super().__init__()
@@ -141,7 +142,7 @@ class Restart(abc.ABC):
         self.tablet.restore(saved.box.tablet)
         self.finished.restore(saved.records)
         for name, state in saved.zones.items():
-            self._resume_zone(now, name, state)
+            self._try_to_resume(now, name, state)
         runs = self._zone_runs()
         if runs:
             down = max(0.0, now.utc - saved.utc)
@@ -152,6 +153,16 @@ class Restart(abc.ABC):
             self.watches.restarted(now, text)
             self._emit(effects.SendBeacon())
         self.tick(now)
+
+    def _try_to_resume(self, now: Now, name: str, state: ZoneState) -> None:
+        done_before = len(self._effects)
+        try:
+            self._resume_zone(now, name, state)
+        except Exception as error:
+            # A state that makes no sense must not keep the other zones, and every new start, from their work.
+            del self._effects[done_before:]
+            self.zones[name].run = None
+            self._lost(now, state, f"its saved state makes no sense ({type(error).__name__}: {error})")
 
     def _resume_zone(self, now: Now, name: str, state: ZoneState) -> None:
         zone = self.zones.get(name)

@@ -331,6 +331,24 @@ def test_a_port_that_cannot_be_opened_is_tried_again_and_the_run_waits(tmp_path)
     assert driver.run_in("tbm").end_reason is EndReason.COMPLETED
 
 
+def test_a_state_that_makes_no_sense_costs_its_zone_alone(tmp_path):
+    driver = box(tmp_path)
+    story = Story(driver)
+    story.modules.beat()
+    driver.connected("tbm")
+    beta = driver.connected("fbm", team="Beta", name="r2", host="10.0.0.3")
+    story.modules.beat()
+    driver.command("start", "fbm")
+    story.modules.asks(RequestKind.GOAL, "fbm", timeout=60.0, **WAYPOINT)
+    driver.run_in("fbm").steps.clear()  # a goal under way that nobody asked for
+    beta.says(RobotState.PREPARING)
+    driver.kill()
+    assert driver.run_in("tbm").phase is Phase.CONNECTED
+    assert driver.run_in("fbm") is None
+    assert list(driver.channels) == [driver.run_in("tbm").port]
+    assert any("HNF, team Beta" in text and "makes no sense" in text for text in driver.box.warnings(driver.now))
+
+
 def test_no_port_is_given_twice(tmp_path):
     driver = box(tmp_path)
     ports = []
