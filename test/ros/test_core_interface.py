@@ -88,7 +88,8 @@ class TestTopics(BoxCase):
         published, subscribed, _ = ({name: set(nodes) for name, nodes in part} for part in master.getSystemState())
         for name, kind in (("/core/to_gui", "roah_rsbb/CoreToGui"), ("/core/to_public", "roah_rsbb/CoreToPublic"),
                            ("/core/details", "roah_rsbb/CoreDetails"), ("/timeout", "std_msgs/Empty"),
-                           ("/core/public_details", "roah_rsbb/PublicDetails")):
+                           ("/core/public_details", "roah_rsbb/PublicDetails"),
+                           ("/core/results", "roah_rsbb/Results")):
             with self.subTest(name):
                 self.assertEqual(types[name], kind)
                 self.assertEqual(published[name], {CORE})

@@ -1,0 +1,144 @@
+#!/usr/bin/python3
+"""What the services of the core make of a call: an event with the name of who called, and a reliable answer."""
+
+import unittest
+
+import rospy
+import rostest
+
+from roah_rsbb.core.records import RunRecord
+from roah_rsbb.core.referee_record import RunName
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.scoring import Mark
+from roah_rsbb.msg import Score
+from roah_rsbb.nodes.core_services import CoreServices
+from roah_rsbb.srv import (
+    GetRunSheet,
+    ManualOperationAnswer,
+    ScoreMark,
+    ScoreWithdraw,
+    SignOff,
+    StopReason,
+    Zone,
+    ZoneScore,
+    ZoneUInt8,
+)
+
+NOW = "now"
+RUN = RunName("Home", "HWV-1-2")
+RECORD = RunRecord(RUN.identity, "Home", "HWV", "Alpha", 1, 2, 0.0, 0.0)
+
+
+class _Box:
+    """Takes events, and puts down which; what the services call is a method of it by that name."""
+
+    def __init__(self) -> None:
+        self.happened = []
+        self.refuses = False
+
+    def record_of(self, now, name):
+        if self.refuses:
+            raise Refused(["no such run"])
+        self.happened.append(("record_of", now, name))
+        return RECORD
+
+    def __getattr__(self, method):
+        def event(*arguments):
+            if self.refuses:
+                raise Refused(["first reason", "second reason"])
+            self.happened.append((method, *arguments))
+
+        return event
+
+
+class _Loop:
+    """As RosLoop, but the thread that calls is the loop's."""
+
+    def __init__(self) -> None:
+        self.inside = False
+
+    def call(self, function):
+        self.inside = True
+        try:
+            return function()
+        finally:
+            self.inside = False
+
+
+class TestServices(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.box, cls.loop = _Box(), _Loop()
+
+        def sync():
+            cls.box.happened.append("blocks the loop" if cls.loop.inside else "on disk")
+
+        CoreServices(cls.box, cls.loop, lambda method, *arguments: method(NOW, *arguments), sync)
+
+    def setUp(self) -> None:
+        self.node = rospy.get_name()
+        self.box.happened, self.box.refuses = [], False
+
+    def call(self, name, kind, *request):
+        """Call /core/NAME; returns what happened by then."""
+        rospy.wait_for_service(f"/core/{name}", 30)
+        rospy.ServiceProxy(f"/core/{name}", kind)(*request)
+        return list(self.box.happened)
+
+    def test_commands_have_the_name_of_the_calling_node(self) -> None:
+        for name in ("connect", "disconnect", "start", "stop", "previous", "next"):
+            with self.subTest(name):
+                self.box.happened = []
+                self.assertEqual(self.call(name, Zone, "Home"), [("command", NOW, "Home", name, self.node)])
+        for name, kind, request, event in (
+            ("manual_operation_complete", Zone, (), ("manual_operation_complete", NOW, "Home", 0, "", self.node)),
+            ("manual_operation_answer", ManualOperationAnswer, (3, "yes"),
+             ("manual_operation_complete", NOW, "Home", 3, "yes", self.node)),
+            ("omf_switches/button", ZoneUInt8, (4,), ("omf_button", NOW, "Home", 4, self.node)),
+            ("omf_switches/damaged", ZoneUInt8, (2,), ("omf_damaged", NOW, "Home", 2, self.node)),
+            ("omf_switches/complete", Zone, (), ("omf_complete", NOW, "Home", self.node)),
+        ):
+            with self.subTest(name):
+                self.box.happened = []
+                self.assertEqual(self.call(name, kind, "Home", *request), [event])
+
+    def test_what_a_referee_writes_down_is_on_the_disk_when_the_call_returns(self) -> None:
+        named = f"Anna ({self.node})"
+        for name, kind, request, event in (
+            ("set_score", ZoneScore, ("Home", Score("G", "d", 2)), ("set_score", NOW, "Home", "G", "d", 2, self.node)),
+            ("score", ScoreMark, (*RUN, "G", "d", 2, False, "note", " Anna "),
+             ("score", NOW, RUN, Mark("G", "d", 2, False, "note"), named)),
+            ("score", ScoreMark, ("Home", "", "G", "d", 0, True, "", ""),
+             ("score", NOW, RunName("Home"), Mark("G", "d", 0, True), self.node)),
+            ("score/withdraw", ScoreWithdraw, (*RUN, 7, "why", "Anna"),
+             ("withdraw_score", NOW, RUN, 7, named, "why")),
+            ("stop_reason", StopReason, (*RUN, 2, "fire", "Anna"), ("give_stop_reason", NOW, RUN, "fire", named, 2)),
+            ("sign_off", SignOff, (*RUN, "Anna"), ("sign_off", NOW, RUN, named)),
+        ):
+            with self.subTest(name):
+                self.box.happened = []
+                self.assertEqual(self.call(name, kind, *request), [event, "on disk"])
+
+    def test_a_refusal_has_all_reasons_and_waits_for_no_disk(self) -> None:
+        self.box.refuses = True
+        for name, kind, request in (
+            ("stop", Zone, ("Home",)), ("sign_off", SignOff, (*RUN, "Anna")),
+            ("score/withdraw", ScoreWithdraw, (*RUN, 7, "", "")),
+        ):
+            with self.subTest(name), self.assertRaisesRegex(rospy.ServiceException, "first reason; second reason"):
+                self.call(name, kind, *request)
+        self.assertEqual(self.box.happened, [])
+
+    def test_the_sheet_of_a_run(self) -> None:
+        rospy.wait_for_service("/core/run_sheet", 30)
+        sheet = rospy.ServiceProxy("/core/run_sheet", GetRunSheet)(*RUN).sheet
+        self.assertEqual((sheet.summary.identity, sheet.summary.run), (RUN.identity, 2))
+        self.assertEqual(self.box.happened, [("record_of", NOW, RUN)])
+        self.box.refuses = True
+        with self.assertRaisesRegex(rospy.ServiceException, "no such run"):
+            self.call("run_sheet", GetRunSheet, *RUN)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_core_services")
+    rostest.rosrun("roah_rsbb", "test_core_services", TestServices)
