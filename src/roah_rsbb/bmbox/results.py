@@ -108,4 +108,6 @@ def _build(events: List[yaml.Event], at: int) -> Tuple[Any, int]:
 
 
 def _shown(text: str) -> str:
-    return repr(text if len(text) <= _SHOWN else text[:_SHOWN - 3] + "...")
+    shown = repr(text if len(text) <= _SHOWN else text[:_SHOWN - 3] + "...")
+    # What cannot be printed takes up to ten characters each.
+    return shown if len(shown) <= 2 * _SHOWN else shown[:2 * _SHOWN] + "..."

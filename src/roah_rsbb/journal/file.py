@@ -6,6 +6,7 @@ A file that cannot be gone on with is never deleted: it is renamed, where `resul
 import contextlib
 import enum
 import fcntl
+import functools
 import json
 import os
 import sqlite3
@@ -120,6 +121,8 @@ def put_aside(path: str) -> str:
 
 def _connect(path: str) -> sqlite3.Connection:
     connection = sqlite3.connect(path, timeout=1.0, isolation_level=None)
+    # Text that a damaged disk made no UTF-8 is read, too: whoever takes it sees that it is not what was written.
+    connection.text_factory = functools.partial(str, encoding="utf-8", errors="replace")
     try:
         mode = connection.execute("PRAGMA journal_mode = WAL").fetchone()[0]
         # Another thread syncs (see `disk`); a file system without a write-ahead log has each commit wait.
