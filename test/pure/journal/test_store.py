@@ -1,0 +1,227 @@
+"""The journal's writer: what is written is there, what cannot be written waits, what is not ours is put aside."""
+
+import json
+import shutil
+import sqlite3
+import time
+
+import pytest
+
+from roah_rsbb.journal import schema
+from roah_rsbb.journal import store as stores
+from roah_rsbb.journal.batch import Batch, Entry, Member, Outcome, RunRow
+from roah_rsbb.journal.before import NOTHING
+from roah_rsbb.journal.file import FILE_NAME, Resume, Session, same_competition
+from roah_rsbb.journal.store import MENDED, Journal
+
+COMPETITION = json.dumps([["Home", "HNF", "Alpha", 1, 1, 0.0], ["Home", "HWV", "Beta", 1, 1, 900.0]])
+ENTRY = Entry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "command", '{"command":"start"}')
+BATCH = Batch(
+    entries=(ENTRY,), runs=(RunRow("HNF-6667-1", "Home", "HNF", "Alpha", 1, 1, 0.0, 1e9),),
+    members=(Member(6667, "HNF-6667-1", "Alpha", "r1"),), log_files=((6667, "/logs/run.bag"),),
+    outcomes=(("HNF-6667-1", Outcome(None, '{"n":1}')),), states=(("zone:Home", '{"n":1}'),),
+)
+
+
+def session(launch="", boot="boot", mono=1.0):
+    return Session(1e9, mono, boot, 1, "uuid", launch)
+
+
+@pytest.fixture
+def journals(tmp_path):
+    opened = []
+
+    def open_one(competition=COMPETITION, resume=Resume.ALWAYS, **of_session):
+        troubles = []
+        journal = Journal(str(tmp_path / "log"), session(**of_session), competition, resume, troubles.append)
+        journal.troubles = troubles
+        opened.append(journal)
+        return journal
+
+    yield open_one
+    for journal in opened:
+        journal.close()
+
+
+def rows(journal, what="*", table="entries"):
+    with sqlite3.connect(f"file:{journal.path}?mode=ro", uri=True) as connection:
+        return connection.execute(f"SELECT {what} FROM {table}").fetchall()
+
+
+def test_what_was_written_is_there_before_write_returns(journals):
+    journal = journals()
+    assert journal.before == NOTHING
+    journal.write(BATCH)
+    assert rows(journal, "utc, mono, zone, identity, port, who, kind, value") == [tuple(ENTRY)]
+    assert rows(journal, "port, log_file", "members") == [(6667, "/logs/run.bag")]
+
+
+def test_what_the_next_start_goes_on_from(journals):
+    journal = journals()
+    journal.write(BATCH)
+    journal.write(Batch(states=(("zone:Home", '{"n":2}'),), outcomes=(("HNF-6667-1", Outcome(1e9 + 9, '{"n":2}')),)))
+    journal.close()
+    before = journals(mono=9.0).before
+    assert before.states == {"zone:Home": '{"n":2}'}
+    assert before.outcomes == ('{"n":2}',)
+    assert (before.log_files, before.last_port) == ({6667: "/logs/run.bag"}, 6667)
+    assert before.last == session(mono=5.0), "with the times of the last record"
+
+
+def test_a_run_that_is_still_connected_is_not_over(journals):
+    journal = journals()
+    journal.write(BATCH)
+    journal.close()
+    assert journals().before.outcomes == ()
+
+
+def test_all_of_a_batch_or_nothing(journals):
+    journal = journals()
+    bad = BATCH._replace(links=(("not", "a", "row"),))
+    journal.write(bad)
+    assert rows(journal) == []
+    assert "cannot be written" in journal.troubles[-1]
+
+
+def test_sync_waits_for_the_disk(journals, monkeypatch):
+    synced = []
+    journal = journals()
+    real = stores.os.fsync
+    monkeypatch.setattr("os.fsync", lambda fd: (synced.append(fd), real(fd)))
+    journal.write(BATCH)
+    assert journal.sync()
+    assert synced
+
+
+def test_sync_tells_when_the_disk_fails(journals, monkeypatch):
+    journal = journals()
+
+    def fail(_fd):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr("os.fsync", fail)
+    monkeypatch.setattr(stores, "SYNC_TIMEOUT_S", 0.3)
+    journal.write(BATCH)
+    assert not journal.sync()
+    assert "Input/output error" in journal.troubles[-1]
+    monkeypatch.undo()
+    journal.write(BATCH)
+    assert journal.sync()
+    assert journal.troubles[-1] == MENDED
+
+
+def test_what_cannot_be_written_waits_in_its_order(journals, monkeypatch):
+    journal = journals()
+    blocked = sqlite3.connect(journal.path, isolation_level=None)
+    blocked.execute("BEGIN IMMEDIATE")
+    journal._connection.execute("PRAGMA busy_timeout = 10")
+    for number in range(3):
+        journal.write(Batch(entries=(ENTRY._replace(value=str(number)),), states=(("zone:Home", str(number)),)))
+    assert "cannot be written" in journal.troubles[-1]
+    assert [entry.value for entry in journal.entries_of(6667)] == ["0", "1", "2"]
+    assert not journal.sync()
+    blocked.execute("ROLLBACK")
+    blocked.close()
+    journal.look()
+    assert journal.troubles[-1] == MENDED
+    assert rows(journal, "value") == [("0",), ("1",), ("2",)]
+    assert rows(journal, "*", "states") == [("zone:Home", "2")]
+
+
+def test_a_directory_that_was_removed_is_written_anew(journals, tmp_path):
+    journal = journals()
+    journal.write(BATCH)
+    shutil.rmtree(tmp_path / "log")
+    journal.write(Batch(entries=(ENTRY,)))
+    journal.look()
+    assert len(rows(journal)) == 2
+    journal.write(Batch(entries=(ENTRY,)))
+    assert len(rows(journal)) == 3
+    assert journal.sync()
+
+
+def test_a_directory_that_cannot_be_made_until_later(tmp_path):
+    (tmp_path / "log").write_text("a file where the directory should be")
+    troubles = []
+    journal = Journal(str(tmp_path / "log"), session(), COMPETITION, Resume.ALWAYS, troubles.append)
+    journal.write(BATCH)
+    assert "log_dir" in troubles[-1]
+    (tmp_path / "log").unlink()
+    journal.look()
+    assert len(rows(journal)) == 1
+    assert troubles[-1] == MENDED
+    journal.close()
+
+
+def test_two_cores_with_one_log_dir_keep_journals_of_their_own(journals):
+    first, second = journals(), journals()
+    assert first.path != second.path
+    first.write(BATCH)
+    assert rows(second) == []
+
+
+@pytest.mark.parametrize("spoil, why", [
+    (lambda path: path.write_bytes(b"no database" * 1000), "damaged, or no journal at all"),
+    (lambda path: _execute(path, "PRAGMA application_id = 7"), "another program's"),
+    (lambda path: _execute(path, f"PRAGMA user_version = {schema.VERSION + 1}"), "newer version"),
+    (lambda path: _damage(path), "damaged"),
+])
+def test_what_cannot_be_gone_on_with_is_put_aside(journals, tmp_path, spoil, why):
+    journal = journals()
+    for _ in range(50):
+        journal.write(BATCH)
+    journal.close()
+    path = tmp_path / "log" / FILE_NAME
+    spoil(path)
+    spoiled = path.read_bytes()
+    again = journals()
+    assert again.before == NOTHING
+    assert why in again.warnings[0]
+    kept = list(path.parent.glob("*_aside_*.sqlite3"))
+    assert [file.read_bytes() for file in kept] == [spoiled]
+    assert str(kept[0]) in again.warnings[0]
+    again.write(BATCH)
+    assert len(rows(again)) == 1
+
+
+def _execute(path, statement):
+    with sqlite3.connect(str(path)) as connection:
+        connection.execute(statement)
+
+
+def _damage(path):
+    content = bytearray(path.read_bytes())
+    content[4096:12288] = bytes(8192)
+    path.write_bytes(content)
+
+
+def test_an_older_version_is_brought_up_to_date(journals, monkeypatch):
+    journal = journals()
+    journal.write(BATCH)
+    journal.close()
+    monkeypatch.setattr(schema, "VERSION", schema.VERSION + 1)
+    monkeypatch.setattr(schema, "MIGRATIONS", {schema.VERSION - 1: ("ALTER TABLE runs ADD COLUMN room TEXT",)})
+    again = journals()
+    assert again.warnings == ()
+    assert again.before.states == {"zone:Home": '{"n":1}'}
+    assert rows(again, "room", "runs") == [(None,)]
+
+
+def test_a_competition_is_known_by_its_events_not_by_their_times():
+    moved = json.dumps([["Home", "HNF", "Alpha", 1, 1, 77.0], ["Room", "STB", "Beta", 1, 1, 0.0]])
+    other = json.dumps([["Home", "HNF", "Alpha", 1, 2, 0.0]])
+    assert same_competition(COMPETITION, moved)
+    assert not same_competition(COMPETITION, other)
+
+
+def test_syncs_are_grouped(journals, monkeypatch):
+    journal = journals()
+    synced = []
+    monkeypatch.setattr("os.fsync", synced.append)
+    began = time.monotonic()
+    count = 0
+    while time.monotonic() < began + 0.3:
+        journal.write(BATCH)
+        count += 1
+    assert journal.sync()
+    assert count > 3 * len(synced) > 0
