@@ -1,10 +1,8 @@
 """The thread that writes run logs: what fails is told, and is written when it can be."""
 
-import collections
 import errno
 import os
 import pathlib
-import queue
 import shutil
 import struct
 import threading
@@ -12,63 +10,10 @@ import time
 
 import pytest
 
-from helpers.bags import END, NAME, TEXT, UTC, UUID, entries, plain, read, rosbag
-from roah_rsbb.core import effects
+from helpers.bags import END, NAME, TEXT, UTC, entries, plain, read, rosbag
+from helpers.run_log_loop import LIMIT_S, OTHER, PORT, Loop, complete
 from roah_rsbb.nodes import run_log_writer
 from roah_rsbb.nodes.bag_file import DRAFT, GrowingBag, message_of, write_whole
-from roah_rsbb.nodes.run_log_writer import RunLogWriter
-
-PORT, OTHER = 6670, 6671
-LIMIT_S = 20.0
-
-
-class Loop:
-    """The core's loop, and a journal: the test does what is posted when it wants to."""
-
-    def __init__(self, log_dir):
-        self.posted = queue.Queue()
-        self.journal = collections.defaultdict(list)
-        self.troubles, self.mended = [], []
-        self.news = threading.Condition()
-        self.writer = RunLogWriter(
-            str(log_dir), UUID, lambda text: self.tell(self.troubles, text),
-            lambda trouble, text: self.tell(self.mended, (trouble, text)), self.entries_of, self.posted.put,
-        )
-
-    def tell(self, where, what):
-        with self.news:
-            where.append(what)
-            self.news.notify_all()
-
-    def entries_of(self, port):
-        return tuple(self.journal[port])
-
-    def open(self, port=PORT, robot=""):
-        self.writer.opened(effects.RunOpened(port, "Alpha", 1, 1, robot), UTC)
-        return pathlib.Path(self.writer.files[port])
-
-    def log(self, logged, port=PORT):
-        """As the core: first the journal, then the log."""
-        for topic, value, utc in logged:
-            self.journal[port].append((topic, value, utc))
-            self.writer.logged(effects.RunLogged(port, topic, value), utc)
-
-    def close(self, port=PORT):
-        self.writer.closed(effects.RunClosed(port))
-
-    def answer(self):
-        """Do the next thing that is posted; fails if there is none."""
-        self.posted.get(timeout=LIMIT_S)()
-
-    def settle(self, port=PORT):
-        """Wait until the writer has done all that is in its queue."""
-        done = threading.Event()
-        self.writer._jobs.put(done.set)
-        assert done.wait(LIMIT_S)
-
-    def wait(self, where, count=1):
-        with self.news:
-            assert self.news.wait_for(lambda: len(where) >= count, LIMIT_S)
 
 
 @pytest.fixture(autouse=True)
@@ -88,17 +33,6 @@ def loop(log_dir):
     yield made
     made.writer.stop()
     assert not made.writer._thread.is_alive()
-
-
-def complete(path, limit_s=LIMIT_S):
-    """What is in a log once it is complete."""
-    deadline = time.monotonic() + limit_s
-    while True:
-        try:
-            return read(path)
-        except (OSError, rosbag.ROSBagException):
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
 
 
 def broken_disk(monkeypatch, number=errno.ENOSPC):
@@ -385,10 +319,10 @@ def test_a_journal_that_cannot_answer_is_asked_again(loop, log_dir, monkeypatch)
     def fail(port):
         raise RuntimeError("test")
 
-    monkeypatch.setattr(loop.writer, "_entries_of", fail)
-    loop.writer.resumed(PORT, NAME)
-    loop.answer()
-    monkeypatch.undo()
+    with monkeypatch.context() as context:
+        context.setattr(loop.writer, "_entries_of", fail)
+        loop.writer.resumed(PORT, NAME)
+        loop.answer()
     loop.answer()
     loop.close()
     assert complete(log_dir / NAME) == plain(entries(3))
