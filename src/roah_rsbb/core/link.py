@@ -21,6 +21,8 @@ JUMP_S = 0.1
 SURE_SAMPLES = 3
 # For this long a warning about a single event stays before the referee's eyes.
 REMEMBER_S = 30.0
+# As long as the robot was heard less than this ago, nobody else is taken for it who has its team's password.
+HERE_S = 2.5
 # So many messages that are not newer than the last one, in a silence, are no stragglers.
 OLD_TOLD = 3
 # A datagram that could not be read matters as long as nothing good came since, and this long.
@@ -66,6 +68,8 @@ class RobotLink:
         self._told_invalid = False
         self._step: Optional[str] = None
         self._step_mono = 0.0
+        self._rival: Optional[str] = None
+        self._rival_mono = 0.0
         self._moved: Optional[str] = None
         self._moved_mono = 0.0
         self._bad: Optional[str] = None
@@ -110,6 +114,8 @@ class RobotLink:
 
     def hear(self, now: Now, host: str, report: RobotReport) -> Heard:
         """Judge a message that arrived from `host`, and remember it if it is fresh."""
+        if self._is_elsewhere(now, host):
+            return STALE._replace(notices=self._note_rival(now, host))
         verdict = self._timeline.judge(now.mono, wire_ns(report.time))
         if verdict in (Verdict.DUPLICATE, Verdict.STALE):
             self._old += 1
@@ -170,6 +176,8 @@ class RobotLink:
             found.append(self._step)
         if self._moved is not None and now.mono - self._moved_mono <= REMEMBER_S:
             found.append(self._moved)
+        if self._rival is not None and now.mono - self._rival_mono <= REMEMBER_S:
+            found.append(self._rival)
         return found
 
     def not_ready(self, now: Now) -> List[str]:
@@ -195,6 +203,19 @@ class RobotLink:
         if self._old >= OLD_TOLD:
             return f"{text} but old ones: does its clock stand still, or is it set back again and again?"
         return text
+
+    def _is_elsewhere(self, now: Now, host: str) -> bool:
+        """Whether a message comes from another host than the robot, while that is there."""
+        return host != self.host and self.last_heard is not None and now.mono - self.last_heard.mono < HERE_S
+
+    def _note_rival(self, now: Now, host: str) -> Tuple[str, ...]:
+        """Another robot of the team, or a recording, uses this channel: that is said once in a while."""
+        if self._rival is not None and now.mono - self._rival_mono <= REMEMBER_S:
+            return ()
+        self._rival_mono = now.mono
+        self._rival = (f"Messages for this run come from {host}, too: they do not count, the robot is at {self.host}. "
+                       "Give that one another robot_name, or switch it off")
+        return (self._rival,)
 
     def _note_host(self, now: Now, before: str, host: str) -> List[str]:
         """Two robots of one name change the address with every message: that is said once in a while."""

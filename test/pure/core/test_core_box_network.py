@@ -95,6 +95,8 @@ def test_a_robot_that_gets_another_address_in_its_run_is_no_rival_of_itself():
     robot = driver.executing()
     robot.host = "10.0.0.77"
     robot.says()
+    assert driver.channels == {robot.port: "10.0.0.2"}  # it may be another one of the team
+    robot.lives(3)
     assert driver.channels == {robot.port: "10.0.0.77"}
     driver.command("disconnect")
     robot.beacon()

@@ -52,7 +52,7 @@ def test_a_robots_first_message_aims_the_channel():
     robot.says()
     assert driver.taken(effects.AimChannel) == []
     robot.host = "10.0.0.77"
-    robot.says()
+    robot.says(after=3.0)
     assert driver.taken(effects.AimChannel) == [(robot.port, "10.0.0.77")]
     robot.host = "10.0.0.99"
     robot.send(robot.last)  # somebody else replays it

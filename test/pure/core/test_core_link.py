@@ -5,7 +5,7 @@ import pytest
 from helpers.box_driver import wire
 from helpers.competition import UTC0
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.link import BAD_S, OLD_TOLD, REMEMBER_S, SILENT_S, RobotLink
+from roah_rsbb.core.link import BAD_S, HERE_S, OLD_TOLD, REMEMBER_S, SILENT_S, RobotLink
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.states import RobotState
 
@@ -58,7 +58,7 @@ def test_the_first_message(line):
 
 def test_a_stale_message_is_as_if_it_had_not_come(line):
     line.hear(state=RobotState.EXECUTING, saved=3)
-    stale = line.hear(after=0.1, skew=-0.5, state=RobotState.STOP, host="10.0.0.9")
+    stale = line.hear(after=0.1, skew=-0.5, state=RobotState.STOP)
     assert stale == (False, False, False, ())
     link = line.link
     assert (link.robot_state, link.messages_saved, link.host) == (RobotState.EXECUTING, 3, HOST)
@@ -172,15 +172,42 @@ def test_steps_of_the_boxs_clock_are_no_steps_of_the_robots(line):
 def test_another_address_is_told_but_not_with_every_message(line):
     line.hear()
     said = []
-    for i in range(40):
-        heard = line.hear(after=0.5, host=f"10.0.0.{3 + i % 2}")
-        assert heard.new_host
+    for i in range(10):
+        heard = line.hear(after=HERE_S, host=f"10.0.0.{3 + i % 2}")
+        assert heard.fresh and heard.new_host
         said += heard.notices
     assert said == ["Robot's address changed from 10.0.0.2 to 10.0.0.3"]
     assert said[0] in line.warnings
     line.wait(REMEMBER_S)
     assert said[0] not in line.warnings
     assert line.hear(host=HOST).notices == ("Robot's address changed from 10.0.0.4 to 10.0.0.2",)
+
+
+def test_while_the_robot_is_heard_nobody_else_counts_who_has_its_password(line):
+    line.hear()
+    said = []
+    for _ in range(40):
+        # Its clock is ahead: it would be the newer one every time.
+        rival = line.hear(after=0.4, host="10.0.0.66", state=RobotState.RESULT_TX, saved=5, skew=3600.0)
+        assert (rival.fresh, rival.new_host, rival.state_changed) == (False, False, False)
+        said += rival.notices
+        assert line.hear(after=0.4, saved=1).fresh
+    assert (line.link.host, line.link.messages_saved, line.link.robot_state) == (HOST, 1, RobotState.STOP)
+    assert line.link.times_valid
+    assert len(said) == 2, "once in half a minute"
+    assert "come from 10.0.0.66, too" in said[0] and HOST in said[0]
+    assert said[1] in line.warnings
+    line.wait(REMEMBER_S + 1)
+    assert said[1] not in line.warnings
+
+
+def test_a_robot_that_has_another_address_is_heard_there_when_it_is_gone_here(line):
+    line.hear()
+    assert not line.hear(after=HERE_S - 0.1, host="10.0.0.3").fresh
+    heard = line.hear(after=0.2, host="10.0.0.3")
+    assert heard.fresh and heard.new_host
+    assert line.link.host == "10.0.0.3"
+    assert not line.hear(after=0.1, host=HOST).fresh
 
 
 def test_what_cannot_be_read_matters_until_something_can(line):
