@@ -40,6 +40,7 @@ class _Namespace:
         self.__dict__.update(fields)
 
 
+_TAKE_PASSWORDS = (0, 3)
 _PROGRAMS: List[Callable[[List[str]], object]] = [
     _dummy_robot,
     lambda words: dummy_tablet._parser().parse_args(words),
@@ -51,7 +52,8 @@ _PROGRAMS: List[Callable[[List[str]], object]] = [
 def line_steps(data: bytes) -> Iterator[Step]:
     """A command line is taken, or ends the program with a text; a password in it is never part of that."""
     which, *words = data.decode("utf-8", "surrogateescape").split("\0")[:_MOST_WORDS + 1]
-    program = _PROGRAMS[(ord(which[0]) if which else 0) % len(_PROGRAMS)]
+    number = (ord(which[0]) if which else 0) % len(_PROGRAMS)
+    program = _PROGRAMS[number]
     words = [word[:2000] for word in words]
     logging.disable(logging.CRITICAL)
     said = io.StringIO()
@@ -65,7 +67,7 @@ def line_steps(data: bytes) -> Iterator[Step]:
 
     yield take
     logging.disable(logging.NOTSET)
-    if "--password=secret1234" in words and sum("secret1234" in word for word in words) == 1:
+    if number in _TAKE_PASSWORDS and "--password=secret1234" in words and sum("secret1234" in word for word in words) == 1:
         assert "secret1234" not in said.getvalue()
 
 
