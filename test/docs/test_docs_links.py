@@ -62,3 +62,17 @@ def test_every_picture_is_shown_or_said_to_be_there():
     for picture in (ROOT / "docs" / "images").glob("*.png"):
         light = picture.name.replace("_dark", "_light").replace("3840x2160", "1280x720")
         assert light in text, picture.name
+
+
+def test_every_example_stands_in_a_page_as_it_is():
+    shown = {block.text for page in pages.NAMES for block in pages.blocks(page) if block.language == "python"}
+    for example in (ROOT / "docs" / "examples").glob("*.py"):
+        assert example.read_text("utf-8") in shown, example.name
+
+
+@pytest.mark.parametrize("page", pages.NAMES)
+def test_files_that_are_named_exist(page):
+    """What stands in a page as `core/run.py`, `docs/team.md` or `msg/Benchmark.msg` is there."""
+    rooms = "bench|config|core|comm|docs|journal|launch|modules|msg|nodes|proto|robot|rqt|scripts|srv|test|tools"
+    for name in re.findall(rf"`((?:src/roah_rsbb/)?(?:{rooms})/[\w/.-]+\.\w+)`", pages.prose(page)):
+        assert any((ROOT / folder / name).exists() for folder in ("", "src/roah_rsbb", "config")), f"{page}: {name}"
