@@ -10,6 +10,7 @@ from typing import Dict, List, NamedTuple, Set
 from xml.etree import ElementTree
 
 from pages import ROOT
+from roslaunch import arg_dump
 
 SCRIPTS = sorted(path.name for path in (ROOT / "scripts").iterdir())
 LAUNCH_FILES = sorted(path.name for path in (ROOT / "launch").iterdir())
@@ -51,10 +52,10 @@ def help_of(script: str, word: str) -> Said:
     return ask(str(ROOT / "scripts" / script), word, "--help")
 
 
-@functools.lru_cache(maxsize=None)
-def ros_args() -> Dict[str, Said]:
-    """What roslaunch says of each launch file's arguments."""
-    return _ask_all({name: ["roslaunch", "--ros-args", str(ROOT / "launch" / name)] for name in LAUNCH_FILES})
+def ros_args(launch_file: str) -> Dict[str, str]:
+    """What `roslaunch --ros-args` says of each of a launch file's arguments."""
+    path = str(ROOT / "launch" / launch_file)
+    return {name: doc for name, (doc, _) in arg_dump.get_args([path]).items()}
 
 
 def arguments(launch_file: str) -> Set[str]:
