@@ -147,7 +147,6 @@ class CoreNode:
         for warning in (*port_warnings, *self._store.warnings):
             self._driver.event(box.on_trouble, warning)
         self._check_log_dir()
-        self._go_on()
 
     def _go_on(self) -> None:
         """Go on where the core was when it ended, if it is in the journal."""
@@ -159,10 +158,6 @@ class CoreNode:
 
     def run(self) -> int:
         """Run until shut down; returns the process's exit status."""
-        self._driver.tick()
-        self._radio.open(self._box.listening_left(self._driver.now()))
-        rospy.loginfo("Listening on UDP %s:%d, private channels above; log in %s",
-                      self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
         self._topics = {
             "gui": rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True),
             "public": rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True),
@@ -171,6 +166,11 @@ class CoreNode:
             "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
         }
+        self._go_on()
+        self._driver.tick()
+        self._radio.open(self._box.listening_left(self._driver.now()))
+        rospy.loginfo("Listening on UDP %s:%d, private channels above; log in %s",
+                      self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
         CoreServices(self._box, self._ros, self._event, self._store.sync)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
         rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
