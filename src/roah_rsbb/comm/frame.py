@@ -18,6 +18,10 @@ VERSION = 2
 _HEADER = struct.Struct(">BB2xI")  # version, cipher, reserved, payload size
 _IDS = struct.Struct(">HH")  # component id, message type
 _SHOWN_FIELDS = 5
+# A beacon that lists 200 robots.
+_MAX_PUBLIC_FIELDS = 1000
+# The 987 bytes of a robot's message have room for 329 strings, each of which the box puts on record.
+_MAX_PRIVATE_FIELDS = 400
 
 
 class Reason(enum.Enum):
@@ -181,7 +185,7 @@ def _message(payload: bytes, public: bool) -> Any:
         raise BadDatagram(Reason.WRONG_CHANNEL, f"{name} belongs on {home}")
     protobuf = payload[_IDS.size:]
     try:
-        wire_check.check(protobuf, kind.texts)
+        wire_check.check(protobuf, kind.texts, _MAX_PUBLIC_FIELDS if public else _MAX_PRIVATE_FIELDS)
     except wire_check.Malformed as error:
         raise BadDatagram(Reason.MALFORMED, f"{name}: {error}") from None
     except wire_check.NotUtf8 as error:

@@ -11,9 +11,6 @@ from typing import Any, Dict, List, Tuple
 
 from google.protobuf.descriptor import Descriptor, FieldDescriptor
 
-MAX_FIELDS = 1000
-"""Those of inner messages included. More than any honest message has; bounds the work for 65 kB."""
-
 _VARINT, _FIXED_64, _LENGTH, _FIXED_32 = 0, 1, 2, 5
 _MAX_VARINT_BYTES = 10
 _MAX_TAG = 2**32 - 1
@@ -30,6 +27,10 @@ class NotUtf8(Exception):
     """A string field's bytes are not UTF-8; the only argument is the field's name."""
 
 
+class _TooMany(Exception):
+    """There are more fields than an honest message has."""
+
+
 def texts_of(descriptor: Descriptor) -> Texts:
     """The table that `check` needs for messages of this type."""
     texts: Texts = {}
@@ -42,14 +43,17 @@ def texts_of(descriptor: Descriptor) -> Texts:
     return texts
 
 
-def check(protobuf: bytes, texts: Texts) -> None:
+def check(protobuf: bytes, texts: Texts, max_fields: int) -> None:
     """Malformed or NotUtf8 unless `protobuf` is a sequence of whole fields whose texts are UTF-8.
 
+    It may have `max_fields`, those of inner messages included: that bounds the work for 65 kB.
     What is inside a field that nobody knows is not looked at: the library keeps it as bytes.
     """
-    budget = [MAX_FIELDS]
+    budget = [max_fields]
     try:
         _check(protobuf, texts, budget)
+    except _TooMany:
+        raise Malformed(f"it has more than {max_fields} fields") from None
     except IndexError:
         raise Malformed("it ends within a field") from None
 
@@ -59,7 +63,7 @@ def _check(protobuf: bytes, texts: Texts, budget: List[int]) -> None:
     while position < end:
         budget[0] -= 1
         if budget[0] < 0:
-            raise Malformed(f"it has more than {MAX_FIELDS} fields")
+            raise _TooMany
         tag, position = _varint(protobuf, position)
         # Field numbers go from 1 to 29 bits. A tag with needless zero bytes at its end, which no encoder
         # writes, is read by the C++ library and skipped by the Python one.

@@ -267,3 +267,13 @@ def test_random_protobufs(kind, protobuf, cipher):
     payload = struct.pack(">HH", kind.COMP_ID, kind.MSG_TYPE) + protobuf
     body = payload if cipher is Cipher.NONE else KEY.encrypt(cipher, payload)
     decode_or_bad(struct.pack(">BBHI", 2, cipher, 0, len(body)) + body)
+
+
+def test_a_robots_message_has_room_for_a_datagram_of_strings_and_not_for_many_more():
+    """Each string that is new goes on record: hundreds in one datagram would take the box longer than a tick."""
+    state = pb.RobotState(time=pb.Time(sec=1, nsec=0), messages_saved=0, robot_state=0)
+    state.notifications.extend("x" for _ in range(329))
+    assert decode(frame.encode(state, Cipher.AES_128_CBC, KEY), "private") == state
+    state.notifications.extend("x" for _ in range(100))
+    bad = refused(frame.encode(state, Cipher.AES_128_CBC, KEY), "private")
+    assert (bad.reason, bad.detail) == (Reason.MALFORMED, "RobotState: it has more than 400 fields")
