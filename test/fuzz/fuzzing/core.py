@@ -98,6 +98,7 @@ class Play:
         )
         while self.reader:
             yield self.reader.choice(acts)()
+            yield self._save
             yield self._look
             self._check()
 
@@ -111,6 +112,7 @@ class Play:
 
     def _read_report(self, time) -> RobotReport:
         r = self.reader
+        r.new_message()
         none_or = lambda read: read() if r.flag() else None  # noqa: E731
         uint32 = lambda: r.integer(signed=False, size=4)  # noqa: E731
         return RobotReport(
@@ -224,6 +226,12 @@ class Play:
         return self.driver.restart
 
     # -- what came of it ----------------------------------------------------------------------------
+
+    def _save(self) -> None:
+        """What goes into the journal with every change."""
+        box = self.driver.box
+        for name in box.take_changed():
+            json.dumps(freeze(box.saved_box() if name == restart.BOX else box.saved_zone(name)))
 
     def _look(self) -> None:
         """What is published and sent, at its own pace."""

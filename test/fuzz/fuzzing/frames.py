@@ -19,7 +19,7 @@ _IV = bytes(range(16))
 _AS_IT_IS = 0
 _CIPHERS = (Cipher.AES_128_CBC, Cipher.AES_128_ECB, Cipher.AES_256_ECB, Cipher.AES_256_CBC)
 _LARGEST = 65507  # bytes of a datagram
-_LONG_AS_TEXT = 5000
+_LONG_AS_TEXT = 3000
 
 
 def public_steps(data: bytes) -> Iterator[Step]:
@@ -116,7 +116,7 @@ def private_seeds() -> List[bytes]:
     ]
     at_all = {"time": pb.Time(sec=1, nsec=0), "messages_saved": 1, "robot_state": 4}
     large = [
-        pb.RobotState(notifications=[str(number) for number in range(900)], **at_all),
+        pb.RobotState(notifications=[str(number) for number in range(390)], **at_all),
         pb.RobotState(visitor=["v" * 60_000], **at_all),
         pb.RobotState(generic_result="[" * 60_000, object_pose_x=float("nan"), **at_all),
         pb.RobotState(activation_event=["\0\n\x7f\u2028" * 10], devices_dimmer=2**32 - 1, **at_all),
