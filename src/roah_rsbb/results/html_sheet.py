@@ -25,10 +25,12 @@ def sheet_page(result: RunResult, in_utc: bool) -> str:
         tag("p", "Score sheet" if record.sign_off else "Score sheet, not signed off: it may still change"),
         facts_table(_facts(result, in_utc)),
         *_items(record), *_modules(record), *_history(record, in_utc), *_stops(record, in_utc),
+        tag("div", *(tag("div", signer) for signer in _SIGNERS), class_="signatures"),
     ]
-    body += [_section(section, in_utc) for section in sections(result)]
-    body += [part for robot in result.robots for part in _link(result, robot, in_utc)]
-    body.append(tag("div", *(tag("div", signer) for signer in _SIGNERS), class_="signatures"))
+    annex = [_section(section, in_utc) for section in sections(result)]
+    annex += [part for robot in result.robots for part in _link(result, robot, in_utc)]
+    if annex:
+        body.append(tag("div", tag("h1", "What happened"), tag("p", title), *annex, class_="annex"))
     return page(f"{title} ({record.identity})", *body)
 
 
@@ -68,7 +70,7 @@ def _history(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
     yield tag("h2", "History of the score sheet")
     yield table(("No.", "When", "Who", "What", "Change", "Note"), [
         _change(record, entry, in_utc) for entry in record.history
-    ], ("number", "time", "", "", "", ""))
+    ], ("number", "time", "who", "", "change"))
 
 
 def _change(record: RunRecord, entry: ScoreEntry, in_utc: bool) -> Tuple[Child, ...]:
@@ -89,7 +91,7 @@ def _stops(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
         (moment(s.utc, in_utc), s.who, s.desc or texts.end_text(s.end_reason),
          f"{s.reason} ({s.reason_by})" if s.reason and s.reason_by else s.reason)
         for s in record.stops
-    ], ("time", "", "", ""))
+    ], ("time", "who"))
 
 
 def _section(section: Section, in_utc: bool) -> Markup:
@@ -100,7 +102,7 @@ def _section(section: Section, in_utc: bool) -> Markup:
          tag("span", h.text, class_="bad") if h.bad else h.text)
         for h in section.happenings
     ]
-    return joined((tag("h2", section.title), table(headings, rows, ("time",))))
+    return joined((tag("h2", section.title), table(headings, rows, ("time", "who"))))
 
 
 def _link(result: RunResult, robot: RobotPart, in_utc: bool) -> Iterator[Markup]:

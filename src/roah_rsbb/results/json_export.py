@@ -1,4 +1,4 @@
-"""Results for programs: JSON, documented in docs/results.md. `VERSION` rises when a field changes its meaning or goes."""
+"""Results for programs: JSON (docs/results.md). `VERSION` rises when a field changes its meaning, or goes."""
 
 from typing import Any, Dict, List, Sequence
 

@@ -1,7 +1,7 @@
 """The link record of a robot over the time of its run, as a picture (SVG) that needs nothing else."""
 
 import math
-from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, List, NamedTuple, Optional, Sequence
 
 from roah_rsbb.core.link_record import LinkSample
 from roah_rsbb.results.page import Markup, joined, tag

@@ -3,6 +3,7 @@
 from typing import List, Sequence
 
 from roah_rsbb.results.run_result import LinkSecond
+from roah_rsbb.results.texts import line
 
 # A silence that is more than a single datagram that was lost.
 GAP_S = 2.5
@@ -28,11 +29,12 @@ def link_lines(link: Sequence[LinkSecond]) -> List[str]:
     trips = [s.round_trip_s for s in samples if s.round_trip_s is not None]
     longest = [s.round_trip_max_s for s in samples if s.round_trip_max_s is not None]
     if trips:
-        lines.append(f"round trip with the robot's own delay: {min(trips):.3f} s at best, {max(longest):.3f} s at worst")
+        lines.append(
+            f"round trip with the robot's own delay: {min(trips):.3f} s at best, {max(longest):.3f} s at worst")
     skews = [s.skew_s for s in samples if s.skew_s is not None]
     if skews:
         lines.append(f"clock skew {min(skews):+.3f} s to {max(skews):+.3f} s")
     hosts = list(dict.fromkeys(s.host for s in samples if s.host))
     if hosts:
-        lines.append(f"robot's address: {', '.join(hosts)}")
+        lines.append(f"robot's address: {', '.join(line(host) for host in hosts)}")
     return lines

@@ -24,16 +24,18 @@ h3 { font-size: 10pt; margin: 3mm 0 1mm; break-after: avoid; }
 p { margin: 1mm 0; } .small { font-size: 8pt; color: #444; }
 table { border-collapse: collapse; width: 100%; } thead { display: table-header-group; } tr { break-inside: avoid; }
 th, td { text-align: left; vertical-align: top; padding: .7mm 1.6mm; border-bottom: .2mm solid #bbb;
-  overflow-wrap: anywhere; white-space: pre-wrap; }
+  overflow-wrap: anywhere; white-space: pre-wrap; min-width: 15mm; }
 th { font-size: 8pt; color: #444; white-space: normal; overflow-wrap: normal; }
-td.number, th.number { text-align: right; white-space: nowrap; overflow-wrap: normal; }
-td.time { white-space: nowrap; overflow-wrap: normal; font-size: 8.5pt; }
+.number { text-align: right; min-width: 9mm; } .time { min-width: 18mm; width: 18mm; }
+td.number, td.time { white-space: nowrap; overflow-wrap: normal; } td.time { font-size: 8.5pt; }
 table.facts { width: auto; } table.facts th { width: 30mm; font-size: 10pt; }
-td.value { width: 28mm; font-weight: bold; white-space: nowrap; }
+td.value { min-width: 28mm; width: 28mm; font-weight: bold; } .who { min-width: 26mm; width: 26mm; }
+.team, .change { min-width: 26mm; }
 .mark { font-size: 8pt; border: .2mm solid #111; border-radius: .8mm; padding: 0 1mm; white-space: nowrap; }
 .bad { font-weight: bold; } del { color: #555; }
-.signatures { display: flex; gap: 10mm; margin-top: 16mm; break-inside: avoid; }
+.signatures { display: flex; gap: 10mm; margin: 18mm 0 6mm; break-inside: avoid; }
 .signatures div { flex: 1; border-top: .3mm solid #111; padding-top: 1mm; font-size: 8pt; }
+.annex { break-before: page; }
 svg { width: 100%; height: auto; display: block; break-inside: avoid; }
 @media print { body { margin: 0; padding: 0; max-width: none; } a { color: inherit; text-decoration: none; } }
 """

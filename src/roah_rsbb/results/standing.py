@@ -90,7 +90,8 @@ def _counting(records: List[RunRecord], choice: Choice, remarks: List[str]) -> L
             continue
         event = (record.zone, record.team, record.round, record.run, record.scheduled)
         if event in newest:
-            remarks.append(f"run {newest[event].identity} of team {record.team} was run again: only the last one counts")
+            again = newest[event].identity
+            remarks.append(f"run {again} of team {record.team} was run again: only the last one counts")
         newest[event] = record
     remarks += [
         f"run {record.identity} of team {record.team} is not signed off: it may still change"

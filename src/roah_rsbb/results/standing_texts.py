@@ -63,12 +63,13 @@ def standing_markup(standing: Standing, sheets: Mapping[str, str]) -> Markup:
     """A standing in a page; `sheets`: the files of the runs' sheets by identity, where there are any."""
     names = criteria_of(standing)
     parts: List[Child] = [
-        tag("h2", standing.benchmark), tag("p", f"In the order of {'; then '.join(names)}; {OF_RUNS[standing.of_runs]}."),
+        tag("h2", standing.benchmark),
+        tag("p", f"In the order of {'; then '.join(names)}; {OF_RUNS[standing.of_runs]}."),
         table(("Rank", "Team", *names, "Runs"), [
             (rank_text(team), team.team, *_numbers(standing, team.numbers, team.disqualified),
              _runs(standing, team, sheets))
             for team in standing.lines
-        ], ("number", "", *("number" for _ in names), "")),
+        ], ("number", "team", *("number" for _ in names), "")),
     ]
     parts += [tag("p", remark, class_="small") for remark in standing.remarks]
     return joined(parts)
@@ -113,5 +114,5 @@ def index_page(
         *(standing_markup(standing, sheets) for standing in standings),
         tag("h2", "Runs"),
         table(("No.", "Connected", "Zone", "Benchmark", "Team", "Round / run", "State", "Sheet"), rows,
-              ("number", "time")),
+              ("number", "time", "", "", "team")),
     )

@@ -20,8 +20,8 @@ _FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "|", "%", "＝", "＋", "－",
 
 # Of each run.
 _RUN_COLUMNS = (
-    "run_id", "zone", "benchmark", "team", "round", "run", "robots", "scheduled", "connected", "started", "disconnected",
-    "end_reason", "elapsed_s", "signed_off", "signed_off_by",
+    "run_id", "zone", "benchmark", "team", "round", "run", "robots", "scheduled", "connected", "started",
+    "disconnected", "end_reason", "elapsed_s", "signed_off", "signed_off_by",
 )
 # Of each row.
 _ROW_COLUMNS = (

@@ -25,16 +25,17 @@ def list_lines(records: List[RunRecord], in_utc: bool) -> Iterator[str]:
 
 def _row(number: int, record: RunRecord, in_utc: bool) -> Tuple[str, ...]:
     return (
-        str(number), moment(record.opened_utc, in_utc), line(record.zone), record.benchmark, line(record.team),
+        str(number), moment(record.opened_utc, in_utc), line(record.zone), line(record.benchmark), line(record.team),
         str(record.round), str(record.run), texts.duration(record.elapsed_s) if record.started_utc else texts.NOTHING,
-        "signed off" if record.sign_off else "open", texts.state_of(record),
+        "signed off" if record.sign_off else "open", line(texts.state_of(record)),
     )
 
 
 def sheet_lines(result: RunResult, in_utc: bool, strike: bool) -> Iterator[str]:
     """The whole sheet. `strike`: the terminal can strike through."""
     record = result.record
-    yield f"{record.benchmark}, team {line(record.team)}, round {record.round}, run {record.run} ({record.identity})"
+    yield (f"{line(record.benchmark)}, team {line(record.team)}, round {record.round}, run {record.run} "
+           f"({line(record.identity)})")
     yield ""
     for name, value in facts(result, in_utc):
         yield f"{name + ':':14}{value}"
@@ -64,7 +65,7 @@ def facts(result: RunResult, in_utc: bool) -> List[Tuple[str, str]]:
         ("Started", optional_moment(record.started_utc, in_utc)),
         ("Disconnected", optional_moment(record.closed_utc, in_utc)),
         ("Time", texts.duration(record.elapsed_s) if record.started_utc else texts.NOTHING),
-        ("End", texts.state_of(record)),
+        ("End", line(texts.state_of(record))),
         ("Sheet", texts.sign_off_text(record, in_utc)),
         ("Run logs", ", ".join(line(r.log_file) for r in result.robots if r.log_file) or texts.NOTHING),
     ]
@@ -118,7 +119,7 @@ def _history(record: RunRecord, in_utc: bool, strike: bool) -> Iterator[str]:
     def shown(entry: ScoreEntry) -> str:
         mark = "CORRECTION: " if entry.correction else ""
         note = f" ({line(entry.note)})" if entry.note else ""
-        text = (f"{mark}{_by(entry.who)}{line(entry.group)}: {line(entry.desc)}: {change_text(record, entry)}{note}")
+        text = f"{mark}{_by(entry.who)}{line(entry.group)}: {line(entry.desc)}: {change_text(record, entry)}{note}"
         if entry.withdrawn_utc:
             struck = f"{_STRUCK}{text}{_PLAIN}" if strike else text
             text = f"{struck}  -- {withdrawn_text(entry, in_utc)}"

@@ -16,15 +16,15 @@ EVIL = '<script>alert("1")</script>&amp;\u202egnp.\x1b[31m=1+1'
 def task_record(team, number, door=0, objects=0, bumps=0, hits=0, benchmark="HGTKMH", **fields):
     """The record of a task benchmark's run that is over; `number` makes its identity and time."""
     opened = UTC0 + 3600.0 * number
-    values = dict(
-        identity=f"{benchmark}-{6666 + number}-{opened:.3f}", zone="tbm", benchmark=benchmark, team=team, round=1,
-        run=number, scheduled=opened, opened_utc=opened, started_utc=opened + 30.0, closed_utc=opened + 700.0,
-        end_reason="completed", elapsed_s=600.5, robots=("r1",), items=(
-            ItemRecord(ACHIEVED, DOOR, "bool", door), ItemRecord(ACHIEVED, OBJECTS, "uint", objects),
-            ItemRecord(PENALIZED, BUMPS, "uint", bumps), ItemRecord(DISQUALIFYING, HITS, "uint", hits),
-        ),
+    items = (
+        ItemRecord(ACHIEVED, DOOR, "bool", door), ItemRecord(ACHIEVED, OBJECTS, "uint", objects),
+        ItemRecord(PENALIZED, BUMPS, "uint", bumps), ItemRecord(DISQUALIFYING, HITS, "uint", hits),
     )
-    return RunRecord(**{**values, **fields})
+    return RunRecord(
+        f"{benchmark}-{6666 + number}-{opened:.3f}", "tbm", benchmark, team, 1, number, opened, opened,
+        started_utc=opened + 30.0, closed_utc=opened + 700.0, end_reason="completed", elapsed_s=600.5, items=items,
+        robots=("r1",),
+    )._replace(**fields)
 
 
 def module_record(team, number, benchmark="HNF", **scores):
@@ -65,7 +65,7 @@ def write_full_run(writer):
     record = full_record()
     writer.utc = record.opened_utc
     writer.run(record, ((6667, "r1"),))
-    at = dict(identity=record.identity)
+    at = {"identity": record.identity}
     _states(writer, at, "STOP", "Connected", 0)
     writer.entry("address", "10.0.0.7", who="10.0.0.7", **at)
     writer.entry("command", {"command": "start", "refused": ["Robot has not answered", EVIL]}, who="anna", **at)

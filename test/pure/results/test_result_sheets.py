@@ -1,0 +1,295 @@
+"""Score sheets: in the terminal and as pages, also of robots that mean harm."""
+
+import html.parser
+import re
+
+import pytest
+
+from helpers.journals import UTC0, Writer
+from helpers.results_of import EVIL, full_record, task_record, write_full_run
+from roah_rsbb.core.link_record import LinkSample
+from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.results import texts
+from roah_rsbb.results.html_sheet import sheet_page
+from roah_rsbb.results.run_result import NoSuchRun, find, records, run_result
+from roah_rsbb.results.story import box_states, robot_states, sections
+from roah_rsbb.results.text_sheet import list_lines, sheet_lines
+
+
+@pytest.fixture
+def lisbon(monkeypatch):
+    """Local time in November is UTC + 1 h in Madrid."""
+    monkeypatch.setenv("TZ", "Europe/Madrid")
+    import time
+    time.tzset()
+    yield
+    monkeypatch.undo()
+    time.tzset()
+
+
+def read(writer, place=0):
+    """A run of the journal, read back."""
+    warnings = []
+    with JournalReader(writer.path) as reader:
+        known = records(reader, warnings.append)
+        result = run_result(reader, place + 1, known[place], warnings.append)
+    assert not warnings
+    return result
+
+
+@pytest.fixture
+def writer(tmp_path):
+    writer = Writer(tmp_path / "log")
+    yield writer
+    writer.journal.close()
+
+
+@pytest.fixture
+def result(writer):
+    write_full_run(writer)
+    return read(writer)
+
+
+class Page(html.parser.HTMLParser):
+    """What a browser makes of a page: elements, attributes, and the text in each kind of element."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements, self.attributes, self.texts, self._open = [], [], [], []
+        self.feed(text)
+        self.close()
+        assert self._open == [], "every element is closed"
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append(tag)
+        self.attributes += attrs
+        if tag not in ("br", "meta"):
+            self._open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self._open.pop() == tag
+
+    def handle_data(self, data):
+        if "style" not in self._open:
+            self.texts.append((tuple(self._open), data))
+
+    def text(self, within=""):
+        return "\n".join(text for where, text in self.texts if not within or within in where)
+
+
+# -- times and texts --------------------------------------------------------------------------------
+
+
+def test_times_are_local_with_their_offset_or_utc(lisbon):
+    assert texts.moment(UTC0) == "2025-11-21 12:00:00 +01:00"
+    assert texts.moment(UTC0, in_utc=True) == "2025-11-21 11:00:00Z"
+    assert texts.iso(UTC0 + 0.25) == "2025-11-21T12:00:00.250+01:00"
+    assert texts.clock(UTC0 + 0.98) == "12:00:00.9"
+    assert texts.clock(UTC0, in_utc=True) == "11:00:00.0"
+    assert (texts.duration(0.0), texts.duration(599.96), texts.duration(61.3)) == ("0:00.0", "10:00.0", "1:01.3")
+
+
+def test_what_cannot_be_printed_is_seen():
+    assert texts.visible("a\x1b[31m\u202eb\nc\x00 ü") == "a\\x1b[31m\\u202eb\nc\\x00 ü"
+    assert texts.line("a\n  b\t") == "a b\\t"
+    assert texts.visible("\ud800") == "\\ud800"
+
+
+def test_a_run_is_found_by_number_identity_or_its_beginning():
+    known = [task_record("Alpha", 1), task_record("Beta", 2), task_record("Beta", 12, benchmark="HWV")]
+    assert [find(known, word) for word in ("1", "3", known[1].identity, "HWV")] == [0, 2, 1, 2]
+    for word, text in (("0", "there are 1 to 3"), ("4", "there are 1 to 3"), ("HG", "any of 2 runs"), ("", "list"),
+                       ("x", "results list")):
+        with pytest.raises(NoSuchRun, match=text):
+            find(known, word)
+    with pytest.raises(NoSuchRun, match="none yet"):
+        find([], "1")
+
+
+def test_a_record_that_cannot_be_read_costs_only_itself(writer):
+    writer.run(task_record("Alpha", 1))
+    writer.run(task_record("Beta", 2), ())
+    writer.journal._connection.execute("UPDATE runs SET outcome = '{\"team\": 3}' WHERE team = 'Alpha'")
+    writer.journal._connection.execute("UPDATE runs SET outcome = NULL WHERE team = 'Beta'")
+    warnings = []
+    with JournalReader(writer.path) as reader:
+        found = records(reader, warnings.append)
+    assert [(r.team, r.round, r.items, r.closed_utc) for r in found] == [
+        ("Alpha", 1, (), task_record("Alpha", 1).closed_utc), ("Beta", 1, (), task_record("Beta", 2).closed_utc)
+    ]
+    assert len(warnings) == 1
+    assert "HGTKMH-6667" in warnings[0]
+
+
+# -- what happened ----------------------------------------------------------------------------------
+
+
+def test_the_story(result):
+    told = {section.title: [h.text for h in section.happenings] for section in sections(result)}
+    assert told["Timeline of states"] == [
+        "Box: STOP: Connected", "Robot: STOP", "Robot's address: 10.0.0.7",
+        "Box: PREPARE: Robot preparing for the task", "Robot: PREPARING",
+        "Box: WAITING_RESULT: Robot prepared, executing", "Robot: EXECUTING", "Disconnected",
+    ]
+    assert told["Goals and results"] == [
+        "Goal: waypoint 1; goal: [1, 2, 0.5]; pose: [1, 2, 0.5]; 120.0 s", "Result: {class: a" + EVIL + "}"
+    ]
+    assert told["Manual operations"] == ["place the object " + EVIL]
+    assert told["Referee's commands"] == [f"start; REFUSED: Robot has not answered; {EVIL}", "start"]
+    assert told["Online data"] == [f"notification: {EVIL}"]
+    assert told["Home devices and tablet"] == ["dimmer: 40"]
+    assert told["Warnings"] == ["WARNING: No message from the robot for 9 s"]
+    assert told["Other"] == ['something_new: {"a": 1}']
+
+
+def test_what_is_bad_and_who_did_it(result):
+    by_title = {section.title: section.happenings for section in sections(result)}
+    assert [(h.bad, h.who) for h in by_title["Referee's commands"]] == [(True, "anna"), (False, "anna")]
+    assert by_title["Warnings"][0].bad
+    assert by_title["Online data"][0].who == "10.0.0.7"
+
+
+def test_a_robots_state_that_is_said_again_is_told_once(writer):
+    record = task_record("Alpha", 1)
+    writer.run(record)
+    for state in (3, 3, 4, 9):
+        writer.entry("/rsbb_log/client_state", state, record.identity)
+    [section] = sections(read(writer))
+    assert [h.text for h in section.happenings] == ["Robot: EXECUTING", "Robot: RESULT_TX", "Robot: 9"]
+
+
+def test_of_several_robots_each_is_named(writer):
+    record = task_record("ALL", 1, benchmark="HSUF")
+    writer.run(record, ((6667, "r1"), (6668, "r2")))
+    writer.entry("/notification", "hello", record.identity, port=6668)
+    writer.entry("command", {"command": "start"}, record.identity, port=None)
+    named = [h.robot for section in sections(read(writer)) for h in section.happenings]
+    assert sorted(named) == ["", "r2 of team ALL"]
+    assert "r2 of team ALL: notification: hello" in "\n".join(sheet_lines(read(writer), True, False))
+
+
+def test_stretches_of_states(result):
+    begin = result.record.opened_utc
+    stretches = box_states(result, 6667, begin + 500.0)
+    assert [s.name for s in stretches] == ["STOP", "PREPARE", "WAITING_RESULT"]
+    assert [round(s.end_utc - begin) for s in stretches] == [22, 84, 500]
+    assert [s.name for s in robot_states(result, 6667, begin + 500.0)] == ["STOP", "PREPARING", "EXECUTING"]
+    assert box_states(result, 6668, begin) == []
+
+
+# -- in the terminal --------------------------------------------------------------------------------
+
+
+def test_the_list(lisbon):
+    rows = list(list_lines([task_record("Beta", 2), task_record("Gamma", 3, started_utc=0.0, end_reason="")], False))
+    assert rows[0].split() == "No. Connected Zone Benchmark Team Round Run Time Sheet State".split()
+    assert " ".join(rows[1].split()) == (
+        "1 2025-11-21 14:00:00 +01:00 tbm HGTKMH Beta 1 2 10:00.5 open Benchmark completed by the robot"
+    )
+    assert rows[2].endswith("never started")
+
+
+@pytest.mark.parametrize(("fields", "state"), [
+    ({}, "Benchmark completed by the robot"), ({"end_reason": "", "closed_utc": 0.0}, "running"),
+    ({"started_utc": 0.0, "closed_utc": 0.0}, "connected, not started yet"), ({"started_utc": 0.0}, "never started"),
+    ({"end_reason": "of a newer version"}, "of a newer version"),
+])
+def test_where_a_run_is(fields, state):
+    assert texts.state_of(task_record("Alpha", 1, **fields)) == state
+
+
+def test_the_sheet_in_the_terminal(result, lisbon):
+    text = "\n".join(sheet_lines(result, in_utc=False, strike=False))
+    for expected in (
+        "HGTKMH, team Alpha, round 1, run 1 (HGTKMH-6667-",
+        "signed off by chief, 2025-11-21 13:15:00 +01:00",
+        "not attempted  Detects the door",
+        "2  Detects a changed object  (CORRECTED)",
+        "1  2025-11-21 13:00:40 +01:00  [anna] Achievements: Detects a changed object: 0 -> 1",
+        "-- withdrawn by bert, 2025-11-21 13:01:00 +01:00: seen twice",
+        "Detects the door: no -> not attempted",
+        "CORRECTION: [bert] Achievements: Detects a changed object: 1 -> 2 (from the video)",
+        "[anna] Benchmark stopped by the referee; reason given by anna: cable",
+        "2025-11-21 13:11:00 +01:00  Stopped due to timeout",
+        "Waypoints reached: 2", "Distance error: 0.123 m",
+        "9 lost on the way to the box (3.0%)", "3 datagrams of the box", "0.030 s at best, 0.050 s at worst",
+        "longest silence 9.0 s", "robot's address: 10.0.0.7", "/logs/6667.bag",
+    ):
+        assert expected in text
+    assert not re.search("[\x00-\x09\x0b-\x1f\u202e]", text), "nothing of a robot reaches the terminal as it is"
+
+
+def test_what_was_withdrawn_is_struck_through_where_that_can_be(result):
+    struck = [text for text in sheet_lines(result, in_utc=True, strike=True) if "\033[9m" in text]
+    assert len(struck) == 1
+    assert "1 -> 3" in struck[0]
+    assert struck[0].index("\033[29m") < struck[0].index("withdrawn by bert, 2025-11-21 12:01:00Z")
+
+
+# -- as a page --------------------------------------------------------------------------------------
+
+
+def test_the_page_has_all(result, lisbon):
+    page = Page(sheet_page(result, in_utc=False))
+    text = page.text()
+    for expected in (
+        "HGTKMH, team Alpha, round 1, run 1", "signed off by chief", "not attempted", "from the video",
+        "Detects a changed object", "no → not attempted", "Stopped due to timeout", "Waypoints reached", "0.123 m",
+        "Referee: name, date, signature", "10.0.0.7", "Goal: waypoint 1", "dimmer: 40", result.record.identity,
+        "2025-11-21 13:00:40 +01:00", "withdrawn by bert", "cable ",
+    ):
+        assert expected in text
+    assert "1 → 3" in page.text(within="del")
+    assert "1 → 2" not in page.text(within="del")
+    assert page.elements.count("del") == 3, "what, change and note of the entry that was withdrawn"
+    known = ("corrected", "correction", "withdrawn")
+    marks = [text for where, text in page.texts if where[-1:] == ("span",) and text in known]
+    assert sorted(marks) == ["corrected", "correction", "withdrawn"]
+
+
+def test_a_page_is_what_was_written_and_no_more(result):
+    page_text = sheet_page(result, in_utc=True)
+    page = Page(page_text)
+    assert set(page.elements) <= {
+        "html", "head", "meta", "title", "style", "body", "h1", "h2", "h3", "p", "table", "thead", "tbody", "tr", "th",
+        "td", "div", "span", "del", "svg", "rect", "line", "text", "path", "circle",
+    }
+    assert page.text().count(texts.visible(EVIL)) >= 7, "shown as it is, at all places"
+    names = {name for name, _ in page.attributes}
+    assert not {"href", "src", "onload", "onclick"} & names
+    assert re.findall(r"https?://[^\"<]*", page_text) == ["http://www.w3.org/2000/svg"]
+    assert "url(" not in page_text
+    assert "@import" not in page_text
+    policy = next(value for name, value in page.attributes if name == "content")
+    assert policy.startswith("default-src 'none'")
+    assert not re.search("[\x00-\x09\x0b-\x1f\u202e]", page_text)
+
+
+def test_evil_names_everywhere(writer):
+    record = full_record()._replace(team=EVIL, zone=EVIL, robots=(EVIL,), benchmark="HGTKMH", identity="x" + EVIL,
+                                    end_reason=EVIL)
+    record = record._replace(
+        history=tuple(e._replace(group=EVIL, desc=EVIL, who=EVIL, withdrawn_by=EVIL) for e in record.history),
+        items=tuple(i._replace(group=EVIL, desc=EVIL + str(n)) for n, i in enumerate(record.items)),
+        module_scores=tuple(s._replace(group=EVIL, name=EVIL, unit=EVIL, desc=EVIL) for s in record.module_scores),
+        stops=tuple(s._replace(who=EVIL, desc=EVIL, reason_by=EVIL) for s in record.stops),
+        sign_off=record.sign_off._replace(who=EVIL),
+    )
+    writer.run(record, ((6667, EVIL),))
+    writer.link(LinkSample(1.0, host=EVIL))
+    writer.entry("/rsbb_log/rsbb_state_str", EVIL, record.identity)
+    writer.entry("/rsbb_log/client_state", EVIL, record.identity, who=EVIL)
+    writer.entry(EVIL, EVIL, record.identity)
+    result = read(writer)
+    page_text = sheet_page(result, in_utc=True)
+    assert "<script" not in page_text
+    assert "script" not in Page(page_text).elements
+    assert not re.search("[\x00-\x09\x0b-\x1f\u202e]", page_text + "\n".join(sheet_lines(result, True, False)))
+
+
+def test_a_page_of_a_run_with_hardly_anything(writer):
+    writer.run(task_record("Alpha", 1, started_utc=0.0, closed_utc=0.0, end_reason="", items=()), ())
+    page = Page(sheet_page(read(writer), in_utc=True))
+    assert "not signed off: it may still change" in page.text()
+    assert "connected, not started yet" in page.text()
+    assert "svg" not in page.elements

@@ -1,0 +1,301 @@
+"""The program: its commands, the files that it writes, and what it says when it cannot."""
+
+import csv
+import io
+import json
+import os
+import pathlib
+import sqlite3
+import subprocess
+import sys
+
+import pytest
+
+from helpers.journals import UTC0, Writer
+from helpers.results_of import EVIL, full_record, task_record, write_competition
+from roah_rsbb.core.link_record import LinkSample
+from roah_rsbb.core.records import RunRecord, ScoreEntry, ScoreValue
+from roah_rsbb.results import program, tables
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+
+
+@pytest.fixture(scope="module")
+def journal(tmp_path_factory):
+    return write_competition(tmp_path_factory.mktemp("competition"))
+
+
+@pytest.fixture
+def run(journal, capsys):
+    """Run the program: its exit status, what it wrote, what it complained of."""
+
+    def results(*arguments, source=("--journal", journal)):
+        with pytest.raises(SystemExit) as ended:
+            program.main(str(ROOT / "config"), [str(a) for a in (*source, *arguments)])
+        told = capsys.readouterr()
+        return ended.value.code, told.out, told.err
+
+    return results
+
+
+def rows_of(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+# -- commands ---------------------------------------------------------------------------------------
+
+
+def test_list_and_show(run):
+    status, out, err = run("list")
+    assert (status, err, len(out.splitlines())) == (0, "", 6)
+    status, out, _ = run("show", "1", "--utc")
+    assert status == 0
+    assert "2025-11-21 12:00:00Z" in out
+    assert "\033" not in out, "the output is no terminal"
+    assert run("show", "HNF")[1].startswith("HNF, team Alpha")
+
+
+def test_the_journal_is_found_in_the_log_dir(run, journal, monkeypatch, tmp_path):
+    assert run("list", source=("--log-dir", os.path.dirname(journal)))[0] == 0
+    assert run("list", "--log-dir", os.path.dirname(journal), source=())[0] == 0
+    monkeypatch.setenv("HOME", str(tmp_path))
+    status, _, err = run("list", source=())
+    assert status == 1
+    assert f"{tmp_path}/.ros/roah_rsbb/roah_rsbb_journal.sqlite3" in err
+
+
+def test_a_journal_without_runs(run, tmp_path):
+    Writer(tmp_path).close()
+    source = ("--log-dir", tmp_path)
+    assert run("list", source=source)[:2] == (0, "There are no runs yet.\n")
+    assert "no run yet" in run("standings", source=source)[1]
+    assert run("export", "--html", tmp_path / "html", source=source)[0] == 0
+
+
+@pytest.mark.parametrize(("arguments", "status", "told"), [
+    (("show", "9"), 1, "there is no run '9': there are 1 to 5"),
+    (("export",), 1, "say what to write"),
+    (("export", "--csv", "/nowhere/x"), 1, "/nowhere/x.draft: No such file or directory"),
+    (("standings", "HOPF"), 1, "there are no runs of HOPF; there are some of HGTKMH, HNF"),
+    (("standings", "--without", "77"), 1, "there is no run '77'"),
+    (("standings", "--rules", "/nowhere/rules"), 1, "the rules of the standings cannot be used:\n/nowhere/rules"),
+    (("standings", "--runs", "worst"), 2, "best"),
+    ((), 2, "COMMAND"),
+    (("--journal", "/nowhere/j", "list"), 1, "there is no such file"),
+])
+def test_what_cannot_be_done_is_told(run, arguments, status, told):
+    found, out, err = run(*arguments)
+    assert (found, out) == (status, "")
+    assert told in err
+    assert err.startswith("results")
+
+
+def test_every_command_has_help(run):
+    for command in ((), ("list",), ("show",), ("export",), ("standings",), ("recover",)):
+        status, out, _ = run(*command, "--help")
+        assert status == 0
+        assert "--journal" in out
+
+
+def test_who_reads_only_the_beginning_is_no_error(journal):
+    script = "import sys; from roah_rsbb.results.program import main; main(sys.argv[1], sys.argv[2:])"
+    command = [sys.executable, "-c", script, str(ROOT / "config"), "--journal", journal, "export", "--json", "-"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
+    process.stdout.read(10)
+    process.stdout.close()
+    assert process.stderr.read() == b""
+    process.stderr.close()
+    assert process.wait() == 0
+
+
+def test_recover(run, journal, tmp_path):
+    status, out, _ = run("recover", journal, tmp_path / "new", source=())
+    assert status == 0
+    assert "5 of runs" in out
+    assert run("list", source=("--journal", tmp_path / "new"))[0] == 0
+    assert run("recover", journal, tmp_path / "new", source=())[0] == 1
+
+
+# -- spreadsheets -----------------------------------------------------------------------------------
+
+
+def test_a_row_for_each_item_and_value(run, tmp_path):
+    path = tmp_path / "results.csv"
+    assert run("export", "--csv", path)[0] == 0
+    assert path.read_bytes().startswith(b"\xef\xbb\xbf"), "by this spreadsheet programs know UTF-8"
+    rows = rows_of(path.read_text(encoding="utf-8-sig"))
+    assert tuple(rows[0]) == tables.RESULT_COLUMNS
+    first = [row for row in rows if row["run_id"] == full_record().identity]
+    assert [(row["kind"], row["name"], row["value"]) for row in first[:5]] == [
+        ("item", "Detects the door", "0"), ("item", "Detects a changed object", "2"),
+        ("item", "Bumps into the furniture", "0"), ("item", "Hits a person", "0"), ("module", "reached", "2"),
+    ]
+    assert (first[0]["not_attempted"], first[1]["corrected"], first[1]["changed_by"]) == ("true", "true", "bert")
+    assert (first[5]["group"], first[5]["value"], first[5]["unit"]) == ("waypoint 1", "0.12345", "m")
+    assert (first[0]["elapsed_s"], first[0]["end_reason"], first[0]["signed_off_by"]) == ("600.5", "stopped", "chief")
+
+
+def test_the_last_entry_that_counts_is_who_changed_an_item():
+    record = task_record("A", 1)
+    history = tuple(
+        ScoreEntry(n, UTC0 + n, f"who{n}", "Achievements", "Detects the door", 0, 1, withdrawn_utc=withdrawn)
+        for n, withdrawn in ((1, 0.0), (2, 9.0))
+    )
+    rows = list(tables.result_rows([record._replace(history=history)], in_utc=True))
+    assert (rows[0]["changed_by"], rows[0]["changed"]) == ("who1", "2025-11-21T11:00:01.000+00:00")
+    assert "changed_by" not in rows[1]
+
+
+def test_a_run_with_nothing_has_a_row_of_its_own():
+    record = RunRecord("x", "z", "HSUF", "ALL", 1, 1, UTC0, UTC0)
+    [row] = tables.result_rows([record], in_utc=True)
+    assert (row["kind"], row["run_id"], row["started"], row["elapsed_s"]) == ("none", "x", None, None)
+
+
+@pytest.mark.parametrize(("cell", "shown"), [
+    ("=1+1", "'=1+1"), ("+1", "'+1"), ("-1", "'-1"), ("@SUM(A1)", "'@SUM(A1)"), ("  =1", "'  =1"), ("\t=1", "\\t=1"),
+    ("\r=1", "\\r=1"), ("＝1", "'＝1"), ("a=1", "a=1"), ("", ""), ("\x1b[1m", "\\x1b[1m"), (-1.5, -1.5), (3, 3),
+    (None, ""), (True, "true"), (False, "false"),
+])
+def test_no_cell_is_a_formula(cell, shown):
+    assert tables.safe(cell) == shown
+
+
+def test_no_formula_reaches_a_file(tmp_path, run):
+    writer = Writer(tmp_path)
+    evil = "=HYPERLINK(1)"
+    record = task_record(evil, 1, zone=evil, robots=(evil,), module_scores=(
+        ScoreValue(evil, evil, json.dumps(evil), evil, evil), ScoreValue("", "error", "-0.5", "m"),
+    ))
+    writer.run(record)
+    writer.close()
+    for command in (("export",), ("standings",)):
+        out = run(*command, "--csv", "-", source=("--log-dir", tmp_path))[1]
+        cells = [cell for row in csv.reader(io.StringIO(out)) for cell in row]
+        assert any(cell == f"'{evil}" for cell in cells)
+        assert not [cell for cell in cells if cell[:1] in tuple("=+-@") and cell != "-0.5"]
+    assert "-0.5" in run("export", "--csv", "-", source=("--log-dir", tmp_path))[1]
+
+
+# -- JSON and pages ---------------------------------------------------------------------------------
+
+
+def test_json_has_all(run, tmp_path):
+    path = tmp_path / "results.json"
+    assert run("export", "--json", path)[0] == 0
+    data = json.loads(path.read_text(encoding="utf-8"))
+    assert (data["format"], data["version"], len(data["runs"])) == ("roah_rsbb results", 1, 5)
+    first = data["runs"][0]
+    assert set(RunRecord._fields) <= set(first)
+    assert first["history"][1]["withdrawn_by"] == "bert"
+    assert set(ScoreEntry._fields) == set(first["history"][0])
+    assert first["items"][0]["not_attempted"] is True
+    assert first["sign_off"]["who"] == "chief"
+    [robot] = first["robot_parts"]
+    assert (robot["port"], len(robot["link"])) == (6667, 300)
+    assert set(robot["link"][0]) == {"utc", *LinkSample._fields}
+    told = next(entry for entry in first["entries"] if entry["kind"] == "/notification")
+    assert (told["value"], told["who"], told["port"]) == (EVIL, "10.0.0.7", 6667)
+    table = data["standings"][0]
+    assert (table["benchmark"], [team["team"] for team in table["teams"]]) == ("HGTKMH", ["Beta", "Alpha"])
+    assert table["teams"][0]["runs"][0]["counts"] is True
+
+
+def test_only_the_runs_that_are_named(run):
+    data = json.loads(run("export", "--json", "-", "4", "2", "2")[1])
+    assert [r["team"] for r in data["runs"]] == ["Beta", "Alpha"]
+    assert len(rows_of(run("export", "--csv", "-", "4")[1])) == 4
+
+
+def test_pages(run, tmp_path):
+    directory = tmp_path / "a" / "html"
+    assert run("export", "--html", directory)[0] == 0
+    assert sorted(os.listdir(directory)) == [
+        "001_HGTKMH_Alpha_round1_run1.html", "002_HGTKMH_Beta_round1_run2.html", "003_HGTKMH_Gamma_round1_run3.html",
+        "004_HNF_Alpha_round1_run4.html", "005_HGTKMH_Alpha_round1_run5.html", "index.html",
+    ]
+    index = (directory / "index.html").read_text(encoding="utf-8")
+    assert 'href="001_HGTKMH_Alpha_round1_run1.html"' in index
+    assert "never started" in index
+    assert run("export", "--html", directory)[0] == 0, "again, over what is there"
+
+
+def test_no_name_leads_out_of_the_directory(run, tmp_path):
+    writer = Writer(tmp_path / "log")
+    writer.run(task_record("../../" + "x" * 300 + EVIL, 1))
+    writer.close()
+    directory = tmp_path / "html"
+    assert run("export", "--html", directory, source=("--log-dir", tmp_path / "log"))[0] == 0
+    [name, _] = sorted(os.listdir(directory))
+    assert name.startswith("001_HGTKMH_------xxx")
+    assert len(name) < 120
+
+
+def test_a_file_is_written_whole_or_not_at_all(run, tmp_path, monkeypatch):
+    path = tmp_path / "results.csv"
+    path.write_text("old")
+    monkeypatch.setattr(tables, "safe", lambda _: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        program.main(str(ROOT / "config"), ["--log-dir", str(tmp_path), "--journal", _journal(tmp_path), "export",
+                                            "--csv", str(path)])
+    assert path.read_text() == "old"
+    assert not (tmp_path / "results.csv.draft").exists()
+
+
+def _journal(tmp_path):
+    writer = Writer(tmp_path / "log")
+    writer.run(task_record("A", 1))
+    writer.close()
+    return writer.path
+
+
+# -- standings --------------------------------------------------------------------------------------
+
+
+def test_standings_and_their_options(run, tmp_path):
+    status, out, _ = run("standings", "HGTKMH")
+    assert status == 0
+    assert [line.split()[1] for line in out.splitlines()[2:4]] == ["Beta", "Alpha"]
+    assert "HNF" not in out
+    assert "Beta   5" not in run("standings", "HGTKMH", "--signed-off")[1]
+    assert "Beta   5" not in run("standings", "HGTKMH", "--without", "2")[1]
+    assert "the mean of each" in run("standings", "--runs", "mean")[1]
+    rules = tmp_path / "rules.yaml"
+    rules.write_text("HGTKMH: {criteria: [{name: Least, better: less, of: [{group: Achievements}]}]}")
+    out = run("standings", "HGTKMH", "--rules", rules)[1]
+    assert [line.split()[1] for line in out.splitlines()[2:4]] == ["Alpha", "Beta"]
+
+
+def test_standings_as_files(run, tmp_path):
+    files = (option for kind in ("csv", "json", "html") for option in (f"--{kind}", tmp_path / f"s.{kind}"))
+    assert run("standings", *files)[0] == 0
+    rows = rows_of((tmp_path / "s.csv").read_text(encoding="utf-8-sig"))
+    assert tuple(rows[0]) == tables.STANDING_COLUMNS
+    assert [(r["rank"], r["team"], r["criterion"], r["number"]) for r in rows[:2]] == [
+        ("1", "Beta", "Achievements", "5.0"), ("1", "Beta", "Penalties", "1.0")
+    ]
+    data = json.loads((tmp_path / "s.json").read_text())
+    assert [s["benchmark"] for s in data["standings"]] == ["HGTKMH", "HNF"]
+    assert "Beta" in (tmp_path / "s.html").read_text()
+
+
+def test_all_of_it_while_the_box_writes(run, tmp_path):
+    writer = Writer(tmp_path)
+    writer.run(task_record("A", 1))
+    for command in (("list",), ("show", "1"), ("standings",), ("export", "--json", "-")):
+        assert run(*command, source=("--log-dir", tmp_path))[0] == 0
+    writer.entry("notice", {})
+    writer.close()
+
+
+def test_a_damaged_journal(run, tmp_path):
+    path = _journal(tmp_path)
+    with sqlite3.connect(path) as connection:
+        connection.execute("UPDATE entries SET value = '{'")
+        connection.execute("INSERT INTO entries (session, utc, mono, zone, identity, port, who, kind, value)"
+                           f" VALUES (1, 0, 0, '', '{task_record('A', 1).identity}', 1, '', 'x', '{{')")
+    connection.close()
+    status, _, err = run("show", "1", source=("--journal", path))
+    assert status == 1
+    assert "results recover" in err

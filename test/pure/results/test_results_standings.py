@@ -1,0 +1,256 @@
+"""Standings: what counts, in which order, with which ties."""
+
+import pathlib
+
+import pytest
+
+from helpers.results_of import (
+    ACHIEVED,
+    BUMPS,
+    DISQUALIFYING,
+    DOOR,
+    OBJECTS,
+    PENALIZED,
+    module_record,
+    task_record,
+)
+from roah_rsbb.core.config_errors import ConfigErrors
+from roah_rsbb.core.records import ScoreValue, SignOff
+from roah_rsbb.results.standing import Choice, standing, standings
+from roah_rsbb.results.standing_rules import DEFAULT, Criterion, OfRuns, Rules, Term, read_rules
+from roah_rsbb.results.standing_texts import run_text, standing_lines, standing_markup
+
+SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config" / "standings.yaml"
+ACHIEVEMENTS = Criterion("Achievements", True, (Term(group=ACHIEVED),))
+PENALTIES = Criterion("Penalties", False, (Term(group=PENALIZED),))
+TASK = Rules(OfRuns.BEST, (DISQUALIFYING,), (ACHIEVEMENTS, PENALTIES))
+SIGNED = SignOff(1.0, "chief")
+ALL = Choice()
+
+
+def ranks(records, rules=TASK, choice=ALL, code="HGTKMH"):
+    """(rank, team, numbers) of each line."""
+    return [(t.rank, t.team, t.numbers) for t in standing(code, records, rules, choice).lines]
+
+
+def remarks(records, choice=ALL, rules=TASK):
+    return "\n".join(standing("HGTKMH", records, rules, choice).remarks)
+
+
+# -- order ------------------------------------------------------------------------------------------
+
+
+def test_the_first_criterion_decides_and_the_next_one_where_it_ties():
+    found = ranks([
+        task_record("A", 1, objects=3, bumps=2), task_record("B", 2, objects=3, bumps=1),
+        task_record("C", 3, door=1, objects=3, bumps=9), task_record("D", 4),
+    ])
+    assert found == [(1, "C", (4.0, 9.0)), (2, "B", (3.0, 1.0)), (3, "A", (3.0, 2.0)), (4, "D", (0.0, 0.0))]
+
+
+def test_ties_share_a_rank_and_are_shown_as_ties():
+    table = standing("HGTKMH", [
+        task_record("A", 1, objects=1), task_record("C", 2, objects=2), task_record("B", 3, objects=2),
+        task_record("D", 4),
+    ], TASK, Choice())
+    assert [(t.rank, t.tied, t.team) for t in table.lines] == [
+        (1, True, "B"), (1, True, "C"), (3, False, "A"), (4, False, "D")
+    ]
+    lines = list(standing_lines(table))
+    assert [text.split()[0] for text in lines[2:6]] == ["1=", "1=", "3", "4"]
+
+
+def test_sums_that_only_rounding_tells_apart_tie():
+    weighed = Rules(OfRuns.BEST, (), (Criterion("Points", True, (Term(item=DOOR, weight=0.3),
+                                                                Term(item=OBJECTS, weight=0.1))),))
+    found = ranks([task_record("A", 1, objects=3), task_record("B", 2, door=1)], weighed)
+    assert [(rank, numbers) for rank, _, numbers in found] == [(1, (0.3,)), (1, (0.3,))]
+
+
+def test_who_is_disqualified_is_behind_everybody():
+    found = ranks([
+        task_record("A", 1, door=1, objects=9, hits=1), task_record("B", 2, bumps=5), task_record("C", 3, hits=2),
+    ])
+    assert [(rank, team) for rank, team, _ in found] == [(1, "B"), (2, "A"), (2, "C")]
+    table = standing("HGTKMH", [task_record("A", 1, hits=1)], TASK, Choice())
+    assert "disqualified" in list(standing_lines(table))[2]
+
+
+def test_weights_items_and_values():
+    points = Rules(OfRuns.BEST, (), (Criterion("Points", True, (
+        Term(group=ACHIEVED, weight=10.0), Term(item=BUMPS, weight=-3.0), Term(group=ACHIEVED, item=DOOR, weight=0.5),
+    )),))
+    assert ranks([task_record("A", 1, door=1, objects=2, bumps=3)], points) == [(1, "A", (30.0 - 9.0 + 0.5,))]
+    score = Rules(OfRuns.BEST, (), (Criterion("Reached", True, (Term(score="reached", weight=2.0),)),))
+    assert ranks([module_record("A", 1, reached=3)], score, code="HNF") == [(1, "A", (6.0,))]
+    assert ranks([module_record("A", 1, reached=True)], score, code="HNF") == [(1, "A", (2.0,))]
+
+
+def test_without_rules_the_sum_of_the_sheet_counts():
+    assert ranks([task_record("A", 1, door=1, objects=2, bumps=3)], DEFAULT) == [(1, "A", (6.0,))]
+
+
+@pytest.mark.parametrize("more_is_better", [True, False])
+@pytest.mark.parametrize("value", [None, "a text"])
+def test_a_value_that_there_is_none_of_is_worse_than_any(value, more_is_better):
+    rules = Rules(OfRuns.BEST, (), (Criterion("Error", more_is_better, (Term(score="error"),)),))
+    records = [module_record("A", 1, error=value), module_record("B", 2, error=9e9), module_record("C", 3, error=-1.0)]
+    found = ranks(records, rules, code="HNF")
+    assert [team for _, team, _ in found] == (["B", "C", "A"] if more_is_better else ["C", "B", "A"])
+    assert found[-1][2] == (None,)
+
+
+def test_a_value_of_a_part_of_the_run_is_not_that_of_the_run():
+    record = module_record("A", 1)._replace(module_scores=(ScoreValue("waypoint 1", "time", "5", "s"),))
+    rules = Rules(OfRuns.BEST, (), (Criterion("Time", False, (Term(score="time"),)),))
+    table = standing("HNF", [record], rules, Choice())
+    assert table.lines[0].numbers == (None,)
+    assert "no value 'time'" in "\n".join(table.remarks)
+
+
+def test_a_group_that_the_sheet_lacks_is_told():
+    assert "has no 'Achivements'" in remarks(
+        [task_record("A", 1)], rules=Rules(OfRuns.BEST, (), (Criterion("x", True, (Term(group="Achivements"),)),))
+    )
+
+
+# -- runs -------------------------------------------------------------------------------------------
+
+SEVERAL = [
+    task_record("A", 1, objects=1), task_record("A", 2, objects=5, bumps=2), task_record("A", 3, objects=3),
+    task_record("B", 4, objects=4),
+]
+
+
+@pytest.mark.parametrize(("of_runs", "first", "numbers"), [
+    (OfRuns.BEST, "A", (5.0, 2.0)), (OfRuns.MEAN, "B", (4.0, 0.0)), (OfRuns.MEDIAN, "B", (4.0, 0.0)),
+])
+def test_best_mean_and_median_of_a_teams_runs(of_runs, first, numbers):
+    found = ranks(SEVERAL, choice=Choice(of_runs=of_runs))
+    assert found[0] == (1, first, numbers)
+    assert found == ranks(SEVERAL, TASK._replace(of_runs=of_runs))
+
+
+def test_the_mean_of_several_runs():
+    [_, (_, _, numbers)] = ranks(SEVERAL, choice=Choice(of_runs=OfRuns.MEAN))
+    assert numbers == (3.0, pytest.approx(2 / 3))
+    table = standing("HGTKMH", SEVERAL, TASK, Choice())
+    assert [line.best for line in table.lines] == [1, 0]
+    assert [len(line.runs) for line in table.lines] == [3, 1]
+    assert standing("HGTKMH", SEVERAL, TASK, Choice(of_runs=OfRuns.MEAN)).lines[0].best is None
+
+
+def test_a_run_that_is_disqualified_among_others():
+    records = [task_record("A", 1, objects=4, hits=1), task_record("A", 2, objects=2, bumps=4)]
+    assert ranks(records) == [(1, "A", (2.0, 4.0))]
+    assert ranks(records, choice=Choice(of_runs=OfRuns.MEAN)) == [(1, "A", (1.0, 4.0))]
+    assert not standing("HGTKMH", records, TASK, Choice()).lines[0].disqualified
+
+
+def test_what_has_no_value_is_left_out_of_the_mean():
+    rules = Rules(OfRuns.MEAN, (), (Criterion("Error", False, (Term(score="error"),)),))
+    records = [module_record("A", 1, error=None), module_record("A", 2, error=4.0), module_record("A", 3, error=2.0)]
+    assert ranks(records, rules, code="HNF") == [(1, "A", (3.0,))]
+
+
+def test_only_runs_that_were_started_and_are_over_count():
+    records = [
+        task_record("A", 1, started_utc=0.0, end_reason=""), task_record("B", 2, end_reason="", closed_utc=0.0),
+        task_record("C", 3, end_reason="timeout"), task_record("D", 4, benchmark="HWV"),
+    ]
+    assert [team for _, team, _ in ranks(records)] == ["C"]
+    assert "HGTKMH-6668" in remarks(records)
+    assert "goes on" in remarks(records)
+    assert "HGTKMH-6667" not in remarks(records)
+
+
+def test_only_signed_off_runs_or_all():
+    records = [task_record("A", 1, objects=5), task_record("A", 2, objects=1, sign_off=SIGNED), task_record("B", 3)]
+    assert ranks(records)[0] == (1, "A", (5.0, 0.0))
+    assert remarks(records).count("it may still change") == 2
+    signed = Choice(signed_off=True)
+    assert ranks(records, choice=signed) == [(1, "A", (1.0, 0.0))]
+    assert remarks(records, signed).count("does not count") == 2
+
+
+def test_of_an_event_that_was_run_again_the_last_run_counts():
+    first = task_record("A", 1, objects=5)
+    again = task_record("A", 2, objects=1, round=first.round, run=first.run, scheduled=first.scheduled)
+    assert ranks([again, first]) == [(1, "A", (1.0, 0.0))]
+    assert f"run {first.identity} of team A was run again" in remarks([first, again])
+    assert ranks([first, again], choice=Choice(without=(again.identity,))) == [(1, "A", (5.0, 0.0))]
+    never = again._replace(started_utc=0.0, end_reason="")
+    assert ranks([first, never]) == [(1, "A", (5.0, 0.0))]
+
+
+def test_a_run_of_all_teams_has_no_standing():
+    records = [task_record("ALL", 1, benchmark="HSUF", items=())]
+    [table] = standings(records, {}, Choice())
+    assert table.lines == ()
+    assert "all teams at once" in "\n".join(table.remarks)
+
+
+def test_standings_of_all_benchmarks_in_their_order():
+    never = task_record("A", 3, started_utc=0.0, benchmark="HWV")
+    records = [module_record("A", 1, reached=1), task_record("A", 2), never]
+    assert [s.benchmark for s in standings(records, {"HGTKMH": TASK}, Choice())] == ["HGTKMH", "HNF"]
+
+
+def test_a_run_says_whether_it_is_final():
+    table = standing("HGTKMH", [task_record("A", 1, hits=1)], TASK, Choice())
+    assert run_text(table.lines[0].runs[0]) == "round 1, run 1, disqualified, not signed off"
+
+
+def test_a_page_leads_to_the_sheets_and_marks_the_best_run():
+    markup = standing_markup(standing("HGTKMH", SEVERAL, TASK, Choice()), {SEVERAL[1].identity: "002.html"})
+    assert '<b><a href="002.html">round 1, run 2, not signed off: 5, 2</a></b>' in markup
+    assert markup.count("<a ") == 1
+
+
+# -- the file ---------------------------------------------------------------------------------------
+
+
+def test_the_shipped_rules():
+    rules = read_rules(str(SHIPPED))
+    assert rules["HGTKMH"] == TASK
+    assert set(rules) == {"HGTKMH", "HWV", "HCFGAC", "HOPF", "HNF", "HPPF", "HPFF", "HGMF", "HOMF", "STB"}
+    assert rules["HNF"].criteria[0] == Criterion("Waypoints reached", True, (Term(score="reached"),))
+
+
+def rules_of(tmp_path, text):
+    path = tmp_path / "standings.yaml"
+    path.write_text(text)
+    return read_rules(str(path))
+
+
+def test_a_file_of_rules(tmp_path):
+    assert rules_of(tmp_path, """
+HWV:
+  runs: median
+  criteria:
+    - name: Points
+      better: less
+      of: [{item: Bumps, group: G, weight: -2.5}, {score: time}]
+""") == {"HWV": Rules(OfRuns.MEDIAN, (), (
+        Criterion("Points", False, (Term("G", "Bumps", "", -2.5), Term(score="time"))),
+    ))}
+
+
+@pytest.mark.parametrize(("text", "line", "expected"), [
+    ("HGTKMF: {criteria: [{name: x, of: [{group: y}]}]}", 1, "HGTKMH"),
+    ("HWV: {runs: worst, criteria: [{name: x, of: [{group: y}]}]}", 1, "'best', 'mean', 'median'"),
+    ("HWV:\n  criteria: []", 2, "criteria"),
+    ("HWV:\n  criteria:\n    - {name: x, of: [{}]}", 3, "'group', 'item' or 'score'"),
+    ("HWV:\n  criteria:\n    - {name: x, of: [{score: a, group: b}]}", 3, "either a value"),
+    ("HWV:\n  criteria:\n    - {name: x, better: many, of: [{score: a}]}", 3, "more"),
+    ("HWV:\n  criteria:\n    - {name: x, of: [{score: a, weight: much}]}", 3, "a number"),
+    ("HWV:\n  criteria:\n    - {of: [{score: a}]}", 3, "name"),
+    ("HWV: {disqualified_by: Hits, criteria: [{name: x, of: [{group: y}]}]}", 1, "groups of the score sheet"),
+    ("- HWV", 1, "a map"),
+])
+def test_what_is_wrong_in_the_file_is_told_with_its_line(tmp_path, text, line, expected):
+    with pytest.raises(ConfigErrors) as caught:
+        rules_of(tmp_path, text)
+    [error] = caught.value.errors
+    assert error.line == line
+    assert expected in str(error)
