@@ -48,6 +48,7 @@ def test_one_team():
     {"X": ["HWV", "HCFGAC"], "Y": ["HNF", "HOPF", "STB"]},
     {"X": ["HWV"], "Y": ["HSUF", "HNF"], "Z": ["HOPF"]},
     {"X": ["HSUF"], "Y": ["HWV", "HGTKMH"]},
+    {"X": ["HWV", "HGTKMH"], "Y": ["HSUF"]},
 ])
 def test_every_team_does_every_benchmark_once_a_day(teams, zones):
     names = [f"T{number}" for number in range(teams)]
@@ -71,6 +72,11 @@ def test_a_benchmark_is_not_torn_apart():
         blocks = [run.code + str(run.round) for run in zone.runs]
         changes = sum(before != after for before, after in zip(blocks, blocks[1:]))
         assert changes == len(set(blocks)) - 1
+
+
+def test_all_robots_at_once_come_last_in_a_zone():
+    made = plan(["A", "B"], {"X": ["HSUF", "HNF"]}, days(2))
+    assert [run.code for run in made.zones[0].runs] == ["HNF", "HNF", "HSUF"] * 2
 
 
 def test_it_is_not_always_the_same_team_that_begins():
