@@ -18,6 +18,9 @@ from roah_rsbb.core.clock import Now
 # A moment on the monotonic clock, in seconds.
 Mono = NewType("Mono", float)
 
+# No clock shows so many seconds.
+_LAST_MOMENT = 1e12
+
 T = TypeVar("T")
 _Thaw = Callable[[Any, float], Any]
 
@@ -74,13 +77,21 @@ def thaw(cls: Callable[..., T], data: Any, shift: float = 0.0) -> T:
         raise BadState(f"{getattr(cls, '__name__', cls)}: {error}") from None
 
 
+def _moment(data: Any) -> float:
+    """Seconds on a clock: with what is none, sums would no longer pass by."""
+    seconds = float(data)
+    if not abs(seconds) <= _LAST_MOMENT:
+        raise ValueError(f"{seconds} is no time")
+    return seconds
+
+
 @functools.lru_cache(maxsize=None)
 def _thaw_of(hint: Any) -> _Thaw:
     """How values of a type are read."""
     if hint is Mono:
-        return lambda data, shift: float(data) + shift
+        return lambda data, shift: _moment(data) + shift
     if hint is Now:
-        return lambda data, shift: Now(float(data["mono"]) + shift, float(data["utc"]))
+        return lambda data, shift: Now(_moment(data["mono"]) + shift, _moment(data["utc"]))
     if hint in (bool, int, str):
         return functools.partial(_exactly, hint)
     if hint is float:

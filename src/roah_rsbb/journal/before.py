@@ -51,8 +51,12 @@ def _last_session(connection: sqlite3.Connection) -> Optional[Session]:
     newest += connection.execute(
         "SELECT mono, utc FROM links WHERE mono >= ? ORDER BY rowid DESC LIMIT 1", (session.mono,)).fetchall()
     # SQLite keeps whatever it finds in a damaged file, also what is no number.
-    times = [(mono, utc) for mono, utc in newest if isinstance(mono, float) and isinstance(utc, float)]
+    times = [(mono, utc) for mono, utc in newest if _is_time(mono) and _is_time(utc)]
     if not times:
         return None
     mono, utc = max(times)
     return session._replace(mono=mono, utc=utc)
+
+
+def _is_time(value: object) -> bool:
+    return isinstance(value, float) and abs(value) < 1e12
