@@ -8,7 +8,6 @@ import tempfile
 from typing import Callable, Iterator, List, Optional
 
 from fuzzing.target import Step, Target
-
 from roah_rsbb.bmbox import ground_truth_config
 from roah_rsbb.bmbox.hopf import HOPF
 from roah_rsbb.bmbox.parameters import read_parameters
@@ -166,7 +165,8 @@ def _password_seeds() -> List[bytes]:
 def _map_seeds() -> List[bytes]:
     yaml = b"image: map.pgm\nresolution: 0.05\norigin: [-1.0, 2.0, 0.5]\nnegate: 0\n"
     pgm = (
-        b"P5 2 2 255\n\x00\x01\x02\x03", b"P2\n# c\n2 2 15\n0 1 2 15\n", b"P5 8192 8192 65535\n", b"P2 1 1 65535\n99999",
+        b"P5 2 2 255\n\x00\x01\x02\x03", b"P2\n# c\n2 2 15\n0 1 2 15\n", b"P5 8192 8192 65535\n",
+        b"P2 1 1 65535\n99999",
         b"P5 99999999999999999999 1 1\n", b"P5 1 1 0\n\0", b"P6 1 1 255\n", images.PNG_SIGNATURE + b"\0" * 20,
         images.write_png(images.Grey(2, 1, b"\0\xff")), b"P2 2 1 255\n" + b"9" * 5000, b"P5\n#",
     )
@@ -183,8 +183,9 @@ def _map_seeds() -> List[bytes]:
 
 
 _YAML = tuple(token.encode() for token in (
-    "- ", ": ", "  ", "[", "]", "{", "}", "&a ", "*a", "!!int ", "!!python/name:os ", "'", '"', "|\n", ">-\n", "\n", "#",
-    "---\n", "<<: ", ".nan", "1e999", "0x1f", "%YAML 1.1\n", "\u2028", "\ufeff", "\\ud800", "\t", "null", "2015-01-01",
+    "- ", ": ", "  ", "[", "]", "{", "}", "&a ", "*a", "!!int ", "!!python/name:os ", "'", '"', "|\n", ">-\n", "\n",
+    "#", "---\n", "<<: ", ".nan", "1e999", "0x1f", "%YAML 1.1\n", "\u2028", "\ufeff", "\\ud800", "\t", "null",
+    "2015-01-01",
     "benchmark", "code", "team", "zone", "schedule", "scoring", "timeout", "round", "time", "frame", "markers",
     "transform", "items", "goals", "resolution", "origin", "image", "negate",
 )) + (_CUT, b"P5 ", b"P2 ", b"9" * 5000)

@@ -7,7 +7,6 @@ from typing import Iterator, List
 from fuzzing.frames import KEY
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
-
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from roah_rsbb.comm import frame

@@ -5,7 +5,6 @@ from typing import Iterator, List
 
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
-
 from helpers import golden
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher, Key

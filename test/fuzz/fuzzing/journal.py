@@ -13,7 +13,6 @@ from typing import Any, Dict, Iterator, List, Tuple
 
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
-
 from helpers.box_driver import BoxDriver, beacon_bytes
 from helpers.competition import competition, event
 from helpers.journaled import JournaledDriver
@@ -36,7 +35,8 @@ from roah_rsbb.states import RobotState
 _LARGEST = 300_000
 _VALUES: Tuple[Any, ...] = (
     None, 0, 1, -1, 2**63 - 1, 65536, 6667, 0.0, 1.5, -1e300, float("inf"), "", "x", "NaN", "[]", "{}", "null", "[[1]]",
-    "[[{}]]", '["a"]', "{", b"", b"\xff", "[" * 5000, '{"event": {}}', "PREPARE", "RUNNING", True, False, "é" * 50, "\ud800",
+    "[[{}]]", '["a"]', "{", b"", b"\xff", "[" * 5000, '{"event": {}}', "PREPARE", "RUNNING", True, False, "é" * 50,
+    "\ud800",
 )
 _TABLES = ("meta", "sessions", "runs", "members", "entries", "links", "states")
 _CONFIG = competition(
@@ -306,7 +306,9 @@ def read_seeds() -> List[bytes]:
 def name_seeds() -> List[bytes]:
     """Names of robots that mean harm, and honest ones."""
     names = ("r1", "../../etc/passwd", "a\0b", "x" * 200, "ä" * 100, "..", "", "-rf", "\u202e", "a/b", "\n")
-    return [bytes([2]) + b"Te" + bytes([len(n.encode())]) + n.encode() for n in names] + [b"\xff\xf0\x9f\xa4\x96\xffabcd"]
+    return [bytes([2]) + b"Te" + bytes([len(n.encode())]) + n.encode() for n in names] + [
+        b"\xff\xf0\x9f\xa4\x96\xffabcd"
+    ]
 
 
 _TOKENS = tuple(bytes([way]) for way in range(9)) + (b"SQLite format 3\0", b"RSBB")

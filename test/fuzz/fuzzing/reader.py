@@ -49,10 +49,8 @@ class Reader:
         kind = self.byte()
         if kind < 128:
             return kind
-        if kind < 192:
-            number = _INTEGERS[kind % len(_INTEGERS)]
-        else:
-            number = int.from_bytes(self.take(size), "big", signed=True)
+        at_edge = kind < 192
+        number = _INTEGERS[kind % len(_INTEGERS)] if at_edge else int.from_bytes(self.take(size), "big", signed=True)
         if not signed:
             number = abs(number)
         most = 2**(size * 8 - signed) - 1

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 from typing import Callable, Dict, Iterator, List
 
 from fuzzing.target import Step, Target
-
 from roah_rsbb.bmbox.ground_truth import NO_TRANSFORM, Pose3
 from roah_rsbb.bmbox.hopf import HOPF
 from roah_rsbb.bmbox.hppf import HPPF
@@ -85,7 +84,8 @@ def seeds() -> List[bytes]:
         "class: mug\ninstance: red_mug\nx: 0.5\ny: .25\ntheta: 1e-7\n",
         "{person_name: Annie, x: 1, y: 2, theta: 3}", "found it", "", "--- {x: 1}\n...\n",
         bomb, bomb[:1900], "&a [*a]", "&a {x: *a}", merged,
-        "!!python/object/apply:os.system ['touch /tmp/harm']", "!!python/name:os.system {}", "%TAG ! tag:x,2000:\n--- !y 1",
+        "!!python/object/apply:os.system ['touch /tmp/harm']", "!!python/name:os.system {}",
+        "%TAG ! tag:x,2000:\n--- !y 1",
         "[" * 1000, "[" * 60_000, "{" * 60_000, "a" * 60_000, "- " * 1000, "? " * 1000, "a: " * 600,
         "[" + "a," * 990 + "]", "{" + ",".join(f"k{i}: {i}" for i in range(200)) + "}",
         "\n".join(f"k{i}: {i}" for i in range(250)), "x: 1\n" * 390, "'" + "''" * 900 + "'",

@@ -4,7 +4,6 @@ from typing import Iterator, List
 
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
-
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot.goals import BadGoal, read_goal
 from roah_rsbb.robot.machine import IllegalEvent

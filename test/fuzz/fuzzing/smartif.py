@@ -1,13 +1,22 @@
-"""SmartIF: what a controller, or whoever has its address, can send to the devices node (ROS interface, Devices node)."""
+"""SmartIF: what a controller, or who has its address, can send to the devices node (ROS interface, Devices node)."""
 
 import json
 from typing import Dict, Iterator, List
 
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
-
 from roah_rsbb.devices.home import Home, device_of, is_ring
-from roah_rsbb.devices.smartif import FROM_CONTROLLER, TO_CONTROLLER, Busy, Changed, Decoder, Event, Garbage, Set, encode
+from roah_rsbb.devices.smartif import (
+    FROM_CONTROLLER,
+    TO_CONTROLLER,
+    Busy,
+    Changed,
+    Decoder,
+    Event,
+    Garbage,
+    Set,
+    encode,
+)
 
 _LONGEST = 4096  # bytes that are read at once
 _KEPT = 4096  # bytes that a decoder may keep at most

@@ -1,4 +1,4 @@
-"""What people and browsers type: command lines of the programs, lines to the dummy tablet, a tablet page's messages."""
+"""What people and browsers type: command lines, lines to the dummy tablet, messages of the tablet's page."""
 
 import contextlib
 import io
@@ -8,7 +8,6 @@ from typing import Callable, Iterator, List
 
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
-
 from roah_rsbb.comm.capture import options
 from roah_rsbb.nodes import referee_args
 from roah_rsbb.robot import dummy
@@ -67,7 +66,8 @@ def line_steps(data: bytes) -> Iterator[Step]:
 
     yield take
     logging.disable(logging.NOTSET)
-    if number in _TAKE_PASSWORDS and "--password=secret1234" in words and sum("secret1234" in word for word in words) == 1:
+    holding = [word for word in words if "secret1234" in word]
+    if number in _TAKE_PASSWORDS and holding == ["--password=secret1234"]:
         assert "secret1234" not in said.getvalue()
 
 
@@ -126,9 +126,11 @@ def line_seeds() -> List[bytes]:
         b"--team\0A\0--password=secret1234\0--bind\0\0--host\0\xff", b"--team\0A\0--password=secret1234\0__name:=x",
         b"--team\0A\0--password=secret1234\0--secret1234", b"--team\0A\0--password=secret1234\0x",
     ]
-    tablet = [b"--position=1,2\0--once", b"--position\0nan,1", b"--call\0--port\0x", b"--position\0" + b"1" * 400 + b",1"]
+    tablet = [b"--position=1,2\0--once", b"--position\0nan,1", b"--call\0--port\0x",
+              b"--position\0" + b"1" * 400 + b",1"]
     referee = [
-        b"status", b"score\0Home A\03\0+1", b"done\0Home A\0skip\0--operation\03", b"switches\0A\0--press\0300", b"run\0A",
+        b"status", b"score\0Home A\03\0+1", b"done\0Home A\0skip\0--operation\03",
+        b"switches\0A\0--press\0300", b"run\0A",
         b"watch\0--zone\0\xff", b"--json\0score\0A\0door\0yes", b"run\0A\0--wait\01e999\0--score\0x=1",
     ]
     capture = [b"--host\0127.0.0.1", b"--read\0x\0--passwords\0y", b"--team\0A\0--password\0secret1234", b"--port\0-1"]
@@ -140,13 +142,15 @@ def line_seeds() -> List[bytes]:
 
 def typed_seeds() -> List[bytes]:
     """What is typed, rightly and wrongly."""
-    return [b"call", b"1.5 -2.0", b"1,2", b"1 2 3", b"nan inf", b"1e308 -1e308", b"\xff\xfe", b"1" * 4096, b"", b"1e999,1"]
+    return [b"call", b"1.5 -2.0", b"1,2", b"1 2 3", b"nan inf", b"1e308 -1e308", b"\xff\xfe",
+            b"1" * 4096, b"", b"1e999,1"]
 
 
 def page_seeds() -> List[bytes]:
     """A page's messages, and what no page says."""
     texts = (
-        '{"do": "here"}', '{"do": "call"}', '{"do": "place", "u": 0.25, "v": 0.5}', '{"do": "place", "u": 1e999, "v": NaN}',
+        '{"do": "here"}', '{"do": "call"}', '{"do": "place", "u": 0.25, "v": 0.5}',
+        '{"do": "place", "u": 1e999, "v": NaN}',
         '{"do": ["call"]}', '{"do": {"a": 1}}', "[", "[" * 1000, '{"do": "place", "u": true, "v": null}', "1" * 1000,
         '{"do": "place", "u": 5e-324, "v": 1}', "null", '"call"',
     )
@@ -155,8 +159,8 @@ def page_seeds() -> List[bytes]:
 
 _WORDS = tuple(word.encode() for word in (
     "\0--team", "\0--password=secret1234", "\0--robot", "\0--host", "\0--bind", "\0--port", "\0--cipher", "\0--skew",
-    "\0--loss", "\0--seed", "\0--crash-in", "\0prepare", "\0--position", "\0--wait", "\0--zone", "\0--press", "\0--json",
-    "\0--", "\0-", "%s", "nan", "1e999", "-1", "aes-256-cbc",
+    "\0--loss", "\0--seed", "\0--crash-in", "\0prepare", "\0--position", "\0--wait", "\0--zone", "\0--press",
+    "\0--json", "\0--", "\0-", "%s", "nan", "1e999", "-1", "aes-256-cbc",
 )) + (b"\xff",)
 
 LINES = Target("lines", line_steps, line_seeds, _WORDS, is_timed=False)
