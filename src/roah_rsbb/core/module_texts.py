@@ -6,6 +6,10 @@ from typing import NamedTuple, Tuple
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.module_messages import Request, ScoreValue
 
+# Characters of a result. It is kept with every step and told to the modules again and again; none of theirs reads so
+# many (`roah_rsbb.bmbox.results`), so what is cut here is refused there.
+MAX_RESULT = 4000
+
 
 class _ObjectField(NamedTuple):
     name: str  # in a RobotReport of 2015
@@ -19,11 +23,14 @@ _OBJECT_FIELDS = (
 
 
 def result_text(report: RobotReport) -> str:
-    """A robot's result as YAML, whichever form it came in (wire protocol, Messages); empty: none."""
+    """A robot's result as YAML, whichever form it came in (wire protocol, Messages); empty: none.
+
+    It is cut at `MAX_RESULT`.
+    """
     if report.generic_result is not None:
-        return report.generic_result
+        return report.generic_result[:MAX_RESULT]
     given = {f.key: getattr(report, f.name) for f in _OBJECT_FIELDS if getattr(report, f.name) is not None}
-    return json.dumps(given, ensure_ascii=False) if given else ""
+    return json.dumps(given, ensure_ascii=False)[:MAX_RESULT] if given else ""
 
 
 def goal_json(request: Request) -> str:

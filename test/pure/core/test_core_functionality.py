@@ -5,6 +5,7 @@ import json
 import pytest
 
 from helpers.module_player import does_goal, functionality, started
+from roah_rsbb.bmbox.results import MAX_RESULT, BadResult, read_record
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.messages import NO_GOAL, GoalMessage
 from roah_rsbb.core.module_messages import OutcomeKind, RequestKind, ScoreValue
@@ -102,6 +103,18 @@ def test_a_result_of_2015_reaches_the_module_as_yaml():
     assert json.loads(modules.outcome().result) == {
         "class": "mug", "instance": "blue mug", "x": 0.5, "y": -1.0, "theta": 3.0
     }
+
+
+@pytest.mark.parametrize("result", [{"generic_result": "[" * 60_000}, {"object_class": "m" * 60_000}])
+def test_a_result_that_no_module_reads_is_not_kept_whole(result):
+    """It is told to modules and put on record with every further step."""
+    _, modules, robot = started("HOPF")
+    modules.asks()
+    does_goal(robot, **result)
+    kept = modules.outcome().result
+    assert MAX_RESULT < len(kept) <= 4000
+    with pytest.raises(BadResult):
+        read_record(kept, {"class": str})
 
 
 def test_a_goal_of_homf_carries_switches():
