@@ -34,6 +34,9 @@ class Checked(NamedTuple):
 
 def check(directory: str) -> Checked:
     """Look at everything in a competition's directory; all that is wrong is told at once."""
+    if not os.path.isdir(directory):
+        return Checked([f"{directory}: found no such directory; expected a competition's, as new_competition makes it"],
+                       [], "")
     report = Report()
     errors: List[str] = []
     loaded: Optional[Config] = None

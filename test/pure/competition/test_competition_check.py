@@ -83,8 +83,16 @@ def test_no_parameters_at_all_are_a_warning(competition):
     assert [w for w in warnings(directory) if "the shipped parameters of HNF count" in w]
 
 
-def test_a_directory_that_is_not_there(tmp_path):
-    found = check(str(tmp_path / "no"))
+@pytest.mark.parametrize("name", ["no", "file"])
+def test_what_is_no_directory(tmp_path, name):
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    found = check(str(tmp_path / name))
+    assert found.errors == [
+        f"{tmp_path}/{name}: found no such directory; expected a competition's, as new_competition makes it"]
+
+
+def test_an_empty_directory(tmp_path):
+    found = check(str(tmp_path))
     assert len(found.errors) == 3
     assert all("found no file" in error for error in found.errors)
 
