@@ -5,25 +5,46 @@
 panels on: `python3 test/ros/fake_core.py`, with a roscore.
 """
 
+import contextlib
 import threading
 import time
-from typing import Callable, Dict, List, NamedTuple, Optional, Set
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Set
 
 import rospy
 from std_srvs.srv import Empty
 
+from roah_rsbb.core.benchmarks import Benchmark, ScoreKind, ScoringItem
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.records import By, RunRecord, ScoreValue
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.results import FinishedRuns
+from roah_rsbb.core.run_book import RunBook
+from roah_rsbb.core.scoring import Mark
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
     CoreToPublic,
     ModuleScore,
+    Results,
     RobotInfo,
     ScheduleInfo,
     ZoneDetails,
     ZoneScoreGroup,
     ZoneState,
 )
-from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneScore, ZoneUInt8
+from roah_rsbb.nodes.results_convert import sheet_message, summary_message
+from roah_rsbb.srv import (
+    GetRunSheet,
+    GetRunSheetResponse,
+    ManualOperationAnswer,
+    ScoreMark,
+    ScoreWithdraw,
+    SignOff,
+    StopReason,
+    Zone,
+    ZoneScore,
+    ZoneUInt8,
+)
 
 COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next")
 FIELDS = {"previous": "prev"}
@@ -39,7 +60,17 @@ SCORING = (
                               (1, "Stops working"))),
     ("Disqualifying behaviours", ((1, "Hits Annie or another person"), (1, "Damages the test bed"))),
 )
+# In `FakeCore.calls`, instead of a value.
+NOT_ATTEMPTED = -1
 SCHEDULE_START = 1446364800  # 2015-11-01 08:00:00 UTC
+
+
+ITEMS = tuple(ScoringItem(group, desc, ScoreKind(kind)) for group, items in SCORING for kind, desc in items)
+
+
+def present() -> Now:
+    """The present moment, for what is the real core's here."""
+    return Now(time.monotonic(), time.time())
 
 
 class Asked(NamedTuple):
@@ -66,6 +97,11 @@ class FakeZone:
         self.log = ""
         self.online_data = ""
         self.scores: Dict[tuple, int] = {}
+        self.book = RunBook(ITEMS)
+        self.identity = ""
+        self.opened = 0.0
+        self.finished = FinishedRuns({code: Benchmark(code, name, desc, left, left, ()) for code, name, desc, _, left
+                                      in EVENTS})
         self.extra_off: Dict[str, List[str]] = {}  # command to reasons why it is off, beside its own
         self.warnings: List[str] = []
         self.asked: Optional[Asked] = None  # manual operation
@@ -102,23 +138,44 @@ class FakeZone:
         steps[command]()
         self.log += f"{time.strftime('%H:%M:%S', time.gmtime())} {command}\n"
 
+    def record(self) -> RunRecord:
+        """The record of the run, as the real core makes it."""
+        code, _, _, team, _ = EVENTS[self.index]
+        scores = tuple(ScoreValue(s.group, s.name, s.value, s.unit, s.desc) for s in self.module_scores)
+        return self.book.into(RunRecord(
+            self.identity, self.name, code, team, 1, self.index + 1, SCHEDULE_START, self.opened,
+            end_reason=self.end_reason, module_scores=scores, robots=(self.robot,),
+        ))
+
+    def mark(self, mark: Mark, who: str) -> None:
+        """The referee marks an item."""
+        item = self.book.mark(present(), who, mark).item
+        self.scores[(mark.group, mark.desc)] = item.value
+
     def timer(self) -> float:
         """Seconds left."""
         return self.left_s - (time.monotonic() - self.started if self.phase == "running" else 0.0)
 
     def _to(self, phase: str) -> None:
+        if phase == "idle" and self.identity:
+            self.finished.add(self.record()._replace(closed_utc=time.time()))
+            self.identity = ""
         self.phase, self.end_reason = phase, ""
         self.left_s = EVENTS[self.index][4]
         if phase == "connected":
-            self.scores = {}
+            self.scores, self.book, self.opened = {}, RunBook(ITEMS), time.time()
+            self.identity = f"{EVENTS[self.index][0]}-6667-{self.opened:.3f}"
 
     def _start(self) -> None:
         self._to("running")
+        self.book.started(present())
         self.started = time.monotonic()
 
     def _stop(self) -> None:
         if self.phase == "running":
             self.phase, self.end_reason, self.left_s = "ended", "stopped", 120.0
+            elapsed_s = time.monotonic() - self.started
+            self.book.ended(present(), "stopped", "Benchmark stopped by the referee", By("/referee"), elapsed_s)
         else:
             self._to("idle")
 
@@ -132,7 +189,8 @@ class FakeCore:
 
     def __init__(self, zones: tuple = ("Home A", "Home B"), auto_publish: bool = True) -> None:
         self.zones = {name: FakeZone(name) for name in zones}
-        self.calls: List[tuple] = []  # (command, zone) and ("set_score", zone, group, desc, value)
+        self.calls: List[tuple] = []  # (command, zone) and ("set_score" or "score", zone, group, desc, value)
+        self.words: List[tuple] = []  # (identity, note, referee) of the calls that have them
         self.refuse: Optional[str] = None  # reason with which every service fails
         self.answer_gate = threading.Event()  # cleared: services do not answer
         self.answer_gate.set()
@@ -145,11 +203,18 @@ class FakeCore:
         self._gui = rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True)
         self._details = rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True)
         self._public = rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True)
+        self._results = rospy.Publisher("/core/results", Results, queue_size=1, latch=True)
+        self._last_results: Optional[Results] = None
         self._services = [
             rospy.Service(f"/core/{c}", Zone, lambda request, c=c: self._on_command(c, request)) for c in COMMANDS
         ]
         self._services += [
             rospy.Service("/core/set_score", ZoneScore, self._on_score),
+            rospy.Service("/core/score", ScoreMark, self._on_mark),
+            rospy.Service("/core/score/withdraw", ScoreWithdraw, self._on_withdrawal),
+            rospy.Service("/core/stop_reason", StopReason, self._on_reason),
+            rospy.Service("/core/sign_off", SignOff, self._on_sign_off),
+            rospy.Service("/core/run_sheet", GetRunSheet, self._on_run_sheet),
             rospy.Service("/core/manual_operation_answer", ManualOperationAnswer, self._on_operation),
             rospy.Service("/core/omf_switches/complete", Zone, self._on_switches_complete),
             rospy.Service("/core/omf_switches/button", ZoneUInt8, self._on_switch),
@@ -162,7 +227,7 @@ class FakeCore:
         self.answer_gate.set()
         if self._timer is not None:
             self._timer.shutdown()
-        for thing in (*self._services, self._gui, self._details, self._public):
+        for thing in (*self._services, self._gui, self._details, self._public, self._results):
             thing.shutdown() if isinstance(thing, rospy.Service) else thing.unregister()
 
     # -- topics -------------------------------------------------------------------------------------
@@ -176,6 +241,16 @@ class FakeCore:
         self._gui.publish(gui)
         self._details.publish(self.details_message(now))
         self._public.publish(self.public_message(now))
+        results = Results("fake", [summary_message(record) for record in self.records()])
+        if results != self._last_results:
+            self._last_results = results
+            self._results.publish(results)
+
+    def records(self) -> List[RunRecord]:
+        """All runs, as the real core has them."""
+        zones = self.zones.values()
+        connected = [zone.record() for zone in zones if zone.identity]
+        return connected + [record for zone in zones for record in zone.finished.records()]
 
     def gui_message(self, now: rospy.Time) -> CoreToGui:
         """CoreToGui at `now`."""
@@ -201,6 +276,8 @@ class FakeCore:
             details = ZoneDetails(zone=zone.name, phase=zone.phase, end_reason=zone.end_reason)
             details.robot = zone.robot if connected else ""
             details.port = 6667 if connected else 0
+            details.identity = zone.identity
+            details.not_attempted = [item.not_attempted for item in zone.book.sheet.items()] if connected else []
             details.robots = list(zone.all_robots)
             details.warnings = list(zone.warnings)
             details.module_scores = list(zone.module_scores)
@@ -264,8 +341,59 @@ class FakeCore:
         score = request.score
         self.calls.append(("set_score", request.zone, score.group, score.desc, score.value))
         self._answer()
-        self.zones[request.zone].scores[(score.group, score.desc)] = score.value
+        self.zones[request.zone].mark(Mark(score.group, score.desc, score.value), "")
         return []
+
+    def _on_mark(self, r: object) -> list:
+        self.calls.append(("score", r.zone, r.group, r.desc, NOT_ATTEMPTED if r.not_attempted else r.value))
+        self.words.append((r.identity, r.note, r.referee))
+        self._answer()
+        zone, mark = self.zones[r.zone], Mark(r.group, r.desc, r.value, r.not_attempted, r.note)
+        with _refusing():
+            if r.identity in ("", zone.identity):
+                zone.mark(mark, r.referee)
+            else:
+                zone.finished.find(r.identity).mark(present(), r.referee, mark)
+        return []
+
+    def _on_withdrawal(self, r: object) -> list:
+        self.calls.append(("withdraw", r.zone, r.number))
+        self.words.append((r.identity, r.note, r.referee))
+        self._answer()
+        zone, by = self.zones[r.zone], By(r.referee, r.note)
+        with _refusing():
+            if r.identity == zone.identity:
+                marked = zone.book.withdraw(present(), by, r.number)
+                zone.scores[(marked.item.group, marked.item.desc)] = marked.item.value
+            else:
+                zone.finished.find(r.identity).withdraw_score(present(), by, r.number)
+        return []
+
+    def _on_reason(self, r: object) -> list:
+        self.calls.append(("stop_reason", r.zone, r.stop))
+        self.words.append((r.identity, r.reason, r.referee))
+        self._answer()
+        zone, by = self.zones[r.zone], By(r.referee, r.reason)
+        with _refusing():
+            if r.identity == zone.identity:
+                zone.book.give_reason(r.stop, by)
+            else:
+                zone.finished.find(r.identity).give_stop_reason(by, r.stop)
+        return []
+
+    def _on_sign_off(self, r: object) -> list:
+        self.calls.append(("sign_off", r.zone))
+        self.words.append((r.identity, "", r.referee))
+        self._answer()
+        with _refusing():
+            self.zones[r.zone].finished.find(r.identity).sign_off(present(), r.referee)
+        return []
+
+    def _on_run_sheet(self, r: object) -> GetRunSheetResponse:
+        record = next((record for record in self.records() if record.identity == r.identity), None)
+        if record is None:
+            raise rospy.ServiceException(f"no run {r.identity}")
+        return GetRunSheetResponse(sheet_message(record))
 
     def _on_operation(self, request: object) -> list:
         self.calls.append(("operation", request.zone, request.operation, request.answer))
@@ -295,6 +423,14 @@ class FakeCore:
         self.answer_gate.wait()
         if self.refuse is not None:
             raise rospy.ServiceException(self.refuse)
+
+
+@contextlib.contextmanager
+def _refusing() -> Iterator[None]:
+    try:
+        yield
+    except Refused as refused:
+        raise rospy.ServiceException(str(refused)) from None
 
 
 def _scoring(scores: Dict[tuple, int]) -> List[ZoneScoreGroup]:

@@ -162,6 +162,7 @@ class TestBenchmarkControl(PanelCase):
         self.wait_call("stop", "Home B")
 
     def test_a_key_whose_button_is_off_says_why(self) -> None:
+        wait_until(lambda: self.client.model.zone_details is not None, "the reasons are heard")
         self.press(Qt.Key_F5)
         self.assertIn("press connect first", self.panel._answer.text())
         self.assertEqual(self.core.calls, [])
@@ -261,14 +262,14 @@ class TestScoring(PanelCase):
 
     def test_marking_items(self) -> None:
         click(self.panel.rows[DOOR].toggle)
-        self.wait_call("set_score", "Home A", *DOOR, 1)
+        self.wait_call("score", "Home A", *DOOR, 1)
         wait_until(lambda: self.panel.rows[DOOR].toggle.text() == "✔ Yes", "it is marked")
         click(self.panel.rows[DOOR].toggle)
-        self.wait_call("set_score", "Home A", *DOOR, 0)
+        self.wait_call("score", "Home A", *DOOR, 0)
         click(self.bumps.more)
-        self.wait_call("set_score", "Home A", *BUMPS, 1)
+        self.wait_call("score", "Home A", *BUMPS, 1)
         click(self.bumps.less)
-        self.wait_call("set_score", "Home A", *BUMPS, 0)
+        self.wait_call("score", "Home A", *BUMPS, 0)
         wait_until(lambda: self.bumps.number.text() == "0", "it is counted")
         self.assertFalse(self.bumps.less.isEnabled())
 

@@ -60,6 +60,7 @@ class ZoneView(NamedTuple):
     log: str
     online_data: str
     scoring: Tuple[ScoreGroup, ...]
+    not_attempted: Tuple[bool, ...]  # for each item of `scoring`
     warnings: Tuple[str, ...]
     phase: str
     run: Optional[ZoneRun]
@@ -125,6 +126,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         log=log,
         online_data=online_data,
         scoring=() if run is None else tuple(run.sheet.groups()),
+        not_attempted=() if run is None else tuple(_not_attempted(run)),
         warnings=tuple(warnings),
         phase=IDLE if run is None else run.phase.value,
         run=run,
@@ -140,6 +142,11 @@ def _texts(zone: Zone) -> Tuple[str, str]:
         return zone.run.log.text, zone.run.online_data.text
     last = zone.last_run
     return ("", "") if last is None else (last.log, last.online_data)
+
+
+def _not_attempted(run: ZoneRun) -> List[bool]:
+    marks = {(item.group, item.desc): item.not_attempted for item in run.sheet.items()}
+    return [marks[item.group, item.desc] for group in run.sheet.groups() for item, _ in group.items]
 
 
 def _module(run: FunctionalityRun) -> ModuleView:

@@ -126,6 +126,7 @@ def _zone_details(view: views.ZoneView, log_files) -> ZoneDetails:
     if run is None:
         return message
     message.identity = run.identity
+    message.not_attempted = list(view.not_attempted)
     message.end_reason = "" if run.end_reason is None else run.end_reason.name.lower()
     if view.all_robots is not None:
         _add_all_robots(message, view.all_robots)

@@ -12,6 +12,7 @@ from roah_rsbb.msg import ZoneDetails, ZoneState
 from roah_rsbb.rqt import phases, texts, widgets
 from roah_rsbb.rqt.panel import Answer, Panel, ask
 from roah_rsbb.rqt.shortcuts import TwiceKey
+from roah_rsbb.rqt.stop_reason import StopReasonLine
 from roah_rsbb.rqt.todo import WARNING
 from roah_rsbb.srv import Zone
 
@@ -72,6 +73,7 @@ class BenchmarkControlPanel(Panel):
         self._countdown = widgets.FittedText(lines_high=3.0)
         self.state = widgets.Notices(1.3)
         self._answer = Answer()
+        self.reason = StopReasonLine(self, self._answer)
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
         self._lay_out()
         self._zones.activated.connect(lambda index: self.model.choose_zone(self._zones.itemText(index)))
@@ -102,6 +104,7 @@ class BenchmarkControlPanel(Panel):
         self.buttons["stop"].setText(STOP_LEAVES)
         self.buttons["stop"].setMinimumWidth(self.buttons["stop"].sizeHint().width())
         self.body.addWidget(self._answer)
+        self.body.addWidget(self.reason)
         self.body.addLayout(commands)
 
     def _event_grid(self) -> QGridLayout:
@@ -143,6 +146,7 @@ class BenchmarkControlPanel(Panel):
             self._show_run(zone, details)
         for command in COMMANDS.values():
             self._show_button(command, zone, details)
+        self.reason.show_run(details)
         for key in self._keys:
             key.forget()
 

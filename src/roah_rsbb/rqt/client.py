@@ -6,6 +6,7 @@ from roah_rsbb.client.feed import Feed
 from roah_rsbb.rqt.calls import Calls
 from roah_rsbb.rqt.model import TOPICS, Model
 from roah_rsbb.rqt.presses import DoublePress
+from roah_rsbb.rqt.referee_name import RefereeName
 from roah_rsbb.rqt.zone_parameter import ZoneParameter
 
 
@@ -19,6 +20,7 @@ class Client:
         self.model = Model(Feed(TOPICS), ZoneParameter())
         self.calls = Calls()
         self.presses = DoublePress()
+        self.referee = RefereeName()
 
     @classmethod
     def acquire(cls) -> "Client":

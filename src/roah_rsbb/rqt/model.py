@@ -1,20 +1,31 @@
 """What the core and the devices published last, for all panels of a process (architecture, rule 6)."""
 
 import time
-from typing import Optional
+from typing import List, Optional
 
 from python_qt_binding.QtCore import QObject, QTimer, Signal
 
-from roah_rsbb.msg import CoreDetails, CoreToGui, DevicesState, DevicesStatus, ZoneDetails, ZoneState
+from roah_rsbb.msg import (
+    CoreDetails,
+    CoreToGui,
+    DevicesState,
+    DevicesStatus,
+    Results,
+    RunSummary,
+    ZoneDetails,
+    ZoneState,
+)
 from roah_rsbb.rqt.box_clock import BoxClock
 
 GUI_TOPIC = "/core/to_gui"
 DETAILS_TOPIC = "/core/details"
+RESULTS_TOPIC = "/core/results"
 DEVICES_TOPIC = "/devices/state"
 DEVICES_STATUS_TOPIC = "/devices/status"
 TOPICS = {
     GUI_TOPIC: CoreToGui,
     DETAILS_TOPIC: CoreDetails,
+    RESULTS_TOPIC: Results,
     DEVICES_TOPIC: DevicesState,
     DEVICES_STATUS_TOPIC: DevicesStatus,
 }
@@ -52,6 +63,7 @@ class Model(QObject):
         self._timer.timeout.connect(self._tick)
         self.gui: Optional[CoreToGui] = None
         self.details: Optional[CoreDetails] = None
+        self.results: Optional[Results] = None
         self.devices: Optional[DevicesState] = None
         self.devices_status: Optional[DevicesStatus] = None
         self.box_clock = BoxClock()
@@ -115,6 +127,11 @@ class Model(QObject):
             return None
         return next((z for z in self.details.zones if z.zone == zone_name), None)
 
+    def runs_of(self, zone_name: str) -> List[RunSummary]:
+        """The runs of a zone: the one that is connected, then those that are over, the last one first."""
+        runs = () if self.results is None else self.results.runs
+        return [run for run in runs if run.zone == zone_name]
+
     @property
     def has_devices(self) -> bool:
         """Whether the node of the home devices is there: its topics are published on change only."""
@@ -129,7 +146,7 @@ class Model(QObject):
 
     def _tick(self) -> None:
         now = time.monotonic()
-        news = self._take_gui() | self._take_details() | self._take_devices()
+        news = self._take_gui() | self._take_details() | self._take_results() | self._take_devices()
         old = self.is_old
         if old and now - max(self._heard or self._started, self._renewed) > RENEW_S:
             self._renewed = now
@@ -157,6 +174,12 @@ class Model(QObject):
         self.details = received.message
         self._details_heard = received.mono
         return True
+
+    def _take_results(self) -> bool:
+        received = self._feed.take(RESULTS_TOPIC)
+        if received is not None:
+            self.results = received.message
+        return received is not None
 
     def _take_devices(self) -> bool:
         state, status = self._feed.take(DEVICES_TOPIC), self._feed.take(DEVICES_STATUS_TOPIC)

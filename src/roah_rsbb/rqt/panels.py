@@ -12,6 +12,7 @@ from roah_rsbb.rqt.omf_switches import OmfSwitchesPanel
 from roah_rsbb.rqt.online_data import OnlineDataPanel
 from roah_rsbb.rqt.overview import OverviewPanel
 from roah_rsbb.rqt.panel import Panel
+from roah_rsbb.rqt.results import ResultsPanel
 from roah_rsbb.rqt.scoring import ScoringPanel
 from roah_rsbb.rqt.tablet_status import TabletStatusPanel
 
@@ -27,4 +28,5 @@ PANELS: Tuple[Type[Panel], ...] = (
     OmfSwitchesPanel,
     DevicesPanel,
     OverviewPanel,
+    ResultsPanel,
 )

@@ -15,6 +15,7 @@ from roah_rsbb.rqt.omf_switches import OmfSwitchesPanel
 from roah_rsbb.rqt.online_data import OnlineDataPanel
 from roah_rsbb.rqt.overview import OverviewPanel
 from roah_rsbb.rqt.panel import Panel
+from roah_rsbb.rqt.results import ResultsPanel
 from roah_rsbb.rqt.scoring import ScoringPanel
 from roah_rsbb.rqt.tablet_status import TabletStatusPanel
 
@@ -85,3 +86,7 @@ class Devices(PanelPlugin):
 
 class Overview(PanelPlugin):
     PANEL = OverviewPanel
+
+
+class Results(PanelPlugin):
+    PANEL = ResultsPanel

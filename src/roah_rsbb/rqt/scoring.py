@@ -2,7 +2,7 @@
 
 import html
 from functools import partial
-from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtWidgets import (
@@ -10,24 +10,31 @@ from python_qt_binding.QtWidgets import (
     QGroupBox,
     QHBoxLayout,
     QLabel,
+    QMenu,
     QPushButton,
     QScrollArea,
     QStackedLayout,
+    QToolButton,
     QVBoxLayout,
     QWidget,
 )
 
 from roah_rsbb.client.module_scores import by_group
-from roah_rsbb.msg import ModuleScore, Score, ZoneScoreGroup, ZoneState
+from roah_rsbb.msg import ModuleScore, ZoneDetails, ZoneScoreGroup, ZoneState
 from roah_rsbb.rqt import widgets
 from roah_rsbb.rqt.calls import Outcome
 from roah_rsbb.rqt.edits import Edits
+from roah_rsbb.rqt.history import HistoryDialog
 from roah_rsbb.rqt.panel import Answer, Panel
-from roah_rsbb.srv import ZoneScore
+from roah_rsbb.rqt.referee_name import RefereeLine
+from roah_rsbb.rqt.score_dialogs import ScoreDialog
+from roah_rsbb.srv import ScoreMark
 
 NO_RUN = "Scoring begins when a robot is connected."
 NO_ITEMS = "This benchmark has nothing for the referee to score."
 SILENT = "The core is silent: nothing can be scored now"
+# Stands for the value of an item that the robot did not try.
+NOT_ATTEMPTED = -1
 
 Item = Tuple[str, str]  # group and description: an item's name on the ROS interface
 
@@ -40,10 +47,14 @@ class _Shape(NamedTuple):
     kind: int
 
 
-class ScoreRow(QWidget):
-    """One item: its text, and what changes its value."""
+_BOOL_TEXTS = {0: "No", NOT_ATTEMPTED: "Not attempted"}
 
-    def __init__(self, shape: _Shape, change: Callable[[int], None]) -> None:
+
+class ScoreRow(QWidget):
+    """One item: its text, and what changes its value, which may be `NOT_ATTEMPTED`."""
+
+    def __init__(self, shape: _Shape, change: Callable[[int], None], ask: Callable[[], None]) -> None:
+        """`change(value)`: the referee wants that; `ask()`: with a note."""
         super().__init__()
         self._change = change
         self._value = 0
@@ -54,33 +65,56 @@ class ScoreRow(QWidget):
         line.setContentsMargins(0, 0, 0, 0)
         line.addWidget(self._text, 1)
         if self._is_bool:
-            self.toggle = self._button("", lambda: self._change(0 if self._value else 1), 7)
+            self.toggle = self._button("", lambda: self._change(0 if self._value == 1 else 1), 7)
             self.toggle.setCheckable(True)
             self._buttons = [self.toggle]
         else:
             self.less = self._button("−", lambda: self._change(max(0, self._value - 1)), 3)
             self.number = widgets.enlarged(QLabel("0", alignment=Qt.AlignCenter), 1.6, bold=True)
             self.number.setMinimumWidth(round(3 * widgets.em()))
-            self.more = self._button("+", lambda: self._change(self._value + 1), 3)
+            self.more = self._button("+", lambda: self._change(max(0, self._value) + 1), 3)
             self._buttons = [self.less, self.more]
         for widget in self._buttons if self._is_bool else (self.less, self.number, self.more):
             line.addWidget(widget)
+        self.more_menu = QMenu(self)
+        self.not_attempted = self.more_menu.addAction("Not attempted")
+        self.not_attempted.setCheckable(True)
+        self.not_attempted.triggered.connect(lambda on: self._change(NOT_ATTEMPTED if on else 0))
+        self.with_note = self.more_menu.addAction("With a note …", ask)
+        self.menu_button = widgets.enlarged(QToolButton(), 1.3, bold=True)
+        self.menu_button.setText("⋯")
+        self.menu_button.setFocusPolicy(Qt.TabFocus)
+        self.menu_button.setPopupMode(QToolButton.InstantPopup)
+        self.menu_button.setMenu(self.more_menu)
+        widgets.set_style(self.menu_button, "QToolButton::menu-indicator { image: none; }")
+        self.menu_button.setMinimumHeight(round(2 * widgets.em()))
+        line.addWidget(self.menu_button)
+        self._buttons.append(self.menu_button)
+
+    @property
+    def value(self) -> int:
+        """What is shown."""
+        return self._value
 
     def show_value(self, value: int, waiting: bool, enabled: bool) -> None:
         """Show `value`; `waiting`: the core has not confirmed it yet."""
         self._value = value
         mark = " …" if waiting else ""
+        self.not_attempted.setChecked(value == NOT_ATTEMPTED)
         if self._is_bool:
-            self.toggle.setChecked(bool(value))
-            self.toggle.setText(f"✔ Yes{mark}" if value else f"No{mark}")
+            self.toggle.setChecked(value == 1)
+            self.toggle.setText(f"{_BOOL_TEXTS.get(value, '✔ Yes')}{mark}")
             tone = widgets.RUNNING
-            style = f"background: {tone.background}; color: {tone.text};" if value and enabled else ""
+            style = f"background: {tone.background}; color: {tone.text};" if value > 0 and enabled else ""
             widgets.set_style(self.toggle, f"QPushButton {{ {style} }}" if style else "")
         else:
-            self.number.setText(f"{value}{mark}")
+            self.number.setText(f"{'n/a' if value == NOT_ATTEMPTED else value}{mark}")
+            self.number.setToolTip("Not attempted" if value == NOT_ATTEMPTED else "")
         for button in self._buttons:
             button.setEnabled(enabled)
             button.setToolTip("" if enabled else SILENT)
+        if enabled:
+            self.menu_button.setToolTip("Not attempted; a note")
         if not self._is_bool:
             self.less.setEnabled(enabled and value > 0)
 
@@ -135,6 +169,14 @@ class ScoringPanel(Panel):
         self.body.addWidget(self.module_scores, 1)
         self._answer = Answer(reserved=False)
         self.body.addWidget(self._answer)
+        self.referee = RefereeLine(client.referee)
+        self.history = QPushButton("History …")
+        self.history.setFocusPolicy(Qt.TabFocus)
+        self.history.clicked.connect(self._show_history)
+        last = QHBoxLayout()
+        last.addWidget(self.referee, 1)
+        last.addWidget(self.history)
+        self.body.addLayout(last)
 
     # -- showing ------------------------------------------------------------------------------------
 
@@ -155,12 +197,15 @@ class ScoringPanel(Panel):
             connected = details is not None and details.robot != ""
             self._nothing.setText(NO_ITEMS if connected else NO_RUN)
         elif zone is not None:
-            self._show_values(zone)
+            self._show_values(zone, details)
+        self.history.setEnabled(bool(shapes) and details is not None and bool(details.identity))
 
-    def _show_values(self, zone: ZoneState) -> None:
+    def _show_values(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
+        marks = iter(() if details is None else details.not_attempted)
         for group in zone.scoring:
             for desc, published in zip(group.descriptions, group.current_values):
                 item = (group.group_name, desc)
+                published = NOT_ATTEMPTED if next(marks, False) else published
                 value = self._edits.value(item, published, self.model.clock_s)
                 if item in self.rows:
                     self.rows[item].show_value(value, self._edits.is_waiting(item), not self.model.is_old)
@@ -177,7 +222,7 @@ class ScoringPanel(Panel):
                 boxes[shape.group] = QVBoxLayout(box)
                 column.addWidget(box)
             item = (shape.group, shape.desc)
-            self.rows[item] = ScoreRow(shape, partial(self._change, item))
+            self.rows[item] = ScoreRow(shape, partial(self._change, item), partial(self._ask, shape))
             boxes[shape.group].addWidget(self.rows[item])
         column.addStretch(1)
         self._area.setWidget(inside)
@@ -192,15 +237,37 @@ class ScoringPanel(Panel):
             self._send(item, send)
         self.show_model()
 
-    def _send(self, item: Item, value: int) -> None:
+    def _send(self, item: Item, value: int, note: str = "") -> None:
         sheet, (group, desc) = self._sheet, item
+        details = self.model.zone_details
+        not_attempted = value == NOT_ATTEMPTED
+        request = (group, desc, 0 if not_attempted else value, not_attempted, note, self.client.referee.name)
         self.client.calls.service(
-            self, "/core/set_score", ZoneScore, (sheet[0], Score(group=group, desc=desc, value=value)),
+            self, "/core/score", ScoreMark, (sheet[0], "" if details is None else details.identity, *request),
             lambda outcome: self._answered(sheet, item, value, outcome),
         )
 
+    def _ask(self, shape: _Shape) -> None:
+        """The referee wants to say more than a value."""
+        sheet, item = self._sheet, (shape.group, shape.desc)
+        shown = self.rows[item].value
+
+        def then(value: int, not_attempted: bool, note: str) -> None:
+            if sheet == self._sheet:
+                self._send(item, NOT_ATTEMPTED if not_attempted else value, note)
+
+        ScoreDialog(
+            self, self.where(), shape.desc, shape.kind, max(0, shown), shown == NOT_ATTEMPTED, then
+        ).open()
+
+    def _show_history(self) -> None:
+        """The history of the run that is scored now."""
+        details = self.model.zone_details
+        if details is not None and details.identity:
+            HistoryDialog(self, self.client, details.zone, details.identity).show()
+
     def _answered(self, sheet: tuple, item: Item, value: int, outcome: Outcome) -> None:
-        what = f"{sheet[0]}: {item[1]} = {value}"
+        what = f"{sheet[0]}: {item[1]} = {'not attempted' if value == NOT_ATTEMPTED else value}"
         if outcome.error:
             self._answer.show_outcome(what, outcome)
         if sheet != self._sheet:
@@ -213,6 +280,19 @@ class ScoringPanel(Panel):
             if following is not None:
                 self._send(item, following)
         self.show_model()
+
+
+    # -- settings -----------------------------------------------------------------------------------
+
+    def shutdown(self) -> None:
+        self.referee.end()
+        super().shutdown()
+
+    def save_settings(self, settings) -> None:
+        self.referee.save(settings)
+
+    def restore_settings(self, settings) -> None:
+        self.referee.restore(settings)
 
 
 def _scores_html(scores: Sequence[ModuleScore]) -> str:

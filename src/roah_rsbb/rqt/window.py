@@ -16,7 +16,7 @@ from roah_rsbb.rqt.panel_settings import PanelSettings
 from roah_rsbb.rqt.panels import PANELS
 
 # Raise it when the set of panels changes: an older layout would hide the new ones.
-LAYOUT_VERSION = 3
+LAYOUT_VERSION = 4
 # At its first start the window takes this share of the screen's width and height.
 MOST_OF_SCREEN = 0.95
 
@@ -74,7 +74,7 @@ class Window(QMainWindow):
         self.addDockWidget(Qt.RightDockWidgetArea, d["ScoringPanel"])
         self.splitDockWidget(d["ScoringPanel"], d["OverviewPanel"], Qt.Vertical)
         self.splitDockWidget(d["OverviewPanel"], d["LogDisplayPanel"], Qt.Horizontal)
-        for name in ("ManualOperation", "OmfSwitches", "Devices", "TabletStatus", "CoreStatus"):
+        for name in ("ManualOperation", "OmfSwitches", "Results", "Devices", "TabletStatus", "CoreStatus"):
             self.tabifyDockWidget(d["ScoringPanel"], d[f"{name}Panel"])
         for name in ("OnlineDataPanel", "ActiveRobotsPanel"):
             self.tabifyDockWidget(d["LogDisplayPanel"], d[name])
