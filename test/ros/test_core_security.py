@@ -1,0 +1,164 @@
+#!/usr/bin/python3
+"""What the box makes of attacks and mistakes, as docs/security.md says it, with real datagrams and processes."""
+
+import os
+import pathlib
+import socket
+import time
+from typing import Dict, List, Optional
+
+import rospy
+from box_case import BoxCase, main
+from robots import BOX, PASSWORDS, RSBB_PORT, empty_beacon, host_of, wire
+from rosgraph_msgs.msg import Log
+from waiting import happened, wait_until
+
+from roah_rsbb.comm.ciphers import Cipher, Key
+from roah_rsbb.comm.frame import encode
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.states import BoxState, RobotState
+
+ATTACKER = "127.0.0.9"
+STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT
+
+
+class Attacker:
+    """Sends whatever to the box, from an address of its own."""
+
+    def __init__(self) -> None:
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind((ATTACKER, 0))
+
+    def close(self) -> None:
+        """Be gone."""
+        self._socket.close()
+
+    def send(self, port: int, message: object, team: Optional[str] = None) -> None:
+        """Send a message plain, or as who knows that team's password."""
+        sealed = (Cipher.NONE,) if team is None else (Cipher.AES_128_CBC, Key(PASSWORDS[team]))
+        self._socket.sendto(encode(message, *sealed), (BOX, port))
+
+
+def result_of(time_s: float) -> pb.RobotState:
+    """What would end a run: the robot has finished."""
+    return pb.RobotState(
+        time=wire(time_s), messages_saved=9, robot_state=int(RobotState.RESULT_TX), notifications=["forged"],
+    )
+
+
+class TestAttacks(BoxCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.said: List[str] = []  # in the nodes' logs
+        subscriber = rospy.Subscriber("/rosout", Log, self._on_log)
+        self.addCleanup(subscriber.unregister)
+
+    def _on_log(self, log: Log) -> None:
+        self.said.append(log.msg)
+        happened()
+
+    def told(self, text: str) -> None:
+        """Wait until the box tells of it; then it has read the datagram."""
+        wait_until(lambda: any(text in said for said in self.said), lambda: f"the box tells '{text}': {self.said}")
+
+    def test_nobody_else_moves_a_run(self) -> None:
+        box, robot = self.box, self.robot("Alpha")
+        attacker = self._leaving(Attacker())
+        port = box.connect("Home")
+        box.start("Home")
+        robot.wait_did("execute HGTKMH")
+        box.wait_details("Home", lambda d: d.box_state == "WAITING_RESULT", "the robot executes")
+
+        attacker.send(port, result_of(time.time() + 10.0))
+        self.told("not encrypted")
+        attacker.send(port, result_of(time.time() + 10.0), team="Beta")
+        self.told("does not decrypt")
+        attacker.send(port, result_of(time.time() - 3600.0), team="Alpha")  # recorded an hour ago
+        attacker.send(port, result_of(time.time() + 10.0), team="Alpha")
+        self.told(f"come from {ATTACKER}, too: they do not count, the robot is at {host_of('Alpha')}")
+        attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Alpha", robot_name="Robot", time=wire(time.time() + 9.0)))
+        # A robot that is in a run is known by what it says there.
+        self.told("Two robots call themselves Robot of team Alpha")
+        attacker.send(RSBB_PORT, empty_beacon())
+        self.told(f"ANOTHER RSBB is transmitting from {ATTACKER}")
+        attacker.send(port, pb.BenchmarkState(benchmark_type="HGTKMH", benchmark_state=0), team="Alpha")
+
+        details = box.zone_details("Home")
+        self.assertEqual((details.phase, details.box_state), ("running", "WAITING_RESULT"))
+        robot.let("execute")
+        box.wait_text("Home", "Benchmark completed by the robot")
+        log = self.leave("Home")
+        self.assertEqual(log.values("/rsbb_log/rsbb_state"), [STOP, PREPARE, WAITING_RESULT, STOP])
+        self.assertNotIn("forged", log.values("/rsbb_log/notification"))
+
+
+class TestPasswords(BoxCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.published: Dict[str, bytes] = {}  # by topic
+        subscribers = [
+            rospy.Subscriber(topic, rospy.AnyMsg, self._on_message, topic)
+            for topic, _ in rospy.get_published_topics()
+        ]
+        for subscriber in subscribers:
+            self.addCleanup(subscriber.unregister)
+
+    def _on_message(self, message: object, topic: str) -> None:
+        # Where this process follows a topic already, rospy hands its message over read.
+        raw = isinstance(message, rospy.AnyMsg)
+        data = message._buff if raw else str(message).encode()
+        self.published[topic] = self.published.get(topic, b"") + data
+        happened()
+
+    def test_passwords_are_in_their_file_and_nowhere_else(self) -> None:
+        box, robot = self.box, self.robot("Gamma")
+        guessing = self.robot("Delta", password="no password of Delta")
+        box.connect("Secrets")
+        box.start("Secrets")
+        robot.wait_did("execute HWV")
+        robot.tell("notify", "all is well")
+        robot.wait_said()
+        box.connect("Guessed")
+        box.wait_details("Guessed", lambda d: any("password" in r for r in d.start_off), "the referee is told why")
+        robot.let("execute")
+        box.wait_text("Secrets", "Benchmark completed by the robot")
+        log_dir = pathlib.Path(rospy.get_param("/roah_rsbb_core/log_dir"))
+        self.leave("Secrets")
+        self.leave("Guessed")
+        guessing.close()
+
+        wait_until(lambda: b"all is well" in self.published.get("/core/to_gui", b""), "the topics are heard")
+        places = {f"topic {topic}": data for topic, data in self.published.items()}
+        places["parameters"] = str(rospy.get_param("/")).encode()
+        places.update(_files(log_dir))
+        places.update(_files(pathlib.Path(os.environ["ROS_LOG_DIR"])))
+        places.update(_processes())
+        self.assertTrue(any(b"roah_rsbb_core" in data for place, data in places.items() if "process" in place))
+        self.assertTrue(any(b"all is well" in data for place, data in places.items() if ".sqlite3" in place))
+        for password in PASSWORDS.values():
+            for place, data in places.items():
+                self.assertNotIn(password.encode(), data, place)
+
+
+def _files(folder: pathlib.Path) -> Dict[str, bytes]:
+    """All files in a folder and below."""
+    return {f"file {path}": path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def _processes() -> Dict[str, bytes]:
+    """Command lines and environments of all processes that belong to this ROS master: what lists of processes show."""
+    ours = f"ROS_MASTER_URI={os.environ['ROS_MASTER_URI']}".encode()
+    found: Dict[str, bytes] = {}
+    candidates: List[pathlib.Path] = [path for path in pathlib.Path("/proc").iterdir() if path.name.isdigit()]
+    for path in candidates:
+        try:
+            environment = (path / "environ").read_bytes()
+            if ours in environment.split(b"\0"):
+                found[f"process {path.name}"] = (path / "cmdline").read_bytes() + environment
+        except OSError:
+            continue  # it is gone, or somebody else's
+    return found
+
+
+if __name__ == "__main__":
+    main("test_core_security")
