@@ -265,6 +265,10 @@ class RawRobot:
         self._network.do(lambda: self._private.send(message))
         return message
 
+    def send_again(self, message: pb.RobotState) -> None:
+        """Send what was sent before, once more."""
+        self._network.do(lambda: self._private.send(message))
+
     def wait_acknowledged(self, message: pb.RobotState) -> pb.BenchmarkState:
         """Wait until the box acknowledges a message; returns its answer."""
         return wait_until(

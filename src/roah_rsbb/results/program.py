@@ -183,7 +183,7 @@ def _write_pages(options, results, chosen, ranked: List[Standing], now: float) -
         _write(os.path.join(options.html, name), lambda file, r=result: file.write(sheet_page(r, options.utc)))
     index = standing_texts.index_page(chosen, sheets, ranked, now, options.utc)
     _write(os.path.join(options.html, "index.html"), lambda file: file.write(index))
-    print(f"{len(sheets)} score sheets and index.html are in {options.html}", file=sys.stderr)
+    print(f"{len(sheets)} score sheets and index.html are in {options.html}")
 
 
 def _file_name(result: RunResult) -> str:
