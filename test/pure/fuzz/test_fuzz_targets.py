@@ -3,10 +3,11 @@
 import time
 
 import pytest
-from fuzzing.target import LIMIT_BYTES, LIMIT_S, Target, TooCostly
-from fuzzing.targets import TARGETS
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from fuzzing.target import LIMIT_BYTES, LIMIT_S, Target, TooCostly
+from fuzzing.targets import TARGETS
 
 REPEATABLE = {"deadline": None, "database": None, "derandomize": True}
 # Inputs for each target; a file on a disk costs more than a datagram.

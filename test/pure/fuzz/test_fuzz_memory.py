@@ -1,0 +1,75 @@
+"""Nothing grows, however long others go on: what a box holds after many rounds is what it held after a few."""
+
+import contextlib
+import gc
+import tracemalloc
+
+from fuzzing.core import CODES, HOSTS, Play
+from roah_rsbb.core import views
+from roah_rsbb.core.messages import RobotReport, TabletState
+from roah_rsbb.core.module_messages import ModuleInfo, ModulesState, Progress, ScoreValue
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.states import RobotState
+
+FEW, MANY = 4, 12
+# What lists and caches of Python itself take now and then.
+GROWTH_BYTES = 100_000
+
+
+def _round(driver, number):
+    """All that anybody can send, each time with other names, addresses and texts."""
+    box = driver.box
+    for i in range(20):
+        name = f"{number} {i}"
+        driver.jump(0.5)
+        for run in box.runs():
+            texts = tuple(f"{name} {k}" for k in range(80))
+            report = RobotReport(
+                driver.robot().time(), i, RobotState(i % 4), texts, (name * 1000,), visitor=("v" * 20_000 + name,),
+                generic_result=name * 1000, dimmer=i,
+            )
+            driver.event(box.on_robot_report, run.port, HOSTS[i % len(HOSTS)], report)
+            driver.event(box.on_unreadable, run.port, f"bad {name}")
+        host = f"10.{number}.{i}.1"
+        driver.event(box.on_robot_beacon, host, f"Team {name}", "r", (i, number))
+        driver.event(box.on_tablet, host, TabletState(False, (i, number), (i, number), float(i), 0.0))
+        driver.event(box.on_foreign_box, host)
+        driver.event(box.on_complaint, f"complaint {name}" * 20)
+        driver.event(box.on_trouble, f"trouble {name}" * 100)
+        driver.event(box.on_device_refused, "catering", f"device {name}", i, name)
+        driver.event(box.on_modules, ModulesState(f"node {name}", (ModuleInfo("HOPF", (name * 50,)),)))
+        _progress(driver, name)
+        with contextlib.suppress(Refused):
+            driver.event(box.command, "visitor", ("connect", "disconnect")[i % 2])
+        views.zones(box, driver.now)
+        views.status(box, driver.now)
+
+
+def _progress(driver, name):
+    """The modules say something else of the run that they drive, and ask for nothing more."""
+    said = tuple(
+        Progress(
+            run.run, run.attempt, run.steps[-1].request, (ScoreValue("a", name, "1", "s"),), name * 100,
+            (name,) * 20, name,
+        )
+        for run in driver.box.module_runs() if run.steps
+    )
+    driver.event(driver.box.on_modules, ModulesState("n1", tuple(ModuleInfo(code) for code in CODES), said))
+
+
+def _held_after(driver, rounds):
+    for number in rounds:
+        _round(driver, number)
+    gc.collect()
+    return tracemalloc.get_traced_memory()[0]
+
+
+def test_a_box_holds_no_more_after_many_rounds_than_after_a_few():
+    driver = Play(b"").driver
+    tracemalloc.start()
+    try:
+        few = _held_after(driver, range(FEW))
+        many = _held_after(driver, range(FEW, MANY))
+    finally:
+        tracemalloc.stop()
+    assert many - few < GROWTH_BYTES
