@@ -35,7 +35,7 @@ class ResultsCase(BoxCase):
         """What the program prints."""
         done = subprocess.run(
             ["rosrun", "roah_rsbb", "results", "--log-dir", self.log_dir, *arguments], text=True, timeout=LIMIT_S,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "ROS_MASTER_URI": NO_MASTER},
+            capture_output=True, env={**os.environ, "ROS_MASTER_URI": NO_MASTER},
         )
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         return done.stdout
@@ -100,6 +100,7 @@ class TestResults(ResultsCase):
                          ["connect", "start", "stop", "disconnect", "sign_off"])
         self.assertIn("1     Alpha  1             2", self.results("standings", "HGTKMH", "--signed-off"))
         self.pages(identity)
+        self.bag(identity, part["log_file"])
 
     def pages(self, identity: str) -> None:
         with tempfile.TemporaryDirectory() as directory:
@@ -110,6 +111,12 @@ class TestResults(ResultsCase):
             self.assertIn("&lt;b&gt;at the door&lt;/b&gt;", text)
             self.assertIn("<svg", text)
             self.assertIn("the door was locked", text)
+
+    def bag(self, identity: str, log_file: str) -> None:
+        with tempfile.TemporaryDirectory() as directory:
+            path = os.path.join(directory, "again.bag")
+            self.results("bag", identity, path)
+            self.assertEqual(self.read_log(path).entries, self.read_log(log_file).entries)
 
 
 class TestLinkRecord(ResultsCase):

@@ -29,7 +29,7 @@ th { font-size: 8pt; color: #444; white-space: normal; overflow-wrap: normal; }
 .number { text-align: right; min-width: 9mm; } .time { min-width: 18mm; width: 18mm; }
 td.number, td.time { white-space: nowrap; overflow-wrap: normal; } td.time { font-size: 8.5pt; }
 table.facts { width: auto; } table.facts th { width: 30mm; font-size: 10pt; }
-td.value { min-width: 28mm; width: 28mm; font-weight: bold; } .who { min-width: 26mm; width: 26mm; }
+td.value { min-width: 28mm; width: 28mm; font-weight: bold; } .who { min-width: 34mm; width: 34mm; }
 .team, .change { min-width: 26mm; }
 .mark { font-size: 8pt; border: .2mm solid #111; border-radius: .8mm; padding: 0 1mm; white-space: nowrap; }
 .bad { font-weight: bold; } del { color: #555; }

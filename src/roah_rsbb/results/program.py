@@ -1,12 +1,13 @@
 """`rosrun roah_rsbb results`: shows and exports what remains of a competition's runs (docs/results.md)."""
 
 import argparse
+import glob
 import json
 import os
 import re
 import sys
 import time
-from typing import Callable, Dict, List, NoReturn, Optional, TextIO
+from typing import Any, Callable, Dict, List, NoReturn, Optional, TextIO
 
 from roah_rsbb.comm.arguments import Parser
 from roah_rsbb.core.config_errors import ConfigErrors
@@ -14,7 +15,8 @@ from roah_rsbb.core.records import RunRecord
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover
-from roah_rsbb.results import json_export, standing_texts, tables, text_sheet
+from roah_rsbb.results import json_export, standing_texts, tables, text_sheet, texts
+from roah_rsbb.results.bag import NoBag, write_bag
 from roah_rsbb.results.html_sheet import sheet_page
 from roah_rsbb.results.run_result import NoSuchRun, RunResult, find, records, run_result
 from roah_rsbb.results.standing import Choice, Standing, standings
@@ -45,6 +47,9 @@ _STANDINGS = """\
 Ranks the teams of each benchmark, or of those that are named. Counted are runs that were started and are over; of
 an event that was run again only the last one.
 """
+_BAG = """\
+Writes a bag with all that belongs into a run's log, where that was lost. It needs ROS's Python, but no ROS master.
+"""
 _RULES = """\
 How teams are ranked is in a YAML file (docs/results.md, Standings); a benchmark that is not in it is ranked by the
 sum of the score sheet.
@@ -61,7 +66,7 @@ def main(config_dir: str, arguments: Optional[List[str]] = None) -> NoReturn:
     options.config_dir = config_dir
     try:
         status = options.do(options)
-    except (JournalError, NoSuchRun, _Usage) as error:
+    except (JournalError, NoBag, NoSuchRun, _Usage) as error:
         status = _fail(str(error))
     except ConfigErrors as error:
         status = _fail(f"the rules of the standings cannot be used:\n{error}")
@@ -78,6 +83,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.set_defaults(journal=None, log_dir=LOG_DIR, utc=False)
     _add_source(parser)
     commands = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_sub_parser)
+    _add_views(commands)
+    _add_mending(commands)
+    return parser
+
+
+def _add_views(commands: Any) -> None:
+    """What shows or exports results."""
     listed = commands.add_parser("list", help="all runs, one a line")
     listed.set_defaults(do=_list)
     show = commands.add_parser("show", help="the whole score sheet of a run")
@@ -97,11 +109,21 @@ def _parser() -> argparse.ArgumentParser:
     ranks.add_argument("--html", metavar="FILE", help="a page that can be printed")
     _add_choice(ranks)
     ranks.set_defaults(do=_standings)
+
+
+def _add_mending(commands: Any) -> None:
+    """What helps where something was lost."""
+    bag = commands.add_parser("bag", help="write a run's log (rosbag) from the journal", description=_BAG)
+    bag.add_argument("run", metavar="RUN")
+    bag.add_argument("bag", metavar="FILE")
+    bag.add_argument("--port", type=int, help="the robot's, where several were in the run")
+    bag.set_defaults(do=_bag)
+    journals = commands.add_parser("journals", help="the journals in the log_dir, also those that were put aside")
+    journals.set_defaults(do=_journals)
     recovery = commands.add_parser("recover", help="take what can be read of a damaged journal into a new one")
     recovery.add_argument("damaged", metavar="FILE")
     recovery.add_argument("new", metavar="NEW_FILE")
     recovery.set_defaults(do=_recover)
-    return parser
 
 
 def _add_source(parser: argparse.ArgumentParser) -> None:
@@ -216,6 +238,34 @@ def _standings(options: argparse.Namespace) -> int:
                 print(text)
         if not ranked:
             print("There is no run yet that was started.")
+    return 0
+
+
+def _bag(options: argparse.Namespace) -> int:
+    with _open(options) as reader:
+        known = records(reader, _warn)
+        place = find(known, options.run)
+        count = write_bag(run_result(reader, place + 1, known[place], _warn), options.port, options.bag)
+    print(f"{options.bag}: {count} messages")
+    return 0
+
+
+def _journals(options: argparse.Namespace) -> int:
+    log_dir = os.path.expanduser(options.log_dir)
+    base, suffix = os.path.splitext(FILE_NAME)
+    paths = sorted(glob.glob(os.path.join(glob.escape(log_dir), f"{base}*{suffix}")))
+    if not paths:
+        raise _Usage(f"there are no journals in {log_dir}: name the box's log_dir with --log-dir DIR")
+    for path in paths:
+        try:
+            with JournalReader(path) as reader:
+                known, sessions = records(reader, lambda _: None), reader.sessions()
+        except JournalError as error:
+            print(error)
+            continue
+        begun = f"begun {texts.moment(sessions[0].utc, options.utc)}" if sessions else "empty"
+        last = f", last connected {texts.moment(known[-1].opened_utc, options.utc)}" if known else ""
+        print(f"{path}: {begun}, {len(known)} runs{last}")
     return 0
 
 

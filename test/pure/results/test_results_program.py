@@ -5,9 +5,11 @@ import io
 import json
 import os
 import pathlib
+import shutil
 import sqlite3
 import subprocess
 import sys
+import types
 
 import pytest
 
@@ -91,7 +93,8 @@ def test_what_cannot_be_done_is_told(run, arguments, status, told):
 
 
 def test_every_command_has_help(run):
-    for command in ((), ("list",), ("show",), ("export",), ("standings",), ("recover",)):
+    for command in ((), ("list",), ("show",), ("export",), ("standings",), ("recover",), ("bag",),
+                    ("journals",)):
         status, out, _ = run(*command, "--help")
         assert status == 0
         assert "--journal" in out
@@ -115,6 +118,36 @@ def test_recover(run, journal, tmp_path):
     assert "5 of runs" in out
     assert run("list", source=("--journal", tmp_path / "new"))[0] == 0
     assert run("recover", journal, tmp_path / "new", source=())[0] == 1
+
+
+def test_the_journals_of_a_log_dir(run, journal, tmp_path):
+    Writer(tmp_path).close()
+    shutil.copy(journal, tmp_path / "roah_rsbb_journal_aside_2025-11-22_10-00-00.sqlite3")
+    (tmp_path / "roah_rsbb_journal_2.sqlite3").write_text("no journal " * 1000)
+    status, out, _ = run("journals", "--utc", "--log-dir", tmp_path, source=())
+    assert status == 0
+    first, second, aside = out.splitlines()
+    assert "no journal at all" in second
+    assert aside.endswith("begun 2025-11-21 11:00:00Z, 5 runs, last connected 2025-11-21 16:00:00Z")
+    assert first.endswith("roah_rsbb_journal.sqlite3: begun 2025-11-21 11:00:00Z, 0 runs")
+    assert "there are no journals in" in run("journals", "--log-dir", tmp_path / "none", source=())[2]
+
+
+def test_a_bag_needs_ros_and_a_file_that_is_not_there(run, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "roah_rsbb.nodes.bag_file", None)
+    status, _, err = run("bag", "1", tmp_path / "x.bag")
+    assert (status, "do it on a computer with ROS" in err) == (1, True)
+    bags = types.SimpleNamespace(WRITE_ERRORS=(OSError,), write_whole=lambda path, entries: written.append(entries))
+    written = []
+    monkeypatch.setitem(sys.modules, "roah_rsbb.nodes.bag_file", bags)
+    assert run("bag", "1", tmp_path / "x.bag")[0] == 0
+    [entries] = written
+    assert entries[0][:2] == ("/rsbb_log/rsbb_state_str", "STOP")
+    assert ("/notification", EVIL) in [entry[:2] for entry in entries]
+    assert not {"command", "address", "notice", "something_new"} & {kind for kind, _, _ in entries}
+    assert "with --port: 6667 (r1 of team Alpha)" in run("bag", "1", tmp_path / "x.bag", "--port", "1")[2]
+    (tmp_path / "x.bag").touch()
+    assert "already" in run("bag", "1", tmp_path / "x.bag")[2]
 
 
 # -- spreadsheets -----------------------------------------------------------------------------------
