@@ -9,7 +9,7 @@ import pytest
 
 from roah_rsbb.journal import schema
 from roah_rsbb.journal import store as stores
-from roah_rsbb.journal.batch import Batch, Entry, Member, Outcome, RunRow
+from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
 from roah_rsbb.journal.before import NOTHING
 from roah_rsbb.journal.file import FILE_NAME, Resume, Session, same_competition
 from roah_rsbb.journal.store import MENDED, Journal
@@ -66,6 +66,15 @@ def test_what_the_next_start_goes_on_from(journals):
     assert before.outcomes == ('{"n":2}',)
     assert (before.log_files, before.last_port) == ({6667: "/logs/run.bag"}, 6667)
     assert before.last == session(mono=5.0), "with the times of the last record"
+
+
+def test_the_last_record_may_be_one_of_a_link(journals):
+    journal = journals()
+    journal.write(BATCH)
+    journal.write(Batch(links=(LinkRow(6667, 1e9 + 7, 12.0, "{}"),)))
+    journal.close()
+    last = journals().before.last
+    assert (last.utc, last.mono) == (1e9 + 7, 12.0)
 
 
 def test_a_run_that_is_still_connected_is_not_over(journals):

@@ -25,8 +25,8 @@ def two_zones():
     return competition(tbm=[CATERING, event("HWV")], fbm=[NAVIGATION])
 
 
-def box(tmp_path, config=None, **of_driver):
-    return JournaledDriver(tmp_path, config or two_zones(), NO_LISTENING, **of_driver)
+def box(tmp_path, config=None, settings=NO_LISTENING, **of_driver):
+    return JournaledDriver(tmp_path, config or two_zones(), settings, **of_driver)
 
 
 class Story:
@@ -214,7 +214,7 @@ def test_a_run_whose_time_ran_out_meanwhile_ends_by_timeout(tmp_path):
 
 
 def test_the_robot_finds_its_channel_its_port_and_its_state_again(tmp_path):
-    driver = box(tmp_path)
+    driver = box(tmp_path, settings=Settings())
     robot = driver.executing("tbm")
     robot.says(notifications=("once",))
     driver.kill()
@@ -256,6 +256,59 @@ def test_a_silence_that_is_the_boxs_own_is_not_held_against_the_robot(tmp_path):
     assert not any("No message" in text for text in driver.view("tbm").warnings)
     driver.run(3.1)
     assert any("No message" in text for text in driver.view("tbm").warnings)
+
+
+def in_goal(driver):
+    modules = FakeModules(driver, "HNF")
+    modules.beat()
+    robot = driver.connected("fbm", team="Beta", name="r2", host="10.0.0.3")
+    modules.beat()
+    driver.command("start", "fbm")
+    modules.asks(RequestKind.GOAL, "fbm", timeout=60.0, **WAYPOINT)
+    return modules, robot
+
+
+def test_a_module_gets_back_what_it_wanted_kept(tmp_path):
+    driver = box(tmp_path)
+    modules, _ = in_goal(driver)
+    modules.says("fbm", kept='{"sum":1}')
+    driver.kill()
+    assert modules.run("fbm").kept == '{"sum":1}'
+
+
+def test_a_run_that_is_held_stays_so_until_its_module_is_heard(tmp_path):
+    driver = box(tmp_path)
+    modules, _ = in_goal(driver)
+    driver.run(3.0)
+    left = driver.run_in("fbm").clock.left(driver.now)
+    driver.kill(20.0)
+    driver.run(5.0)
+    assert driver.run_in("fbm").held
+    assert driver.run_in("fbm").clock.left(driver.now) == pytest.approx(left)
+    modules.beat()
+    assert not driver.run_in("fbm").held
+    driver.run(1.0)
+    assert driver.run_in("fbm").clock.left(driver.now) == pytest.approx(left - 1.0)
+
+
+def test_a_run_that_is_connected_is_not_among_those_that_are_over(tmp_path):
+    driver = box(tmp_path)
+    driver.connected("tbm")
+    driver.score(DOOR.group, DOOR.desc, 1, "tbm")
+    driver.kill()
+    assert driver.box.finished.records() == []
+    assert driver.run_in("tbm").sheet.groups()[0].items[0] == (DOOR, 1)
+
+
+def test_who_said_what(tmp_path):
+    driver = box(tmp_path)
+    robot = driver.connected("tbm")
+    driver.event(driver.box.command, "tbm", "start", "/referee_2")
+    entries = driver.journal.entries_of(robot.port)
+    said = {entry.who for entry in entries if entry.kind == run_log.CLIENT_STATE}
+    assert said == {robot.host}
+    commands = [(entry.who, entry.value) for entry in entries if entry.kind == "command"]
+    assert ("/referee_2", '{"command":"start"}') in commands
 
 
 def test_all_robots_go_on_together(tmp_path):
