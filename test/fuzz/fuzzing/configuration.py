@@ -1,6 +1,7 @@
 """Files that people write: configuration, passwords, maps. Errors are those that are documented, and nothing else."""
 
 import atexit
+import datetime
 import os
 import pathlib
 import shutil
@@ -12,8 +13,10 @@ from roah_rsbb.bmbox import ground_truth_config
 from roah_rsbb.bmbox.hopf import HOPF
 from roah_rsbb.bmbox.parameters import read_parameters
 from roah_rsbb.comm.passwords import BadPasswords, parse_passwords
+from roah_rsbb.competition.moments import VenueClock
+from roah_rsbb.competition.sheet import read_sheet
 from roah_rsbb.core import config
-from roah_rsbb.core.config_errors import ConfigErrors
+from roah_rsbb.core.config_errors import ConfigErrors, Report
 from roah_rsbb.tablet import images, maps
 
 _ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -107,6 +110,13 @@ def _load_passwords(data: bytes) -> None:
     assert {**loaded.passwords, "Alpha": ""} == {**ours, "Alpha": ""}
 
 
+def _load_sheet(data: bytes) -> None:
+    report = Report()
+    plan = read_sheet(_FOLDER.file("sheet.csv", data), report, VenueClock(datetime.timedelta(hours=1)))
+    assert (plan is None) is bool(report.errors)
+    assert all(error.found and error.expected and "\n" not in str(error) for error in report.errors)
+
+
 def _load_map(data: bytes) -> None:
     parts = data.split(_CUT, 1)
     _FOLDER.file("map.pgm", parts[1] if len(parts) > 1 else b"P5 2 1 255\n\x00\xff")
@@ -162,6 +172,20 @@ def _password_seeds() -> List[bytes]:
     ]
 
 
+def _sheet_seeds() -> List[bytes]:
+    head = b"zone,benchmark,team,date,time\n"
+    row = b"Home,HGTKMH,A,2026-11-28,09:00\n"
+    last = row.replace(b"2026-11-28", b"9999-12-31")
+    return [
+        head + row, head.replace(b",", b";") + row.replace(b",", b";"), b"", head, row, head + b'"Home\n',
+        head + b"\0\n", b"round,run," + head + b"1,999999999999999999999," + row, b"\xef\xbb\xbf" + head + row,
+        head + b"," * 5000, last, head + last, head + last.replace(b"09:00", b"99:99"), head + row * 200,
+        head + row.replace(b"2026", b"0001"), head + row.replace(b"HGTKMH", b"=1+1"),
+        head + b'"' + b"x" * 140_000 + b'"', head + last.replace(b"09:00", b"23:59"), head + b"\r" + row,
+        b"zone\tteam\n\t",
+    ]
+
+
 def _map_seeds() -> List[bytes]:
     yaml = b"image: map.pgm\nresolution: 0.05\norigin: [-1.0, 2.0, 0.5]\nnegate: 0\n"
     pgm = (
@@ -195,4 +219,8 @@ GROUND_TRUTH = Target(
     "ground_truth", _steps(_load_ground_truth), lambda: _shipped("ground_truth.yaml"), _YAML, is_timed=False)
 PARAMETERS = Target("parameters", _steps(_load_parameters), lambda: _shipped("HOPF.yaml"), _YAML, is_timed=False)
 PASSWORDS = Target("passwords", _steps(_load_passwords), _password_seeds, _YAML, is_timed=False)
+SHEET = Target("sheet", _steps(_load_sheet), _sheet_seeds, (
+    b",", b";", b"\t", b'"', b"\n", b"\r", b"2026-11-28", b"0001-01-01", b"9999-12-31", b"23:59", b"HWV", b"ALL",
+    b"round", b"run", b"zone", b"team", b"\0", "\u2028".encode(),
+), is_timed=False)
 MAP = Target("map", _steps(_load_map), _map_seeds, _YAML, is_timed=False)

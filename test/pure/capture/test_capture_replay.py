@@ -100,6 +100,7 @@ GOOD = records.datagram_line(Datagram(BEGIN, "10.99.0.2", PORT, "10.99.0.255", P
     (HEADER + GOOD.replace('"02"', '"0g"'), ":2: found no datagram"),
     (HEADER + GOOD.replace("10.99.0.255", "10.99.0.256"), ":2: found no datagram"),
     (HEADER + GOOD.replace("1700000000.0", "Infinity"), ":2: found no datagram"),
+    (HEADER + GOOD.replace("1700000000.0", "9" * 400), ":2: found no datagram"),
     (HEADER + "[" * 100000 + "\n", ":2: found no datagram"),
 ])
 def test_a_damaged_recording_is_told_with_its_line(shown, text, told):

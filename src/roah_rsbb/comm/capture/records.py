@@ -73,14 +73,14 @@ def _datagrams(lines: Iterator[str], name: str) -> Iterator[Datagram]:
     for number, line in enumerate(lines, 2):
         try:
             yield _datagram(_parse(line))
-        except (KeyError, TypeError, ValueError):
+        except (KeyError, TypeError, ValueError, OverflowError):
             expected = datagram_line(Datagram(0.5, "10.0.0.2", 6667, "10.0.0.1", 6667, b"\x02"))
             cut = "" if line.endswith("\n") else "; the recording was cut off here"
             raise BadRecording(f"{name}:{number}: found no datagram; expected a line like {expected}{cut}") from None
 
 
 def _datagram(record: Any) -> Datagram:
-    """Raises KeyError, TypeError or ValueError."""
+    """Raises KeyError, TypeError, ValueError or OverflowError."""
     time, ports = float(record["time"]), (record["sport"], record["dport"])
     if not 0 <= time <= LAST_SECOND or not all(map(_is_port, ports)):
         raise ValueError("out of range")
