@@ -38,7 +38,7 @@ class History(QWidget):
         self._summary: Optional[RunSummary] = None
         self._sheet: Optional[RunSheet] = None
         self._why_off = ""
-        self.rows = Rows(("#", "UTC", "Who", "Item", "Change", "Notes"), stretched=5)
+        self.rows = Rows(("#", "UTC", "Who", "Item", "Change", "Notes"), stretched=(3, 5))
         self.withdraw = widgets.enlarged(QPushButton("Withdraw entry …"), 1.1, bold=True)
         self.withdraw.setFocusPolicy(Qt.TabFocus)
         self.withdraw.clicked.connect(self._ask)

@@ -31,16 +31,16 @@ class ResultsPanel(Panel):
         super().__init__(client, parent)
         self._sheets = RunSheets(self, client.calls, self._on_update)
         self._zone = ""
-        self.runs = Rows(("Left (UTC)", "Team", "Run", "End", "Score", "Sheet"), stretched=4)
-        self.items = Rows(("Group", "Item", "Value", ""), stretched=1)
-        self.stops = Rows(("#", "UTC", "Who", "End", "Reason"), stretched=4)
+        self.runs = Rows(("UTC", "Team", "Run", "End", "Score", "Sheet"), stretched=(4,), wrapped=False)
+        self.items = Rows(("Group", "Item", "Value", ""), stretched=(1,))
+        self.stops = Rows(("#", "UTC", "Who", "End", "Reason"), stretched=(3, 4))
         self.what = widgets.enlarged(QLabel(wordWrap=True), 1.2, bold=True)
         self.what.setTextFormat(Qt.PlainText)
         self.correct = self._button("Change …", self._ask_score)
         self.give_reason = self._button("Reason …", self._ask_reason)
         self.sign = self._button(SIGN_OFF, self._ask_sign_off)
         self.referee = RefereeLine(client.referee)
-        self._answer = Answer()
+        self._answer = Answer(reserved=False)
         self.history = History(client, self, self._answer)
         self._lay_out()
         for rows in (self.runs, self.items, self.stops):
@@ -127,7 +127,8 @@ class ResultsPanel(Panel):
             return self._sheets.error or FETCHING
         run = f"{summary.team}  ·  {summary.code}, round {summary.round}, run {summary.run}"
         took = f"  ·  {texts.countdown(sheet.elapsed.to_sec())} min" if summary.end_reason else ""
-        return f"{run}  ·  {sheet_texts.end(summary)}{took}  ·  {', '.join(sheet.robots)}\n{sheet_texts.state(summary)}"
+        state = f"{sheet_texts.state(summary)} {sheet_texts.signature(summary)}"
+        return f"{run}  ·  {sheet_texts.end(summary)}{took}  ·  {', '.join(sheet.robots)}\n{state}"
 
     # -- what may be done ---------------------------------------------------------------------------
 

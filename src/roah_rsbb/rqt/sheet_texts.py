@@ -38,16 +38,18 @@ def event(summary) -> str:
 
 def state(summary) -> str:
     """What became of a run's score sheet."""
-    marks: List[str] = []
-    if summary.corrected:
-        marks.append("✎ corrected")
+    marks: List[str] = ["✎ corrected"] if summary.corrected else []
     if summary.signed.to_sec():
-        marks.append(f"✔ signed off by {summary.signed_by}")
-    elif summary.closed.to_sec():
-        marks.append("to be signed off")
+        marks.append("✔ signed off")
     else:
-        marks.append("not over")
+        marks.append("to be signed off" if summary.closed.to_sec() else "not over")
     return ", ".join(marks)
+
+
+def signature(summary) -> str:
+    """Who signed a score sheet off, and when; empty: nobody did."""
+    signed = summary.signed.to_sec()
+    return f"by {summary.signed_by or 'somebody'} at {texts.time_of_day(signed)} UTC" if signed else ""
 
 
 def change(entry, kind: int) -> str:

@@ -48,10 +48,18 @@ def test_how_a_run_ended(fields, text):
 @pytest.mark.parametrize("fields, text", [
     ({"closed": _Time(0.0)}, "not over"), ({}, "to be signed off"),
     ({"corrected": True}, "✎ corrected, to be signed off"),
-    ({"corrected": True, "signed": _Time(7.0), "signed_by": "Cleo"}, "✎ corrected, ✔ signed off by Cleo"),
+    ({"corrected": True, "signed": _Time(7.0), "signed_by": "Cleo"}, "✎ corrected, ✔ signed off"),
 ])
 def test_what_became_of_a_sheet(fields, text):
     assert sheet_texts.state(_summary(**fields)) == text
+
+
+@pytest.mark.parametrize("fields, text", [
+    ({}, ""), ({"signed": _Time(3661.0), "signed_by": "Cleo"}, "by Cleo at 01:01:01 UTC"),
+    ({"signed": _Time(3661.0)}, "by somebody at 01:01:01 UTC"),
+])
+def test_who_signed_a_sheet_off(fields, text):
+    assert sheet_texts.signature(_summary(**fields)) == text
 
 
 def test_what_an_entry_changed():
