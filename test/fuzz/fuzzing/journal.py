@@ -295,12 +295,12 @@ def journal_seeds() -> List[bytes]:
         *(bytes([5, table, 0, act]) for table in range(len(_TABLES)) for act in range(8)),
         b"\x05\0\x05\4", b"\x05\0\xc0\xff\xff\xff\xff\4", b"\x05\0\x01\5", b"\x05\0\0\5",
         b"\x08\0" + b"\x37\x7f\x06\x82" * 100, b"\x08\1" + bytes(32768), b"\x08\0",
-    ] + each_value[::7]
+    ] + each_value[::29]
 
 
 def read_seeds() -> List[bytes]:
     """Fewer of them: each is read, mended and read again."""
-    return journal_seeds()[::5]
+    return journal_seeds()[::4]
 
 
 def name_seeds() -> List[bytes]:

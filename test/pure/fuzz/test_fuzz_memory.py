@@ -11,7 +11,7 @@ from roah_rsbb.core.module_messages import ModuleInfo, ModulesState, Progress, S
 from roah_rsbb.core.refused import Refused
 from roah_rsbb.states import RobotState
 
-FEW, MANY = 4, 12
+FEW, MANY = 3, 8
 # What lists and caches of Python itself take now and then.
 GROWTH_BYTES = 100_000
 

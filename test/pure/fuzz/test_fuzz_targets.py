@@ -11,7 +11,7 @@ from fuzzing.targets import TARGETS
 
 REPEATABLE = {"deadline": None, "database": None, "derandomize": True}
 # Inputs for each target; a file on a disk costs more than a datagram.
-EXAMPLES = {"box": 40, "start": 60, "read": 20, "configuration": 60, "lines": 40}
+EXAMPLES = {"box": 40, "start": 60, "read": 8, "configuration": 60, "lines": 40}
 USUAL_EXAMPLES = 100
 
 
