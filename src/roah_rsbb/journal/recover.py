@@ -21,9 +21,14 @@ class _Table(NamedTuple):
     statement: str  # that makes it
 
     @property
+    def has_rowid(self) -> bool:
+        """Whether its rows have a number of SQLite's."""
+        return "WITHOUT ROWID" not in self.statement.upper()
+
+    @property
     def key(self) -> str:
-        """What its rows are found by."""
-        return "1" if "WITHOUT ROWID" in self.statement.upper() else "rowid"
+        """What its rows are found by: without such a number the first column is the primary key."""
+        return "rowid" if self.has_rowid else self.statement.partition("(")[2].split()[0]
 
 
 def recover(path: str, new: str) -> Dict[str, int]:
@@ -80,7 +85,7 @@ def _copy_rows(old: sqlite3.Connection, out: sqlite3.Connection, table: _Table) 
     if not whole:
         last, _ = _read(old, table, "DESC")
         rows = first + last
-        if table.key == "rowid":
+        if table.has_rowid:
             begin = first[-1][0] + 1 if first else 1
             end = last[-1][0] if last else begin + MAX_PROBED
             rows += [row for row in (_probe(old, table, i) for i in range(begin, end)) if row is not None]
@@ -93,10 +98,9 @@ def _copy_rows(old: sqlite3.Connection, out: sqlite3.Connection, table: _Table) 
 
 def _read(old: sqlite3.Connection, table: _Table, order: str) -> Tuple[List[Row], bool]:
     """All rows in this order up to the first that cannot be read, each behind its key; and whether that was all."""
-    by = f"ORDER BY {table.key} {order}" if table.key == "rowid" else ""
     rows: List[Row] = []
     with contextlib.suppress(sqlite3.DatabaseError):
-        rows.extend(old.execute(f"SELECT {table.key}, * FROM {table.name} NOT INDEXED {by}"))
+        rows.extend(old.execute(f"SELECT {table.key}, * FROM {table.name} ORDER BY {table.key} {order}"))
         return rows, True
     return rows, False
 

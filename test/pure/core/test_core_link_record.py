@@ -10,7 +10,7 @@ from roah_rsbb.core.link_record import LinkSample, skipped_states
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.saved import freeze, thaw
 from roah_rsbb.states import BoxState, RobotState
-from roah_rsbb.timing import BURST_COUNT, BURST_INTERVAL_S
+from roah_rsbb.timing import BURST_COUNT, BURST_INTERVAL_S, sent_after_change
 
 OPENED = Now(100.0, UTC0)
 BURST = [0.4] + [BURST_INTERVAL_S] * BURST_COUNT
@@ -120,6 +120,14 @@ def test_the_end_of_a_burst_and_a_regular_message_are_missed(line):
     assert line.sample().lost == 4
 
 
+def test_what_is_left_of_a_burst_is_no_regular_message(line):
+    """The next regular one is due a second after the burst, not after the last one of it that was heard."""
+    bursting(line)
+    line.sends_all(BURST, RobotState.WAITING_GOAL, lost=range(1, 11))
+    line.sends()
+    assert line.sample().lost == 10
+
+
 def test_a_slow_burst_is_whole(line):
     bursting(line)
     line.sends_all([i * 1.4 for i in BURST], RobotState.WAITING_GOAL)
@@ -187,6 +195,14 @@ def test_a_clock_that_is_set_loses_nothing(line, skew):
     assert line.sample().lost == 0
 
 
+def test_losses_while_a_clock_is_set_follow_from_the_boxs_clock(line):
+    line.sends_all([1.0] * 4)
+    line.sample()
+    line.skew = 3600.0
+    line.sends(3.0)
+    assert line.sample().lost == 2
+
+
 def test_an_absurd_time_of_the_first_messages_is_not_believed(line):
     line.sends(time=(-(2**63), 0))
     line.sends(time=(2**63 - 1, 999))
@@ -214,10 +230,18 @@ def test_round_trip_of_a_change_of_state(line):
     line.sends(0.3, RobotState.STOP)
     sample = line.sample()
     assert (sample.answers, sample.unanswered) == (2, 0)
+    assert sample.skew_max_s == pytest.approx(0.07), "the closest bound of both"
     assert sample.round_trip_s == pytest.approx(0.07)
     assert sample.round_trip_max_s == pytest.approx(0.3)
     line.sends()
     assert line.sample().round_trip_s is None
+
+
+@pytest.mark.parametrize(("seconds", "sent"), [
+    (-0.2, 0), (0.0, 1), (0.06, 2), (0.49, 10), (0.5, 11), (1.4, 11), (1.6, 12), (10.6, 21),
+])
+def test_what_the_box_sends_by_its_rules(seconds, sent):
+    assert sent_after_change(seconds) == sent
 
 
 @pytest.mark.parametrize(("box", "robot"), [
@@ -284,6 +308,7 @@ def test_a_string_that_was_added_while_another_waits_is_not_measured(line):
     line.sends(0.1, notifications=("a", "b"))
     line.sends(0.1, visitor=("b",), notifications=("b",))
     assert line.sample().answers == 1
+    line.sends(0.1, notifications=("b",))
     line.sends(0.1)
     assert line.sample().answers == 0
     line.sends(notifications=("c",))
@@ -304,8 +329,15 @@ def test_a_robot_that_repeats_for_ever_grows_nothing(line):
     assert len(line.link.record._acknowledged) <= 64
 
 
-def test_the_boxs_clock_was_set(line):
+def test_strings_from_before_the_boxs_clock_was_set(line):
     line.sends(notifications=("a",))
+    line.link.restart_skew()
+    line.sends(0.1)
+    assert line.sample().answers == 0
+
+
+def test_the_boxs_clock_was_set(line):
+    line.sends()
     line.says(BoxState.PREPARE)
     line.now = line.now._replace(utc=line.now.utc + 100.0)
     line.link.restart_skew()
@@ -327,7 +359,9 @@ def test_states_that_were_not_heard_of(before, state, skipped):
 def test_skipped_states_are_in_the_sample(line):
     line.sends()
     line.sends(state=RobotState.EXECUTING)
-    assert line.sample().skipped_states == 2
+    line.sends(state=RobotState.RESULT_TX)
+    line.sends(state=RobotState.WAITING_GOAL)
+    assert line.sample().skipped_states == 3
 
 
 def test_a_sample_is_kept_as_little_text(line):

@@ -123,6 +123,23 @@ def test_a_journal_of_a_file_system_without_write_ahead_log(writer, tmp_path):
     assert identities(writer.path) == ["changed"]
 
 
+def test_a_computer_that_failed_in_the_middle_of_a_change(writer, tmp_path):
+    """Where there is no write-ahead log, half of a change may be in the file: what undoes it lies beside."""
+    writer.close()
+    statement(writer.path, "PRAGMA journal_mode = DELETE")
+    connection = sqlite3.connect(writer.path, isolation_level=None)
+    connection.execute("PRAGMA cache_size = 1")
+    connection.execute("BEGIN")
+    connection.execute("UPDATE runs SET identity = 'half'")
+    connection.executemany("INSERT INTO links VALUES (1, 1, 1, ?)", (("x" * 4000,) for _ in range(100)))
+    for suffix in ("", "-journal"):
+        shutil.copy(writer.path + suffix, tmp_path / f"j{suffix}")
+    connection.execute("ROLLBACK")
+    connection.close()
+    assert b"half" in (tmp_path / "j").read_bytes()
+    assert identities(tmp_path / "j") == [RECORD.identity]
+
+
 def as_nobody(do):
     """What `do` returns (a text) when it is called without the right to write anywhere but in /tmp."""
     if os.getuid() != 0:
@@ -212,6 +229,8 @@ def test_a_torn_file(writer, keep):
     writer.close()
     os.truncate(writer.path, int(os.path.getsize(writer.path) * keep))
     assert "damaged" in error_of(writer.path)
+    with pytest.raises(JournalError):
+        identities(writer.path)
 
 
 def test_damaged_pages_and_values(writer):

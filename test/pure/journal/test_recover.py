@@ -1,11 +1,13 @@
 """What can be had of a damaged journal."""
 
 import os
+import sqlite3
 
 import pytest
 
 from helpers.journals import UTC0, Writer
 from roah_rsbb.core.records import RunRecord
+from roah_rsbb.journal import recover as recover_module
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover
 
@@ -65,6 +67,29 @@ def test_both_sides_of_damaged_pages(path, tmp_path):
     assert {1, 150, COUNT} <= set(found)
     assert not {101, 201} & set(found)
     assert found == sorted(set(found))
+
+
+def test_both_sides_of_a_damaged_page_of_runs(tmp_path):
+    writer = Writer(tmp_path / "log")
+    for i in range(100):
+        writer.run(RECORD._replace(identity=f"run {i:03d}", zone="long " * 40), ())
+    writer.close()
+    spoil(writer.path, page_of(writer.path, "run 050"))
+    recover(writer.path, str(tmp_path / "new"))
+    with JournalReader(str(tmp_path / "new")) as reader:
+        found = [run.identity for run in reader.runs()]
+    assert {"run 000", "run 099"} <= set(found)
+    assert len(found) > 50
+
+
+def test_nothing_half_is_left(path, tmp_path, monkeypatch):
+    def full(*_):
+        raise sqlite3.OperationalError("database or disk is full")
+
+    monkeypatch.setattr(recover_module, "_copy_rows", full)
+    with pytest.raises(JournalError, match="full"):
+        recover(path, str(tmp_path / "new"))
+    assert not (tmp_path / "new").exists()
 
 
 def test_a_torn_journal(path, tmp_path):

@@ -11,6 +11,7 @@ from roah_rsbb.core.link_record import LinkSample
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results import texts
 from roah_rsbb.results.html_sheet import sheet_page
+from roah_rsbb.results.page import tag
 from roah_rsbb.results.run_result import NoSuchRun, find, records, run_result
 from roah_rsbb.results.story import box_states, robot_states, sections
 from roah_rsbb.results.text_sheet import list_lines, sheet_lines
@@ -168,6 +169,15 @@ def test_of_several_robots_each_is_named(writer):
     assert "r2 of team ALL: notification: hello" in "\n".join(sheet_lines(read(writer), True, False))
 
 
+def test_a_state_that_is_said_again_is_one_stretch(writer):
+    record = task_record("Alpha", 1)
+    writer.run(record)
+    for state in ("STOP", "PREPARE", "PREPARE", "PREPARE"):
+        writer.entry("/rsbb_log/rsbb_state_str", state, record.identity)
+    stretches = box_states(read(writer), 6667, writer.utc + 5.0)
+    assert [(s.name, s.end_utc - s.begin_utc) for s in stretches] == [("STOP", 1.0), ("PREPARE", 7.0)]
+
+
 def test_stretches_of_states(result):
     begin = result.record.opened_utc
     stretches = box_states(result, 6667, begin + 500.0)
@@ -213,7 +223,7 @@ def test_the_sheet_in_the_terminal(result, lisbon):
         "2025-11-21 13:11:00 +01:00  Stopped due to timeout",
         "Waypoints reached: 2", "Distance error: 0.123 m",
         "9 lost on the way to the box (3.0%)", "3 datagrams of the box", "0.030 s at best, 0.050 s at worst",
-        "longest silence 9.0 s", "robot's address: 10.0.0.7", "/logs/6667.bag",
+        "longest silence 9.0 s", "silence over 2.5 s: 7", "robot's address: 10.0.0.7", "/logs/6667.bag",
     ):
         assert expected in text
     assert not re.search("[\x00-\x09\x0b-\x1f\u202e]", text), "nothing of a robot reaches the terminal as it is"
@@ -224,6 +234,10 @@ def test_what_was_withdrawn_is_struck_through_where_that_can_be(result):
     assert len(struck) == 1
     assert "1 -> 3" in struck[0]
     assert struck[0].index("\033[29m") < struck[0].index("withdrawn by bert, 2025-11-21 12:01:00Z")
+
+
+def test_attributes_are_escaped():
+    assert tag("a", "x", href='"><script>\u202e') == '<a href="&quot;&gt;&lt;script&gt;\\u202e">x</a>'
 
 
 # -- as a page --------------------------------------------------------------------------------------
