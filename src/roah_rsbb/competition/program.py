@@ -158,11 +158,14 @@ def _failed(error: Exception) -> int:
 def _next_steps(options: argparse.Namespace, found: Dict[str, object]) -> int:
     directory = os.path.abspath(options.directory)
     path = shlex.quote(os.path.join(directory, files.LAUNCH))
-    host = "" if found["rsbb-host"] else " rsbb_host:=192.168.1.255"
+    host = found["rsbb-host"]
     if os.path.isdir(os.path.join(directory, files.MODULES)):
         print(f"Now set the waypoints, objects and people of your venue in {files.MODULES}/, and ", end="")
     else:
         print("Now ", end="")
     print(f"give each team its own password of {files.PASSWORDS}.")
-    print(f"Start the box: roslaunch {path}{host}")
+    example = host or "192.168.1.255"
+    print(f"Look whether all is well: rosrun roah_rsbb preflight --rsbb-host {example} --competition "
+          f"{shlex.quote(directory)}")
+    print(f"Start the box: roslaunch {path}" + ("" if host else f" rsbb_host:={example}"))
     return 0

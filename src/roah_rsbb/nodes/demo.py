@@ -29,6 +29,8 @@ FIRST_TABLET_PORT = 8080
 # A dummy run takes seconds; the robot is found after the box has listened for another one.
 WAIT_FOR_ROBOT_S = 40
 STOP_S = 15
+# Of what the programs printed, when something failed.
+SHOWN_CHARACTERS = 1500
 
 
 def _free_port(kind: socket.SocketKind, host: str, first: int, step: int) -> int:
@@ -66,6 +68,12 @@ def _launched(command: List[str], environment: Dict[str, str]) -> Iterator[None]
                 launch.wait()
 
 
+def _last_lines() -> str:
+    """The end of what the programs printed, where the reason is if they could not start."""
+    with open(LAUNCH_LOG, encoding="utf-8", errors="replace") as log:
+        return "".join(line for line in log.readlines() if line.strip())[-SHOWN_CHARACTERS:]
+
+
 def _scripted(environment: Dict[str, str], master_port: int) -> int:
     print(f"No display here: a scripted referee takes a dummy robot through {' and '.join(RUNS)}.", flush=True)
     with _launched(_launch_command("none", master_port), environment):
@@ -74,7 +82,8 @@ def _scripted(environment: Dict[str, str], master_port: int) -> int:
             referee = ["rosrun", "roah_rsbb", "referee", "run", ZONE, "--benchmark", benchmark]
             status = subprocess.call([*referee, "--wait", str(WAIT_FOR_ROBOT_S), *does], env=environment)
             if status != 0:
-                print(f"demo: {benchmark} did not complete (the referee's exit status is {status})", file=sys.stderr)
+                print(f"demo: {benchmark} did not complete (the referee's exit status is {status}); the programs said "
+                      f"last:\n{_last_lines()}", file=sys.stderr)
                 break
     print(f"Logs of the runs (rosbags) are in {LOG_DIR}; what the programs printed is in {LAUNCH_LOG}")
     return status

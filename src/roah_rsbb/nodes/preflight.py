@@ -26,27 +26,41 @@ The exit status is 0 if nothing failed (there may be warnings), 1 if something d
 
 Another box is listened for on the public UDP port: so run it while the own box does not.
 """
+FILES = ("benchmarks", "schedule", "passwords")
+_LOG_DIR = "~/.ros/roah_rsbb"  # roah_rsbb.launch's
 _MARKS = {Level.OK: "ok     ", Level.WARNING: "WARNING", Level.FAILED: "FAILED "}
 
 
-def _parser(config_dir: str) -> argparse.ArgumentParser:
+def _parser() -> argparse.ArgumentParser:
     parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
     parser.add_argument("--rsbb-host", default="10.255.255.255",
                         help="broadcast address of the network with the robots (default: %(default)s)")
     parser.add_argument("--rsbb-port", type=int, default=6666, help="public UDP port (default: %(default)s)")
     parser.add_argument("--bind-host", default="0.0.0.0", help="own address to use (default: all)")
-    for name in ("benchmarks", "schedule", "passwords"):
-        parser.add_argument(f"--{name}-file", default=os.path.join(config_dir, f"{name}.yaml"), metavar="FILE",
-                            help="default: the shipped one")
-    parser.add_argument("--log-dir", default="~/.ros/roah_rsbb", metavar="DIR", help="default: %(default)s")
+    parser.add_argument("--competition", metavar="DIR",
+                        help="a directory that new_competition made: its files and its log are looked at")
+    for name in FILES:
+        parser.add_argument(f"--{name}-file", metavar="FILE",
+                            help="default: that of the competition, or the shipped one")
+    parser.add_argument("--log-dir", metavar="DIR", help=f"default: log/ of the competition, or {_LOG_DIR}")
     parser.add_argument("--listen", type=number(0.0, 3600.0), default=5.0, metavar="S",
                         help="how long to listen for another box, seconds; 0: not at all (default: %(default)s)")
     return parser
 
 
+def complete(options: argparse.Namespace, config_dir: str) -> None:
+    """Set the files and log_dir that were not given."""
+    folder = options.competition or config_dir
+    for name in FILES:
+        if getattr(options, f"{name}_file") is None:
+            setattr(options, f"{name}_file", os.path.join(folder, f"{name}.yaml"))
+    if options.log_dir is None:
+        options.log_dir = os.path.join(options.competition, "log") if options.competition else _LOG_DIR
+
+
 def findings(options: argparse.Namespace) -> List[Finding]:
     """All that was found, in the order in which an organiser would look."""
-    files = {f"{name}_file": getattr(options, f"{name}_file") for name in ("benchmarks", "schedule", "passwords")}
+    files = {f"{name}_file": getattr(options, f"{name}_file") for name in FILES}
     network = checks.check_network(options.rsbb_host, checks.interfaces())
     ports = checks.check_ports(options.bind_host, options.rsbb_port)
     found = [network, *ports]
@@ -63,7 +77,8 @@ def findings(options: argparse.Namespace) -> List[Finding]:
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     config_dir = os.path.join(rospkg.RosPack().get_path("roah_rsbb"), "config")
-    options = _parser(config_dir).parse_args(sys.argv[1:] if arguments is None else arguments)
+    options = _parser().parse_args(sys.argv[1:] if arguments is None else arguments)
+    complete(options, config_dir)
     found = findings(options)
     for finding in found:
         print(f"{_MARKS[finding.level]}  {finding.text}")
