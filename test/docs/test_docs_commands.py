@@ -51,8 +51,8 @@ def check_rosrun(package, script, *given):
     assert script in programs.SCRIPTS, f"no script {script}"
     said = programs.helps()[script].text
     word = next((each for each in given if not each.startswith("-")), "")
-    if script == "referee" and word:
-        assert re.search(rf"\b{word}\b", said), f"referee has no command {word}"
+    if script in ("referee", "results") and word:
+        assert re.search(rf"\b{word}\b", said), f"{script} has no command {word}"
         said += programs.help_of(script, word).text
     check_options(said, given)
 

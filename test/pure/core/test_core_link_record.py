@@ -124,7 +124,7 @@ def test_what_is_left_of_a_burst_is_no_regular_message(line):
     """The next regular one is due a second after the burst, not after the last one of it that was heard."""
     bursting(line)
     line.sends_all(BURST, RobotState.WAITING_GOAL, lost=range(1, 11))
-    line.sends()
+    line.sends(1.1)
     assert line.sample().lost == 10
 
 
