@@ -14,11 +14,13 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 from roah_rsbb.core import effects
 from roah_rsbb.core.all_robots import AllRobotsRun, AllRobotsState
 from roah_rsbb.core.benchmarks import Event
+from roah_rsbb.core.capacity import LAST_PORT
 from roah_rsbb.core.clock import Now, clock_text
 from roah_rsbb.core.effects import Effect, How, Level
 from roah_rsbb.core.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.messages import DevicesState, TabletState
 from roah_rsbb.core.records import RunRecord
+from roah_rsbb.core.robots import ActiveRobots
 from roah_rsbb.core.run import Entry, Run, RunState, Surroundings
 from roah_rsbb.core.zone import LastRun, Zone
 from roah_rsbb.core.zone_run import ZoneRun
@@ -83,6 +85,7 @@ class Restart(abc.ABC):
     """A part of `roah_rsbb.core.box.Box`, which has the zones."""
 
     zones: Dict[str, Zone]
+    robots: ActiveRobots
     devices: DevicesState
     _effects: List[Effect]
 
@@ -183,6 +186,7 @@ class Restart(abc.ABC):
         runs = runs if state.run is None else (state.run,)
         if not runs:
             return
+        self._check_channels(runs)
         entries = [Entry(zone.name, zone.event, run.robot, run.port) for run in runs]
         for run in runs:
             self._last_port = max(self._last_port, run.port)
@@ -196,6 +200,15 @@ class Restart(abc.ABC):
         zone.run.resume(now, state.run)
         if isinstance(zone.run, FunctionalityRun) and state.for_module is not None:
             zone.run.resume_for_module(state.for_module)
+
+    def _check_channels(self, runs: Tuple[RunState, ...]) -> None:
+        """Raise ValueError if these runs could have no private channels."""
+        ports = [run.port for run in runs]
+        for run in runs:
+            if not self.robots.has_password(run.robot.team):
+                raise ValueError(f"team {run.robot.team} has no password any more")
+            if not 0 < run.port <= LAST_PORT or ports.count(run.port) > 1 or self.run_at(run.port) is not None:
+                raise ValueError(f"its port {run.port} cannot be used")
 
     def _lost(self, now: Now, state: ZoneState, why: str) -> None:
         """A run cannot go on: what it scored is on record."""
