@@ -62,7 +62,7 @@ def _plain(text: str) -> Any:
         raise BadResult(f"the result {_shown(text)} has too many parts: expected a few keys and values")
     try:
         events = list(_safe_events(text))
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, ValueError, OverflowError) as error:  # PyYAML lets out the others at impossible escapes
         raise BadResult(f"the result {_shown(text)} is no YAML: {str(error).splitlines()[0]}") from None
     if not events:
         raise BadResult("the result is empty")

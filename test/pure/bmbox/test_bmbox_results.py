@@ -35,7 +35,8 @@ def test_a_text_is_what_stands_there(text, name):
     ("!!python/object/apply:os.system [ls]", "tag"), ("x" * 2001, "2001 characters"),
     ("[" * 50 + "]" * 50, "levels deep"), ("[" * 1000 + "]" * 1000, "too many parts"),
     ("{n: [" + "1," * 100 + "]}", "too many parts"), ("{" + "\U000e0001" * 90 + "}", "expected {n}"),
-    ("{" + "\0" * 90 + "}", "no YAML"), ("{? {a: 1} : 2, ? [1] : 3}", "has no n"),
+    ("{" + "\0" * 90 + "}", "no YAML"),
+    ('{n: "\\UFFFFFFFF"}', "no YAML"), ("{? {a: 1} : 2, ? [1] : 3}", "has no n"),
 ])
 def test_what_is_no_result_says_why(text, reason):
     with pytest.raises(BadResult) as raised:
