@@ -17,8 +17,10 @@ from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.effects import RunOpened
 from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
 from roah_rsbb.core.module_messages import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
+from roah_rsbb.core.referee_record import RunName
 from roah_rsbb.core.refused import Refused
 from roah_rsbb.core.saved import freeze, thaw
+from roah_rsbb.core.scoring import Mark
 from roah_rsbb.nodes import wire_convert
 from roah_rsbb.nodes.module_limits import checked_state
 from roah_rsbb.states import RobotState
@@ -30,7 +32,6 @@ CODES = ("HOPF", "HNF", "HOMF")
 NODES = ("n1", "n2")
 _TIMES_S = (0.0, 0.001, 0.05, 1.0, 3.1, 20.0, 1000.0, 1e6)
 _CLOCK_STEPS_S = (-1e9, -1.0, 1e-3, 1.0, 1e9)
-_LEAST_UINT32, _MOST_UINT32 = 0, 2**32 - 1
 
 
 class ForgetfulDriver(BoxDriver):
@@ -72,9 +73,34 @@ class Play:
         )
         self.driver = ForgetfulDriver(config)
         self.driver.config = config
-        self._begin()
+        self.reader.choice((self._begin_runs, self._begin_runs, self._begin_all_robots, self._begin_switches))()
 
-    def _begin(self) -> None:
+    def _begin_all_robots(self) -> None:
+        """All robots are in one run."""
+        for host, team in zip(HOSTS, TEAMS):
+            self.driver.robot(team, "r1", host).beacon()
+        self.driver.command("connect", "all")
+        now = self.driver.robot().time()
+        for host, run in zip(HOSTS, self.driver.box.runs()):
+            self.driver.event(self.driver.box.on_robot_report, run.port, host, RobotReport(now, 1, RobotState.STOP))
+        self.driver.command("start", "all")
+
+    def _begin_switches(self) -> None:
+        """The referee enters switches."""
+        self.driver.command("next", "object")
+        node = ModulesState(NODES[0], tuple(ModuleInfo(code) for code in CODES))
+        self.driver.event(self.driver.box.on_modules, node)
+        robot = self.driver.connected("object", team="Alpha", name="r1", host=HOSTS[0])
+        self.driver.command("start", "object")
+        identity = self.driver.run_in("object").identity
+        goal = Request(1, RequestKind.GOAL, initial_state=(True, False), switches=(2,))
+        self.driver.event(self.driver.box.on_modules, node._replace(progress=(Progress(identity, 1, goal),)))
+        for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING, RobotState.RESULT_TX):
+            robot.says(state)
+        asked = Request(2, RequestKind.SWITCHES, "Enter")
+        self.driver.event(self.driver.box.on_modules, node._replace(progress=(Progress(identity, 1, asked),)))
+
+    def _begin_runs(self) -> None:
         """A robot executes in the first zone, another has a goal in a functionality benchmark."""
         self.driver.executing("catering", team="Alpha", name="r1", host=HOSTS[0])
         node = ModulesState(NODES[0], tuple(ModuleInfo(code) for code in CODES))
@@ -194,7 +220,16 @@ class Play:
     def _score(self) -> Step:
         r = self.reader
         group, desc = r.choice(("Achievements", "Penalized", "")), r.choice(("detects the door", "bumps", ""))
-        return self._event("set_score", r.choice(ZONES), group, desc, r.integer(size=4))
+        records = self.driver.box.records(self.driver.now)
+        identity = r.choice(records).identity if records and r.flag() else ""
+        name = RunName(r.choice(ZONES), identity)
+        return r.choice((
+            lambda: self._event("set_score", name.zone, group, desc, r.integer(size=4), r.text(), r.text()),
+            lambda: self._event("score", name, Mark(group, desc, r.integer(size=4), r.flag(), r.text()), r.text()),
+            lambda: self._event("withdraw_score", name, r.byte(), r.text(), r.text()),
+            lambda: self._event("give_stop_reason", name, r.text(), r.text(), r.byte()),
+            lambda: self._event("sign_off", name, r.text()),
+        ))()
 
     def _pass(self) -> Step:
         """Time goes by: the box is told of it only now."""
@@ -262,6 +297,11 @@ def steps(data: bytes) -> Iterator[Step]:
 
 def seeds() -> List[bytes]:
     """Robots that finish with results, say very much, fall back; modules that ask; referees; restarts."""
+    return [bytes([opening]) + seed for opening in (0, 2, 3) for seed in _seeds_of_a_run()]
+
+
+def _seeds_of_a_run() -> List[bytes]:
+    """The same happens after each opening."""
     said = bytes([0, 1, 1])  # of the first run: a message is saved, PREPARING
     return [
         b"",
@@ -275,6 +315,8 @@ def seeds() -> List[bytes]:
         bytes([8, 0, 4, 8, 0, 1, 8, 2, 0, 4, 1, 1, 1, 0, 8, 2, 0, 8, 2, 4]),
         bytes([7, 0, 1, 0, 0, 1, 0, 1, 2, 0x48, 0x69, 1, 1, 0x61, 0, 0, 0, 0, 0, 0, 0]),
         bytes([11, 0, 0, 1, 1, 11, 4, 10, 7, 3, 0, 1, 200, 200, 1, 1]),
+        bytes([8, 0, 4, 8, 2, 4, 8, 4, 4, 9, 0, 1, 0, 0, 0, 5, 0, 0, 9, 0, 1, 1, 0, 0, 2, 0, 0, 0, 9, 0, 1, 1, 0, 4]),
+        bytes([13, 2, 1, 1, 13, 2, 2, 3, 13, 2, 3, 13, 4, 0, 0, 0]),
     ]
 
 
