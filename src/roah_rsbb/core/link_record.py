@@ -2,9 +2,9 @@
 
 The box sees its own end of the link only. Everything here follows from what arrived, when, what the robot's
 clock said when it was sent, and from the rules by which both sides send (wire protocol, Timing): each second, and
-after a change of state at once and then ten times at 50 ms. Each number says in `LinkSample` what it rests on, and
-what it cannot know. Where a rule leaves room the smaller number is taken: losses are never invented for a robot
-that keeps the rules, but some are not seen.
+after a change of state ten times at 50 ms. Each number says in `LinkSample` what it rests on, and what it cannot
+know. Where a rule leaves room the smaller number is taken (the ten begin with the change in the original client,
+and come after it in ours): losses are never invented for a robot that keeps the rules, but some are not seen.
 
 A computer that is busy looks like a slow network. What happens to one robot alone is that robot's, or its radio's;
 what happens to all of them in the same second is the box's, or the access point's.
@@ -52,8 +52,8 @@ class LinkSample(NamedTuple):
     From the robot to the box:
     `received`: datagrams that were newer than all before.
     `lost`: datagrams that the robot must have sent and that were not there in their turn. From the robot's times:
-    after a message the next one is due a second later by the robot's clock; after a change of its state ten more
-    follow in half a second. They are counted when the next message arrives, so during a silence only `gap_s`
+    after a message the next one is due a second later by the robot's clock; with a change of its state there are
+    ten in half a second. They are counted when the next message arrives, so during a silence only `gap_s`
     grows. Unknown: what is lost at the end of a run, bursts of a robot that was never heard to send one, those
     after new online data, most of a burst that was cut short. Too large for a robot that sends less often
     than the rules say. One that was overtaken counts as lost, and as `stale` when it comes.
@@ -137,7 +137,7 @@ class _Burst:
 
     def _close(self) -> int:
         """The burst is over, or cut short by another one."""
-        due = 1 + min(BURST_COUNT, int(self.age_s / SLOW_INTERVAL_S))
+        due = min(BURST_COUNT, 1 + int(self.age_s / SLOW_INTERVAL_S))
         self.sends_bursts = self.sends_bursts or self.got >= IS_BURST
         lost = max(0, due - self.got) if self.sends_bursts else 0
         self.got = 0
