@@ -5,18 +5,16 @@
 panels on: `python3 test/ros/fake_core.py`, with a roscore.
 """
 
-import contextlib
 import threading
 import time
-from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Set
+from typing import Callable, Dict, List, NamedTuple, Optional, Set
 
 import rospy
+from fake_scores import FakeScores, present
 from std_srvs.srv import Empty
 
 from roah_rsbb.core.benchmarks import Benchmark, ScoreKind, ScoringItem
-from roah_rsbb.core.clock import Now
 from roah_rsbb.core.records import By, RunRecord, ScoreValue
-from roah_rsbb.core.refused import Refused
 from roah_rsbb.core.results import FinishedRuns
 from roah_rsbb.core.run_book import RunBook
 from roah_rsbb.core.scoring import Mark
@@ -32,19 +30,8 @@ from roah_rsbb.msg import (
     ZoneScoreGroup,
     ZoneState,
 )
-from roah_rsbb.nodes.results_convert import sheet_message, summary_message
-from roah_rsbb.srv import (
-    GetRunSheet,
-    GetRunSheetResponse,
-    ManualOperationAnswer,
-    ScoreMark,
-    ScoreWithdraw,
-    SignOff,
-    StopReason,
-    Zone,
-    ZoneScore,
-    ZoneUInt8,
-)
+from roah_rsbb.nodes.results_convert import summary_message
+from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneScore, ZoneUInt8
 
 COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next")
 FIELDS = {"previous": "prev"}
@@ -60,17 +47,8 @@ SCORING = (
                               (1, "Stops working"))),
     ("Disqualifying behaviours", ((1, "Hits Annie or another person"), (1, "Damages the test bed"))),
 )
-# In `FakeCore.calls`, instead of a value.
-NOT_ATTEMPTED = -1
-SCHEDULE_START = 1446364800  # 2015-11-01 08:00:00 UTC
-
-
 ITEMS = tuple(ScoringItem(group, desc, ScoreKind(kind)) for group, items in SCORING for kind, desc in items)
-
-
-def present() -> Now:
-    """The present moment, for what is the real core's here."""
-    return Now(time.monotonic(), time.time())
+SCHEDULE_START = 1446364800  # 2015-11-01 08:00:00 UTC
 
 
 class Asked(NamedTuple):
@@ -184,7 +162,7 @@ class FakeZone:
         self._to("idle")
 
 
-class FakeCore:
+class FakeCore(FakeScores):
     """Publishes as the core does and answers its services. Tests change its attributes at any time."""
 
     def __init__(self, zones: tuple = ("Home A", "Home B"), auto_publish: bool = True) -> None:
@@ -210,11 +188,7 @@ class FakeCore:
         ]
         self._services += [
             rospy.Service("/core/set_score", ZoneScore, self._on_score),
-            rospy.Service("/core/score", ScoreMark, self._on_mark),
-            rospy.Service("/core/score/withdraw", ScoreWithdraw, self._on_withdrawal),
-            rospy.Service("/core/stop_reason", StopReason, self._on_reason),
-            rospy.Service("/core/sign_off", SignOff, self._on_sign_off),
-            rospy.Service("/core/run_sheet", GetRunSheet, self._on_run_sheet),
+            *self.score_services(),
             rospy.Service("/core/manual_operation_answer", ManualOperationAnswer, self._on_operation),
             rospy.Service("/core/omf_switches/complete", Zone, self._on_switches_complete),
             rospy.Service("/core/omf_switches/button", ZoneUInt8, self._on_switch),
@@ -245,12 +219,6 @@ class FakeCore:
         if results != self._last_results:
             self._last_results = results
             self._results.publish(results)
-
-    def records(self) -> List[RunRecord]:
-        """All runs, as the real core has them."""
-        zones = self.zones.values()
-        connected = [zone.record() for zone in zones if zone.identity]
-        return connected + [record for zone in zones for record in zone.finished.records()]
 
     def gui_message(self, now: rospy.Time) -> CoreToGui:
         """CoreToGui at `now`."""
@@ -344,57 +312,6 @@ class FakeCore:
         self.zones[request.zone].mark(Mark(score.group, score.desc, score.value), "")
         return []
 
-    def _on_mark(self, r: object) -> list:
-        self.calls.append(("score", r.zone, r.group, r.desc, NOT_ATTEMPTED if r.not_attempted else r.value))
-        self.words.append((r.identity, r.note, r.referee))
-        self._answer()
-        zone, mark = self.zones[r.zone], Mark(r.group, r.desc, r.value, r.not_attempted, r.note)
-        with _refusing():
-            if r.identity in ("", zone.identity):
-                zone.mark(mark, r.referee)
-            else:
-                zone.finished.find(r.identity).mark(present(), r.referee, mark)
-        return []
-
-    def _on_withdrawal(self, r: object) -> list:
-        self.calls.append(("withdraw", r.zone, r.number))
-        self.words.append((r.identity, r.note, r.referee))
-        self._answer()
-        zone, by = self.zones[r.zone], By(r.referee, r.note)
-        with _refusing():
-            if r.identity == zone.identity:
-                marked = zone.book.withdraw(present(), by, r.number)
-                zone.scores[(marked.item.group, marked.item.desc)] = marked.item.value
-            else:
-                zone.finished.find(r.identity).withdraw_score(present(), by, r.number)
-        return []
-
-    def _on_reason(self, r: object) -> list:
-        self.calls.append(("stop_reason", r.zone, r.stop))
-        self.words.append((r.identity, r.reason, r.referee))
-        self._answer()
-        zone, by = self.zones[r.zone], By(r.referee, r.reason)
-        with _refusing():
-            if r.identity == zone.identity:
-                zone.book.give_reason(r.stop, by)
-            else:
-                zone.finished.find(r.identity).give_stop_reason(by, r.stop)
-        return []
-
-    def _on_sign_off(self, r: object) -> list:
-        self.calls.append(("sign_off", r.zone))
-        self.words.append((r.identity, "", r.referee))
-        self._answer()
-        with _refusing():
-            self.zones[r.zone].finished.find(r.identity).sign_off(present(), r.referee)
-        return []
-
-    def _on_run_sheet(self, r: object) -> GetRunSheetResponse:
-        record = next((record for record in self.records() if record.identity == r.identity), None)
-        if record is None:
-            raise rospy.ServiceException(f"no run {r.identity}")
-        return GetRunSheetResponse(sheet_message(record))
-
     def _on_operation(self, request: object) -> list:
         self.calls.append(("operation", request.zone, request.operation, request.answer))
         self._answer()
@@ -423,14 +340,6 @@ class FakeCore:
         self.answer_gate.wait()
         if self.refuse is not None:
             raise rospy.ServiceException(self.refuse)
-
-
-@contextlib.contextmanager
-def _refusing() -> Iterator[None]:
-    try:
-        yield
-    except Refused as refused:
-        raise rospy.ServiceException(str(refused)) from None
 
 
 def _scoring(scores: Dict[tuple, int]) -> List[ZoneScoreGroup]:

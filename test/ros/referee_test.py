@@ -125,6 +125,44 @@ class TestCommands(WithCore):
         self.assertEqual(len(self.core.calls), 4)
         self.assertEqual(referee("score", "Home A", "door").returncode, 2)
 
+    def test_scores_with_words_and_their_history(self) -> None:
+        self.zone.command("connect")
+        done = referee("score", "Home A", "door", "yes", "--note", "through the window", "--referee", "Anna")
+        self.assertEqual((done.stdout, done.stderr), (f"{DOOR[0]}: {DOOR[1]}: yes\n", ""))
+        self.assertEqual(self.core.words, [("", "through the window", "Anna")])
+        self.assertEqual(referee("score", "Home A", "door", "n/a").stdout, f"{DOOR[0]}: {DOOR[1]}: not attempted\n")
+        self.assertIn("not attempted  " + DOOR[1], referee("score", "Home A").stdout)
+        sheet = json.loads(referee("sheet", "Home A", "--json").stdout)["sheet"]
+        self.assertEqual([(e["value"], e["not_attempted"], e["note"]) for e in sheet["history"]],
+                         [(1, False, "through the window"), (0, True, "")])
+        done = referee("withdraw", "Home A", "2", "--note", "it did try")
+        self.assertIn("withdrawn at", done.stdout)
+        self.assertIn("1    yes  " + DOOR[1], done.stdout)
+        again = referee("withdraw", "Home A", "2")
+        self.assertEqual((again.returncode, again.stderr.count("entry 2 was withdrawn already")), (1, 1))
+
+    def test_a_run_that_is_over_is_corrected_and_signed_off(self) -> None:
+        refused = referee("withdraw", "Home A", "1")
+        self.assertEqual((refused.returncode, refused.stderr.count("'--run last'")), (1, 1))
+        self.assertEqual(referee("sign-off", "Home A", "--run", "last").returncode, 2)
+        self.zone.command("connect")
+        self.zone.command("start")
+        identity = self.zone.identity
+        self.zone.command("stop")
+        self.assertIn("Benchmark stopped by the referee", referee("reason", "Home A", "fire alarm").stdout)
+        self.zone.command("stop")
+        self.assertIn("to be signed off", referee("runs", "Home A").stdout)
+        self.assertIn("Home B:\n    no run is connected or over", referee("runs").stdout)
+        self.assertIn("no  " + DOOR[1], referee("score", "Home A", "--run", "last").stdout)
+        self.assertIn(": yes", referee("score", "Home A", "door", "yes", "--run", identity[:11]).stdout)
+        (run,) = json.loads(referee("runs", "--json").stdout)["runs"]
+        self.assertEqual((run["identity"], run["corrected"], run["signed_utc_s"]), (identity, True, None))
+        done = referee("sign-off", "Home A", "--run", "last", "--referee", "Cleo")
+        self.assertIn("corrected, signed off by Cleo at", done.stdout)
+        self.assertIn("fire alarm", done.stdout)
+        final = referee("score", "Home A", "door", "no", "--run", "last")
+        self.assertEqual((final.returncode, final.stderr.count("signed off by Cleo")), (1, 1))
+
     def test_a_manual_operation_is_done_and_answered(self) -> None:
         done = referee("done", "Home A")
         self.assertEqual((done.returncode, done.stderr.count("nothing is asked of the referee now")), (1, 1))

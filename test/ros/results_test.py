@@ -3,7 +3,7 @@
 
 import rospy
 import rostest
-from fake_core import NOT_ATTEMPTED
+from fake_scores import NOT_ATTEMPTED
 from gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, question, wait_until
 from panels_test import BUMPS, DOOR, PanelCase
 

@@ -13,6 +13,7 @@ from typing import Any, Callable, Dict, List
 import rospy
 
 from roah_rsbb.core.refused import Refused
+from roah_rsbb.nodes import referee_sheet_commands
 from roah_rsbb.nodes import referee_view as view
 from roah_rsbb.nodes.referee_args import PROG, parser
 from roah_rsbb.nodes.referee_changes import Change
@@ -113,6 +114,13 @@ def _say_done(link: Link, name: str, output: Output, command: str) -> Exit:
 
 
 def _score(link: Link, options, output: Output) -> Exit:
+    if options.item is not None and options.value is None:
+        raise BadWord(f"which value should '{options.item}' have? Give it behind the item")
+    with_words = options.note or options.referee or options.run is not None
+    if options.item is not None and (with_words or options.value.lower() in referee_sheet_commands.NOT_ATTEMPTED):
+        return referee_sheet_commands.score(link, options, output)
+    if options.run is not None:
+        return referee_sheet_commands.sheet(link, options, output)
     name = _zone_name(link, options.zone)
     zone = link.box.zone(name)
     if zone.phase == IDLE:
@@ -121,8 +129,6 @@ def _score(link: Link, options, output: Output) -> Exit:
         output.object({"zone": name, "event": zone.event, "score": zone.score}) if output.json else output.lines(
             view.score_sheet(zone, output.paint))
         return Exit.OK
-    if options.value is None:
-        raise BadWord(f"which value should '{options.item}' have? Give it behind the item")
     item = pick_item(options.item, zone.score)
     link.set_score(name, item.group, item.item, value_of(options.value, item))
     zone = link.settle().zone(name)
@@ -188,6 +194,7 @@ def _zone_name(link: Link, word: str) -> str:
 
 _DO: Dict[str, Callable[[Link, Any, Output], Exit]] = {
     "status": _status, "watch": _watch, "score": _score, "done": _done, "switches": _switches, "run": _run,
+    **referee_sheet_commands.DO,
 }
 
 

@@ -24,6 +24,8 @@ _EXITS = """exit status:
 """
 _ZONE = "name of the zone, or a beginning of it that no other zone has; in any case of letters"
 
+_RUN = "a run that is over: 'last', or a part of its name ('runs' has them)"
+
 _COMMANDS = {
     "connect": "connect the robot of the zone's event, and open the run",
     "start": "start the run, or start it again after a stop",
@@ -55,6 +57,7 @@ def parser() -> argparse.ArgumentParser:
         one = _add(commands, name, text, [f"{PROG} {name} 'Home A'"])
         one.add_argument("zone", metavar="ZONE", help=_ZONE)
     _score(commands)
+    _sheets(commands)
     _done(commands)
     _switches(commands)
     _run(commands)
@@ -92,11 +95,59 @@ def _watch(commands) -> None:
 def _score(commands) -> None:
     one = _add(
         commands, "score", "show the score sheet of the run in a zone, or set an item",
-        [f"{PROG} score 'Home A'", f"{PROG} score 'Home A' 3 +1", f"{PROG} score 'Home A' 'door' yes"],
+        [f"{PROG} score 'Home A'", f"{PROG} score 'Home A' 3 +1", f"{PROG} score 'Home A' 'door' yes",
+         f"{PROG} score 'Home A' 4 not-attempted", f"{PROG} score 'Home A' 3 2 --note 'the vase, twice' --referee Anna",
+         f"{PROG} score 'Home A' 3 1 --run last    (a correction)"],
     )
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
     one.add_argument("item", metavar="ITEM", nargs="?", help="an item's number, or a part of its text of its own")
-    one.add_argument("value", metavar="VALUE", nargs="?", help="a number, yes or no, or +N or -N to count on from now")
+    one.add_argument("value", metavar="VALUE", nargs="?",
+                     help="a number, yes or no, +N or -N to count on from now, or not-attempted")
+    _say(one, "beside the value")
+    _of_run(one)
+
+
+def _say(one: argparse.ArgumentParser, where: str) -> None:
+    one.add_argument("--note", metavar="TEXT", default="", help=f"stands {where} in the history")
+    one.add_argument("--referee", metavar="NAME", default="", help="who says so; without it: this program")
+
+
+def _of_run(one: argparse.ArgumentParser) -> None:
+    one.add_argument("--run", metavar="RUN", help=_RUN + "; without it: the one that is connected")
+
+
+def _sheets(commands) -> None:
+    one = _add(commands, "runs", "list the runs that are connected or over, with their scores",
+               [f"{PROG} runs", f"{PROG} runs 'Home A'"])
+    one.add_argument("zone", metavar="ZONE", nargs="?", help="only those of this zone; " + _ZONE)
+    one = _add(commands, "sheet", "show a score sheet with its history, and why the run ended",
+               [f"{PROG} sheet 'Home A'", f"{PROG} sheet 'Home A' --run last"])
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    _of_run(one)
+    one = _add(commands, "withdraw", "let an entry of the history count no more",
+               [f"{PROG} withdraw 'Home A' 3 --note 'another robot'"])
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument("entry", metavar="ENTRY", type=_counted, help="its number ('sheet' has it)")
+    _say(one, "beside the withdrawal")
+    _of_run(one)
+    one = _add(commands, "reason", "say why a run was stopped, at any time until it is signed off",
+               [f"{PROG} reason 'Home A' 'fire alarm'", f"{PROG} reason 'Home A' 'hit the vase' --run last --end 1"])
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument("text", metavar="TEXT", help="the reason; it replaces the one before")
+    one.add_argument("--end", metavar="N", type=_counted, default=0, help="which end ('sheet' has them); else the last")
+    one.add_argument("--referee", metavar="NAME", default="", help="who says so; without it: this program")
+    _of_run(one)
+    one = _add(commands, "sign-off", "sign the score sheet of a run that is over off: it is final then",
+               [f"{PROG} sign-off 'Home A' --run last --referee Anna"])
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument("--run", metavar="RUN", required=True, help=_RUN)
+    one.add_argument("--referee", metavar="NAME", default="", help="who signs; without it: this program")
+
+
+def _counted(word: str) -> int:
+    if not word.isdecimal() or not 1 <= int(word) < 2**32:
+        raise argparse.ArgumentTypeError(f"'{word}' is no number from 1 on")
+    return int(word)
 
 
 def _done(commands) -> None:

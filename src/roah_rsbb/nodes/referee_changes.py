@@ -95,12 +95,13 @@ def _state(zone: Zone) -> Dict[str, Any]:
 def _scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:
     if new.port != old.port:
         return  # another run: its sheet begins anew
-    before = {(item.group, item.item): item.value for item in old.score}
+    before = {(item.group, item.item): item for item in old.score}
     for item in new.score:
-        was = before.get((item.group, item.item), item.value)
-        if was != item.value:
+        was = before.get((item.group, item.item), item)
+        if (was.value, was.not_attempted) != (item.value, item.not_attempted):
             yield {"number": item.number, "group": item.group, "item": item.item, "type": item.type,
-                   "old": was, "value": item.value}
+                   "old": was.value, "value": item.value, "old_not_attempted": was.not_attempted,
+                   "not_attempted": item.not_attempted}
 
 
 def _module_scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:

@@ -7,7 +7,7 @@ a thread of its own with a limit, and what does not answer is named with its rem
 import queue
 import threading
 import time
-from typing import Any, Callable, Optional
+from typing import Any, Callable, List, Optional
 
 import rosgraph
 import rospy
@@ -15,12 +15,23 @@ import rospy
 from roah_rsbb.client import refusals
 from roah_rsbb.client.feed import Feed
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.msg import CoreDetails, CoreToGui, Score
+from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunSheet, Score
 from roah_rsbb.nodes.referee_exits import NoCore
-from roah_rsbb.nodes.referee_state import Box, box_of
-from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneScore, ZoneUInt8
+from roah_rsbb.nodes.referee_sheets import RunLine, run_of
+from roah_rsbb.nodes.referee_state import Box, Item, box_of
+from roah_rsbb.srv import (
+    GetRunSheet,
+    ManualOperationAnswer,
+    ScoreMark,
+    ScoreWithdraw,
+    SignOff,
+    StopReason,
+    Zone,
+    ZoneScore,
+    ZoneUInt8,
+)
 
-GUI_TOPIC, DETAILS_TOPIC = "/core/to_gui", "/core/details"
+GUI_TOPIC, DETAILS_TOPIC, RESULTS_TOPIC = "/core/to_gui", "/core/details", "/core/results"
 
 # So often it is looked whether a message came. The core publishes every 100 ms.
 POLL_S = 0.02
@@ -162,6 +173,38 @@ class Link:
         """Set a scoring item; raises as `command` does."""
         self._call("/core/set_score", ZoneScore, zone, Score(group, item, value))
 
+    def mark(
+        self, zone: str, identity: str, item: Item, value: int, not_attempted: bool, note: str, referee: str
+    ) -> None:
+        """Set an item with words, of the run of that identity; empty: the connected one. Raises as `command` does."""
+        self._call(
+            "/core/score", ScoreMark, zone, identity, item.group, item.item, value, not_attempted, note, referee
+        )
+
+    def withdraw(self, zone: str, identity: str, entry: int, note: str, referee: str) -> None:
+        """Withdraw an entry of the score sheet; see `mark`."""
+        self._call("/core/score/withdraw", ScoreWithdraw, zone, identity, entry, note, referee)
+
+    def give_reason(self, zone: str, identity: str, end: int, reason: str, referee: str) -> None:
+        """Say why the run was stopped; `end` counts from 1, 0: the last one. See `mark`."""
+        self._call("/core/stop_reason", StopReason, zone, identity, end, reason, referee)
+
+    def sign_off(self, zone: str, identity: str, referee: str) -> None:
+        """Sign a score sheet off; see `mark`."""
+        self._call("/core/sign_off", SignOff, zone, identity, referee)
+
+    def run_sheet(self, zone: str, identity: str) -> RunSheet:
+        """A run's score sheet; see `mark`."""
+        return self._call("/core/run_sheet", GetRunSheet, zone, identity).sheet
+
+    def runs(self) -> List[RunLine]:
+        """All runs that the core knows; raises `NoCore`."""
+        try:
+            results = rospy.wait_for_message(RESULTS_TOPIC, Results, CORE_S)
+        except rospy.ROSException as error:
+            raise NoCore(f"{RESULTS_TOPIC} was not heard ({error}): {self._why_silent()}") from None
+        return [run_of(summary) for summary in results.runs]
+
     def complete_operation(self, zone: str, operation: int, answer: str) -> None:
         """Complete a manual operation; its number, or 0 for the one that is asked for now. Raises as `command` does."""
         self._call("/core/manual_operation_answer", ManualOperationAnswer, zone, operation, answer)
@@ -178,9 +221,9 @@ class Link:
         """HOMF: all was entered; raises as `command` does."""
         self._call("/core/omf_switches/complete", Zone, zone)
 
-    def _call(self, name: str, kind: type, *request: object) -> None:
+    def _call(self, name: str, kind: type, *request: object) -> Any:
         try:
-            _limited(ANSWER_S, lambda: rospy.ServiceProxy(name, kind)(*request))
+            return _limited(ANSWER_S, lambda: rospy.ServiceProxy(name, kind)(*request))
         except _Late:
             raise NoCore(f"{name} did not answer within {ANSWER_S:.0f} s: the core hangs, restart it") from None
         except rospy.ServiceException as error:

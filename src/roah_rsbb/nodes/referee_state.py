@@ -24,7 +24,8 @@ class Item(NamedTuple):
     group: str
     item: str
     type: str
-    value: int
+    value: int  # 0 where it was not attempted
+    not_attempted: bool = False  # the robot did not try
 
 
 class Operation(NamedTuple):
@@ -194,7 +195,7 @@ def _zone(zone, details) -> Zone:
         manual_operation=zone.manual_operation,
         warnings=tuple(details.warnings),
         off={command: list(getattr(details, field)) for command, field in COMMANDS.items()},
-        score=tuple(_items(zone.scoring)),
+        score=tuple(_items(zone.scoring, details.not_attempted)),
         log_file=details.log_file,
         log=zone.log,
         online_data=zone.online_data,
@@ -232,9 +233,10 @@ def _json_value(text: str) -> Any:
         return text
 
 
-def _items(groups) -> List[Item]:
+def _items(groups, not_attempted) -> List[Item]:
     found: List[Item] = []
+    marks = iter(not_attempted)
     for group in groups:
         for kind, desc, value in zip(group.types, group.descriptions, group.current_values):
-            found.append(Item(len(found) + 1, group.group_name, desc, ITEM_TYPES[kind], value))
+            found.append(Item(len(found) + 1, group.group_name, desc, ITEM_TYPES[kind], value, next(marks, False)))
     return found

@@ -137,8 +137,9 @@ def score_sheet(zone: Zone, paint: Paint) -> List[str]:
         if item.group != group:
             group = item.group
             lines.append(f"{_IN}{plain(group)}")
-        value = f"{value_text(item.type, item.value):>5}"
-        lines.append(f"{_IN}{item.number:4}  {paint(BOLD, value) if item.value else value}  {plain(item.item)}")
+        value = f"{standing_text(item.type, item.value, item.not_attempted):>5}"
+        shown = paint(BOLD, value) if item.value or item.not_attempted else value
+        lines.append(f"{_IN}{item.number:4}  {shown}  {plain(item.item)}")
     if not zone.score:
         lines.append(f"{_IN}no scoring items for the referee")
     return lines + _module_sheet(zone, paint)
@@ -160,11 +161,13 @@ def _score_in_json(score: ModuleScore) -> ModuleScore:
 
 def item_line(item: Item) -> str:
     """A scoring item and its value in one line."""
-    return f"{plain(item.group)}: {plain(item.item)}: {value_text(item.type, item.value)}"
+    return f"{plain(item.group)}: {plain(item.item)}: {standing_text(item.type, item.value, item.not_attempted)}"
 
 
-def value_text(kind: str, value: int) -> str:
-    """The value of a scoring item."""
+def standing_text(kind: str, value: int, not_attempted: bool) -> str:
+    """How a scoring item stands."""
+    if not_attempted:
+        return "not attempted"
     return ("yes" if value else "no") if kind == "bool" else str(value)
 
 
@@ -238,7 +241,8 @@ def _state(facts: Dict, paint: Paint) -> str:
 
 
 def _score(facts: Dict, paint: Paint) -> str:
-    old, new = (value_text(facts["type"], facts[name]) for name in ("old", "value"))
+    old = standing_text(facts["type"], facts["old"], facts["old_not_attempted"])
+    new = standing_text(facts["type"], facts["value"], facts["not_attempted"])
     return f"score: {plain(facts['group'])}: {plain(facts['item'])}: {old} -> {paint(BOLD, new)}"
 
 

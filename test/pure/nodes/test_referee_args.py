@@ -4,8 +4,8 @@ import pytest
 
 from roah_rsbb.nodes.referee_args import parser
 
-COMMANDS = ("status", "watch", "connect", "start", "stop", "disconnect", "previous", "next", "score", "done",
-            "switches", "run")
+COMMANDS = ("status", "watch", "connect", "start", "stop", "disconnect", "previous", "next", "score", "runs",
+            "sheet", "withdraw", "reason", "sign-off", "done", "switches", "run")
 
 
 def _parse(line):
@@ -54,6 +54,9 @@ def test_a_run_takes_all_its_options():
     (["run", "A", "--wait", "nan"], "seconds"),
     (["run", "A", "--wait", "soon"], "soon"),
     (["run"], "ZONE"),
+    (["withdraw", "A", "0"], "no number from 1 on"),
+    (["withdraw", "A", "-1"], "1"),
+    (["sign-off", "A"], "--run"),
     (["dance", "A"], "dance"),
 ])
 def test_wrong_usage_ends_with_2_and_says_what_was_expected(line, hint, capsys):

@@ -58,8 +58,16 @@ def test_a_score_is_told_once_although_the_core_logs_it_too():
     assert _facts(box(old), box(new)) == [
         ("log", "Home A", {"text": "other"}),
         ("score", "Home A", {"number": 1, "group": "Achievements", "item": "Detects the door", "type": "bool",
-                             "old": 0, "value": 1}),
+                             "old": 0, "value": 1, "old_not_attempted": False, "not_attempted": False}),
     ]
+
+
+def test_what_was_not_attempted_is_told_although_the_value_stays():
+    marked = running_zone(score=(ITEMS[0]._replace(not_attempted=True), *ITEMS[1:]))
+    for old, new, told in ((running_zone(), marked, (False, True)), (marked, running_zone(), (True, False))):
+        ((kind, _, facts),) = _facts(box(old), box(new))
+        assert (kind, facts["old"], facts["value"]) == ("score", 0, 0)
+        assert (facts["old_not_attempted"], facts["not_attempted"]) == told
 
 
 def test_another_runs_sheet_is_no_change_of_scores():

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.referee_box import UTC0, box, robot, running_zone
-from roah_rsbb.nodes import referee_state
+from roah_rsbb.nodes import referee_sheets, referee_state
 from roah_rsbb.nodes.referee_state import as_json, box_of
 
 
@@ -43,6 +43,7 @@ def _details(**fields):
         "messages_saved": 7, "log_file": "/x.bag", "warnings": ["w"], "operation": 0,
         "operation_choices": [], "operation_asks_text": False, "held": False, "module_status": "", "module_scores": [],
         "robots_preparing": 0, "robots_executing": 0, "robots_stopped": 0, "robots": [],
+        "not_attempted": [],
         **{field: [f"why no {field}"] for field in referee_state.COMMANDS.values()},
     }
     return SimpleNamespace(box_uuid="u", warnings=["box"], zones=[SimpleNamespace(**{**default, **fields})])
@@ -59,8 +60,14 @@ def test_both_messages_make_one_snapshot():
     assert zone.off["previous"] == ["why no prev_off"]
     assert zone.off["connect"] == ["why no connect_off"]
     assert zone.score == (
-        (1, "Good", "door", "bool", 1), (2, "Good", "things", "uint", 3), (3, "Bad", "bumps", "uint", 0),
+        (1, "Good", "door", "bool", 1, False), (2, "Good", "things", "uint", 3, False),
+        (3, "Bad", "bumps", "uint", 0, False),
     )
+
+
+def test_what_was_not_attempted_is_marked():
+    zone = box_of(_gui(_zone_state()), _details(not_attempted=[False, False, True])).zones[0]
+    assert [item.not_attempted for item in zone.score] == [False, False, True]
 
 
 def test_what_is_not_known_is_none():
@@ -114,7 +121,7 @@ def test_json_has_the_names_of_the_fields_all_the_way_down():
     zone = made["zones"][0]
     assert zone["event"]["code"] == "HGTKMH"
     assert zone["score"][0] == {"number": 1, "group": "Achievements", "item": "Detects the door", "type": "bool",
-                                "value": 0}
+                                "value": 0, "not_attempted": False}
     assert zone["off"]["connect"] == []
     assert made["robots"][0]["skew_s"] == 0.0123
 
@@ -122,6 +129,7 @@ def test_json_has_the_names_of_the_fields_all_the_way_down():
 def test_the_documentation_names_every_field():
     text = (pathlib.Path(__file__).resolve().parents[3] / "docs" / "referee.md").read_text(encoding="utf-8")
     kinds = (referee_state.Box, referee_state.Robot, referee_state.Zone, referee_state.Event, referee_state.Item,
-             referee_state.Operation, referee_state.Switches, referee_state.ModuleScore)
+             referee_state.Operation, referee_state.Switches, referee_state.ModuleScore, referee_sheets.RunLine,
+             referee_sheets.Sheet, referee_sheets.Entry, referee_sheets.End)
     missing = [f"{kind.__name__}.{field}" for kind in kinds for field in kind._fields if f"`{field}`" not in text]
     assert not missing

@@ -130,6 +130,15 @@ def test_the_score_sheet_has_numbers_values_and_groups():
     ]
 
 
+def test_what_was_not_attempted_is_no_0():
+    marked = ITEMS[1]._replace(not_attempted=True)
+    sheet = view.score_sheet(running_zone(score=(ITEMS[0], marked)), view.no_colour)
+    assert sheet[2:] == ["       1     no  Detects the door", "       2  not attempted  Moved furniture"]
+    assert _lines(box(running_zone(score=(marked,))), box(running_zone(score=(ITEMS[1]._replace(value=2),)))) == [
+        "16:26:40Z Home A: score: Achievements: Moved furniture: not attempted -> 2"
+    ]
+
+
 def test_values_that_were_set_stand_out():
     sheet = view.score_sheet(running_zone(score=(ITEMS[0]._replace(value=1), ITEMS[1])), view.colour)
     assert ["\x1b" in line for line in sheet] == [False, False, True, False]

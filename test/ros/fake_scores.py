@@ -1,0 +1,109 @@
+"""The part of a fake core that has to do with scores. What is written down of a run is the real core's."""
+
+import contextlib
+import time
+from typing import Dict, Iterator, List
+
+import rospy
+
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.records import By, RunRecord
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.scoring import Mark
+from roah_rsbb.nodes.results_convert import sheet_message
+from roah_rsbb.srv import GetRunSheet, GetRunSheetResponse, ScoreMark, ScoreWithdraw, SignOff, StopReason
+
+# In `FakeScores.calls`, instead of a value.
+NOT_ATTEMPTED = -1
+
+
+def present() -> Now:
+    """The present moment, for what is the real core's here."""
+    return Now(time.monotonic(), time.time())
+
+
+class FakeScores:
+    """A part of `FakeCore`, which has the zones."""
+
+    zones: Dict[str, object]
+    calls: List[tuple]
+    words: List[tuple]  # (identity, note, referee) of the calls that have them
+
+    def score_services(self) -> List[rospy.Service]:
+        """The core's services for scores beside /core/set_score."""
+        return [
+            rospy.Service("/core/score", ScoreMark, self._on_mark),
+            rospy.Service("/core/score/withdraw", ScoreWithdraw, self._on_withdrawal),
+            rospy.Service("/core/stop_reason", StopReason, self._on_reason),
+            rospy.Service("/core/sign_off", SignOff, self._on_sign_off),
+            rospy.Service("/core/run_sheet", GetRunSheet, self._on_run_sheet),
+        ]
+
+    def records(self) -> List[RunRecord]:
+        """All runs, as the real core has them."""
+        zones = self.zones.values()
+        connected = [zone.record() for zone in zones if zone.identity]
+        return connected + [record for zone in zones for record in zone.finished.records()]
+
+    def _is_connected(self, r: object) -> bool:
+        return r.identity in ("", self.zones[r.zone].identity)
+
+    def _on_mark(self, r: object) -> list:
+        self.calls.append(("score", r.zone, r.group, r.desc, NOT_ATTEMPTED if r.not_attempted else r.value))
+        self.words.append((r.identity, r.note, r.referee))
+        self._answer()
+        zone, mark = self.zones[r.zone], Mark(r.group, r.desc, r.value, r.not_attempted, r.note)
+        with _refusing():
+            if self._is_connected(r):
+                zone.mark(mark, r.referee)
+            else:
+                zone.finished.find(r.identity).mark(present(), r.referee, mark)
+        return []
+
+    def _on_withdrawal(self, r: object) -> list:
+        self.calls.append(("withdraw", r.zone, r.number))
+        self.words.append((r.identity, r.note, r.referee))
+        self._answer()
+        zone, by = self.zones[r.zone], By(r.referee, r.note)
+        with _refusing():
+            if self._is_connected(r):
+                marked = zone.book.withdraw(present(), by, r.number)
+                zone.scores[(marked.item.group, marked.item.desc)] = marked.item.value
+            else:
+                zone.finished.find(r.identity).withdraw_score(present(), by, r.number)
+        return []
+
+    def _on_reason(self, r: object) -> list:
+        self.calls.append(("stop_reason", r.zone, r.stop))
+        self.words.append((r.identity, r.reason, r.referee))
+        self._answer()
+        zone, by = self.zones[r.zone], By(r.referee, r.reason)
+        with _refusing():
+            if self._is_connected(r):
+                zone.book.give_reason(r.stop, by)
+            else:
+                zone.finished.find(r.identity).give_stop_reason(by, r.stop)
+        return []
+
+    def _on_sign_off(self, r: object) -> list:
+        self.calls.append(("sign_off", r.zone))
+        self.words.append((r.identity, "", r.referee))
+        self._answer()
+        with _refusing():
+            self.zones[r.zone].finished.find(r.identity).sign_off(present(), r.referee)
+        return []
+
+    def _on_run_sheet(self, r: object) -> GetRunSheetResponse:
+        identity = r.identity or self.zones[r.zone].identity
+        record = next((record for record in self.records() if record.identity == identity), None)
+        if record is None:
+            raise rospy.ServiceException(f"no run {r.identity}")
+        return GetRunSheetResponse(sheet_message(record))
+
+
+@contextlib.contextmanager
+def _refusing() -> Iterator[None]:
+    try:
+        yield
+    except Refused as refused:
+        raise rospy.ServiceException(str(refused)) from None
