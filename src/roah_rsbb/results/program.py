@@ -64,6 +64,7 @@ def main(config_dir: str, arguments: Optional[List[str]] = None) -> NoReturn:
     """Run the program; `config_dir` has the shipped rules of the standings."""
     options = _parser().parse_args(sys.argv[1:] if arguments is None else arguments)
     options.config_dir = config_dir
+    sys.stdout.reconfigure(errors="backslashreplace")  # whatever this terminal cannot show
     try:
         status = options.do(options)
     except (JournalError, NoBag, NoSuchRun, _Usage) as error:

@@ -112,6 +112,14 @@ def test_who_reads_only_the_beginning_is_no_error(journal):
     assert process.wait() == 0
 
 
+def test_a_terminal_that_knows_only_ascii(journal):
+    script = "import sys; from roah_rsbb.results.program import main; main(sys.argv[1], sys.argv[2:])"
+    command = [sys.executable, "-c", script, str(ROOT / "config"), "--journal", journal, "list"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "PYTHONIOENCODING": "ascii"}
+    shown = subprocess.run(command, stdout=subprocess.PIPE, env=environment, check=True).stdout.decode("ascii")
+    assert "\\u2013" in shown, "the dash of a run that was never started"
+
+
 def test_recover(run, journal, tmp_path):
     status, out, _ = run("recover", journal, tmp_path / "new", source=())
     assert status == 0
