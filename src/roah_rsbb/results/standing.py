@@ -65,13 +65,12 @@ def standing(code: str, records: Sequence[RunRecord], rules: Rules, choice: Choi
     """The standing of one benchmark."""
     of_runs = choice.of_runs or rules.of_runs
     remarks: List[str] = []
-    counting = _counting([record for record in records if record.benchmark == code], choice, remarks)
+    records = [record for record in records if record.benchmark == code]
+    if any(record.team == ALL_TEAMS and record.started_utc for record in records):
+        remarks.append("all robots run at once: the box has no score of each team")
     by_team: Dict[str, List[RunLine]] = {}
-    for record in counting:
-        if record.team == ALL_TEAMS:
-            remarks.append(f"run {record.identity} is of all teams at once: the box has no score of each")
-        else:
-            by_team.setdefault(record.team, []).append(_run_line(record, rules, remarks))
+    for record in _counting([record for record in records if record.team != ALL_TEAMS], choice, remarks):
+        by_team.setdefault(record.team, []).append(_run_line(record, rules, remarks))
     lines = [_team_line(team, runs, of_runs, rules.criteria) for team, runs in by_team.items()]
     return Standing(code, of_runs, rules.criteria, _ranked(lines, rules.criteria), tuple(dict.fromkeys(remarks)))
 
@@ -105,25 +104,31 @@ def _counting(records: List[RunRecord], choice: Choice, remarks: List[str]) -> L
 
 def _run_line(record: RunRecord, rules: Rules, remarks: List[str]) -> RunLine:
     disqualified = any(item.value and item.group in rules.disqualified_by for item in record.items)
-    return RunLine(record, disqualified, tuple(_number(record, c, remarks) for c in rules.criteria))
+    missing: Dict[str, None] = {}
+    numbers = tuple(_number(record, criterion, missing) for criterion in rules.criteria)
+    if missing:
+        names = ", ".join(f"'{name}'" for name in missing)
+        remarks.append(f"run {record.identity} of team {record.team} has no {names}")
+    return RunLine(record, disqualified, numbers)
 
 
-def _number(record: RunRecord, criterion: Criterion, remarks: List[str]) -> Optional[float]:
-    parts = [_term(record, term, remarks) for term in criterion.terms]
+def _number(record: RunRecord, criterion: Criterion, missing: Dict[str, None]) -> Optional[float]:
+    parts = [_term(record, term, missing) for term in criterion.terms]
     return None if None in parts else round(sum(parts), DIGITS) + 0.0
 
 
-def _term(record: RunRecord, term: Term, remarks: List[str]) -> Optional[float]:
+def _term(record: RunRecord, term: Term, missing: Dict[str, None]) -> Optional[float]:
+    """`missing` takes the names of what the run has nothing of: items count as 0 then, values as none."""
     if term.score:
         value = next((s for s in record.module_scores if not s.group and s.name == term.score), None)
         if value is None:
-            remarks.append(f"run {record.identity} has no value '{term.score}' of a benchmarking module")
+            missing[term.score] = None
             return None
         number = _module_number(value)
         return None if number is None else term.weight * number
     items = [i for i in record.items if term.group in ("", i.group) and term.item in ("", i.desc)]
     if not items and (term.group or term.item):
-        remarks.append(f"the sheet of run {record.identity} has no '{term.item or term.group}': it counts as 0")
+        missing[term.item or term.group] = None
     return term.weight * sum(item.value for item in items)
 
 
