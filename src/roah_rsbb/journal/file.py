@@ -9,6 +9,7 @@ import fcntl
 import functools
 import json
 import os
+import pathlib
 import sqlite3
 import time
 from typing import List, NamedTuple, Optional, Tuple
@@ -70,7 +71,7 @@ def lock(log_dir: str) -> Tuple[str, int]:
         os.makedirs(log_dir, exist_ok=True)
         for number in range(1, MAX_CORES + 1):
             path = os.path.join(log_dir, FILE_NAME if number == 1 else f"{base}_{number}{suffix}")
-            fd = os.open(f"{path}.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            fd = _lock_file(f"{path}.lock")
             try:
                 fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
@@ -82,10 +83,20 @@ def lock(log_dir: str) -> Tuple[str, int]:
     raise CannotWrite(f"{log_dir}: {MAX_CORES} cores keep their journals there: end some, or give another log_dir")
 
 
+def _lock_file(path: str) -> int:
+    try:
+        return os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    except OSError as error:
+        with contextlib.suppress(OSError):  # a lock needs no more, where nothing can be written now
+            return os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+        raise error
+
+
 def open_file(path: str, competition: str, resume: Resume, launch: str) -> File:
     """Open the journal for a competition (JSON: a list of its events, each a list), or begin a new one.
 
-    `launch`: of the session that begins. Raises `CannotWrite`.
+    `launch`: of the session that begins. One that is gone on with is not changed, and may be read where it cannot be
+    written now; `prepare` comes next. Raises `CannotWrite`.
     """
     warnings: List[str] = []
     if os.path.exists(path):
@@ -98,10 +109,23 @@ def open_file(path: str, competition: str, resume: Resume, launch: str) -> File:
             warnings.append(f"The journal that was in {path} is not gone on with: {why}. It is kept as {aside}")
     try:
         connection = _connect(path)
-        _prepare(connection, competition)
     except (sqlite3.Error, OSError) as error:
         raise CannotWrite(f"{path}: {error}") from None
     return File(connection, tuple(warnings))
+
+
+def is_readable(connection: sqlite3.Connection) -> bool:
+    """Whether the tables are those of this version, also before `prepare`."""
+    return (_number(connection, "application_id"), _number(connection, "user_version")) == (
+        schema.APPLICATION_ID, schema.VERSION)
+
+
+def prepare(connection: sqlite3.Connection, competition: str) -> None:
+    """Bring an open journal up to date; raises sqlite3.Error."""
+    if not _number(connection, "application_id"):
+        schema.create(connection)
+    schema.migrate(connection, _number(connection, "user_version"))
+    connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (COMPETITION, competition))
 
 
 def put_aside(path: str) -> str:
@@ -120,7 +144,17 @@ def put_aside(path: str) -> str:
 
 
 def _connect(path: str) -> sqlite3.Connection:
-    connection = sqlite3.connect(path, timeout=1.0, isolation_level=None)
+    try:
+        return _connect_as(path, path)
+    except sqlite3.OperationalError:
+        if os.access(path, os.W_OK) or not os.path.exists(path) or os.path.exists(f"{path}-wal"):
+            raise
+    # It was closed by a core that ended, and cannot be written now: SQLite reads it if it need not lock it.
+    return _connect_as(path, f"{pathlib.Path(path).resolve().as_uri()}?immutable=1")
+
+
+def _connect_as(path: str, address: str) -> sqlite3.Connection:
+    connection = sqlite3.connect(address, uri=address != path, timeout=1.0, isolation_level=None)
     # Text that a damaged disk made no UTF-8 is read, too: whoever takes it sees that it is not what was written.
     connection.text_factory = functools.partial(str, encoding="utf-8", errors="replace")
     try:
@@ -132,13 +166,6 @@ def _connect(path: str) -> sqlite3.Connection:
         connection.close()
         raise
     return connection
-
-
-def _prepare(connection: sqlite3.Connection, competition: str) -> None:
-    if not _number(connection, "application_id"):
-        schema.create(connection)
-    schema.migrate(connection, _number(connection, "user_version"))
-    connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (COMPETITION, competition))
 
 
 def _why_not(path: str, competition: str, resume: Resume, launch: str) -> str:

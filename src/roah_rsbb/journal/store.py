@@ -52,7 +52,8 @@ class Journal:
         self.path = os.path.join(log_dir, files.FILE_NAME)
         self.before: Before = NOTHING
         self.warnings: Tuple[str, ...] = ()
-        self._attempt(lambda: self._open(resume))
+        self._resume = resume
+        self._attempt(self._flush)
 
     # -- writing ------------------------------------------------------------------------------------
 
@@ -67,7 +68,7 @@ class Journal:
         """To be called about once a second: write what waits, and see whether the file is still there."""
         if self._connection is not None and files.identity(self.path) != self._file:
             self._attempt(self._move)
-        if self._connection is None or not self._pending.is_empty():
+        if not self._session_id or not self._pending.is_empty():
             self._attempt(self._flush)
 
     def sync(self) -> bool:
@@ -124,16 +125,30 @@ class Journal:
 
     # -- steps --------------------------------------------------------------------------------------
 
-    def _open(self, resume: Resume) -> None:
+    def _open(self) -> None:
         if self._lock is None:
             self.path, self._lock = files.lock(self._log_dir)
-        opened = files.open_file(self.path, self._competition, resume, self._session.launch)
+        opened = files.open_file(self.path, self._competition, self._resume, self._session.launch)
         self._take(opened.connection)
         self.warnings += opened.warnings
-        self.before = read_before(opened.connection)
-        cursor = opened.connection.execute(
-            "INSERT INTO sessions (utc, mono, boot_id, pid, box_uuid, launch) VALUES (?, ?, ?, ?, ?, ?)", self._session
-        )
+
+    def _begin_session(self) -> None:
+        """Read what was before; that is possible on a disk that is full or read-only, too. Then write."""
+        connection = self._connection
+        try:
+            if self.before is NOTHING and files.is_readable(connection):
+                self.before = read_before(connection)
+            files.prepare(connection, self._competition)
+            if self.before is NOTHING:
+                self.before = read_before(connection)
+            cursor = connection.execute(
+                "INSERT INTO sessions (utc, mono, boot_id, pid, box_uuid, launch) VALUES (?, ?, ?, ?, ?, ?)",
+                self._session,
+            )
+        except sqlite3.OperationalError as error:
+            if "readonly" in str(error) and os.access(self.path, os.W_OK):
+                self._release()  # it was opened when it could only be read
+            raise
         self._session_id = cursor.lastrowid
         self._disk.written()
 
@@ -162,13 +177,16 @@ class Journal:
             files.put_aside(self.path)
         new = files.copied(old, self.path)
         self._disk.end()
+        self._on_disk_problem("")  # whatever kept the removed file from the disk
         self._take(new)
         old.close()
         self._disk.written()
 
     def _flush(self) -> None:
         if self._connection is None:
-            self._open(Resume.ALWAYS)
+            self._open()
+        if not self._session_id:
+            self._begin_session()
         waiting, connection = self._pending, self._connection
         if waiting.is_empty():
             return

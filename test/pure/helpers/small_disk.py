@@ -13,26 +13,30 @@ class CannotMount(Exception):
 
 
 class SmallDisk:
-    """A disk mounted where only the holder's mount namespace sees it; `path` leads there from outside.
+    """A disk mounted where only the holder's mount namespace sees it, at `mount_point`.
+
+    `path` leads there from outside; but not SQLite, which follows symbolic links by itself. What a command does with
+    `inside` before it happens there, too.
 
     One that `breaks` is an ext4 in a file beside it, at least 2 MB; else it is a tmpfs. Raises `CannotMount`.
     """
 
     def __init__(self, directory, kilobytes, breaks=False):
-        self._mount_point, image = str(directory), f"{directory}.image"
-        os.makedirs(self._mount_point, exist_ok=True)
+        self.mount_point, image = str(directory), f"{directory}.image"
+        os.makedirs(self.mount_point, exist_ok=True)
         mount = f'mount -t tmpfs -o size={kilobytes}k tmpfs "$1"'
         if breaks:
             mount = (f'truncate -s {kilobytes}k "$2" && mkfs.ext4 -q -F -m 0 "$2" && '
                      'mount -o loop,errors=remount-ro "$2" "$1"')
         self._holder = subprocess.Popen(
             ["unshare", "--mount", "--propagation", "private", "sh", "-c",
-             f'{mount} && echo ready && read _; umount -l "$1"', "sh", self._mount_point, image],
+             f'{mount} && echo ready && read _; umount -l "$1"', "sh", self.mount_point, image],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         )
         if self._holder.stdout.readline() != "ready\n":
             raise CannotMount(self._holder.communicate()[1].strip())
-        self.path = pathlib.Path(f"/proc/{self._holder.pid}/root{self._mount_point}")
+        self.inside = ("nsenter", "-t", str(self._holder.pid), "-m")
+        self.path = pathlib.Path(f"/proc/{self._holder.pid}/root{self.mount_point}")
         self._ballast = self.path / "ballast"
 
     def close(self):
@@ -57,16 +61,16 @@ class SmallDisk:
 
     def make_read_only(self):
         """Only while no file on it is open for writing."""
-        self._inside('mount -o remount,ro "$1"')
+        self._do('mount -o remount,ro "$1"')
 
     def make_writable(self):
         """The opposite."""
-        self._inside('mount -o remount,rw "$1"')
+        self._do('mount -o remount,rw "$1"')
 
     def fail(self):
         """Break the disk: the system makes it read-only under everybody's hands."""
-        self._inside(_BREAK)
+        self._do(_BREAK)
 
-    def _inside(self, script):
-        subprocess.run(["nsenter", "-t", str(self._holder.pid), "-m", "sh", "-c", script, "sh", self._mount_point],
+    def _do(self, script):
+        subprocess.run([*self.inside, "sh", "-c", script, "sh", self.mount_point],
                        check=True, stderr=subprocess.DEVNULL)
