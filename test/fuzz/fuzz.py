@@ -2,7 +2,6 @@
 """Coverage-guided fuzzing of one target, or a measured replay of inputs: see README.md. `make fuzz` runs all."""
 
 import argparse
-import os
 import pathlib
 import shutil
 import sys
@@ -28,14 +27,14 @@ def _targets() -> Any:
 
 def _options(arguments: List[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="fuzz.py", description=__doc__)
-    parser.add_argument("what", choices=("list", "run", "check", "minimise"))
+    parser.add_argument("what", choices=("list", "run", "check"))
     parser.add_argument("target", nargs="?")
     parser.add_argument("files", nargs="*", type=pathlib.Path, help="check: inputs; without: all that are stored")
     parser.add_argument("--seconds", type=int, default=60, help="run: for so long (default: %(default)s)")
     return parser.parse_args(arguments)
 
 
-def _run(name: str, seconds: int, minimise: bool = False) -> None:
+def _run(name: str, seconds: int) -> None:
     """Fuzz a target with atheris; ends the process."""
     import atheris
 
@@ -51,15 +50,9 @@ def _run(name: str, seconds: int, minimise: bool = False) -> None:
     words.write_text("".join(f'"{_escaped(token)}"\n' for token in target.tokens), encoding="ascii")
     flags = [
         f"-timeout={HANG_S}", f"-rss_limit_mb={RSS_LIMIT_MB}", f"-max_len={MAX_BYTES}", f"-dict={words}",
-        f"-artifact_prefix={FOUND / name}.fault-", "-print_final_stats=1", "-close_fd_mask=0",
+        f"-artifact_prefix={FOUND / name}.fault-", f"-max_total_time={seconds}", "-print_final_stats=1",
     ]
-    if minimise:
-        flags += ["-merge=1"]
-        folders = [str(ROOT / "test" / "fuzz" / "corpus" / name), str(found)]
-    else:
-        flags += [f"-max_total_time={seconds}"]
-        folders = [str(found), str(seeds)]
-    atheris.Setup([sys.argv[0], *flags, *folders], target.play)
+    atheris.Setup([sys.argv[0], *flags, str(found), str(seeds)], target.play)
     atheris.Fuzz()
 
 
@@ -93,13 +86,12 @@ def _check(name: str, files: List[pathlib.Path]) -> int:
 def main() -> None:
     """See the module."""
     options = _options(sys.argv[1:])
-    os.environ.setdefault("PYTHONHASHSEED", "0")
     if options.what == "list":
         print("\n".join(_targets()))
     elif options.what == "check":
         sys.exit(min(1, _check(options.target, options.files)))
     else:
-        _run(options.target, options.seconds, minimise=options.what == "minimise")
+        _run(options.target, options.seconds)
 
 
 if __name__ == "__main__":

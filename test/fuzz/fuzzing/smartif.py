@@ -8,6 +8,7 @@ from fuzzing.target import Step, Target
 from roah_rsbb.devices.home import Home, device_of, is_ring
 from roah_rsbb.devices.smartif import (
     FROM_CONTROLLER,
+    MAX_STRING,
     TO_CONTROLLER,
     Busy,
     Changed,
@@ -19,7 +20,7 @@ from roah_rsbb.devices.smartif import (
 )
 
 _LONGEST = 4096  # bytes that are read at once
-_KEPT = 4096  # bytes that a decoder may keep at most
+_KEPT = 2 * MAX_STRING + 16  # bytes that a decoder may keep at most
 
 
 def _feed(decoder: Decoder, data: bytes, messages: List) -> bool:
@@ -42,8 +43,9 @@ def steps(data: bytes) -> Iterator[Step]:
     cut, stream = 1 + reader.byte(), reader.rest()[:_LONGEST]
     at_once: List = []
     whole = Decoder(parsers)
-    yield lambda: _feed(whole, stream, at_once)
-    assert whole.pending <= max(len(stream), _KEPT)
+    understood: List[bool] = []
+    yield lambda: understood.append(_feed(whole, stream, at_once))
+    assert whole.pending < _KEPT or not understood[0]
 
     in_pieces: List = []
     pieces = Decoder(parsers)
@@ -78,7 +80,8 @@ def seeds() -> List[bytes]:
     """Messages of both sides, whole and torn."""
     from_controller = [
         encode(Event("E", "47", "1")), encode(Busy("10.0.0.1:5")), encode(Changed("11", 1, 2**32 - 1)),
-        encode(Event("N", "", "x" * 1024)), b"2E\x04\x01", b"2X", b"E\xff\xff", b"E\x00\x02\xff\xfe", b"\0" * 100,
+        encode(Event("N", "", "x" * 1024)), b"2E\x04\x01", b"2X", b"E\xff\xff", b"E\x00\x02\xff\xfe",
+        b"\0" * 100, b"E\xff\xff" + bytes(4000),
     ]
     to_controller = [encode(Set(device, value)) for device, value in (("11", 1), ("77", 10_000), ("x", 2**32 - 1))]
     many = [b"1" + b"\0" * 10, b"2E" + b"\0" * 4, b"E\0\0"]

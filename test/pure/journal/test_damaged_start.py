@@ -1,0 +1,90 @@
+"""What a power cut or another program left where the journal should be keeps no core from its record."""
+
+import json
+import sqlite3
+
+import pytest
+
+from roah_rsbb.journal.batch import Batch
+from roah_rsbb.journal.before import NOTHING
+from roah_rsbb.journal.file import FILE_NAME, Resume, Session
+from roah_rsbb.journal.schema import APPLICATION_ID, VERSION
+from roah_rsbb.journal.store import Journal
+
+COMPETITION = json.dumps([["Home", "HNF", "Alpha", 1, 1, 0.0]])
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Starts a core's journal in the folder; returns it, all that it told of, and what was put aside."""
+    opened = []
+
+    def start():
+        troubles = []
+        journal = Journal(
+            str(tmp_path), Session(1e9, 1.0, "boot", 1, "uuid", ""), COMPETITION, Resume.ALWAYS, troubles.append
+        )
+        opened.append(journal)
+        journal.write(Batch(states=(("box", "{}"),)))
+        return journal, [*troubles, *journal.warnings], list(tmp_path.glob("*_aside_*.sqlite3"))
+
+    yield start
+    for journal in opened:
+        journal.close()
+
+
+@pytest.mark.parametrize("makes", [lambda path: path.write_bytes(b""), lambda path: sqlite3.connect(str(path)).close()])
+def test_a_file_in_which_is_nothing_is_begun(start, tmp_path, makes):
+    """As it is when the computer is switched off in the moment in which it is made."""
+    makes(tmp_path / FILE_NAME)
+    journal, told, aside = start()
+    assert (told, aside) == ([], [])
+    assert journal.before == NOTHING
+    journal.close()
+    journal, told, _ = start()
+    assert told == []
+    assert journal.before.states == {"box": "{}"}
+
+
+@pytest.mark.parametrize("statement", [
+    "DROP TABLE meta", "DROP TABLE sessions", "DROP TABLE entries", "DROP TABLE states",
+    "ALTER TABLE states ADD COLUMN more TEXT", "CREATE VIEW more AS SELECT * FROM meta",
+    "CREATE TRIGGER no BEFORE INSERT ON states BEGIN SELECT RAISE(ABORT, 'no'); END",
+    "UPDATE meta SET value = '[1]'", "UPDATE meta SET value = '{'", f"UPDATE meta SET value = '{'[' * 5000}'",
+])
+def test_a_file_with_other_tables_is_put_aside(start, tmp_path, statement):
+    start()[0].close()
+    with sqlite3.connect(str(tmp_path / FILE_NAME)) as connection:
+        connection.execute(statement)
+    connection.close()
+    journal, told, aside = start()
+    assert len(aside) == 1
+    assert len(told) == 1 and "is not gone on with" in told[0]
+    assert journal.before == NOTHING
+
+
+@pytest.mark.parametrize("statement", [
+    "UPDATE sessions SET mono = 'x'", "UPDATE sessions SET utc = x'ff'", "UPDATE sessions SET mono = -1e300",
+    "INSERT INTO links VALUES (1, 'x', 'y', '{}')", "UPDATE states SET name = x'ff'",
+    "UPDATE states SET state = cast(x'ff' AS TEXT)",
+])
+def test_values_that_nobody_wrote_do_not_keep_it_from_going_on(start, tmp_path, statement):
+    start()[0].close()
+    with sqlite3.connect(str(tmp_path / FILE_NAME)) as connection:
+        connection.execute(statement)
+    connection.close()
+    journal, told, aside = start()
+    assert (told, aside) == ([], [])
+    last = journal.before.last
+    assert last is None or abs(last.mono) < 1e12
+    assert all(isinstance(text, str) for pair in journal.before.states.items() for text in pair)
+
+
+def test_a_file_that_only_says_that_it_is_a_journal(start, tmp_path):
+    with sqlite3.connect(str(tmp_path / FILE_NAME)) as connection:
+        connection.execute("CREATE TABLE meta (key, value)")
+        connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+        connection.execute(f"PRAGMA user_version = {VERSION}")
+    connection.close()
+    _, told, aside = start()
+    assert len(aside) == 1 and "its tables are not those of a journal" in told[0]
