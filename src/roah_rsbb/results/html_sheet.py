@@ -70,7 +70,7 @@ def _history(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
     yield tag("h2", "History of the score sheet")
     yield table(("No.", "When", "Who", "What", "Change", "Note"), [
         _change(record, entry, in_utc) for entry in record.history
-    ], ("number", "time", "who", "", "change"))
+    ], ("number", "when", "who", "what", "change"))
 
 
 def _change(record: RunRecord, entry: ScoreEntry, in_utc: bool) -> Tuple[Child, ...]:
@@ -91,7 +91,7 @@ def _stops(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
         (moment(s.utc, in_utc), s.who, s.desc or texts.end_text(s.end_reason),
          f"{s.reason} ({s.reason_by})" if s.reason and s.reason_by else s.reason)
         for s in record.stops
-    ], ("time", "who"))
+    ], ("when", "who", "what"))
 
 
 def _section(section: Section, in_utc: bool) -> Markup:

@@ -30,7 +30,8 @@ th { font-size: 8pt; color: #444; white-space: normal; overflow-wrap: normal; }
 td.number, td.time { white-space: nowrap; overflow-wrap: normal; } td.time { font-size: 8.5pt; }
 table.facts { width: auto; } table.facts th { width: 30mm; font-size: 10pt; }
 td.value { min-width: 28mm; width: 28mm; font-weight: bold; } .who { min-width: 34mm; width: 34mm; }
-.team, .change { min-width: 26mm; }
+.team, .change { min-width: 26mm; } .what { min-width: 34mm; }
+td.when { min-width: 23mm; width: 23mm; white-space: normal; overflow-wrap: normal; font-size: 8.5pt; }
 .mark { font-size: 8pt; border: .2mm solid #111; border-radius: .8mm; padding: 0 1mm; white-space: nowrap; }
 .bad { font-weight: bold; } del { color: #555; }
 .signatures { display: flex; gap: 10mm; margin: 18mm 0 6mm; break-inside: avoid; }
