@@ -172,7 +172,7 @@ class TestResults(WordsCase):
         super().setUp()
         self.zone.mark(Mark(*DOOR, 1), "Ben")
         self.identity = self.leave()
-        self.wait_run("to be signed off")
+        self.wait_run("unsigned")
 
     def wait_run(self, state: str) -> None:
         wait_until(lambda: any(state in row[-1] for row in self.panel.runs.texts()), f"a run is '{state}'")
@@ -191,7 +191,7 @@ class TestResults(WordsCase):
         self.assertEqual((now[0], *now[1:4], now[5]), ("now", "AnotherTeam", "HWV  1/2", "connected", "not over"))
         self.assertEqual(over[1:], ("TestingTeam", "HGTKMH  1/1", "stopped",
                                     "Achievements 1 · Penalized behaviours 0 · Disqualifying behaviours 0",
-                                    "to be signed off"))
+                                    "unsigned"))
         self.assertEqual(self.panel.runs.chosen, self.identity, "the choice stays with its run")
         self.panel.runs.choose(self.zone.identity)
         wait_until(lambda: self.panel.sign.toolTip() and "still connected" in self.panel.sign.toolTip(), "not over")
@@ -210,7 +210,7 @@ class TestResults(WordsCase):
         click(dialog.yes)
         self.wait_words(self.identity, "seen on video", "Anna")
         wait_until(lambda: self.value(BUMPS) == ("4", "✎ corrected"), "the correction is marked")
-        self.wait_run("✎ corrected, to be signed off")
+        self.wait_run("✎ corrected, unsigned")
         self.panel.tabs.setCurrentWidget(self.panel.history)
         self.assertIn("✎ correction; seen on video", self.panel.history.rows.texts()[0])
         self.panel.history.rows.choose(1)

@@ -2,7 +2,7 @@
 
 from typing import Optional
 
-from python_qt_binding.QtCore import QObject, Signal
+from python_qt_binding.QtCore import QObject, Qt, Signal
 from python_qt_binding.QtWidgets import QLineEdit, QWidget
 
 KEY = "referee"
@@ -32,6 +32,7 @@ class RefereeLine(QLineEdit):
         super().__init__(shared.name, parent)
         self._shared = shared
         self.setMaxLength(MAX_LENGTH)
+        self.setFocusPolicy(Qt.ClickFocus)  # a stray press of a key must not change the name
         self.setPlaceholderText("Referee's name")
         self.setToolTip("It stands beside each score, note and sign-off; without it, only the computer's program does")
         self.textEdited.connect(lambda text: shared.set(text.strip()))

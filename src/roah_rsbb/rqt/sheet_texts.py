@@ -42,7 +42,7 @@ def state(summary) -> str:
     if summary.signed.to_sec():
         marks.append("✔ signed off")
     else:
-        marks.append("to be signed off" if summary.closed.to_sec() else "not over")
+        marks.append("unsigned" if summary.closed.to_sec() else "not over")
     return ", ".join(marks)
 
 

@@ -46,8 +46,8 @@ def test_how_a_run_ended(fields, text):
 
 
 @pytest.mark.parametrize("fields, text", [
-    ({"closed": _Time(0.0)}, "not over"), ({}, "to be signed off"),
-    ({"corrected": True}, "✎ corrected, to be signed off"),
+    ({"closed": _Time(0.0)}, "not over"), ({}, "unsigned"),
+    ({"corrected": True}, "✎ corrected, unsigned"),
     ({"corrected": True, "signed": _Time(7.0), "signed_by": "Cleo"}, "✎ corrected, ✔ signed off"),
 ])
 def test_what_became_of_a_sheet(fields, text):
