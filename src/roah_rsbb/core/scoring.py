@@ -71,6 +71,8 @@ class ScoreSheet:
         self._history: List[ScoreEntry] = []
         self._standing: Dict[Key, ScoreEntry] = {}  # of each item, the last entry that is not withdrawn
         self._begun: Dict[int, float] = {}  # number of an item's newest entry -> monotonic time (s) of its first change
+        self._groups: Optional[Tuple[ScoreGroup, ...]] = None  # as `groups` has them, until something changes
+        self._marks: Optional[Tuple[bool, ...]] = None
 
     def saved(self) -> SheetState:
         """The state for the journal."""
@@ -206,12 +208,21 @@ class ScoreSheet:
 
     # -- looking ------------------------------------------------------------------------------------
 
-    def groups(self) -> List[ScoreGroup]:
-        """All items with their values, group by group, in the file's order."""
-        grouped: Dict[str, List[Tuple[ScoringItem, int]]] = {}
-        for key, item in self._items.items():
-            grouped.setdefault(item.group, []).append((item, self._value(key)))
-        return [ScoreGroup(name, tuple(items)) for name, items in grouped.items()]
+    def groups(self) -> Tuple[ScoreGroup, ...]:
+        """All items with their values, group by group, in the file's order; the same object until one changes."""
+        if self._groups is None:
+            grouped: Dict[str, List[Tuple[ScoringItem, int]]] = {}
+            for key, item in self._items.items():
+                grouped.setdefault(item.group, []).append((item, self._value(key)))
+            self._groups = tuple(ScoreGroup(name, tuple(items)) for name, items in grouped.items())
+        return self._groups
+
+    def not_attempted(self) -> Tuple[bool, ...]:
+        """Whether each item is marked as not attempted, in the order of `groups`."""
+        if self._marks is None:
+            keys = [(item.group, item.desc) for group in self.groups() for item, _ in group.items]
+            self._marks = tuple(key in self._standing and self._standing[key].not_attempted for key in keys)
+        return self._marks
 
     def items(self) -> Tuple[ItemRecord, ...]:
         """All items as they stand, in the file's order."""
@@ -245,6 +256,7 @@ class ScoreSheet:
 
     def _stand(self) -> None:
         self._standing = {(e.group, e.desc): e for e in self._history if not e.withdrawn_utc}
+        self._groups = self._marks = None
 
     def _unknown(self, group: str, desc: str) -> str:
         if not self._items:

@@ -125,8 +125,8 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         off=off,
         log=log,
         online_data=online_data,
-        scoring=() if run is None else tuple(run.sheet.groups()),
-        not_attempted=() if run is None else tuple(_not_attempted(run)),
+        scoring=() if run is None else run.sheet.groups(),
+        not_attempted=() if run is None else run.sheet.not_attempted(),
         warnings=tuple(warnings),
         phase=IDLE if run is None else run.phase.value,
         run=run,
@@ -142,11 +142,6 @@ def _texts(zone: Zone) -> Tuple[str, str]:
         return zone.run.log.text, zone.run.online_data.text
     last = zone.last_run
     return ("", "") if last is None else (last.log, last.online_data)
-
-
-def _not_attempted(run: ZoneRun) -> List[bool]:
-    marks = {(item.group, item.desc): item.not_attempted for item in run.sheet.items()}
-    return [marks[item.group, item.desc] for group in run.sheet.groups() for item, _ in group.items]
 
 
 def _module(run: FunctionalityRun) -> ModuleView:

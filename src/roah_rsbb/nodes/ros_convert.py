@@ -18,8 +18,8 @@ from roah_rsbb.msg import (
     ZoneState,
 )
 from roah_rsbb.msg import DevicesState as DevicesStateMsg
-from roah_rsbb.nodes.ros_times import ros_duration, ros_time, ros_wire_time
-from roah_rsbb.nodes.score_convert import group_message, score_message
+from roah_rsbb.nodes.ros_times import ros_duration, ros_duration_kept, ros_time, ros_time_kept, ros_wire_time
+from roah_rsbb.nodes.score_convert import groups_message, score_message
 
 
 def devices_of(message: DevicesStateMsg) -> DevicesState:
@@ -83,16 +83,16 @@ def _zone_state(view: views.ZoneView) -> ZoneState:
         name=event.benchmark.name,
         desc=event.benchmark.desc,
         code=event.benchmark.code,
-        timeout=ros_duration(event.benchmark.timeout),
+        timeout=ros_duration_kept(event.benchmark.timeout),
         team=event.team,
         round=event.round,
         run=event.run,
-        schedule=ros_time(event.scheduled),
+        schedule=ros_time_kept(event.scheduled),
         timer=ros_duration(view.timer),
         state=view.state,
         log=view.log,
         online_data=view.online_data,
-        scoring=[group_message(group) for group in view.scoring],
+        scoring=groups_message(view.scoring),
     )
     message.connect_enabled = not view.reasons_off("connect")
     message.disconnect_enabled = not view.reasons_off("disconnect")

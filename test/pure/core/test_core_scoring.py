@@ -95,7 +95,7 @@ def test_what_is_refused_changes_nothing(referee, group, desc, value, reason):
 
 def test_a_benchmark_without_items():
     referee = Referee(())
-    assert (referee.sheet.groups(), referee.sheet.items()) == ([], ())
+    assert (referee.sheet.groups(), referee.sheet.items()) == ((), ())
     with pytest.raises(Refused, match="no scoring items"):
         referee.set(BUMPS, 1)
 
