@@ -1,4 +1,4 @@
-"""How long robots are alone when the core is killed: until the core that roslaunch starts again sends them their state."""
+"""How long robots are alone when the core is killed: until the one that roslaunch starts then sends their state."""
 
 import os
 import signal

@@ -16,7 +16,7 @@ from roah_rsbb.core.all_robots import AllRobotsRun, AllRobotsState
 from roah_rsbb.core.benchmarks import Event
 from roah_rsbb.core.capacity import LAST_PORT
 from roah_rsbb.core.clock import Now, clock_text
-from roah_rsbb.core.effects import Effect, How, Level
+from roah_rsbb.core.effects import Effect, How
 from roah_rsbb.core.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.messages import DevicesState, TabletState
 from roah_rsbb.core.records import RunRecord
@@ -216,8 +216,8 @@ class Restart(abc.ABC):
             return
         event = state.event
         self.on_trouble(
-            now, f"The run of {event.benchmark}, team {event.team}, that was connected before the restart cannot go on: "
-            f"{why}. Its scores are in the journal: see 'rosrun roah_rsbb results'",
+            now, f"The run of {event.benchmark}, team {event.team}, that was connected before the restart cannot go "
+            f"on: {why}. Its scores are in the journal: see 'rosrun roah_rsbb results'",
         )
 
     def restart_warnings(self, now: Now, run: ZoneRun) -> List[str]:

@@ -124,7 +124,8 @@ class CoreNode:
         self._last_public_view = None
         ports = PortRecord(log_dir)
         last_port, port_warnings = ports.read()
-        session = Session(time.time(), time.monotonic(), boot_id(), os.getpid(), self._uuid, rospy.get_param("/run_id", ""))
+        launch = rospy.get_param("/run_id", "")
+        session = Session(time.time(), time.monotonic(), boot_id(), os.getpid(), self._uuid, launch)
         self._store = Journal(log_dir, session, competition(loaded), resume, self._on_journal_trouble)
         box = Box(loaded, settings, beacon_size, max(last_port or 0, self._store.before.last_port or 0))
         keys = {team: Key(password) for team, password in loaded.passwords.items()}

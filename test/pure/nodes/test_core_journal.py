@@ -335,7 +335,8 @@ def test_all_robots_go_on_together(tmp_path):
 def test_an_event_that_was_moved_in_time_is_found(tmp_path):
     driver = box(tmp_path)
     driver.command("next", "tbm")
-    moved = competition(tbm=[event("HGTKMH"), CATERING, event("HWV", scheduled=event().scheduled + 900)], fbm=[NAVIGATION])
+    later = event("HWV", scheduled=event().scheduled + 900)
+    moved = competition(tbm=[event("HGTKMH"), CATERING, later], fbm=[NAVIGATION])
     driver.kill(config=moved)
     assert driver.box.zones["tbm"].event.benchmark.code == "HWV"
 
