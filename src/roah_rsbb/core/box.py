@@ -222,6 +222,7 @@ class Box(ModuleEvents, ScoreEvents, Restart):
         else:
             zone.run = run = self._make_run(now, entry)
             run.open(now)
+        self.run_at(entry.port).link.expect_after(robot.last_heard, robot.time)
         if zone.event.benchmark.code == CATERING:
             self.tablet.display_map = False  # what the run before left on the tablet is not this robot's
         self._emit(effects.SendBeacon())

@@ -6,7 +6,7 @@ Staleness, skew, silence and clock steps are judged here; what they mean for the
 
 from typing import List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.clock import Now, wire_ns, wire_seconds
+from roah_rsbb.core.clock import Now, WireTime, wire_ns, wire_seconds
 from roah_rsbb.core.link_record import LinkRecorder, LinkSample
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.skew import SkewEstimate, SkewSample, skew_off, skew_text, within
@@ -111,6 +111,13 @@ class RobotLink:
     def messages_saved(self) -> int:
         """Messages of offline data that the robot says it saved."""
         return 0 if self.last is None else self.last.messages_saved
+
+    def expect_after(self, heard: Now, time: WireTime) -> None:
+        """The robot said this time before, in its beacon or its last run: what is older now is a recording.
+
+        If that was not the robot, or its clock was set back since, its times soon make a timeline of their own.
+        """
+        self._timeline.begin_after(heard.mono, wire_ns(time))
 
     def hear(self, now: Now, host: str, report: RobotReport) -> Heard:
         """Judge a message that arrived from `host`, and remember it if it is fresh."""

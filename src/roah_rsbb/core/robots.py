@@ -7,6 +7,7 @@ under a robot's name takes nothing over while the first is still heard.
 from typing import Container, Dict, List, NamedTuple, Optional
 
 from roah_rsbb.core.clock import Now, WireTime, wire_seconds
+from roah_rsbb.core.messages import NEVER
 from roah_rsbb.core.skew import SkewEstimate
 
 # A robot sends every second; one that was not heard for this long is late.
@@ -35,6 +36,7 @@ class ActiveRobot:
         self.host = host
         self.first_heard = now
         self.last_heard = now
+        self.time: WireTime = NEVER  # that it said last
         self.skew = SkewEstimate()
         self.rival: Optional[str] = None  # another host that uses the same name
         self._rival_heard = 0.0
@@ -57,6 +59,7 @@ class ActiveRobot:
             self.rival = None
         self.host = host
         self.last_heard = now
+        self.time = time
         self.skew.sample(now.mono, wire_seconds(time) - now.utc)
 
 

@@ -53,6 +53,10 @@ class Timeline:
         """What was old before a restart is old after it, too."""
         self.newest, self._newest_mono = state
 
+    def begin_after(self, mono: float, time_ns: int) -> None:
+        """A time that came at `mono` (s), but not on this channel."""
+        self._accept(mono, time_ns)
+
     def judge(self, mono: float, time_ns: int) -> Verdict:
         """Judge a message that arrived at `mono` (s) and carries `time_ns`; accepted ones count."""
         if self.newest is None or time_ns > self.newest:

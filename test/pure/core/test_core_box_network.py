@@ -7,6 +7,7 @@ from helpers.competition import competition
 from roah_rsbb.core import effects, views
 from roah_rsbb.core.effects import GiveUp, Level
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.states import RobotState
 
 
 @pytest.mark.parametrize("after", [0.0, 2.5, 4.999])
@@ -103,6 +104,25 @@ def test_a_robot_that_gets_another_address_in_its_run_is_no_rival_of_itself():
     assert views.status(driver.box, driver.now) == "OK"
     driver.command("connect")
     assert driver.channels == {robot.port + 1: "10.0.0.77"}
+
+
+def test_a_recording_of_an_earlier_run_is_refused_before_the_robot_says_a_word():
+    driver = BoxDriver(competition(tbm=["HWV", "HWV"]))
+    robot = driver.executing()
+    robot.says(notifications=("of the first run",))
+    recorded = [robot.last]
+    driver.command("disconnect")
+    robot.beacon()
+    driver.command("connect")
+    robot.port = driver.run_in().port
+    for report in recorded * 5:
+        driver.run(0.1)
+        robot.send(report)
+    assert driver.run_in().robot_state is None
+    assert driver.logged(robot.port, "/notification") == []
+    robot.says(RobotState.STOP)
+    assert driver.run_in().robot_state is RobotState.STOP
+    driver.command("start")
 
 
 def test_a_flood_of_robots_is_bounded_and_the_run_goes_on():
