@@ -72,7 +72,7 @@ def _run(options: argparse.Namespace, config_dir: str, ask: Optional[Callable[[s
     try:
         if options.schedule_only:
             return _schedule_only(report, options, config_dir)
-        found = known_answers(options, report, ask, print)
+        found = known_answers(options, report, ask, print, {"benchmarks": _benchmarks(config_dir)})
         report.raise_errors()
         plan = _plan(report, options, found)
         report.raise_errors()
@@ -87,6 +87,12 @@ def _run(options: argparse.Namespace, config_dir: str, ask: Optional[Callable[[s
     for warning in report.warnings:
         print(f"warning: {warning}")
     return _told(options.directory) or _next_steps(options, found)
+
+
+def _benchmarks(config_dir: str) -> str:
+    """What each benchmark is about."""
+    shipped = BenchmarksFile(os.path.join(config_dir, files.BENCHMARKS), Report()).by_code
+    return "\n".join(f"  {code:7} {benchmark.desc}" for code, benchmark in shipped.items())
 
 
 def _plan(report: Report, options: argparse.Namespace, found: Dict[str, object]) -> Optional[Plan]:

@@ -32,7 +32,7 @@ QUESTIONS = (
              "Teams, with commas between them, exactly as their robots announce them"),
     Question("benchmarks", answers.read_benchmarks, "HGTKMH,HWV,HNF",
              f"codes of the benchmarks to be held ({' '.join(KINDS)}), or 'tasks', or 'all'",
-             f"Benchmarks: codes with commas between them ({' '.join(KINDS)}), or 'tasks', or 'all'", of_sheet=True),
+             "Benchmarks: codes with commas between them, or 'tasks' (the first three), or 'all'", of_sheet=True),
     Question("zones", answers.read_zones, "'Home: HGTKMH HWV, Arena: HNF'",
              "zones, which run side by side, each with a referee of its own; with the benchmarks of each, or without: "
              "then they are shared out (default: a zone for task benchmarks, one for the others)",
@@ -62,12 +62,13 @@ class Missing(Exception):
 
 
 def known_answers(
-    given: argparse.Namespace, report: Report, ask: Optional[Callable[[str], str]], say: Callable[[str], None]
+    given: argparse.Namespace, report: Report, ask: Optional[Callable[[str], str]], say: Callable[[str], None],
+    hints: Dict[str, str],
 ) -> Dict[str, object]:
     """The answer to each question by its option (None: left open), from options, a person (`ask`), or the defaults.
 
-    What is wrong with options goes into the report. A person is asked again. `ask` None: nobody is there. With a
-    sheet only what it does not say is looked for.
+    What is wrong with options goes into the report. A person is asked again; `hints`, by option, are said before.
+    `ask` None: nobody is there. With a sheet only what it does not say is looked for.
     """
     found: Dict[str, object] = {}
     missing: List[Question] = []
@@ -80,6 +81,8 @@ def known_answers(
             continue
         optional = question.default is not None or (given.sheet and question.option == "teams")
         if text is None and ask is not None and question.asks and not given.sheet:
+            if question.option in hints:
+                say(hints[question.option])
             found[question.option] = _asked(question, place, ask, say)
             continue
         if text is None and not optional:

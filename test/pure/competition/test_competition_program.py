@@ -89,6 +89,7 @@ def test_questions_are_asked_again_until_they_are_answered(run, tmp_path):
     for told in ("found nothing; expected 'BrassButlers, CopperKettle'", "found 'a:b'", "found the text 'HWX'",
                  "found '28.11.'", "found '9h'", "found '10.0.0'"):
         assert out.count(told) == 1
+    assert "  HCFGAC  Catering for Granny Annie's Comfort\n" in out
     loaded = load(tmp_path / "erl")[0]
     assert [(event.team, event.scheduled % 86400) for event in loaded.zones[0].events] == [
         ("BrassButlers", 9 * 3600), ("CopperKettle", 9.25 * 3600)]
