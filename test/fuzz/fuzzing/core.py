@@ -15,6 +15,7 @@ from roah_rsbb.core import restart, views
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.effects import RunOpened
+from roah_rsbb.core.link import HERE_S
 from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
 from roah_rsbb.core.module_messages import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
 from roah_rsbb.core.referee_record import RunName
@@ -161,9 +162,22 @@ class Play:
         return self.reader.integer(), self.reader.integer()
 
     def _report_of_anybody(self) -> Step:
-        """Somebody says something, with any time."""
+        """Somebody says something, with any time. As long as the robot is heard elsewhere, that moves nothing."""
         port, host = 6667 + self.reader.byte() % 6, self.reader.choice(HOSTS)
-        return self._event("on_robot_report", port, host, self._read_report(self._time()))
+        say = self._event("on_robot_report", port, host, self._read_report(self._time()))
+        self._event("tick")()
+        run = self.driver.box.run_at(port)
+        link = None if run is None else run.link
+        if link is None or link.last_heard is None or link.host == host:
+            return say
+        if self.driver.now.mono - link.last_heard.mono >= HERE_S:
+            return say
+        before = run.message, link.last
+
+        def moves_nothing() -> None:
+            say()
+            assert (run.message, link.last) == before
+        return moves_nothing
 
     def _beacon(self) -> Step:
         team = self.reader.choice(TEAMS) if self.reader.flag() else self.reader.text()
