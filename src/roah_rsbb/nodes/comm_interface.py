@@ -135,7 +135,7 @@ class CommInterface:
             except Exception:
                 # The next job may be a stop: the thread must live.
                 if not rospy.is_shutdown():
-                    rospy.logerr("internal error in the ROS interface", exc_info=True)
+                    rospy.logerr("internal error in the ROS interface, please report it", exc_info=True)
 
     def _enter_benchmark(self, code: Optional[str]) -> None:
         self._end_phase()

@@ -138,7 +138,8 @@ class CoreDriver:
                 self._journal.record(self.now(), todo)
             except Exception:
                 # A record that cannot be made must not keep the robots from their run.
-                rospy.logerr_throttle(1.0, "internal error: what happened could not be recorded", exc_info=True)
+                rospy.logerr_throttle(1.0, "internal error, please report it: what happened could not be recorded",
+                                      exc_info=True)
         return todo
 
     def _do(self, effect: Effect) -> None:
@@ -146,7 +147,7 @@ class CoreDriver:
             self._hands[type(effect)](effect)
         except Exception:
             # One hand that fails must not keep the others from their work.
-            rospy.logerr_throttle(1.0, f"internal error: {type(effect).__name__} could not be carried out",
+            rospy.logerr_throttle(1.0, f"internal error, please report it: {type(effect).__name__} was not carried out",
                                   exc_info=True)
 
     def _set_timer(self) -> None:

@@ -286,7 +286,7 @@ def _end_launch() -> None:
         rospy.wait_for_service("roah_rsbb_shutdown", timeout=END_LAUNCH_S)
         rospy.ServiceProxy("roah_rsbb_shutdown", EmptySrv)()
     except (rospy.ROSException, rospy.ServiceException) as error:
-        rospy.logerr("the launch could not be ended: %s", error)
+        rospy.logerr("the launch could not be ended (%s): end it with Ctrl-C", error)
     else:
         interrupted.wait(END_LAUNCH_S)
 

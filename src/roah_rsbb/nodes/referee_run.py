@@ -293,7 +293,7 @@ class RunScript:
         for change in self._follower.step(limit_s):
             self._tell(change)
         if self._link.silence_s > GIVE_UP_S:
-            raise NoCore(f"the core has been silent for {GIVE_UP_S:.0f} s")
+            raise NoCore(f"the core has been silent for {GIVE_UP_S:.0f} s: look at the launch on the box's computer")
 
     def _until_heard(self) -> None:
         """Go on once the core, which did not answer, publishes again."""

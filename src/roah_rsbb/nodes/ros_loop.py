@@ -19,7 +19,7 @@ def _tell(_loop: asyncio.AbstractEventLoop, context: Dict[str, Any]) -> None:
     """A timer or reader that failed must not fail silently; the others go on."""
     error = context.get("exception")
     trace = (type(error), error, error.__traceback__) if error is not None else None
-    rospy.logerr("internal error: %s", context["message"], exc_info=trace)
+    rospy.logerr("internal error, please report it: %s", context["message"], exc_info=trace)
 
 
 class RosLoop:

@@ -147,7 +147,7 @@ class RunLogWriter:
         try:
             entries = list(self._entries_of(port))
         except Exception:
-            rospy.logerr("internal error: no entries for a run log", exc_info=True)
+            rospy.logerr("internal error, please report it: no entries for a run log", exc_info=True)
             self._jobs.put(lambda: self._not_now(port))
             return
         self._skipped.discard(port)
@@ -177,7 +177,7 @@ class RunLogWriter:
             job()
         except Exception:
             # One log that fails must not end the others.
-            rospy.logerr("internal error: a run log could not be written", exc_info=True)
+            rospy.logerr("internal error, please report it: a run log could not be written", exc_info=True)
 
     def _end(self) -> None:
         """Close all logs. The loop stands, and answers at once."""
@@ -229,7 +229,7 @@ class RunLogWriter:
         try:
             log.bag.write(message_of(entry))
         except BadEntry as error:
-            rospy.logerr("internal error: %s: %s", log.path, error)
+            rospy.logerr("internal error, please report it: %s: %s", log.path, error)
         except WRITE_ERRORS as error:
             self._lapse(log, error)
 
