@@ -117,7 +117,7 @@ class RobotLink:
 
         If that was not the robot, or its clock was set back since, its times soon make a timeline of their own.
         """
-        self._timeline.begin_after(heard.mono, wire_ns(time) - 1)  # clocks may be coarse
+        self._timeline.begin_after(heard.mono, wire_ns(time))
 
     def hear(self, now: Now, host: str, report: RobotReport) -> Heard:
         """Judge a message that arrived from `host`, and remember it if it is fresh."""

@@ -81,6 +81,7 @@ class Play:
         for host, team in zip(HOSTS, TEAMS):
             self.driver.robot(team, "r1", host).beacon()
         self.driver.command("connect", "all")
+        self.driver.jump(0.001)
         now = self.driver.robot().time()
         for host, run in zip(HOSTS, self.driver.box.runs()):
             self.driver.event(self.driver.box.on_robot_report, run.port, host, RobotReport(now, 1, RobotState.STOP))
