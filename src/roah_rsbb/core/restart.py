@@ -20,6 +20,7 @@ from roah_rsbb.core.effects import Effect, How
 from roah_rsbb.core.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.messages import DevicesState, TabletState
 from roah_rsbb.core.records import RunRecord
+from roah_rsbb.core.results import FinishedRuns, left_behind
 from roah_rsbb.core.robots import ActiveRobots
 from roah_rsbb.core.run import Entry, Run, RunState, Surroundings
 from roah_rsbb.core.zone import LastRun, Zone
@@ -66,7 +67,7 @@ class Saved(NamedTuple):
     utc: float  # UTC seconds of the last record before the restart
     box: BoxSaved
     zones: Dict[str, ZoneState]
-    records: Tuple[RunRecord, ...] = ()  # of the runs that are over, the oldest first
+    records: Tuple[RunRecord, ...] = ()  # of runs that are over, or were going on
 
 
 def key_of(event: Event) -> EventKey:
@@ -84,6 +85,7 @@ def _matters(effect: Effect) -> bool:
 class Restart(abc.ABC):
     """A part of `roah_rsbb.core.box.Box`, which has the zones."""
 
+    finished: FinishedRuns
     zones: Dict[str, Zone]
     robots: ActiveRobots
     devices: DevicesState
@@ -147,6 +149,10 @@ class Restart(abc.ABC):
         for name, state in saved.zones.items():
             self._try_to_resume(now, name, state)
         runs = self._zone_runs()
+        going_on = {run.identity for run in runs}
+        for record in saved.records:
+            if not record.closed_utc and record.identity not in going_on:
+                self._give_up(record, saved.utc)
         if runs:
             down = max(0.0, now.utc - saved.utc)
             text = f"The core was restarted at {clock_text(now.utc)}, {down:.0f} s after its last record"
@@ -156,6 +162,12 @@ class Restart(abc.ABC):
             self.watches.restarted(now, text)
             self._emit(effects.SendBeacon())
         self.tick(now)
+
+    def _give_up(self, record: RunRecord, utc: float) -> None:
+        """A run does not go on: it was left when the core was last there, and can be corrected and signed off."""
+        record = left_behind(record, utc)
+        self.finished.add(record)
+        self._emit(effects.RecordChanged(record))
 
     def _try_to_resume(self, now: Now, name: str, state: ZoneState) -> None:
         done_before = len(self._effects)

@@ -8,7 +8,8 @@ from typing import Dict, Iterable, List, NamedTuple, Tuple
 
 from roah_rsbb.core.benchmarks import Benchmark, Event, ScoreKind, ScoringItem
 from roah_rsbb.core.clock import Now, clock_text
-from roah_rsbb.core.records import By, ItemRecord, RunRecord, ScoreValue, SignOff
+from roah_rsbb.core.phases import EndReason
+from roah_rsbb.core.records import By, ItemRecord, RunRecord, ScoreValue, SignOff, StopRecord
 from roah_rsbb.core.refused import Refused
 from roah_rsbb.core.run_book import BookState, RunBook
 from roah_rsbb.core.scoring import Mark, SheetState
@@ -84,6 +85,15 @@ class FinishedRun:
         return Result(
             record.zone, event, record.end_reason, record.closed_utc, record.items, record.module_scores
         )
+
+
+def left_behind(record: RunRecord, utc: float) -> RunRecord:
+    """The record of a run that was going on when the core ended, at `utc`, and does not go on after that."""
+    record = record._replace(closed_utc=utc)
+    if not record.started_utc or record.end_reason:
+        return record
+    stop = StopRecord(utc, "", EndReason.STOPPED.name.lower(), "The run did not go on after a restart of the core")
+    return record._replace(end_reason=stop.end_reason, stops=(*record.stops, stop))
 
 
 class FinishedRuns:

@@ -109,10 +109,10 @@ class ScoreEvents(RefereeRecord):
 
     def _named(self, name: RunName) -> Union[ZoneRun, FinishedRun]:
         """The run of that name; raises `Refused`."""
-        zone = self.zone(name.zone)
         if not name.identity:
             return self._run_in(name.zone)
-        if zone.run is not None and zone.run.identity == name.identity:
+        zone = self.zones.get(name.zone)  # of a run that is over the schedule may have no zone any more
+        if zone is not None and zone.run is not None and zone.run.identity == name.identity:
             return zone.run
         run = self.finished.find(name.identity)
         if run.record.zone != name.zone:

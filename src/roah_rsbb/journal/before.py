@@ -5,7 +5,7 @@ from typing import Dict, NamedTuple, Optional, Tuple
 
 from roah_rsbb.journal.file import Session
 
-# So many runs that are over are taken up again: those that a referee may still want to correct.
+# The records of so many runs are taken up again: those that a referee may still want to correct.
 MAX_OUTCOMES = 100
 
 
@@ -13,7 +13,7 @@ class Before(NamedTuple):
     """All that a core needs to go on."""
 
     states: Dict[str, str]  # by name; JSON
-    outcomes: Tuple[str, ...]  # JSON of the records of the newest runs that are over, the oldest first
+    outcomes: Tuple[str, ...]  # JSON of the records of the newest runs, also of those that go on; the oldest first
     log_files: Dict[int, str]  # path of the run log, by the port
     last_port: Optional[int]  # the highest private port that was used
     last: Optional[Session]  # the session before, with the times of its last record
@@ -25,8 +25,8 @@ NOTHING = Before({}, (), {}, None, None)
 def read_before(connection: sqlite3.Connection) -> Before:
     """Read it, before the session that begins is written; raises sqlite3.Error."""
     outcomes = connection.execute(
-        "SELECT outcome FROM runs WHERE closed_utc IS NOT NULL AND outcome IS NOT NULL"
-        " ORDER BY opened_utc DESC LIMIT ?", (MAX_OUTCOMES,)).fetchall()
+        "SELECT outcome FROM runs WHERE outcome IS NOT NULL ORDER BY opened_utc DESC LIMIT ?",
+        (MAX_OUTCOMES,)).fetchall()
     return Before(
         states={
             name: state for name, state in connection.execute("SELECT name, state FROM states")

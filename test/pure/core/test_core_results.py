@@ -7,7 +7,7 @@ from helpers.competition import BUMPS, DOOR, OBJECTS, UTC0, competition, event, 
 from roah_rsbb.core.clock import Now, clock_text
 from roah_rsbb.core.records import By, SignOff
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.core.results import MAX_KEPT, FinishedRuns
+from roah_rsbb.core.results import MAX_KEPT, FinishedRuns, left_behind
 from roah_rsbb.core.saved import freeze, thaw
 from roah_rsbb.core.scoring import Mark
 
@@ -100,6 +100,19 @@ def test_runs_that_were_not_left_or_never_started_are_not_over():
     runs = FinishedRuns(BENCHMARKS)
     runs.restore([run_record(1, closed_utc=0.0), run_record(2, end_reason=""), run_record(3)])
     assert [record.run for record in runs.records()] == [3]
+
+
+def test_a_run_that_was_left_behind_in_a_restart_was_stopped_then():
+    going_on = run_record(1, closed_utc=0.0, end_reason="", stops=(), elapsed_s=12.0)
+    left = left_behind(going_on, UTC0 + 50.0)
+    assert (left.closed_utc, left.end_reason, left.elapsed_s) == (UTC0 + 50.0, "stopped", 12.0)
+    assert [stop[:4] for stop in left.stops] == [
+        (UTC0 + 50.0, "", "stopped", "The run did not go on after a restart of the core")
+    ]
+    ended = run_record(1, closed_utc=0.0, end_reason="timeout")
+    assert left_behind(ended, UTC0 + 50.0) == ended._replace(closed_utc=UTC0 + 50.0)
+    never = run_record(1, closed_utc=0.0, end_reason="", started_utc=0.0, stops=())
+    assert left_behind(never, UTC0 + 50.0).end_reason == ""
 
 
 def test_a_benchmark_that_is_no_more_is_shown_by_its_code():

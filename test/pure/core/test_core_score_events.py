@@ -152,6 +152,17 @@ def test_what_a_module_scored_is_in_the_record():
     assert driver.box.finished.records()[0].module_scores == (reached,)
 
 
+def test_a_module_is_told_the_time_of_an_attempt_when_it_has_ended():
+    driver, modules, robot = started()
+    modules.lives(10.0, robot)
+    driver.command("stop")
+    assert modules.run().elapsed_s == pytest.approx(10.0, abs=0.5)
+    robot.says(RobotState.STOP)
+    modules.beat()
+    driver.command("start")
+    assert modules.run().elapsed_s == 0.0
+
+
 def test_all_robots_have_one_record():
     driver, robots = all_running()
     identity = driver.run_in().identity
@@ -317,7 +328,7 @@ def test_a_run_of_another_zone_is_refused(driver):
     assert _refused(driver, driver.box.withdraw_score, RunName("other", name.identity), 1) == [
         f"run {name.identity} was in zone 'tbm', not in 'other'"
     ]
-    assert "no zone 'x'" in _refused(driver, driver.box.withdraw_score, RunName("x", name.identity), 1)[0]
+    assert "no zone 'x'" in _refused(driver, driver.box.withdraw_score, RunName("x"), 1)[0]
 
 
 # -- who did what -----------------------------------------------------------------------------------

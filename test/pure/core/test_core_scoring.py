@@ -256,6 +256,13 @@ def test_wild_clicking_grows_nothing_and_loses_nothing_that_matters():
     assert _values(referee.sheet) == [[1, 11], [78]]
 
 
+def test_it_is_the_oldest_that_is_left_out():
+    referee = Referee()
+    for i in range(1000):
+        referee.set(OBJECTS, i + 1)
+    assert [value for (value,) in referee.entries("value")][-100:] == list(range(901, 1001))
+
+
 def test_entries_of_two_people_stay_longer_than_those_of_one():
     referee = Referee()
     for i in range(50):

@@ -77,11 +77,11 @@ def test_the_last_record_may_be_one_of_a_link(journals):
     assert (last.utc, last.mono) == (1e9 + 7, 12.0)
 
 
-def test_a_run_that_is_still_connected_is_not_over(journals):
+def test_the_record_of_a_run_that_is_still_connected_is_there_too(journals):
     journal = journals()
     journal.write(BATCH)
     journal.close()
-    assert journals().before.outcomes == ()
+    assert journals().before.outcomes == ('{"n":1}',)
 
 
 def test_all_of_a_batch_or_nothing(journals):

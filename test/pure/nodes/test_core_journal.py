@@ -10,7 +10,9 @@ from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.messages import DevicesState, TabletState
 from roah_rsbb.core.module_messages import RequestKind, ScoreValue
 from roah_rsbb.core.phases import EndReason, Phase
+from roah_rsbb.core.referee_record import RunName
 from roah_rsbb.core.saved import freeze
+from roah_rsbb.core.scoring import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import Resume
 from roah_rsbb.states import BoxState, RobotState
@@ -298,6 +300,22 @@ def test_a_run_that_is_connected_is_not_among_those_that_are_over(tmp_path):
     driver.kill()
     assert driver.box.finished.records() == []
     assert driver.run_in("tbm").sheet.groups()[0].items[0] == (DOOR, 1)
+
+
+def test_a_run_that_cannot_go_on_can_be_corrected_and_signed_off(tmp_path):
+    driver = box(tmp_path)
+    driver.executing("tbm")
+    driver.score(DOOR.group, DOOR.desc, 1, "tbm")
+    identity = driver.run_in("tbm").identity
+    driver.kill(5.0, config=competition(fbm=[NAVIGATION]))
+    (record,) = driver.box.finished.records()
+    assert (record.identity, record.end_reason, record.items[0].value) == (identity, "stopped", 1)
+    name = RunName("tbm", identity)
+    driver.event(driver.box.score, name, Mark(DOOR.group, DOOR.desc, 0), "Anna")
+    driver.event(driver.box.sign_off, name, "Anna")
+    signed = driver.box.finished.find(identity).record
+    driver.kill()
+    assert driver.box.finished.records() == [signed]
 
 
 def test_who_said_what(tmp_path):
