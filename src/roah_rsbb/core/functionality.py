@@ -10,7 +10,7 @@ from typing import List, NamedTuple, Optional, Tuple
 from roah_rsbb.core import effects, machine, run_log
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.goal import Goal, GoalState
+from roah_rsbb.core.goal import GOAL_OVERHEAD, Goal, GoalState
 from roah_rsbb.core.manual_operations import Switches, SwitchesState, check_answer
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.module_messages import (
@@ -30,12 +30,9 @@ from roah_rsbb.core.records import NOBODY, By
 from roah_rsbb.core.refused import Refused
 from roah_rsbb.core.run import Entry, Run, Surroundings
 from roah_rsbb.core.run_book import Marked
-from roah_rsbb.core.run_clock import Countdown
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import BoxState
 
-# What else is in a datagram that carries a goal: frame, cipher, code, state, acknowledgement, a pose.
-GOAL_OVERHEAD = 140
 # More steps than that are no benchmark, but a module that went wild.
 MAX_STEPS = 2000
 
@@ -329,9 +326,9 @@ class FunctionalityRun(Run):
 
     def _set_pauses(self, now: Now) -> None:
         """The referee's work and the module's absence are not at the team's cost."""
-        _set_paused(self.clock, now, self.held or self.asked is not None)
+        self.clock.set_paused(now, self.held or self.asked is not None)
         if self._goal is not None:
-            _set_paused(self._goal.clock, now, self.held)
+            self._goal.clock.set_paused(now, self.held)
 
     def deadline(self) -> Optional[float]:
         """See `Run.deadline`; a goal's timeout, too."""
@@ -399,10 +396,3 @@ class FunctionalityRun(Run):
 
 def _number(progress: Progress) -> int:
     return 0 if progress.request is None else progress.request.number
-
-
-def _set_paused(clock: Countdown, now: Now, paused: bool) -> None:
-    if paused:
-        clock.pause(now)
-    else:
-        clock.resume(now)

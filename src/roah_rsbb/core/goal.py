@@ -7,6 +7,9 @@ from roah_rsbb.core.messages import GoalMessage
 from roah_rsbb.core.module_messages import Request
 from roah_rsbb.core.run_clock import Countdown, CountdownState
 
+# What else is in a datagram that carries a goal: frame, cipher, code, state, acknowledgement, a pose.
+GOAL_OVERHEAD = 140
+
 
 class GoalState(NamedTuple):
     """The saved state of a goal under way."""

@@ -52,6 +52,10 @@ class Countdown:
             self._deadline += now.mono - self._paused_at
             self._paused_at = None
 
+    def set_paused(self, now: Now, paused: bool) -> None:
+        """Pause or resume, whatever it is now."""
+        (self.pause if paused else self.resume)(now)
+
     @property
     def paused(self) -> bool:
         """Whether time does not count at the moment."""
