@@ -143,7 +143,8 @@ GOOD = {"image": "it.pgm", "resolution": "0.5", "origin": "[0, 0, 0]"}
     ({"resolution": "fine"}, "resolution is 'fine'"), ({"origin": None}, "origin is None"),
     ({"origin": "[0, 0]"}, r"origin is \['0', '0'\]"), ({"origin": "[0, 0, .inf]"}, "origin is"),
     ({"origin": "[0, 0, x]"}, "origin is"), ({"negate": "2"}, "negate is '2'"), ({"negate": "[]"}, "negate is"),
-    ({"image": '"a\\0b"'}, "no file's name"), ({"image": '"\\ud800"'}, "no file's name"), ({"image": "/dev/zero"}, "a device"),
+    ({"image": '"a\\0b"'}, "no file's name"), ({"image": '"\\ud800"'}, "no file's name"),
+    ({"image": "/dev/zero"}, "a device"),
     ({"image": "."}, "a directory"), ({"resolution": "1" + "0" * 400}, "resolution is"),
 ])
 def test_what_is_wrong_in_a_map_file_is_named(saved, changes, told):
