@@ -22,7 +22,7 @@ class ResultsBoard:
         self._box_uuid = box_uuid
         self._changed = True
         self._connected: Tuple[str, ...] = ()
-        self._summaries: Dict[str, Tuple[RunRecord, RunSummary]] = {}  # of runs that are over, by identity
+        self._summaries: Dict[str, Tuple[RunRecord, RunSummary]] = {}  # by identity
 
     def on_record_changed(self) -> None:
         """A record is another one now."""
@@ -34,13 +34,13 @@ class ResultsBoard:
         if not self._changed and connected == self._connected:
             return None
         self._changed, self._connected = False, connected
-        records = self._box.records(now)
+        records = [_timeless(record) for record in self._box.records(now)]
         self._summaries = {record.identity: (record, self._summary(record)) for record in records}
         return Results(self._box_uuid, [summary for _, summary in self._summaries.values()])
 
     def _summary(self, record: RunRecord) -> RunSummary:
         known, summary = self._summaries.get(record.identity, (None, None))
-        return summary if known is record else summary_message(record)
+        return summary if known == record else summary_message(record)
 
 
 def summary_message(record: RunRecord) -> RunSummary:
@@ -79,10 +79,13 @@ def sheet_message(record: RunRecord) -> RunSheet:
     )
 
 
-def _revision(record: RunRecord) -> int:
+def _timeless(record: RunRecord) -> RunRecord:
     """The time that passes is no change."""
-    timeless = record._replace(elapsed_s=0.0)
-    return zlib.crc32(json.dumps(freeze(timeless)).encode())
+    return record._replace(elapsed_s=0.0)
+
+
+def _revision(record: RunRecord) -> int:
+    return zlib.crc32(json.dumps(freeze(_timeless(record))).encode())
 
 
 def _groups(items: Iterable[ItemRecord]) -> List[Group]:
