@@ -167,19 +167,20 @@ class CoreNode:
             "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
         }
+        CoreServices(self._box, self._ros, self._event, self._store.sync)
+        rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
+        rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
+        rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
+        gc.collect()
+        # From here on robots are heard: what waits for the loop looks as if their clocks were behind.
         self._go_on()
         self._driver.tick()
         self._radio.open(self._box.listening_left(self._driver.now()))
         rospy.loginfo("Listening on UDP %s:%d, private channels above; log in %s",
                       self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
-        CoreServices(self._box, self._ros, self._event, self._store.sync)
-        rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
-        rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
-        rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
         self._tell_modules()
         self._publish_tick()
         # What is there now stays: each full collection that goes through it would stop the box for some 15 ms.
-        gc.collect()
         gc.freeze()
         self._ros.run()
         self._radio.close()
