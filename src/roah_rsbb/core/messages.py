@@ -65,6 +65,10 @@ class BoxMessage(NamedTuple):
     acknowledgement: WireTime = NEVER  # `time` of the last RobotState
     goal: GoalMessage = NO_GOAL  # in GOAL_TX
 
+    def repeats(self, before: Optional["BoxMessage"]) -> bool:
+        """Whether it asks the robot for nothing that `before` (None: there was none) did not ask for."""
+        return before is not None and self == before._replace(acknowledgement=self.acknowledgement)
+
     def lines(self) -> str:
         """The message as YAML lines for the run log."""
         lines = [

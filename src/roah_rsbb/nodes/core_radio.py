@@ -145,6 +145,9 @@ class CoreRadio:
         private = self._privates.get(port)
         if private is None:
             return  # its channel could not be opened: the box takes another port
+        if how is How.CHANGE and message.repeats(private.message):
+            # A module begins with STOP, and the next moment asks for PREPARE: on the way one may overtake the other.
+            how = How.QUIET
         private.message, private.made = message, None
         if how is How.QUIET and private.timer is not None:
             return

@@ -97,7 +97,11 @@ class Link:
         return self._times.number_reached(time) if self.by_hand else self._times.number_of(time)
 
     def message(self, now_utc: float, progress: Progress) -> pb.RobotState:
-        """The next message to the box. Each message that this returns must be sent."""
+        """The next message to the box. Each message that this returns must be sent.
+
+        The robot still executes while there is something to say that does not fit into this message: the box may
+        end the run at the first RESULT_TX, and hear no more.
+        """
         message = pb.RobotState(messages_saved=progress.messages_saved, robot_state=int(progress.state))
         (message.time.sec, message.time.nsec), number = self._times.next(now_utc)
         for field, texts in self._strings.for_message(number).items():
@@ -105,5 +109,8 @@ class Link:
         for field, value in self._commands.items():
             setattr(message, field, value)
         if progress.state is RobotState.RESULT_TX:
-            write_result(message, progress.result)
+            if self._strings.waiting and not self.by_hand:
+                message.robot_state = int(RobotState.EXECUTING)
+            else:
+                write_result(message, progress.result)
         return message

@@ -48,6 +48,11 @@ class RepeatedStrings:
         """How many strings the box has not acknowledged yet."""
         return len(self._waiting) + len(self._sent)
 
+    @property
+    def waiting(self) -> int:
+        """How many strings no message has carried yet."""
+        return len(self._waiting)
+
     def add(self, field: str, text: str) -> None:
         """Queue `text`, to be logged once more than it was so far.
 

@@ -5,8 +5,10 @@ Feed a `Session` with what was received and with what the robot's owner wants; a
 is a monotonic time in seconds, `now_utc` the robot's clock in seconds since 1970.
 
 Which box. The first box heard is the robot's box, and stays so while its beacon or its private messages
-were heard within the last 5 s; the beacon of another one is reported and changes nothing. Only a robot
-that has no private channel follows any box that lists it.
+were heard within the last 5 s; the beacon of another one is reported and changes nothing. After a silence
+in which nobody was heard, the network was away and not the box: another one must have been heard for 5 s
+without it. Only a robot that has no private channel follows any box that lists it, and one whose private
+channel never brought anything.
 """
 
 from typing import List, Optional, Tuple, Union
@@ -18,7 +20,7 @@ from roah_rsbb.robot.link import Link
 from roah_rsbb.robot.machine import IllegalEvent
 from roah_rsbb.robot.progress import Progress
 from roah_rsbb.robot.times import wire_time
-from roah_rsbb.robot.watch import SILENCE_S, Home, Reports, Silence
+from roah_rsbb.robot.watch import SILENCE_S, Alone, Home, Reports, Silence
 
 BEACON_PERIOD_S = 1.0
 
@@ -41,6 +43,7 @@ class Session:
         self.progress = Progress()
         self.link: Optional[Link] = None
         self._box: Optional[str] = None  # address of the robot's box
+        self._others = Alone()
         self._silence = Silence(SILENCE_S, now_mono)  # of the box's beacon
         self._beacon_due = now_mono
         self._changed = False  # the box is to hear at once
@@ -204,6 +207,7 @@ class Session:
             )
             return
         self._box = host
+        self._others.end()
         if self._silence.heard(now_mono):
             self._effects.append(fx.Report(fx.Trouble.NO_BOX, f"the box at {host} is heard", over=True))
         self._effects += self._home.see(beacon)
@@ -238,9 +242,11 @@ class Session:
         """Whether the box at `host` is, or becomes, the robot's box."""
         if self._box in (None, host):
             return True
-        if self.link is None and listed:
+        if listed and (self.link is None or (not self.link.decoded and self.link.silence.lasts(now_mono))):
             return True
-        return self._silence.lasts(now_mono) and (self.link is None or self.link.silence.lasts(now_mono))
+        heard_alone_s = self._others.heard(now_mono)
+        return (heard_alone_s >= SILENCE_S and self._silence.lasts(now_mono)
+                and (self.link is None or self.link.silence.lasts(now_mono)))
 
     def _hear_twin(self, host: str) -> None:
         self._effects += self._reports.once(
@@ -250,6 +256,7 @@ class Session:
         )
 
     def _end_silence(self, now_mono: float, link: Link) -> None:
+        self._others.end()
         if link.silence.heard(now_mono):
             text = f"the box at {link.host} is heard again on port {link.port}"
             self._effects.append(fx.Report(fx.Trouble.BOX_SILENT, text, over=True))

@@ -17,6 +17,9 @@ from roah_rsbb.robot.effects import (
 # A box that was not heard for so long is silent: it sends once a second on each channel.
 SILENCE_S = 5.0
 
+# Boxes send once a second: where this long nothing came, nobody could be heard.
+_GAP_S = 3.0
+
 # Reports made once are remembered; forged datagrams must not let that grow for ever.
 _MAX_TOLD = 100
 
@@ -50,6 +53,25 @@ class Silence:
     def lasts(self, now_mono: float) -> bool:
         """Whether nothing was heard for the limit."""
         return now_mono >= self._heard_mono + self._limit_s
+
+
+class Alone:
+    """For how long other boxes were heard while the robot's own was not, without a gap in which nobody was."""
+
+    def __init__(self) -> None:
+        self._since_mono = 0.0
+        self._last_mono = float("-inf")
+
+    def heard(self, now_mono: float) -> float:
+        """Another box was heard; returns since how many seconds that is so."""
+        if now_mono - self._last_mono > _GAP_S:
+            self._since_mono = now_mono
+        self._last_mono = now_mono
+        return now_mono - self._since_mono
+
+    def end(self) -> None:
+        """The robot's own box was heard."""
+        self._last_mono = float("-inf")
 
 
 class Reports:

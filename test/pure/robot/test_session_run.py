@@ -150,6 +150,23 @@ def test_the_benchmark_changes_within_a_channel(linked):
     assert news[-1] == fx.Prepare("HWV")
 
 
+def test_the_result_waits_for_strings_that_no_message_carried_yet(linked):
+    """The box may end the run at the first RESULT_TX, and hear no more: a text said twice needs a round trip."""
+    executing(linked, "STB", generic_goal="1")
+    for text in ("on my way", "on my way"):
+        linked.do("add_string", "notifications", text)
+    begun = len(linked.sent)
+    linked.do("end_execute", "done")
+    linked.run(10)
+    assert {message.robot_state for _, message in linked.sent[begun:]} == {RobotState.EXECUTING}
+    linked.box_says(BoxState.WAITING_RESULT, "STB")
+    assert not linked.last.notifications and linked.last.robot_state == RobotState.EXECUTING
+    assert not linked.last.HasField("generic_result")
+    linked.box_says(BoxState.WAITING_RESULT, "STB")
+    assert list(linked.last.notifications) == ["on my way"]
+    assert linked.last.robot_state == RobotState.RESULT_TX and linked.last.generic_result
+
+
 # The owner plays the box.
 
 

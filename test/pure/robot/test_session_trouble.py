@@ -126,10 +126,51 @@ def test_ours_is_also_heard_on_the_private_channel(linked):
 
 def test_another_box_takes_over_when_ours_is_gone(linked):
     executing(linked)
-    linked.run(6)
+    for _ in range(5):
+        linked.run(1)
+        linked.beacon(port=7001, host=OTHER_BOX)
+    assert linked.take_news(fx.OpenChannel) == []
+    linked.run(1)
     linked.beacon(port=7001, host=OTHER_BOX)
     assert linked.take_news(fx.OpenChannel) == [fx.OpenChannel(OTHER_BOX, 7001)]
     assert linked.state is RobotState.STOP
+
+
+@pytest.mark.parametrize("on_public_channel", [True, False])
+def test_another_box_takes_nothing_over_because_the_network_was_away(linked, on_public_channel):
+    """It is only the first one that is heard again."""
+    executing(linked)
+    linked.beacon(port=7001, host=OTHER_BOX)
+    for _ in range(2):
+        linked.run(10)
+        for _ in range(4):
+            linked.beacon(port=7001, host=OTHER_BOX)
+            linked.run(1)
+        if on_public_channel:
+            linked.beacon()
+        else:
+            linked.box_says(BoxState.WAITING_RESULT)
+    assert linked.take_news(fx.OpenChannel, fx.CloseChannel) == []
+    assert linked.state is RobotState.EXECUTING
+
+
+def test_of_two_boxes_that_list_the_robot_it_finds_the_one_that_answers(bench):
+    """A robot that starts again in the middle of its run cannot know which box is its own."""
+    for second in range(6):
+        bench.beacon(port=9999, host=OTHER_BOX)
+        bench.beacon()
+        opened = bench.take_news(fx.OpenChannel)
+        assert opened == {0: [fx.OpenChannel(OTHER_BOX, 9999)], 5: [fx.OpenChannel(BOX, PORT)]}.get(second, [])
+        bench.run(1)
+    for _ in range(10):
+        bench.beacon(port=9999, host=OTHER_BOX)
+        bench.beacon()
+        bench.box_says(BoxState.PREPARE)
+        bench.run(1)
+    bench.run(10)  # its own box is silent, but it is the one
+    bench.beacon(port=9999, host=OTHER_BOX)
+    assert bench.take_news(fx.OpenChannel) == []
+    assert bench.state is RobotState.PREPARING
 
 
 def test_a_robot_without_a_channel_follows_whoever_lists_it(bench):
