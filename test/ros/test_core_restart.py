@@ -54,7 +54,7 @@ class TestRestart(BoxCase):
         self.assertEqual([(score.group, score.desc, score.value) for score in log.messages("/rsbb_log/score")],
                          [(*DOOR, 1)])
         self.kill_core(signal.SIGKILL)
-        self.assertEqual(self.box.zone("Home").code, "HWV", "the zone is at its next event")
+        self.box.wait_zone("Home", lambda z: z.code == "HWV", "the zone is at its next event")
         self.box.command("previous", "Home")
         self.assertGreater(self.box.connect("Home"), port)
 
