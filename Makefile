@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install-deps build demo test lint test-pure test-python38 test-pip test-docs test-install test-ros screenshots bench fuzz clean
+.PHONY: help install-deps build demo test lint test-pure test-python38 test-pip test-docs test-install test-ros test-net screenshots bench fuzz clean
 
 # ROS's own Python: the first python3 on PATH may be another one.
 PYTHON := /usr/bin/python3
@@ -13,6 +13,8 @@ BUILT := source build/devel/setup.bash
 LINT := yes
 # Options of the bench.
 BENCH :=
+# Options of the tests on a bad network.
+NET :=
 # Of each target: make fuzz FUZZ_SECONDS=600
 export FUZZ_SECONDS ?= 60
 # Only some: make fuzz FUZZ="box results"
@@ -32,7 +34,7 @@ build: install-deps ## build into build/devel
 demo: build ## the dummy set-up on this machine alone
 	@$(BUILT); rosrun roah_rsbb demo
 
-test: build $(if $(filter no,$(LINT)),,lint) test-pure test-python38 test-pip test-docs test-install test-ros ## all tests
+test: build $(if $(filter no,$(LINT)),,lint) test-pure test-python38 test-pip test-docs test-install test-ros test-net ## all tests
 
 lint: install-deps ## ruff and catkin_lint
 	@tools/lint
@@ -54,6 +56,9 @@ test-install: build ## the demonstration, from an install space
 
 test-ros: build ## tests of the nodes, each with a ROS master of its own
 	@$(BUILT); tools/run_rostests
+
+test-net: build ## runs on a bad network (test/net/README.md); make test-net NET="--all --seed 2"
+	@$(BUILT); $(PYTHON) -m pytest test/net $(NET)
 
 screenshots: build ## the pictures in docs/images, from a fake core on a virtual display
 	@$(BUILT); tools/make_screenshots

@@ -1,0 +1,101 @@
+"""What a run must look like afterwards, however bad the network was."""
+
+from typing import Any, Dict, List, Tuple
+
+from crew import Robot
+from referee import Result
+
+from roah_rsbb.states import BoxState
+
+STATES = "/rsbb_log/rsbb_state"
+_GOALS = {"HOPF": 2, "HNF": 2, "HPPF": 2, "HPFF": 1, "HGMF": 2, "HOMF": 2, "STB": 2}
+# These goals are sent to the robot; the others know theirs.
+_EXPLICIT = ("HNF", "HGMF", "HOMF", "STB")
+_STRINGS = {
+    "HWV": {
+        "/activation_event": ["the bell rang"],
+        "/notification": ["going to the door", "guiding the visitor", "going to the door"],
+        "/visitor": ["Deli Man"],
+    },
+    "HCFGAC": {"/command": ["close the blinds, light, and show me the map"]},
+    "HNF": {"/notification": ["on my way"] * 2},
+    "HOMF": {"/notification": ["switching"] * 2},
+}
+# Those that do not depend on where things are: many benchmarks at once share the one dummy world.
+_SCORES: Dict[str, Dict[str, Any]] = {
+    "HOPF": {"class_accuracy": 1.0, "instance_accuracy": 0.5},
+    "HNF": {"reached": 2, "timed_out": 0},
+    "HPPF": {"detected": 2, "recognised": 1},
+    "HPFF": {"failed_run": False},
+    "HGMF": {"objects": 2},
+    "HOMF": {"right": 3, "wrong": 1, "damaged": 1},
+    "STB": {"completed": 2},
+}
+_DEVICES = {"switch_1": [1], "switch_2": [1], "switch_3": [1, 0], "dimmer": [70], "blinds": [100, 0]}
+
+
+def box_states(code: str, reboots: int = 0) -> List[BoxState]:
+    """The box's states, of a robot that was rebooted so many times while it had its first goal."""
+    cycle = [BoxState.PREPARE, BoxState.WAITING_RESULT]
+    if code in _EXPLICIT:
+        cycle.insert(1, BoxState.GOAL_TX)
+    begin = [BoxState.STOP] * (2 if code in _GOALS else 1)
+    return begin + cycle * (_GOALS.get(code, 1) + reboots) + [BoxState.STOP]
+
+
+def faults(result: Result, robot: Robot, reboots: int = 0) -> List[str]:
+    """All that is wrong with a run."""
+    found = []
+
+    def same(what: str, is_so: Any, should: Any) -> None:
+        if is_so != should:
+            found.append(f"{result.code}, {what}: {is_so}, but it should be {should}")
+
+    same("end", result.end_reason, "completed")
+    same("box's states", [BoxState(s).name for s in result.values(STATES)],
+         [state.name for state in box_states(result.code, reboots)])
+    for what, is_so, should in _logged_strings(result):
+        if not (is_so == should or (reboots and is_so[-len(should):] == should and _again(is_so, should))):
+            found.append(f"{result.code}, {what}: {is_so}, but it should be {should}")
+    same("scores", result.scores, result.marked)
+    same("scores in the log", _logged_scores(result), result.marked)
+    for name, value in _SCORES.get(result.code, {}).items():
+        same(f"module's {name}", result.module_scores.get(("", name)), value)
+    if result.code == "HCFGAC":
+        for device, values in _DEVICES.items():
+            same(device, _settled(result.values(f"/rsbb_log/devices/{device}"), values), values[-1])
+    found += _robot_faults(result.code, robot, reboots)
+    return found
+
+
+def _logged_strings(result: Result) -> List[Tuple[str, List[str], List[str]]]:
+    topics = ("/activation_event", "/notification", "/visitor", "/command")
+    should = _STRINGS.get(result.code, {})
+    return [(topic, result.values(topic), should.get(topic, [])) for topic in topics]
+
+
+def _again(is_so: List[str], should: List[str]) -> bool:
+    """Whether what came before the last life is what an earlier life began to say."""
+    before = is_so[:-len(should)] if should else is_so
+    return before == should[:len(before)]
+
+
+def _settled(logged: List[int], commanded: List[int]) -> Any:
+    """The last value, if all were commanded and none is repeated."""
+    changes = all(one != next_one for one, next_one in zip(logged, logged[1:]))
+    return logged[-1] if logged and changes and set(logged) <= set(commanded) else logged
+
+
+def _logged_scores(result: Result) -> Dict[Tuple[str, str], int]:
+    return {(score.group, score.desc): score.value for score in result.values("/rsbb_log/score")}
+
+
+def _robot_faults(code: str, robot: Robot, reboots: int) -> List[str]:
+    """The robot must have gone through each goal once, whatever it was told late."""
+    goals = _GOALS.get(code, 1)
+    ended = len(robot.did("RESULT_TX"))
+    begun = len(robot.did("EXECUTING"))
+    should_end = 0 if code == "HPFF" else goals
+    if ended != should_end or begun != goals + reboots:
+        return [f"{code}: the robot began {begun} and ended {ended} goals: {robot.states}"]
+    return []

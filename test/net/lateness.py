@@ -1,0 +1,73 @@
+"""How late each side learned what the other one had become."""
+
+import bisect
+from typing import Iterable, List, NamedTuple, Optional, Tuple
+
+from crew import Robot
+from referee import Result
+
+from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.timing import PERIOD_S
+
+CLIENT_STATES, BOX_STATES = "/rsbb_log/client_state", "/rsbb_log/rsbb_state"
+# What a machine may add that does much else.
+MACHINE_S = 3.0
+# The robot's state that shows that it has heard of the box's.
+_HEARD = {
+    BoxState.PREPARE: RobotState.PREPARING.name, BoxState.GOAL_TX: RobotState.EXECUTING.name,
+    BoxState.WAITING_RESULT: RobotState.EXECUTING.name,
+}
+
+
+class Late(NamedTuple):
+    """One change that was heard."""
+
+    seconds: float  # after it, or after the end of the outage that it was in
+    what: str
+
+
+def allowed_s(longest_delay_s: float, periods: int = 1) -> float:
+    """The network's own delay and the retransmission period (or some), and what the machine may add."""
+    return longest_delay_s + periods * PERIOD_S + MACHINE_S
+
+
+def of_run(result: Result, robot: Robot, outages: Iterable[Tuple[float, float]] = ()) -> List[Late]:
+    """All changes of one run. `outages`: in which nobody could hear anything, UTC from and to."""
+    outages = list(outages)
+    found = []
+    entries = [(entry.utc, BoxState(entry.value)) for entry in result.logs[0] if entry.topic == BOX_STATES]
+    for place, (utc, state) in enumerate(entries):
+        if state is BoxState.WAITING_RESULT and place and entries[place - 1][1] is BoxState.GOAL_TX:
+            continue  # the robot executes already
+        heard = _first(robot.did(_HEARD[state]), utc) if state in _HEARD else None
+        if heard is not None:
+            found.append(Late(_since(utc, heard, outages), f"{result.code}: box {state.name} to robot"))
+    heard_of = [(entry.utc, RobotState(entry.value).name) for entry in result.logs[0] if entry.topic == CLIENT_STATES]
+    for moment in robot.moments:
+        if moment.what not in (RobotState.WAITING_GOAL.name, RobotState.RESULT_TX.name):
+            continue  # the others are answers, and may be over before they are heard
+        heard = _first([utc for utc, name in heard_of if name == moment.what], moment.utc)
+        if heard is not None:
+            found.append(Late(_since(moment.utc, heard, outages), f"{result.code}: robot {moment.what} to box"))
+    return found
+
+
+def _first(moments: List[float], utc: float) -> Optional[float]:
+    # What is logged, or noted, may be a moment older than what it tells of.
+    place = bisect.bisect_left(moments, utc - 0.002)
+    return moments[place] if place < len(moments) else None
+
+
+def _since(changed: float, heard: float, outages: List[Tuple[float, float]]) -> float:
+    for began, ended in outages:
+        if began <= heard and changed <= ended:
+            changed = max(changed, min(heard, ended))
+    return max(0.0, heard - changed)
+
+
+def summary(late: List[Late]) -> str:
+    """Median, 95 % and the worst one, in one line."""
+    seconds = sorted(each.seconds for each in late)
+    worst = max(late)
+    return (f"{len(late)} changes heard after {seconds[len(seconds) // 2] * 1e3:.0f} ms (median), "
+            f"{seconds[int(len(seconds) * 0.95)] * 1e3:.0f} ms (95 %), {worst.seconds * 1e3:.0f} ms ({worst.what})")

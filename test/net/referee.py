@@ -1,0 +1,150 @@
+"""A referee who conducts a run as the panels would, through the core's services, and never gives up."""
+
+import json
+from typing import Any, Dict, List, NamedTuple, Tuple
+
+import rosbag
+from box import SPEECH, Box
+from box_client import Refusal
+from run_logs import RunLog
+from waiting import wait_until
+
+from roah_rsbb.msg import ZoneDetails
+from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneUInt8
+
+# Seconds, on a machine that does much else, with an outage in between.
+LIMIT_S = 120.0
+# HOMF: what the referee enters for each goal: switches, and how many are damaged.
+SWITCHES = (((2, 3), 0), ((1, 2), 1))
+
+
+class Entry(NamedTuple):
+    """One entry of a run log; `utc` in seconds."""
+
+    topic: str
+    value: Any
+    utc: float
+
+
+class Result(NamedTuple):
+    """A run that is over."""
+
+    code: str
+    end_reason: str
+    module_scores: Dict[Tuple[str, str], Any]
+    scores: Dict[Tuple[str, str], int]  # what the box showed
+    marked: Dict[Tuple[str, str], int]  # what the referee had marked
+    logs: List[List[Entry]]  # one; of each robot, where all ran at once
+
+    def values(self, topic: str, log: int = 0) -> List[Any]:
+        """All values on a topic."""
+        return [entry.value for entry in self.logs[log] if entry.topic == topic]
+
+
+class Referee:
+    """Conducts one run in a zone that is named by its benchmark."""
+
+    def __init__(self, box: Box, code: str, number: int) -> None:
+        """`number` of the round."""
+        self._box, self._code, self._number = box, code, number
+        self._switches = list(SWITCHES)
+        self._marked: Dict[Tuple[str, str], int] = {}
+
+    def conduct(self, robots: int = 1) -> Result:
+        """The whole run. `robots`: so many must be connected first, where all run at once."""
+        self.connect(robots)
+        self.start()
+        return self.finish()
+
+    def connect(self, robots: int = 1) -> int:
+        """Connect; returns the private port."""
+        box, zone = self._box, self._code
+        box.wait_zone(zone, lambda z: z.round == self._number, "it is the round's event", LIMIT_S)
+        if zone == SPEECH:
+            box.wait_zone(zone, lambda z: f"{robots} robots ready" in z.state, f"{robots} robots are ready", LIMIT_S)
+        box.wait_zone(zone, lambda z: z.connect_enabled, "connect is on", LIMIT_S)
+        self._insist("connect", lambda d: d.phase != "idle")
+        return box.zone_details(zone).port
+
+    def start(self) -> None:
+        """Start as soon as the box lets us: a bad network may take its leave just then."""
+        if self._code == SPEECH:
+            self._box.wait_zone(
+                SPEECH, lambda z: _all_ready(z.state), "all robots are ready", LIMIT_S)
+        self._insist("start", lambda d: d.phase not in ("idle", "connected"))
+
+    def finish(self) -> Result:
+        """From start to the end, and what was logged."""
+        box, zone = self._box, self._code
+        done = 0
+        self._mark()
+        while True:
+            details = box.wait_details(
+                zone, lambda d, done=done: self._something(d, done) and d, "the run ends, or asks the referee", LIMIT_S)
+            if details.phase == "ended":
+                break
+            if details.operation > done:
+                done = details.operation
+                box.call("manual_operation_answer", ManualOperationAnswer, zone, done, "")
+            else:
+                self._enter_switches()
+        shown = {(group, desc): value for group, desc, _, value in box.scores(zone)}
+        module_scores = {(s.group, s.name): json.loads(s.value) for s in details.module_scores}
+        box.command("disconnect", zone)
+        box.wait_phase(zone, "idle")
+        return Result(zone, details.end_reason, module_scores, shown, self._marked, self._read_logs())
+
+    def _something(self, details: ZoneDetails, done: int) -> bool:
+        return details.phase == "ended" or details.operation > done or self._box.zone(self._code).omf_complete
+
+    def _insist(self, command: str, done: Any) -> None:
+        """Give a command until it is taken: a robot may be silent just then."""
+        refusal = ""
+
+        def attempt() -> bool:
+            nonlocal refusal
+            if done(self._box.zone_details(self._code)):
+                return True
+            try:
+                self._box.command(command, self._code)
+            except Refusal as refused:
+                refusal = str(refused)
+            return False
+
+        wait_until(attempt, lambda: f"{command} in {self._code}: {refusal}", LIMIT_S)
+
+    def _mark(self) -> None:
+        """Mark each scoring item with a value of its own."""
+        zone = self._box.zone(self._code)
+        items = [(group.group_name, desc, kind) for group in zone.scoring
+                 for desc, kind in zip(group.descriptions, group.types)]
+        for place, (group, desc, kind) in enumerate(items):
+            value = (place + 1) % 2 if kind == 0 else place + 1
+            self._box.set_score(self._code, group, desc, value)
+            self._marked[group, desc] = value
+
+    def _enter_switches(self) -> None:
+        pressed, damaged = self._switches.pop(0)
+        for switch in pressed:
+            self._box.call("omf_switches/button", ZoneUInt8, self._code, switch)
+        self._box.call("omf_switches/damaged", ZoneUInt8, self._code, damaged)
+        self._box.call("omf_switches/complete", Zone, self._code)
+        self._box.wait_zone(self._code, lambda z: not z.omf_complete, "they are confirmed", LIMIT_S)
+
+    def _read_logs(self) -> List[List[Entry]]:
+        paths = wait_until(lambda: self._box.logs_of(self._code, self._number), f"{self._code} has a log")
+        for path in paths:
+            wait_until(lambda path=path: RunLog.complete(path), f"{path} is complete")
+        return [_entries(path) for path in paths]
+
+
+def _all_ready(state: str) -> bool:
+    counts = [part.split("Robots connected: ")[1].split(" / ready: ") for part in state.splitlines()
+              if "Robots connected: " in part]
+    return any(connected.strip() == ready.split()[0] for connected, ready in counts)
+
+
+def _entries(path: Any) -> List[Entry]:
+    with rosbag.Bag(str(path)) as bag:
+        return [Entry(topic, getattr(message, "data", message), stamp.to_sec())
+                for topic, message, stamp in bag.read_messages()]

@@ -1,0 +1,116 @@
+"""Every benchmark completes, with the right states, strings and scores, however bad the network is."""
+
+import contextlib
+import pathlib
+import sys
+from typing import Dict, Iterator, List
+
+import expected
+import lateness
+import troubles
+import wire
+from box import SPEECH, TEAMS
+from crew import RSBB_PORT
+from net import FLOODER, STRANGER, Net, Round
+from programs import Program
+from referee import Result
+from rounds import Plan
+
+from roah_rsbb.states import BoxState
+
+FLOOD = pathlib.Path(__file__).resolve().parent / "flood.py"
+FLOOD_RATE, FLOOD_S = 10000, 8
+# Without a goal, with explicit ones of both generations.
+FLOODED = ["HWV", "HNF", "STB"]
+# After an outage a state leaves once a second, and may be lost so many times.
+PERIODS_AFTER_OUTAGE = 6
+
+
+def test_round(net: Net, plan: Plan, measured: List[str]) -> None:
+    """Each benchmark once, at the same time, and then the one with all robots."""
+    net.impair(wire.BAD)
+    for code in plan.lossless:
+        net.lan.wire(net.numbers[code]).how = wire.BAD._replace(loss=0.0)
+    with Round(net, list(TEAMS)) as played:
+        with contextlib.ExitStack() as around:
+            if plan.strangers:
+                played.when_connected = lambda: around.enter_context(
+                    troubles.strangers(net.lan.stations[STRANGER], list(TEAMS.values())))
+            results = played.conduct(plan.troubles)
+        faults = _faults(played, results) + _late(played, results, plan.name, wire.BAD, measured)
+        faults += _speech_faults(played) + _tablet_faults(played)
+        measured.extend(_overtaken(played))
+    assert not faults, "\n".join(faults)
+
+
+def test_flood(net: Net, measured: List[str]) -> None:
+    """Garbage comes on the public port and on a private one, and runs go on."""
+    net.impair(wire.PERFECT)
+    with Round(net, FLOODED) as played:
+        with contextlib.ExitStack() as around:
+            played.when_connected = lambda: around.enter_context(_flood(net, measured))
+            results = played.conduct({})
+        faults = _faults(played, results) + _late(played, results, "flood", wire.PERFECT, measured)
+    assert not faults, "\n".join(faults)
+
+
+@contextlib.contextmanager
+def _flood(net: Net, measured: List[str]) -> Iterator[None]:
+    ports = [str(RSBB_PORT), str(net.box.zone_details("HNF").port)]
+    program = net.lan.stations[FLOODER].host.do(
+        Program, sys.executable, str(FLOOD), str(net.seed), str(FLOOD_RATE), str(FLOOD_S), net.lan.box, *ports)
+    before = net.box.core_used()
+    try:
+        yield
+        program.wait_ended()
+        used = net.box.core_used().percent_since(before)
+        measured.append(f"flood: {program.text}; meanwhile the core took {used:.0f} % of a processor")
+    finally:
+        program.close()
+
+
+def _faults(played: Round, results: Dict[str, Result]) -> List[str]:
+    return [fault for code, result in results.items()
+            for fault in expected.faults(result, played.robots[code], played.reboots[code])]
+
+
+def _late(
+    played: Round, results: Dict[str, Result], name: str, how: wire.Impairment, measured: List[str]
+) -> List[str]:
+    """What was heard too late."""
+    faults: List[str] = []
+    everything: List[lateness.Late] = []
+    for code, result in results.items():
+        late = lateness.of_run(result, played.robots[code], played.outages[code])
+        limit_s = lateness.allowed_s(how.longest_s, PERIODS_AFTER_OUTAGE if played.outages[code] else 1)
+        faults += [f"{each.what} after {each.seconds:.3f} s" for each in late if each.seconds > limit_s]
+        everything += late
+    measured.append(f"{name}: {lateness.summary(everything)}")
+    return faults
+
+
+def _speech_faults(played: Round) -> List[str]:
+    """The run of all robots at once."""
+    result = played.speech()
+    faults = [] if result.end_reason == "completed" else [f"{SPEECH}: {result.end_reason}"]
+    if len(result.logs) != len(played.robots):
+        faults.append(f"{SPEECH}: {len(result.logs)} logs of {len(played.robots)} robots")
+    should = [int(state) for state in expected.box_states(SPEECH)]
+    for number in range(len(result.logs)):
+        states = result.values(lateness.BOX_STATES, number)
+        if states != should:
+            faults.append(f"{SPEECH}: {[BoxState(state).name for state in states]}")
+    return faults
+
+
+def _tablet_faults(played: Round) -> List[str]:
+    """Each robot heard once that somebody touched the tablet; one that was off may have missed it."""
+    heard = {code: len(robot.did("call")) for code, robot in played.robots.items()}
+    return [f"{code}: its robot heard {times} calls of the tablet, there was one" for code, times in heard.items()
+            if times != 1 and not (times == 0 and played.reboots[code])]
+
+
+def _overtaken(played: Round) -> List[str]:
+    """The STOP that a box repeats each second may come after the PREPARE of a start: robots then begin again."""
+    return [f"  {code}: a STOP from before the start came after PREPARE" for code, robot in played.robots.items()
+            if ("PREPARING", "STOP") in zip(robot.states, robot.states[1:])]
