@@ -65,7 +65,8 @@ class Disk:
                 self._changed.wait_for(lambda: self._ended or self._hurry, GROUP_S)
                 self._hurry = False
                 target, ended = self._written, self._ended
-            self._sync(target)
+            if target > self._synced:
+                self._sync(target)
 
     def _sync(self, target: int) -> None:
         problem = self._force(target)

@@ -147,10 +147,18 @@ def _connect(path: str) -> sqlite3.Connection:
     try:
         return _connect_as(path, path)
     except sqlite3.OperationalError:
-        if os.access(path, os.W_OK) or not os.path.exists(path) or os.path.exists(f"{path}-wal"):
+        if not (os.path.exists(path) and _is_at_rest(path)):
             raise
-    # It was closed by a core that ended, and cannot be written now: SQLite reads it if it need not lock it.
+    # A core that ended closed it, and there is no place now for what SQLite keeps beside it: it can be read without.
     return _connect_as(path, f"{pathlib.Path(path).resolve().as_uri()}?immutable=1")
+
+
+def _is_at_rest(path: str) -> bool:
+    """Whether all of a journal is in one file."""
+    try:
+        return os.stat(f"{path}-wal").st_size == 0
+    except OSError:
+        return True
 
 
 def _connect_as(path: str, address: str) -> sqlite3.Connection:

@@ -153,6 +153,8 @@ class Journal:
         self._disk.written()
 
     def _take(self, connection: sqlite3.Connection) -> None:
+        if self._disk_trouble:
+            self._on_disk_problem("")  # it was another file's
         self._connection = connection
         self._file = files.identity(self.path)
         self._disk = Disk(self.path, self._on_disk_problem)
@@ -177,7 +179,6 @@ class Journal:
             files.put_aside(self.path)
         new = files.copied(old, self.path)
         self._disk.end()
-        self._on_disk_problem("")  # whatever kept the removed file from the disk
         self._take(new)
         old.close()
         self._disk.written()

@@ -1,12 +1,16 @@
 """The journal's writer: what is written is there, what cannot be written waits, what is not ours is put aside."""
 
+import contextlib
 import json
 import shutil
 import sqlite3
+import subprocess
+import sys
 import time
 
 import pytest
 
+from helpers.small_disk import CannotMount, SmallDisk
 from roah_rsbb.journal import schema
 from roah_rsbb.journal import store as stores
 from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
@@ -234,3 +238,72 @@ def test_syncs_are_grouped(journals, monkeypatch):
         count += 1
     assert journal.sync()
     assert count > 3 * len(synced) > 0
+
+
+ON_A_DISK = """
+import json, sys
+sys.path[:0] = json.loads(sys.argv[2])
+from roah_rsbb.journal.file import Resume, Session
+from roah_rsbb.journal.store import Journal
+troubles = []
+journal = Journal(sys.argv[1], Session(1e9, 1.0, "boot", 1, "uuid", ""), sys.argv[3], Resume.ALWAYS, troubles.append)
+for line in sys.stdin:
+    exec(line)
+    print(json.dumps([journal.before.states, (troubles or [""])[-1], journal._session_id]), flush=True)
+"""
+
+
+class OnADisk:
+    """A journal in a process that sees the disk."""
+
+    def __init__(self, disk):
+        self._process = subprocess.Popen(
+            [*disk.inside, sys.executable, "-c", ON_A_DISK, f"{disk.mount_point}/log", json.dumps(sys.path),
+             COMPETITION], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        )
+
+    def do(self, line="pass"):
+        """Execute a line; returns the states before, the trouble, the session's number (0: none yet)."""
+        self._process.stdin.write(line + "\n")
+        self._process.stdin.flush()
+        return json.loads(self._process.stdout.readline())
+
+    def end(self, kill=False):
+        if kill:
+            self._process.kill()
+        self._process.communicate()
+
+
+WRITES = 'from roah_rsbb.journal.batch import Batch; journal.write(Batch(states=(("zone:Home", "{}"),)))'
+
+
+@pytest.mark.parametrize("kill", [False, True])
+@pytest.mark.parametrize("how", ["full", "read-only"])
+def test_what_was_before_is_read_on_a_disk_that_cannot_be_written(tmp_path, kill, how):
+    try:
+        disk = SmallDisk(tmp_path / "disk", 512)
+    except (CannotMount, OSError) as error:
+        pytest.skip(f"no file system can be mounted here: {error}")
+    with contextlib.closing(disk):
+        journal = OnADisk(disk)
+        assert journal.do(WRITES) == [{}, "", 1]
+        if not kill:
+            journal.do("journal.close()")
+        journal.end(kill)
+        if how == "full":
+            disk.fill()
+        else:
+            disk.make_read_only()
+        journal = OnADisk(disk)
+        before, trouble, number = journal.do()
+        assert before == {"zone:Home": "{}"}
+        # Where SQLite has room of its own left a full disk is noticed later.
+        assert (bool(trouble), number) == (True, 0) or how == "full"
+        if how == "full":
+            disk.free()
+        else:
+            disk.make_writable()
+        journal.do("journal._retry_at = 0.0")
+        journal.do("journal.look()")
+        assert journal.do("journal.look()") == [before, "", 2]
+        journal.end()
