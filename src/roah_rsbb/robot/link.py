@@ -15,7 +15,7 @@ from roah_rsbb.robot.progress import Progress
 from roah_rsbb.robot.repeated import RepeatedStrings
 from roah_rsbb.robot.times import MessageTimes
 from roah_rsbb.robot.watch import SILENCE_S, Silence
-from roah_rsbb.states import RobotState
+from roah_rsbb.states import BoxState, RobotState
 
 STRING_FIELDS = ("notifications", "activation_event", "visitor", "final_command")
 SWITCHES = ("switch_1", "switch_2", "switch_3")
@@ -46,6 +46,7 @@ class Link:
         self._times = MessageTimes()
         self._commands: Dict[str, Union[bool, int]] = {}  # by field of RobotState
         self._acknowledged = 0  # number of the last message that the box has seen; 0: none
+        self._begun = -1  # the same, where it last said STOP or PREPARE
         self._fresh_mono = now_mono
 
     @property
@@ -78,13 +79,17 @@ class Link:
         """Note what `message` acknowledges. False when the message was overtaken by a newer one.
 
         A BenchmarkState has no time of its own, but what it acknowledges never goes back while the
-        box lives: one that acknowledges less than an earlier one is a straggler.
+        box lives: one that acknowledges less than an earlier one is a straggler. So is one that wants the goal
+        done and acknowledges no more than an earlier STOP or PREPARE did: only a newer message of the robot
+        takes the box from there to the goal.
         """
         number = self._acknowledged_number(message) or 0
-        recent = now_mono - self._fresh_mono < STALE_S
-        if number < self._acknowledged and recent and not self.by_hand:
+        begins = message.benchmark_state in (BoxState.STOP, BoxState.PREPARE)
+        overtaken = number < self._acknowledged or (number <= self._begun and not begins)
+        if overtaken and now_mono - self._fresh_mono < STALE_S and not self.by_hand:
             return False
         self._acknowledged = number
+        self._begun = number if begins else -1
         self._fresh_mono = now_mono
         if self._strings.acknowledged(number):
             self.sender.changed(now_mono)

@@ -150,6 +150,25 @@ def test_the_benchmark_changes_within_a_channel(linked):
     assert news[-1] == fx.Prepare("HWV")
 
 
+@pytest.mark.parametrize("ask", [BoxState.PREPARE, BoxState.STOP])
+@pytest.mark.parametrize("late", [BoxState.WAITING_RESULT, BoxState.GOAL_TX])
+def test_the_last_goal_is_no_error_when_it_comes_after_what_the_referee_or_a_module_asked_for(linked, ask, late):
+    """Both acknowledge the same message, for the robot said nothing new in between."""
+    executing(linked, "HNF", target_pose_x=1.0, target_pose_y=2.0, target_pose_theta=3.0)
+    linked.do("end_execute", None)
+    linked.run(5)
+    linked.box_says(BoxState.WAITING_RESULT, "HNF")
+    newest = linked.last.time
+    linked.box_says(ask, "HNF", acknowledge=newest)
+    asked = linked.state
+    linked.take_news()
+    linked.box_says(late, "HNF", acknowledge=newest)
+    assert linked.state is asked and linked.take_news() == []
+    linked.run(2)
+    linked.box_says(late, "HNF", acknowledge=newest)
+    assert linked.take_news(fx.Report), "it is no straggler after so long: the box is told where the robot is"
+
+
 def test_the_result_waits_for_strings_that_no_message_carried_yet(linked):
     """The box may end the run at the first RESULT_TX, and hear no more: a text said twice needs a round trip."""
     executing(linked, "STB", generic_goal="1")
