@@ -71,7 +71,8 @@ def _flood(net: Net, measured: List[str]) -> Iterator[None]:
 
 def _faults(played: Round, results: Dict[str, Result]) -> List[str]:
     return [fault for code, result in results.items()
-            for fault in expected.faults(result, played.robots[code], played.reboots[code])]
+            for fault in expected.faults(
+                result, played.robots[code], played.reboots[code], was_away=bool(played.outages[code]))]
 
 
 def _late(
@@ -112,5 +113,5 @@ def _tablet_faults(played: Round) -> List[str]:
 
 def _overtaken(played: Round) -> List[str]:
     """The STOP that a box repeats each second may come after the PREPARE of a start: robots then begin again."""
-    return [f"  {code}: a STOP from before the start came after PREPARE" for code, robot in played.robots.items()
-            if ("PREPARING", "STOP") in zip(robot.states, robot.states[1:])]
+    return [f"  {code}: a STOP from before the start came after PREPARE: {' '.join(robot.states)}"
+            for code, robot in played.robots.items() if ("PREPARING", "STOP") in zip(robot.states, robot.states[1:])]
