@@ -20,6 +20,9 @@ SILENCE_S = 5.0
 # Boxes send once a second: where this long nothing came, nobody could be heard.
 _GAP_S = 3.0
 
+# So many beacons in a row with an older time are no stragglers.
+_MEANT = 5
+
 # Reports made once are remembered; forged datagrams must not let that grow for ever.
 _MAX_TOLD = 100
 
@@ -93,16 +96,36 @@ class _Seen(NamedTuple):
     tablet: Tablet
 
 
+class _Moments:
+    """Tells a new moment (of a ring, say) from those that were told before, by its time alone.
+
+    A time that goes back is a beacon that was overtaken: the next one brings the newer time again, which is
+    no second ring. Where it stays older, the box started again, or its clock was set back.
+    """
+
+    def __init__(self) -> None:
+        self._newest: Optional[Tuple[int, int]] = None
+        self._older = 0  # times in a row
+
+    def is_new(self, time: Tuple[int, int]) -> bool:
+        """Whether the time in a beacon is a new moment; that in the first beacon is none."""
+        before = self._newest
+        self._older = self._older + 1 if before is not None and time < before else 0
+        if before is None or time > before or self._older >= _MEANT:
+            self._newest = time
+        return before is not None and time > before
+
+
 class Home:
     """The devices and the tablet as the box's beacons show them.
 
     The bell, the call button and a selected position are known by their times only. The first beacon
-    tells when they last were, not that they are now; and a time that goes back is no new ring, but a
-    straggler or a box that started again.
+    tells when they last were, not that they are now.
     """
 
     def __init__(self) -> None:
         self._seen: Optional[_Seen] = None
+        self._bell, self._call, self._position = _Moments(), _Moments(), _Moments()
 
     def see(self, beacon: pb.RoahRsbbBeacon) -> List[Effect]:
         """The news in a beacon."""
@@ -120,14 +143,12 @@ class Home:
             ),
         )
         before, self._seen = self._seen, now
-        if before is None:
-            return [now.devices, now.tablet]
-        news: List[Effect] = [new for old, new in zip(before, now) if old != new]
-        if now.devices.bell > before.devices.bell:
+        news: List[Effect] = [new for old, new in zip(before or (None, None), now) if old != new]
+        if self._bell.is_new(now.devices.bell):
             news.append(BellRang())
-        if now.tablet.call_time > before.tablet.call_time:
+        if self._call.is_new(now.tablet.call_time):
             news.append(TabletCalled())
-        if now.tablet.position_time > before.tablet.position_time:
+        if self._position.is_new(now.tablet.position_time):
             news.append(PositionSelected(now.tablet.position_x, now.tablet.position_y))
         return news
 

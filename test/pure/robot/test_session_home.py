@@ -51,3 +51,17 @@ def test_a_box_that_starts_again_does_not_ring(bench):
 def test_a_beacon_of_before_2019_lacks_the_door_detector(bench):
     bench.beacon(devices_door_win_detect=None)
     assert bench.take_news(fx.Devices)[0].door_win_detect is False
+
+
+@pytest.mark.parametrize("field, effect", [("devices_bell", fx.BellRang), ("tablet_call_time", fx.TabletCalled)])
+def test_a_beacon_that_was_overtaken_makes_no_second_ring(bench, field, effect):
+    old, new = pb.Time(sec=100, nsec=0), pb.Time(sec=200, nsec=0)
+    for time in (old, new, old, new, old, old, new):
+        bench.beacon(**{field: time})
+    assert len(bench.take_news(effect)) == 1
+
+
+def test_a_box_whose_clock_was_set_back_rings_again(bench):
+    for second in (200, 100, 100, 100, 100, 100, 150):
+        bench.beacon(devices_bell=pb.Time(sec=second, nsec=0))
+    assert len(bench.take_news(fx.BellRang)) == 1
