@@ -8,6 +8,7 @@ import contextlib
 import errno
 import fcntl
 import io
+import itertools
 import os
 import types
 from typing import IO, Counter, Iterable, Iterator, List, Optional, Tuple
@@ -210,7 +211,7 @@ def _fill(bag: GrowingBag, messages: List[Message], old_file: Optional[IO[bytes]
                 raise
             old, is_bag = (), False
     extra, fits = _extra(messages, old) if messages else (old, True)
-    for message in _merged(messages, extra):
+    for message in itertools.chain(messages, extra):  # readers sort them by their stamps
         bag.write(message)
     return is_bag and fits and not (isinstance(old, Salvage) and old.damage)
 
@@ -231,13 +232,6 @@ def _extra(messages: List[Message], old: Iterable[Message]) -> Tuple[List[Messag
         else:
             extra.append(message)
     return extra, fits
-
-
-def _merged(messages: List[Message], extra: Iterable[Message]) -> Iterable[Message]:
-    if not messages:
-        return extra
-    more = list(extra)
-    return sorted(messages + more, key=lambda message: message.stamp) if more else messages
 
 
 def _messages(entries: Iterable[LogEntry]) -> Iterator[Message]:

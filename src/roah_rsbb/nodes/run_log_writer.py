@@ -21,7 +21,7 @@ import rospy
 
 from roah_rsbb.core import effects
 from roah_rsbb.journal.log_names import log_name, unused
-from roah_rsbb.nodes.bag_file import WRITE_ERRORS, BadEntry, GrowingBag, LogEntry, message_of, try_out, write_whole
+from roah_rsbb.nodes.bag_file import WRITE_ERRORS, GrowingBag, LogEntry, message_of, try_out, write_whole
 from roah_rsbb.nodes.run_log_mending import mend, unclosed
 
 # Chunks are ended, and files looked after, this often.
@@ -228,8 +228,6 @@ class RunLogWriter:
             return
         try:
             log.bag.write(message_of(entry))
-        except BadEntry as error:
-            rospy.logerr("internal error, please report it: %s: %s", log.path, error)
         except WRITE_ERRORS as error:
             self._lapse(log, error)
 

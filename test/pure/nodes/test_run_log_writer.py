@@ -194,6 +194,35 @@ def test_what_cannot_be_written_is_told_and_written_later(loop, monkeypatch, num
     assert len(loop.troubles) == 1
 
 
+def test_a_trouble_that_comes_again_is_told_again(loop, log_dir):
+    path = loop.open()
+    loop.log(entries(2))
+    for times in (1, 2):
+        loop.settle()
+        shutil.rmtree(str(log_dir))
+        loop.wait(loop.troubles, times)
+        loop.answer()
+        loop.wait(loop.mended, times)
+    assert len(loop.mended) == 2
+    loop.close()
+    assert complete(path) == plain(entries(2))
+
+
+def test_an_answer_that_comes_twice_counts_once(loop, log_dir):
+    loop.journal[PORT] = entries(3)
+    loop.writer.resumed(PORT, NAME)
+    answer = loop.posted.get(timeout=LIMIT_S)
+    answer()
+    loop.log(entries(2, first=3))
+    loop.settle()
+    before = (log_dir / NAME).stat().st_ino
+    answer()
+    loop.settle()
+    assert (log_dir / NAME).stat().st_ino == before
+    loop.close()
+    assert complete(log_dir / NAME) == plain(entries(5))
+
+
 def test_a_run_that_is_over_before_the_disk_is_mended(loop, monkeypatch):
     mend = broken_disk(monkeypatch)
     path = loop.open()
@@ -403,8 +432,9 @@ def test_only_our_own_logs_that_nobody_closed_or_writes_are_touched(loop, log_di
     another_core.writer.stop()
     assert another_core.troubles == []
     loop.answer()
+    loop.log(entries(2, first=2))
     loop.close()
-    assert complete(own) == plain(entries(2))
+    assert complete(own) == plain(entries(4))
     assert loop.troubles == []
 
 
