@@ -206,7 +206,8 @@ class Session:
                 "that one is heard",
             )
             return
-        self._box = host
+        if host != self._box:
+            self._box, self._home = host, Home()  # what another box tells at first is long past
         self._others.end()
         if self._silence.heard(now_mono):
             self._effects.append(fx.Report(fx.Trouble.NO_BOX, f"the box at {host} is heard", over=True))

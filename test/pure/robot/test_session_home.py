@@ -2,7 +2,7 @@
 
 import pytest
 
-from helpers.robot_bench import Bench
+from helpers.robot_bench import OTHER_BOX, PORT, Bench
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot import effects as fx
 
@@ -65,3 +65,13 @@ def test_a_box_whose_clock_was_set_back_rings_again(bench):
     for second in (200, 100, 100, 100, 100, 100, 150):
         bench.beacon(devices_bell=pb.Time(sec=second, nsec=0))
     assert len(bench.take_news(fx.BellRang)) == 1
+
+
+def test_nobody_rings_because_the_robot_follows_another_box(bench):
+    rang = {"devices_bell": pb.Time(sec=100, nsec=0)}
+    bench.beacon(port=None, **rang)
+    for _ in range(6):
+        bench.beacon(port=PORT, host=OTHER_BOX)
+        bench.run(1)
+    bench.beacon(port=PORT, **rang)
+    assert bench.take_news(fx.BellRang) == []
