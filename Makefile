@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install-deps build demo test lint test-pure test-python38 test-pip test-docs test-install test-ros test-net screenshots bench fuzz clean
+.PHONY: help install-deps build demo test test-side-by-side lint test-pure test-python38 test-pip test-docs test-install test-ros test-net screenshots bench fuzz clean
 
 # ROS's own Python: the first python3 on PATH may be another one.
 PYTHON := /usr/bin/python3
@@ -23,6 +23,10 @@ FUZZ :=
 help: ## list what can be made
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z0-9-]+):.*## /  make \1\t/' | expand -t 24
 
+# `make test` has built everything before it calls make again for the tests.
+ifdef READY
+install-deps build:
+else
 install-deps: ## install what is needed from the distribution's packages
 	@tools/install_deps
 
@@ -30,11 +34,17 @@ build: install-deps ## build into build/devel
 	@mkdir -p build
 	@$(ROS_SETUP); { cmake -S . -B build -DPYTHON_EXECUTABLE=$(PYTHON) && cmake --build build -j2; } > build/build.log 2>&1 \
 	  || { tail -n 30 build/build.log; echo "The build failed; all of its output is in build/build.log" >&2; exit 1; }
+endif
 
 demo: build ## the dummy set-up on this machine alone
 	@$(BUILT); rosrun roah_rsbb demo
 
-test: build $(if $(filter no,$(LINT)),,lint) test-pure test-python38 test-pip test-docs test-install test-ros test-net ## all tests
+# First what uses one core each, side by side; then what is itself many processes.
+test: build ## all tests
+	@$(MAKE) --no-print-directory READY=yes -j2 --output-sync=target test-side-by-side
+	@$(MAKE) --no-print-directory READY=yes test-install test-ros test-net
+
+test-side-by-side: test-python38 test-pure test-pip test-docs $(if $(filter no,$(LINT)),,lint)
 
 lint: install-deps ## ruff and catkin_lint
 	@tools/lint
