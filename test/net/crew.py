@@ -64,8 +64,8 @@ class _Noting(DummyRobot):
     def on_tablet_call(self) -> None:
         self._note("call")
 
-    def on_bell(self) -> None:
-        self._note("bell")
+    def on_devices(self, devices: fx.Devices) -> None:
+        self._note("home")
 
 
 class Robot:

@@ -94,6 +94,8 @@ class Round:
             with contextlib.suppress(threading.BrokenBarrierError):
                 connected.wait(LIMIT_S)
                 self.when_connected()
+                # What was before a robot's first beacon is past, for it.
+                wait_until(lambda: all(robot.did("home") for robot in self.robots.values()), "all robots heard the box")
                 self.net.tablet.call()
                 work = [pool.submit(trouble, self, code) for code, trouble in troubles.items()]
             failures = [run.exception() for run in (*runs.values(), *work)]
