@@ -47,8 +47,13 @@ class SkewEstimate:
 
     def sample(self, mono: float, skew: float) -> float:
         """Take a sample of `skew` (s) that arrived at `mono` (s); return the new estimate (s)."""
+        last = self._samples[-1] if self._samples else None
         while self._samples and self._samples[0][0] < mono - WINDOW_S:
             self._samples.popleft()
+        if last is not None and not self._samples:
+            # The first message after a silence may have waited for its way to be found again, for seconds:
+            # alone it would make a robot with a right clock look wrong.
+            self._samples.append((mono, last[1]))
         self._samples.append((mono, skew))
         self.seconds = max(sample for _, sample in self._samples)
         return self.seconds

@@ -34,6 +34,24 @@ def test_a_clock_that_was_put_right_is_believed_after_the_window():
     assert WINDOW_S == 2.5
 
 
+def test_the_first_message_after_a_silence_may_have_been_late():
+    estimate = SkewEstimate()
+    estimate.sample(0.0, 0.01)
+    assert estimate.sample(10.0, -2.1) == 0.01
+    assert estimate.sample(10.1, 0.01) == 0.01
+
+
+def test_a_clock_that_was_put_back_in_a_silence_is_believed_after_the_window():
+    estimate = SkewEstimate()
+    estimate.sample(0.0, 0.5)
+    assert [estimate.sample(10.0 + i, 0.0) for i in range(4)] == [0.5, 0.5, 0.5, 0.0]
+
+
+def test_one_who_seldom_says_something_is_believed_too():
+    estimate = SkewEstimate()
+    assert [estimate.sample(3.0 * i, -float(i)) for i in range(4)] == [0.0, 0.0, -1.0, -2.0]
+
+
 def test_a_flood_of_samples_does_not_grow_anything():
     estimate = SkewEstimate()
     for i in range(10_000):
