@@ -42,9 +42,9 @@ demo: build ## the dummy set-up on this machine alone
 # First what uses one core each, side by side; then what is itself many processes.
 test: build ## all tests
 	@$(MAKE) --no-print-directory READY=yes -j2 --output-sync=target test-side-by-side
-	@$(MAKE) --no-print-directory READY=yes test-install test-ros test-net
+	@$(MAKE) --no-print-directory READY=yes test-ros test-net
 
-test-side-by-side: test-python38 test-pure test-pip test-docs $(if $(filter no,$(LINT)),,lint)
+test-side-by-side: test-python38 test-pure test-install test-pip test-docs $(if $(filter no,$(LINT)),,lint)
 
 lint: install-deps ## ruff and catkin_lint
 	@tools/lint

@@ -87,7 +87,17 @@ class Box(BoxClient):
         """The run logs of a benchmark in a round."""
         # Where all robots run at once, each has a log with its name in it.
         who = ROBOT if code == SPEECH else TEAMS[code]
-        return sorted((self.folder / "logs").glob(f"online_log_*_{who}_round{number}_run1_*.bag"))
+        paths = sorted((self.folder / "logs").glob(f"online_log_*_{who}_round{number}_run1_*.bag"), key=_when_made)
+        # Who was connected again has a newer one.
+        return sorted({_team(path): path for path in paths}.values())
+
+
+def _when_made(path: pathlib.Path) -> int:
+    return path.stat().st_mtime_ns
+
+
+def _team(path: pathlib.Path) -> str:
+    return path.name.split("_")[4]
 
 
 def _write_competition(folder: pathlib.Path, rounds: int) -> None:

@@ -93,9 +93,10 @@ class Round:
             # Broken by a run that failed, which raises its own reason below.
             with contextlib.suppress(threading.BrokenBarrierError):
                 connected.wait(LIMIT_S)
-                self.when_connected()
-                # What was before a robot's first beacon is past, for it.
+                # What was before a robot's first beacon is past, for it; and one that hears another box first is that
+                # one's for some seconds.
                 wait_until(lambda: all(robot.did("home") for robot in self.robots.values()), "all robots heard the box")
+                self.when_connected()
                 self.net.tablet.call()
                 work = [pool.submit(trouble, self, code) for code, trouble in troubles.items()]
             failures = [run.exception() for run in (*runs.values(), *work)]

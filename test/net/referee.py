@@ -1,7 +1,8 @@
 """A referee who conducts a run as the panels would, through the core's services, and never gives up."""
 
 import json
-from typing import Any, Dict, List, NamedTuple, Tuple
+import re
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import rosbag
 from box import SPEECH, Box
@@ -61,10 +62,22 @@ class Referee:
         box, zone = self._box, self._code
         box.wait_zone(zone, lambda z: z.round == self._number, "it is the round's event", LIMIT_S)
         if zone == SPEECH:
-            box.wait_zone(zone, lambda z: f"{robots} robots ready" in z.state, f"{robots} robots are ready", LIMIT_S)
-        box.wait_zone(zone, lambda z: z.connect_enabled, "connect is on", LIMIT_S)
-        self._insist("connect", lambda d: d.phase != "idle")
+            self._connect_all(robots)
+        else:
+            self._insist("connect", lambda d: d.phase != "idle")
         return box.zone_details(zone).port
+
+    def _connect_all(self, robots: int) -> None:
+        """On a bad network a robot may just have come within the allowed skew, and be out of it again."""
+        box = self._box
+        while True:
+            box.wait_zone(SPEECH, lambda z: f"{robots} robots ready" in z.state, f"{robots} robots are ready", LIMIT_S)
+            self._insist("connect", lambda d: d.phase != "idle")
+            connected = box.wait_zone(SPEECH, lambda z: _counts(z.state), "robots are connected", LIMIT_S)
+            if connected[0] == robots:
+                return
+            box.command("disconnect", SPEECH)
+            box.wait_phase(SPEECH, "idle")
 
     def start(self) -> None:
         """Start as soon as the box lets us: a bad network may take its leave just then."""
@@ -138,10 +151,15 @@ class Referee:
         return [_entries(path) for path in paths]
 
 
+def _counts(state: str) -> Optional[Tuple[int, int]]:
+    """How many robots are connected, and ready, as the referee reads it."""
+    found = re.search(r"Robots connected: (\d+) / ready: (\d+)", state)
+    return None if found is None else (int(found.group(1)), int(found.group(2)))
+
+
 def _all_ready(state: str) -> bool:
-    counts = [part.split("Robots connected: ")[1].split(" / ready: ") for part in state.splitlines()
-              if "Robots connected: " in part]
-    return any(connected.strip() == ready.split()[0] for connected, ready in counts)
+    counts = _counts(state)
+    return counts is not None and counts[0] == counts[1]
 
 
 def _entries(path: Any) -> List[Entry]:
