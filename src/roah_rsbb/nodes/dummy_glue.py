@@ -111,6 +111,7 @@ class GlueNode:
         self._codes = {number: code for code, number in NUMBERS.items()}
         self._code: Optional[str] = None
         self._phase: Optional[asyncio.Task] = None
+        self._early: Optional[int] = None  # a state that came before its benchmark
         self._goal: Optional[asyncio.Future] = None  # of the benchmark's next goal
         self._goal_topic: Optional[rospy.Subscriber] = None
 
@@ -143,6 +144,8 @@ class GlueNode:
         if self._code in GOAL_TYPES:
             self._goal = self._ros.loop.create_future()
             self._goal_topic = self._follow("goal", GOAL_TYPES[self._code], self._take_goal)
+        if self._code is not None and self._early is not None:
+            self._state(self._early)
 
     def _take_goal(self, message: Any) -> None:
         if self._goal is not None:
@@ -157,7 +160,10 @@ class GlueNode:
 
     def _state(self, state: int) -> None:
         self._end_phase()
-        if state == BenchmarkState.PREPARE:
+        self._early = None
+        if self._code is None and state in (BenchmarkState.PREPARE, BenchmarkState.EXECUTE):
+            self._early = state  # each topic comes in its own time: the benchmark's is on its way
+        elif state == BenchmarkState.PREPARE:
             self._phase = self._ros.loop.create_task(_logged(self._prepare(), "preparing"))
         elif state == BenchmarkState.EXECUTE:
             self._phase = self._ros.loop.create_task(_logged(self._execute(), "executing"))
@@ -167,12 +173,12 @@ class GlueNode:
     async def _prepare(self) -> None:
         if self._goal is not None:
             self._goal = self._ros.loop.create_future()  # the next one
-        await self._dummy.prepare(self._code or "")
+        await self._dummy.prepare(self._code)
         await self._services.call("end_prepare", EmptySrv)
 
     async def _execute(self) -> None:
         goal = None if self._goal is None else await asyncio.shield(self._goal)
-        result = await self._dummy.execute(self._code or "", goal)
+        result = await self._dummy.execute(self._code, goal)
         await self._end_execute(result)
 
     async def _end_execute(self, result: Result) -> None:
