@@ -21,8 +21,8 @@ from roah_rsbb.states import BoxState
 
 FOREIGN_BOX = "127.0.0.5"
 LOST = "192.0.2.1"  # reserved for documentation: no machine has it
-LOG_DIR = os.path.join(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros")), "roah_rsbb_test")
-NETWORK = {"rsbb_host": BROADCAST, "rsbb_port": RSBB_PORT, "bind_host": BOX, "log_dir": LOG_DIR}
+ROS_HOME = os.environ.get("ROS_HOME", os.path.expanduser("~/.ros"))
+NETWORK = {"rsbb_host": BROADCAST, "rsbb_port": RSBB_PORT, "bind_host": BOX}
 BROKEN = {f"{name}_file": CONFIG / "broken" / f"{name}.yaml" for name in ("benchmarks", "schedule", "passwords")}
 GOOD = {
     "benchmarks_file": CONFIG / "short_benchmarks.yaml", "schedule_file": CONFIG / "boxes.yaml",
@@ -49,12 +49,18 @@ WRONG_PARAMS = {
 NO_PARAMS = ("benchmarks_file", "schedule_file", "passwords_file")
 
 
+def log_dir(name: str) -> str:
+    """One for each core, or the journal of one would be the next one's of another competition."""
+    return os.path.join(ROS_HOME, f"roah_rsbb_{name}")
+
+
 class LaunchCase(NetworkCase):
     def launch(self, name: str, **arguments: object) -> Program:
         """Start a launch file of the package."""
         return self._leaving(Program(
             "roslaunch", PACKAGE, name, "gui:=none", "tablet_port:=0",
             "smartif_host:=127.0.0.1", f"smartif_port:={RSBB_PORT + 96}",
+            f"log_dir:={log_dir(self._testMethodName)}",
             *(f"{argument}:={value}" for argument, value in {**NETWORK, **arguments}.items()),
         ))
 
@@ -70,6 +76,7 @@ class TestCoresThatCannotStart(unittest.TestCase):
         cls.cores = {}
         for name, params in cls.PARAMS.items():
             core = cls.cores[name] = Program("rosrun", PACKAGE, "roah_rsbb_core", f"__name:={name}",
+                                             f"_log_dir:={log_dir(name)}",
                                              *(f"_{param}:={value}" for param, value in params.items()))
             cls.addClassCleanup(core.close)
 
