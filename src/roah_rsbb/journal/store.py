@@ -66,9 +66,7 @@ class Journal:
 
     def look(self) -> None:
         """To be called about once a second: write what waits, and see whether the file is still there."""
-        if self._connection is not None and files.identity(self.path) != self._file:
-            self._attempt(self._move)
-        if not self._session_id or not self._pending.is_empty():
+        if not self._session_id or not self._pending.is_empty() or not self._is_in_place():
             self._attempt(self._flush)
 
     def sync(self) -> bool:
@@ -81,9 +79,7 @@ class Journal:
         """Write what waits, bring all onto the disk and into one file."""
         self._attempt(self._flush)
         self._release()
-        if self._lock is not None:
-            os.close(self._lock)
-            self._lock = None
+        self._unlock()
 
     def entries_of(self, port: int) -> List[Entry]:
         """All entries of a robot's part in a run, also those that still wait, in order."""
@@ -169,11 +165,18 @@ class Journal:
             self._connection.close()
             self._connection = None
 
+    def _unlock(self) -> None:
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
+
+    def _is_in_place(self) -> bool:
+        return files.identity(self.path) == self._file
+
     def _move(self) -> None:
         """Somebody removed the file, or its directory: what it held is still in our hands, and is written anew."""
         old = self._connection
-        os.close(self._lock)
-        self._lock = None
+        self._unlock()
         self.path, self._lock = files.lock(self._log_dir)
         if os.path.exists(self.path):
             files.put_aside(self.path)
@@ -186,6 +189,8 @@ class Journal:
     def _flush(self) -> None:
         if self._connection is None:
             self._open()
+        elif not self._is_in_place():
+            self._move()  # or what is written now would be gone with the process
         if not self._session_id:
             self._begin_session()
         waiting, connection = self._pending, self._connection

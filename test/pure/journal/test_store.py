@@ -153,6 +153,23 @@ def test_a_directory_that_was_removed_is_written_anew(journals, tmp_path):
     assert journal.sync()
 
 
+def test_a_directory_that_was_removed_and_cannot_be_made_again_is_told_until_it_can(journals, tmp_path):
+    journal = journals()
+    journal.write(BATCH)
+    shutil.rmtree(tmp_path / "log")
+    (tmp_path / "log").write_text("a file where the directory should be")
+    for _ in range(3):
+        journal.look()
+        journal.write(Batch(entries=(ENTRY,)))
+    assert "cannot be written" in journal.troubles[-1]
+    assert MENDED not in journal.troubles
+    assert len(journal.entries_of(6667)) == 4
+    (tmp_path / "log").unlink()
+    journal.look()
+    assert journal.troubles[-1] == MENDED
+    assert len(rows(journal)) == 4
+
+
 def test_a_directory_that_cannot_be_made_until_later(tmp_path):
     (tmp_path / "log").write_text("a file where the directory should be")
     troubles = []
