@@ -9,8 +9,8 @@ from roah_rsbb.client.module_scores import by_group
 from roah_rsbb.msg import RunSheet, RunSummary, ScoreItem
 from roah_rsbb.rqt import sheet_texts, texts, widgets
 from roah_rsbb.rqt.history import History, why_fixed
-from roah_rsbb.rqt.panel import Answer, Panel, ask
-from roah_rsbb.rqt.referee_name import RefereeLine
+from roah_rsbb.rqt.panel import Answer, ask
+from roah_rsbb.rqt.referee_panel import RefereePanel
 from roah_rsbb.rqt.rows import Row, Rows
 from roah_rsbb.rqt.run_sheets import RunSheets
 from roah_rsbb.rqt.score_dialogs import NoteDialog, ScoreDialog
@@ -22,7 +22,7 @@ FETCHING = "Fetching the score sheet …"
 SIGN_OFF = "Sign off …"
 
 
-class ResultsPanel(Panel):
+class ResultsPanel(RefereePanel):
     """A list of the zone's runs; below, what there is of the chosen one."""
 
     TITLE = "Results"
@@ -39,7 +39,6 @@ class ResultsPanel(Panel):
         self.correct = self._button("Change …", self._ask_score)
         self.give_reason = self._button("Reason …", self._ask_reason)
         self.sign = self._button(SIGN_OFF, self._ask_sign_off)
-        self.referee = RefereeLine(client.referee)
         self._answer = Answer(reserved=False)
         self.history = History(client, self, self._answer)
         self._lay_out()
@@ -197,18 +196,6 @@ class ResultsPanel(Panel):
             self, f"/core/{service}", kind, (summary.zone, summary.identity, *request, self.client.referee.name),
             lambda outcome: self._answer.show_outcome(what, outcome),
         )
-
-    # -- settings -----------------------------------------------------------------------------------
-
-    def shutdown(self) -> None:
-        self.referee.end()
-        super().shutdown()
-
-    def save_settings(self, settings) -> None:
-        self.referee.save(settings)
-
-    def restore_settings(self, settings) -> None:
-        self.referee.restore(settings)
 
 
 def _page(rows: Rows, button: QPushButton) -> QWidget:

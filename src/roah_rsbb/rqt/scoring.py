@@ -25,8 +25,8 @@ from roah_rsbb.rqt import widgets
 from roah_rsbb.rqt.calls import Outcome
 from roah_rsbb.rqt.edits import Edits
 from roah_rsbb.rqt.history import HistoryDialog
-from roah_rsbb.rqt.panel import Answer, Panel
-from roah_rsbb.rqt.referee_name import RefereeLine
+from roah_rsbb.rqt.panel import Answer
+from roah_rsbb.rqt.referee_panel import RefereePanel
 from roah_rsbb.rqt.score_dialogs import ScoreDialog
 from roah_rsbb.srv import ScoreMark
 
@@ -147,7 +147,7 @@ class ModuleScores(QScrollArea):
             self.text.setText(shown)
 
 
-class ScoringPanel(Panel):
+class ScoringPanel(RefereePanel):
     """All items of the run, in their groups."""
 
     TITLE = "Scoring"
@@ -169,7 +169,6 @@ class ScoringPanel(Panel):
         self.body.addWidget(self.module_scores, 1)
         self._answer = Answer(reserved=False)
         self.body.addWidget(self._answer)
-        self.referee = RefereeLine(client.referee)
         self.history = QPushButton("History …")
         self.history.setFocusPolicy(Qt.TabFocus)
         self.history.clicked.connect(self._show_history)
@@ -280,19 +279,6 @@ class ScoringPanel(Panel):
             if following is not None:
                 self._send(item, following)
         self.show_model()
-
-
-    # -- settings -----------------------------------------------------------------------------------
-
-    def shutdown(self) -> None:
-        self.referee.end()
-        super().shutdown()
-
-    def save_settings(self, settings) -> None:
-        self.referee.save(settings)
-
-    def restore_settings(self, settings) -> None:
-        self.referee.restore(settings)
 
 
 def _scores_html(scores: Sequence[ModuleScore]) -> str:
