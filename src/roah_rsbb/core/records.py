@@ -3,7 +3,7 @@
 It is made by the core with every change, kept in the journal, and read by whoever shows or exports results.
 """
 
-from typing import NamedTuple, Optional, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 
 class ScoreValue(NamedTuple):
@@ -25,6 +25,14 @@ class ItemRecord(NamedTuple):
     value: int
     not_attempted: bool = False  # the robot did not try: other than a 0 that it earned
     corrected: bool = False  # it stands otherwise than when the run was over
+
+
+def grouped(items: Iterable[ItemRecord]) -> Dict[str, List[ItemRecord]]:
+    """The items of a sheet by their group, in the sheet's order."""
+    groups: Dict[str, List[ItemRecord]] = {}
+    for item in items:
+        groups.setdefault(item.group, []).append(item)
+    return groups
 
 
 class ScoreEntry(NamedTuple):

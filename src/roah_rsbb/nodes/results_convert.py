@@ -7,7 +7,7 @@ from typing import Dict, Iterable, List, Optional, Tuple
 from roah_rsbb.client.sheet_sums import Group, sums_text
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.records import ItemRecord, RunRecord, ScoreEntry, StopRecord
+from roah_rsbb.core.records import ItemRecord, RunRecord, ScoreEntry, StopRecord, grouped
 from roah_rsbb.core.saved import freeze
 from roah_rsbb.msg import Results, RunSheet, RunStop, RunSummary, ScoreChange, ScoreItem
 from roah_rsbb.nodes.ros_times import ros_duration, ros_time
@@ -89,12 +89,9 @@ def _revision(record: RunRecord) -> int:
 
 
 def _groups(items: Iterable[ItemRecord]) -> List[Group]:
-    grouped: Dict[str, List[ItemRecord]] = {}
-    for item in items:
-        grouped.setdefault(item.group, []).append(item)
     return [
         Group(name, [item.value for item in group], sum(item.not_attempted for item in group))
-        for name, group in grouped.items()
+        for name, group in grouped(items).items()
     ]
 
 

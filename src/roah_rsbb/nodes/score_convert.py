@@ -4,7 +4,7 @@ from typing import Dict, Iterable, List, Tuple
 
 from roah_rsbb.core.benchmarks import ScoreKind, ScoringItem
 from roah_rsbb.core.module_messages import ScoreValue
-from roah_rsbb.core.records import ItemRecord
+from roah_rsbb.core.records import ItemRecord, grouped
 from roah_rsbb.core.scoring import ScoreGroup
 from roah_rsbb.msg import ModuleScore, ZoneScoreGroup
 
@@ -49,9 +49,6 @@ def type_of(item: ItemRecord) -> int:
 
 def items_message(items: Iterable[ItemRecord]) -> List[ZoneScoreGroup]:
     """A score sheet, group by group."""
-    grouped: Dict[str, List[ItemRecord]] = {}
-    for item in items:
-        grouped.setdefault(item.group, []).append(item)
     return [
         ZoneScoreGroup(
             group_name=name,
@@ -59,7 +56,7 @@ def items_message(items: Iterable[ItemRecord]) -> List[ZoneScoreGroup]:
             descriptions=[item.desc for item in group],
             current_values=[item.value for item in group],
         )
-        for name, group in grouped.items()
+        for name, group in grouped(items).items()
     ]
 
 

@@ -3,14 +3,14 @@
 from typing import Iterator, List, Tuple
 
 from roah_rsbb.client.module_scores import by_group
-from roah_rsbb.core.records import RunRecord, ScoreEntry
+from roah_rsbb.core.records import RunRecord, ScoreEntry, grouped
 from roah_rsbb.results import texts
 from roah_rsbb.results.link_plot import Rows, link_plot
 from roah_rsbb.results.link_summary import link_lines
 from roah_rsbb.results.page import Child, Markup, facts_table, joined, page, table, tag
 from roah_rsbb.results.run_result import RobotPart, RunResult
 from roah_rsbb.results.story import Section, box_states, robot_states, sections
-from roah_rsbb.results.text_sheet import change_text, facts, grouped, withdrawn_text
+from roah_rsbb.results.text_sheet import change_text, facts, withdrawn_text
 from roah_rsbb.results.texts import moment
 
 _SIGNERS = ("Referee: name, date, signature", "Team: name, date, signature")

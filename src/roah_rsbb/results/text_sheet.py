@@ -1,9 +1,9 @@
 """A run's score sheet for the terminal."""
 
-from typing import Dict, Iterator, List, Tuple
+from typing import Iterator, List, Tuple
 
 from roah_rsbb.client.module_scores import by_group
-from roah_rsbb.core.records import ItemRecord, RunRecord, ScoreEntry
+from roah_rsbb.core.records import RunRecord, ScoreEntry, grouped
 from roah_rsbb.results import texts
 from roah_rsbb.results.link_summary import link_lines
 from roah_rsbb.results.run_result import RunResult
@@ -81,14 +81,6 @@ def _titled(title: str, lines: List[str]) -> Iterator[str]:
 
 def _by(who: str) -> str:
     return f"[{line(who)}] " if who else ""
-
-
-def grouped(items: Tuple[ItemRecord, ...]) -> Dict[str, List[ItemRecord]]:
-    """The items of the sheet by their group, in the sheet's order."""
-    groups: Dict[str, List[ItemRecord]] = {}
-    for item in items:
-        groups.setdefault(item.group, []).append(item)
-    return groups
 
 
 def _items(record: RunRecord) -> Iterator[str]:
