@@ -159,11 +159,7 @@ class AllRobotsRun(ScoredRun):
 
     def resume(self, now: Now, state: AllRobotsState) -> None:
         """Go on where the run was when the core ended."""
-        self.identity, self.opened_utc = state.identity, state.opened_utc
-        self.phase, self.end_reason, self.desc = state.phase, state.end_reason, state.desc
-        self.log.text, self.online_data.text = state.log, state.online_data
-        self.clock.restore(state.clock)
-        self.book.restore(state.book)
+        self._take_back(state)
         for of_member in state.members:
             entry = Entry(self.zone, self.event, of_member.robot, of_member.port)
             member = MemberRun(self, entry, self._settings, self._surroundings, now)

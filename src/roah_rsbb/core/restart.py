@@ -147,7 +147,11 @@ class Restart(abc.ABC):
         self.tablet.restore(saved.box.tablet)
         self.finished.restore(saved.records)
         for name, state in saved.zones.items():
-            self._try_to_resume(now, name, state)
+            zone = self.zones.get(name)
+            if zone is None:
+                self._lost(now, state, f"zone '{name}' is not in the schedule any more")
+            else:
+                self._try_to_resume(now, zone, state)
         runs = self._zone_runs()
         going_on = {run.identity for run in runs}
         for record in saved.records:
@@ -169,25 +173,21 @@ class Restart(abc.ABC):
         self.finished.add(record)
         self._emit(effects.RecordChanged(record))
 
-    def _try_to_resume(self, now: Now, name: str, state: ZoneState) -> None:
+    def _try_to_resume(self, now: Now, zone: Zone, state: ZoneState) -> None:
         done_before = len(self._effects)
         try:
-            self._resume_zone(now, name, state)
+            self._resume_zone(now, zone, state)
         except Exception as error:
             # A state that makes no sense must not keep the other zones, and every new start, from their work.
             del self._effects[done_before:]
-            self.zones[name].run = None
+            zone.run = None
             self._lost(now, state, f"its saved state makes no sense ({type(error).__name__}: {error})")
 
-    def _resume_zone(self, now: Now, name: str, state: ZoneState) -> None:
-        zone = self.zones.get(name)
-        if zone is None:
-            self._lost(now, state, f"zone '{name}' is not in the schedule any more")
-            return
+    def _resume_zone(self, now: Now, zone: Zone, state: ZoneState) -> None:
         index = _find(zone, state.event)
         if index is None:
             zone.index = _next_after(zone, state.event.scheduled)
-            self._lost(now, state, f"its event is not in the schedule of zone '{name}' any more")
+            self._lost(now, state, f"its event is not in the schedule of zone '{zone.name}' any more")
             return
         zone.index = index
         zone.last_run = state.last_run

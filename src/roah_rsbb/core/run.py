@@ -136,12 +136,9 @@ class Run(ScoredRun):
     def resume(self, now: Now, state: RunState) -> None:
         """Instead of `open`: go on where the run was when the core ended."""
         self.resumed = True
-        self.identity, self.opened_utc = state.identity, state.opened_utc
-        self.phase, self.end_reason, self.desc, self.message = state.phase, state.end_reason, state.desc, state.message
-        self.log.text, self.online_data.text = state.log, state.online_data
+        self._take_back(state)
+        self.message = state.message
         self.link.restore(state.link)
-        self.clock.restore(state.clock)
-        self.book.restore(state.book)
         self.devices.restore(state.devices)
         for name, strings in state.strings.items():
             self._strings[name].restore(strings)

@@ -1,12 +1,13 @@
 """What a run of one robot and one of all robots have in common: both are scored, ended and recorded as a whole."""
 
 import abc
-from typing import Callable, Optional, Sequence, Tuple
+from typing import Any, Callable, Optional, Sequence, Tuple
 
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.benchmarks import Event
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Effect, Level
+from roah_rsbb.core.online_data import DisplayText
 from roah_rsbb.core.phases import EndReason, Phase
 from roah_rsbb.core.records import By, RunRecord, ScoreValue
 from roah_rsbb.core.run_book import Marked, RunBook
@@ -23,6 +24,9 @@ class ScoredRun(abc.ABC):
     opened_utc: float
     phase: Phase
     end_reason: Optional[EndReason]
+    desc: str
+    log: DisplayText
+    online_data: DisplayText
     clock: RunClock
     scores: Tuple[ScoreValue, ...] = ()  # of a benchmarking module
     _emit: Callable[[Effect], None]
@@ -69,6 +73,16 @@ class ScoredRun(abc.ABC):
                 self._emit(effects.RunLogged(port, run_log.SCORE, entry))
         self._say(now, Level.INFO, marked.text)
         self._record_changed(now)
+
+    # -- restart of the core ------------------------------------------------------------------------
+
+    def _take_back(self, state: Any) -> None:
+        """Go on as saved: `state` is of either kind of run, and has what both save."""
+        self.identity, self.opened_utc = state.identity, state.opened_utc
+        self.phase, self.end_reason, self.desc = state.phase, state.end_reason, state.desc
+        self.log.text, self.online_data.text = state.log, state.online_data
+        self.clock.restore(state.clock)
+        self.book.restore(state.book)
 
     # -- the record ---------------------------------------------------------------------------------
 

@@ -5,7 +5,7 @@ Everything here runs in the loop's thread. The core decides; the driver only kno
 
 import asyncio
 import time
-from typing import Callable, Dict, List, Optional
+from typing import Callable, List, Optional, Set
 
 import rospy
 
@@ -21,10 +21,6 @@ from roah_rsbb.nodes.run_log_writer import RunLogWriter
 # Readings of clocks this close together are of one moment; a busy machine takes a few attempts.
 SAME_MOMENT_S = 0.005
 MAX_READINGS = 10
-
-def _on_record(_effect: Effect) -> None:
-    """The journal has it: there is nothing more to do."""
-
 
 _LOG = {Level.INFO: rospy.loginfo, Level.WARNING: rospy.logwarn, Level.ERROR: rospy.logerr}
 
@@ -59,7 +55,8 @@ class CoreDriver:
         self._carrying_out = False
         self._beacon_wanted = False
         self._modules_wait = False
-        self._unopened: Dict[int, bool] = {}
+        self._unopened: Set[int] = set()  # ports
+        self._moment = self.now()  # of the last event
         self._hands = {
             effects.PortTaken: self._port_taken,
             effects.OpenChannel: self._open_channel,
@@ -72,8 +69,8 @@ class CoreDriver:
             effects.RunOpened: self._run_opened,
             effects.RunResumed: self._run_resumed,
             effects.RecordChanged: lambda e: results_changed(),
-            effects.Recorded: _on_record,
-            effects.RunLogged: lambda e: self._run_logs.logged(e, time.time()),
+            effects.Recorded: lambda e: None,  # the journal has it
+            effects.RunLogged: lambda e: self._run_logs.logged(e, self._moment.utc),
             effects.RunClosed: lambda e: self._run_logs.closed(e),
             effects.ModuleRunsChanged: self._want_modules_told,
             effects.Notice: self._notice,
@@ -94,8 +91,9 @@ class CoreDriver:
 
     def event(self, method: Callable[..., object], *args: object) -> None:
         """Put an event into the box, then do what it wants. What the method raises comes out afterwards."""
+        self._moment = self.now()
         try:
-            method(self.now(), *args)
+            method(self._moment, *args)
         finally:
             self._carry_out()
             self._set_timer()
@@ -135,7 +133,7 @@ class CoreDriver:
         todo = self.box.take_effects()
         if todo:
             try:
-                self._journal.record(self.now(), todo)
+                self._journal.record(self._moment, todo)
             except Exception:
                 # A record that cannot be made must not keep the robots from their run.
                 rospy.logerr_throttle(1.0, "internal error, please report it: what happened could not be recorded",
@@ -185,17 +183,16 @@ class CoreDriver:
         try:
             self._radio.open_channel(effect.port, effect.team, effect.host)
         except OSError as error:
-            self._unopened[effect.port] = True
+            self._unopened.add(effect.port)
             self.event(self.box.on_channel_failed, effect.port, str(error))
 
     def _run_opened(self, effect: effects.RunOpened) -> None:
-        if self._unopened.pop(effect.port, False):
+        if effect.port in self._unopened:
             return  # the box tries again on another port: no log for this one
-        self._run_logs.opened(effect, time.time())
+        self._run_logs.opened(effect, self._moment.utc)
         self._journal.log_file(effect.port, self._run_logs.files[effect.port])
 
     def _run_resumed(self, effect: effects.RunResumed) -> None:
-        self._unopened.pop(effect.port, None)
         self._run_logs.resumed(effect.port, self._journal.log_file_before(effect.port))
         self._journal.log_file(effect.port, self._run_logs.files[effect.port])
 

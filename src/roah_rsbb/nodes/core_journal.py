@@ -120,16 +120,22 @@ class CoreJournal:
         self._entries.append(Entry(now.utc, now.mono, place.zone, place.identity, port, who, kind, _json(value)))
 
     def _opened(self, _now: Now, effect: effects.RunOpened) -> None:
+        self._find_place(effect.port)
         run = self._box.run_at(effect.port)
         whole = self._box.zones[run.zone].run
-        self._places[effect.port] = _Place(run.zone, whole.identity)
-        event = whole.event
-        self._runs.append(RunRow(whole.identity, run.zone, *key_of(event), whole.opened_utc))
+        self._runs.append(RunRow(whole.identity, run.zone, *key_of(whole.event), whole.opened_utc))
         self._members.append(Member(effect.port, whole.identity, run.robot.team, run.robot.robot))
 
-    def _resumed(self, now: Now, effect: effects.RunResumed) -> None:
-        run = self._box.run_at(effect.port)
-        self._places[effect.port] = _Place(run.zone, self._box.zones[run.zone].run.identity)
+    def _resumed(self, _now: Now, effect: effects.RunResumed) -> None:
+        self._find_place(effect.port)
+
+    def _find_place(self, port: int) -> None:
+        """A run begins or goes on: what is told of its port later, also after its end, belongs to it."""
+        self._places[port] = self._place_of_zone(self._box.run_at(port).zone)
+
+    def _place_of_zone(self, zone: str) -> _Place:
+        run = self._box.zones[zone].run
+        return _Place(zone, "" if run is None else run.identity)
 
     def _logged(self, now: Now, effect: effects.RunLogged) -> None:
         who = ""
@@ -145,14 +151,12 @@ class CoreJournal:
         self._add(now, self._place(effect.port), effect.port, effect.host, ADDRESS, effect.host)
 
     def _rung(self, now: Now, effect: effects.TimeoutRung) -> None:
-        run = self._box.zones[effect.zone].run
-        self._add(now, _Place(effect.zone, "" if run is None else run.identity), None, "", TIMEOUT, None)
+        self._add(now, self._place_of_zone(effect.zone), None, "", TIMEOUT, None)
 
     def _noticed(self, now: Now, effect: effects.Notice) -> None:
         if effect.zone and effect.level >= Level.WARNING:
-            run = self._box.zones[effect.zone].run
-            place = _Place(effect.zone, "" if run is None else run.identity)
-            self._add(now, place, None, "", NOTICE, {"level": effect.level.name, "text": effect.text})
+            said = {"level": effect.level.name, "text": effect.text}
+            self._add(now, self._place_of_zone(effect.zone), None, "", NOTICE, said)
 
     def _recorded(self, now: Now, effect: effects.Recorded) -> None:
         self._add(now, _Place(effect.zone, effect.identity), effect.port, effect.who, effect.kind, effect.value)
