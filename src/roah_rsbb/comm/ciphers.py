@@ -7,7 +7,8 @@ There is no message authentication on the wire: a wrong password shows as a wron
 import enum
 import hashlib
 import os
-from typing import Optional
+import threading
+from typing import Dict, Optional, Tuple
 
 from cryptography.hazmat.backends import default_backend
 from cryptography.hazmat.primitives.ciphers import Cipher as _AesCipher
@@ -18,7 +19,6 @@ BLOCK_SIZE = 16
 
 _KEY_ITERATIONS = 8
 _BACKEND = default_backend()  # cryptography 2.8 demands one; later versions ignore it
-_ECB = modes.ECB()
 _PADDINGS = [bytes([count]) * count for count in range(BLOCK_SIZE + 1)]
 
 
@@ -51,6 +51,45 @@ def cipher_by_label(label: str) -> Cipher:
     raise ValueError(f"unknown cipher {label!r}: choose one of {choices}")
 
 
+class _Stream:
+    """One direction of a cipher, set up once for all datagrams: to set it up takes longer than to use it.
+
+    Each call goes on where the last one ended. In CBC mode that one's last block of ciphertext is therefore the
+    initialisation vector of this one; it is taken out of the first block again, and the right one put in.
+    """
+
+    __slots__ = ("_before", "_cipher", "_context", "_encrypts", "_lock")
+
+    def __init__(self, aes: algorithms.AES, cipher: Cipher, encrypts: bool) -> None:
+        mode = modes.CBC(bytes(BLOCK_SIZE)) if cipher.iv_size else modes.ECB()
+        aes_cipher = _AesCipher(aes, mode, backend=_BACKEND)
+        self._context = aes_cipher.encryptor() if encrypts else aes_cipher.decryptor()
+        self._cipher, self._encrypts = cipher, encrypts
+        self._before = 0  # the last block of ciphertext
+        self._lock = threading.Lock()
+
+    def run(self, blocks: bytes, iv: bytes) -> bytes:
+        """As many bytes as `blocks` has, from any thread; ValueError where lengths do not fit."""
+        if not blocks or len(blocks) % BLOCK_SIZE:
+            raise ValueError(f"{len(blocks)} bytes are no whole blocks of {BLOCK_SIZE}")
+        if len(iv) != self._cipher.iv_size:
+            raise ValueError(f"{self._cipher.label} needs an IV of {self._cipher.iv_size} bytes, not {len(iv)}")
+        with self._lock:
+            if not iv:
+                return self._context.update(blocks)
+            if self._encrypts:
+                done = self._context.update(self._aim(blocks, iv))
+                self._before = int.from_bytes(done[-BLOCK_SIZE:], "big")
+            else:
+                done = self._aim(self._context.update(blocks), iv)
+                self._before = int.from_bytes(blocks[-BLOCK_SIZE:], "big")
+            return done
+
+    def _aim(self, plain: bytes, iv: bytes) -> bytes:
+        first = int.from_bytes(plain[:BLOCK_SIZE], "big") ^ self._before ^ int.from_bytes(iv, "big")
+        return first.to_bytes(BLOCK_SIZE, "big") + plain[BLOCK_SIZE:]
+
+
 class Key:
     """What a team's password gives: the keys of all four ciphers, derived once.
 
@@ -59,7 +98,7 @@ class Key:
     initialisation vector of the further rounds is not used by the protocol.
     """
 
-    __slots__ = ("_aes_128", "_aes_256")
+    __slots__ = ("_aes_128", "_aes_256", "_streams")
 
     def __init__(self, password: str) -> None:
         """ValueError if the password is empty or not valid Unicode; the error never shows the password."""
@@ -74,6 +113,7 @@ class Key:
             digest = hashlib.sha256(digest).digest()
         self._aes_128 = algorithms.AES(digest[:16])
         self._aes_256 = algorithms.AES(digest)
+        self._streams: Dict[Tuple[Cipher, bool], _Stream] = {}
 
     def __repr__(self) -> str:
         return "Key(...)"
@@ -85,11 +125,8 @@ class Key:
         """
         if iv is None:
             iv = os.urandom(cipher.iv_size)
-        elif len(iv) != cipher.iv_size:
-            raise ValueError(f"{cipher.label} needs an IV of {cipher.iv_size} bytes, not {len(iv)}")
-        context = self._context(cipher, iv).encryptor()
         padded = plain + _PADDINGS[BLOCK_SIZE - len(plain) % BLOCK_SIZE]
-        return iv + context.update(padded) + context.finalize()
+        return iv + self._stream(cipher, encrypts=True).run(padded, iv)
 
     def decrypt(self, cipher: Cipher, iv: bytes, ciphertext: bytes) -> Optional[bytes]:
         """The plain text, or None where the padding shows that another key encrypted it.
@@ -97,13 +134,15 @@ class Key:
         `ciphertext` is one or more whole blocks. The padding's check need not take constant time: nobody
         gets an answer to a datagram that does not decrypt.
         """
-        context = self._context(cipher, iv).decryptor()
-        padded = context.update(ciphertext) + context.finalize()
+        padded = self._stream(cipher, encrypts=False).run(ciphertext, iv)
         count = padded[-1]
         if not 1 <= count <= BLOCK_SIZE or not padded.endswith(_PADDINGS[count]):
             return None
         return padded[:-count]
 
-    def _context(self, cipher: Cipher, iv: bytes) -> _AesCipher:
-        aes = self._aes_128 if cipher in (Cipher.AES_128_ECB, Cipher.AES_128_CBC) else self._aes_256
-        return _AesCipher(aes, modes.CBC(iv) if cipher.iv_size else _ECB, backend=_BACKEND)
+    def _stream(self, cipher: Cipher, encrypts: bool) -> _Stream:
+        stream = self._streams.get((cipher, encrypts))
+        if stream is None:
+            aes = self._aes_128 if cipher in (Cipher.AES_128_ECB, Cipher.AES_128_CBC) else self._aes_256
+            stream = self._streams[cipher, encrypts] = _Stream(aes, cipher, encrypts)
+        return stream

@@ -1,9 +1,16 @@
 """Keys and ciphers against what the original derived and encrypted."""
 
+import os
+import random
+import threading
+
 import pytest
+from cryptography.hazmat.backends import default_backend
+from cryptography.hazmat.primitives import ciphers as library
+from cryptography.hazmat.primitives import padding
 
 from helpers import golden
-from roah_rsbb.comm.ciphers import Cipher, Key, cipher_by_label
+from roah_rsbb.comm.ciphers import BLOCK_SIZE, Cipher, Key, cipher_by_label
 
 KEYS = [record for record in golden.load("keys") if record["password"]]  # the original allows an empty one
 ENCRYPTING = [cipher for cipher in Cipher if cipher is not Cipher.NONE]
@@ -13,7 +20,8 @@ ENCRYPTING = [cipher for cipher in Cipher if cipher is not Cipher.NONE]
 def test_key_is_the_originals(record, monkeypatch):
     used = []
     monkeypatch.setattr("roah_rsbb.comm.ciphers._AesCipher", lambda aes, mode, backend: used.append(aes))
-    Key(record["password"])._context(cipher_by_label(record["cipher"]), bytes(16))
+    with pytest.raises(AttributeError):  # there is no cipher
+        Key(record["password"]).encrypt(cipher_by_label(record["cipher"]), b"")
     assert used[0].key.hex() == record["key_hex"]
 
 
@@ -25,6 +33,45 @@ def test_decrypts_what_it_encrypts(cipher, size):
     iv, ciphertext = sent[:cipher.iv_size], sent[cipher.iv_size:]
     assert len(ciphertext) == (size // 16 + 1) * 16
     assert key.decrypt(cipher, iv, ciphertext) == b"x" * size
+
+
+def _library(record, iv):
+    """A cipher that is set up for one datagram alone."""
+    cipher = cipher_by_label(record["cipher"])
+    mode = library.modes.CBC(iv) if cipher.iv_size else library.modes.ECB()
+    return library.Cipher(library.algorithms.AES(bytes.fromhex(record["key_hex"])), mode, default_backend())
+
+
+@pytest.mark.parametrize("record", KEYS[:4], ids=lambda r: r["cipher"])
+def test_each_datagram_is_by_itself_whatever_came_before(record):
+    cipher, key, rng = cipher_by_label(record["cipher"]), Key(record["password"]), random.Random(1)
+    for size in [rng.randrange(200) for _ in range(50)]:
+        plain, iv = rng.getrandbits(8 * 200).to_bytes(200, "big")[:size], os.urandom(cipher.iv_size)
+        padder, encryptor = padding.PKCS7(128).padder(), _library(record, iv).encryptor()
+        expected = encryptor.update(padder.update(plain) + padder.finalize()) + encryptor.finalize()
+        assert key.encrypt(cipher, plain, iv) == iv + expected
+        assert key.decrypt(cipher, iv, expected) == plain
+        key.decrypt(cipher, iv, os.urandom(BLOCK_SIZE * rng.randrange(1, 4)))
+
+
+def test_threads_do_not_disturb_each_other():
+    key, wrong = Key("PASSWORD"), []
+    begin = threading.Barrier(4)
+
+    def work(number):
+        begin.wait()
+        for size in range(600):
+            plain = bytes([number]) * size
+            sent = key.encrypt(Cipher.AES_128_CBC, plain)
+            if key.decrypt(Cipher.AES_128_CBC, sent[:16], sent[16:]) != plain:
+                wrong.append((number, size))
+
+    threads = [threading.Thread(target=work, args=(number,)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not wrong
 
 
 def test_each_datagram_has_its_own_iv():
@@ -73,5 +120,17 @@ def test_never_shows_the_password_or_the_key():
 
 
 def test_refuses_an_iv_of_the_wrong_length():
-    with pytest.raises(ValueError, match="IV of 16 bytes, not 8"):
-        Key("PASSWORD").encrypt(Cipher.AES_128_CBC, b"", iv=bytes(8))
+    key = Key("PASSWORD")
+    with pytest.raises(ValueError, match="aes-128-cbc needs an IV of 16 bytes, not 8"):
+        key.encrypt(Cipher.AES_128_CBC, b"", iv=bytes(8))
+    with pytest.raises(ValueError, match="aes-256-ecb needs an IV of 0 bytes, not 16"):
+        key.decrypt(Cipher.AES_256_ECB, bytes(16), bytes(16))
+
+
+@pytest.mark.parametrize("size", [0, 1, 15, 17])
+def test_refuses_what_is_no_whole_block_and_goes_on(size):
+    key = Key("PASSWORD")
+    sent = key.encrypt(Cipher.AES_128_CBC, b"before")
+    with pytest.raises(ValueError, match=f"{size} bytes are no whole blocks of 16"):
+        key.decrypt(Cipher.AES_128_CBC, bytes(16), bytes(size))
+    assert key.decrypt(Cipher.AES_128_CBC, sent[:16], sent[16:]) == b"before"
