@@ -9,14 +9,13 @@ from typing import List, NamedTuple
 
 from table import quantile
 
-from roah_rsbb.core import views
 from roah_rsbb.core.benchmarks import Benchmark, Config, Event, ScoreKind, ScoringItem, ZonePlan
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.nodes import ros_convert
 from roah_rsbb.nodes.core_radio import beacon_size
+from roah_rsbb.nodes.panel_messages import PanelMessages
 from roah_rsbb.states import BoxState, RobotState
 
 START = Now(1000.0, 1_800_000_000.0)
@@ -39,6 +38,7 @@ class World:
         config = Config({"HWV": BENCHMARK}, dict.fromkeys(self.teams, "password"), plans)
         self.now = START
         self.box = Box(config, Settings(listen_duration=0.0, max_datagram=8000), beacon_size)
+        self._panels = PanelMessages(self.box, "", "")
         self.box.tick(self.now)
 
     def wire_now(self):
@@ -67,9 +67,8 @@ class World:
     def publish(self) -> None:
         """What the core node makes for the panels ten times a second."""
         self.box.tick(self.now)
-        zone_views = views.zones(self.box, self.now)
-        ros_convert.to_gui(self.box, self.now, zone_views, "").serialize(io.BytesIO())
-        ros_convert.details(self.box, self.now, zone_views, "", {})
+        self._panels.to_gui(self.now, {}).serialize(io.BytesIO())
+        self._panels.details(self.now)
 
     def in_runs(self) -> None:
         """All robots connected, started and executing."""

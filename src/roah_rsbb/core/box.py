@@ -63,6 +63,7 @@ class Box(ModuleEvents, ScoreEvents, Restart):
         self._effects: List[Effect] = []
         self._failures_left: Dict[str, int] = {}  # by zone, of channels of the run being connected
         self._calm_until: Optional[float] = None  # see `_tick_if_due`
+        self._run_at: Dict[int, Run] = {}  # see `run_at`
 
     # -- driving ------------------------------------------------------------------------------------
 
@@ -128,8 +129,16 @@ class Box(ModuleEvents, ScoreEvents, Restart):
 
     def run_at(self, port: int) -> Optional[Run]:
         """The run whose private channel has this port."""
-        runs = (zone.run for zone in self.zones.values() if zone.run is not None)
-        return next((member for run in runs for member in run.members() if member.port == port), None)
+        run = self._run_at.get(port)
+        if run is None or not self._is_in_zone(run):
+            # Each datagram asks: what was found stays true until a zone's run changes, which is seldom.
+            self._run_at = {member.port: member for member in self.runs()}
+            run = self._run_at.get(port)
+        return run
+
+    def _is_in_zone(self, run: Run) -> bool:
+        whole = self.zones[run.zone].run
+        return whole is run or (whole is not None and run in whole.members())
 
     def listening_left(self, now: Now) -> float:
         """For how many seconds the box still only listens (wire protocol, Timing); 0.0: it transmits."""

@@ -13,12 +13,14 @@ from roah_rsbb.core.manual_operations import Switches
 from roah_rsbb.core.module_messages import Request, RequestKind, ScoreValue
 from roah_rsbb.core.phases import Phase
 from roah_rsbb.core.robots import ActiveRobot
+from roah_rsbb.core.run import Run
 from roah_rsbb.core.scoring import ScoreGroup
 from roah_rsbb.core.zone import Zone
-from roah_rsbb.core.zone_run import ZoneRun
 
 # A zone without a run has no phase of a run.
 IDLE = "idle"
+
+_COMMAND_INDEX = {command: index for index, command in enumerate(COMMANDS)}
 
 
 class RobotView(NamedTuple):
@@ -39,6 +41,25 @@ class ModuleView(NamedTuple):
     held: bool = False
     status: str = ""
     scores: Tuple[ScoreValue, ...] = ()
+
+
+NO_MODULE = ModuleView()
+
+
+class RobotInRunView(NamedTuple):
+    """The robot of a run and its private channel."""
+
+    robot: str
+    port: int
+    box_state: str  # that the box sends
+    robot_state: str  # that it last reported; empty: none yet
+    messages_saved: int
+    skew: Optional[float]  # seconds, robot's clock minus the box's; None: not known
+    last_heard: Optional[float]  # UTC seconds; None: never
+
+    def timeless(self) -> "RobotInRunView":
+        """The same, but for values that change with each message; whether they are known stays."""
+        return self._replace(skew=self.skew and 0.0, last_heard=self.last_heard and 0.0)
 
 
 class AllRobotsView(NamedTuple):
@@ -63,13 +84,19 @@ class ZoneView(NamedTuple):
     not_attempted: Tuple[bool, ...]  # for each item of `scoring`
     warnings: Tuple[str, ...]
     phase: str
-    run: Optional[ZoneRun]
+    identity: str  # of the run; empty: there is none
+    end_reason: str  # empty: it has not ended
     module: ModuleView
+    robot: Optional[RobotInRunView]  # where one runs
     all_robots: Optional[AllRobotsView]  # where all run at once
 
     def reasons_off(self, command: str) -> Tuple[str, ...]:
         """Why a command would be refused; empty: it is allowed."""
-        return self.off[list(COMMANDS).index(command)]
+        return self.off[_COMMAND_INDEX[command]]
+
+    def timeless(self) -> "ZoneView":
+        """The same, but for values that change all the time although nothing happens."""
+        return self._replace(timer=0.0, robot=None if self.robot is None else self.robot.timeless())
 
 
 class ScheduleLine(NamedTuple):
@@ -129,8 +156,10 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         not_attempted=() if run is None else run.sheet.not_attempted(),
         warnings=tuple(warnings),
         phase=IDLE if run is None else run.phase.value,
-        run=run,
-        module=_module(run) if isinstance(run, FunctionalityRun) else ModuleView(),
+        identity="" if run is None else run.identity,
+        end_reason="" if run is None or run.end_reason is None else run.end_reason.name.lower(),
+        module=_module(run) if isinstance(run, FunctionalityRun) else NO_MODULE,
+        robot=_robot(run) if isinstance(run, Run) else None,
         all_robots=_all_robots(run, now) if isinstance(run, AllRobotsRun) else None,
     )
     return view._replace(state="\n".join(_state_lines(box, zone, view, now)))
@@ -156,13 +185,26 @@ def _module(run: FunctionalityRun) -> ModuleView:
     )
 
 
+def _robot(run: Run) -> RobotInRunView:
+    link = run.link
+    return RobotInRunView(
+        robot=run.robot.robot,
+        port=run.port,
+        box_state=run.message.state.name,
+        robot_state="" if run.robot_state is None else run.robot_state.name,
+        messages_saved=link.messages_saved,
+        skew=link.skew,
+        last_heard=None if link.last_heard is None else link.last_heard.utc,
+    )
+
+
 def _all_robots(run: AllRobotsRun, now: Now) -> AllRobotsView:
     return AllRobotsView(run.members()[0].port, run.counts(), tuple(run.robots(now)))
 
 
 def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:
     """What is the matter first, then what the referee must know, a line each."""
-    run = view.run
+    run = zone.run
     if run is None:
         lines = list(view.reasons_off("connect")) or [_ready(robots_to_connect(box, zone, now))]
         return lines + _warning_lines(view, lines)

@@ -24,7 +24,7 @@ from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.client.command_line import explain
 from roah_rsbb.comm.ciphers import Cipher, Key, cipher_by_label
-from roah_rsbb.core import config, views
+from roah_rsbb.core import config
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules import MAX_NODES
@@ -51,6 +51,7 @@ from roah_rsbb.nodes.core_radio import CoreRadio, Network, beacon_size
 from roah_rsbb.nodes.core_services import CoreServices
 from roah_rsbb.nodes.device_calls import DeviceCalls
 from roah_rsbb.nodes.newest import Newest
+from roah_rsbb.nodes.panel_messages import PanelMessages
 from roah_rsbb.nodes.params import BadParams, Params
 from roah_rsbb.nodes.results_convert import ResultsBoard
 from roah_rsbb.nodes.ros_loop import RosLoop
@@ -59,7 +60,6 @@ from roah_rsbb.nodes.run_log_writer import RunLogWriter
 GUI_PERIOD_S = 0.1
 # Every fifth of the panels' messages goes with one for the public.
 PUBLIC_EVERY = 5
-DETAILS_EVERY = 10
 JOURNAL_EVERY = 10
 
 # The node that ends the launch may still be starting, and ending takes its time.
@@ -119,7 +119,6 @@ class CoreNode:
         self._ros = RosLoop()
         self._gave_up = ""
         self._ticks = 0
-        self._last_details = None
         self._public_results = PublicResults(results)
         self._last_public_view = None
         ports = PortRecord(log_dir)
@@ -134,6 +133,7 @@ class CoreNode:
         self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble, self._on_log_mended,
                                       self._journal.log_entries, self._ros.post)
         self._results = ResultsBoard(box, self._uuid)
+        self._panels = PanelMessages(box, self._uuid, network.rsbb_host)
         self._timeout_topic = rospy.Publisher("/timeout", Empty, queue_size=1)
         self._device_calls = DeviceCalls(self._on_device_refused)
         self._driver = CoreDriver(
@@ -238,12 +238,13 @@ class CoreNode:
         self._ros.loop.call_later(GUI_PERIOD_S, self._publish_tick)
         self._driver.tick()
         now = self._driver.now()
-        zone_views = views.zones(self._box, now)
-        self._publish("gui", ros_convert.to_gui(self._box, now, zone_views, self._network.rsbb_host))
+        self._publish("gui", self._panels.to_gui(now, self._run_logs.files))
+        details = self._panels.details(now)
+        if details is not None:
+            self._publish("details", details)
         if self._ticks % PUBLIC_EVERY == 0:
             self._publish("public", ros_convert.to_public(self._box, now))
         self._publish_public_details(now)
-        self._publish_details(now, zone_views)
         results = self._results.take(now)
         if results is not None:
             self._publish("results", results)
@@ -257,13 +258,6 @@ class CoreNode:
         if timeless != self._last_public_view or self._ticks % PUBLIC_EVERY == 0:
             self._last_public_view = timeless
             self._publish("public_details", public_convert.public_details(view, now, self._uuid))
-
-    def _publish_details(self, now, zone_views) -> None:
-        details = ros_convert.details(self._box, now, zone_views, self._uuid, self._run_logs.files)
-        timeless = (details.warnings, details.zones)
-        if timeless != self._last_details or self._ticks % DETAILS_EVERY == 0:
-            self._last_details = timeless
-            self._publish("details", details)
 
     def _publish(self, topic: str, message: object) -> None:
         try:

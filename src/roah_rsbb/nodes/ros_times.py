@@ -1,7 +1,5 @@
 """Times for ROS messages. A ROS time or duration holds less than a clock or a robot may say."""
 
-import functools
-
 import rospy
 
 from roah_rsbb.core.clock import WireTime, wire_ns
@@ -16,10 +14,6 @@ def ros_time(utc: float) -> rospy.Time:
     return rospy.Time.from_sec(min(max(utc, 0.0), _MAX_TIME))
 
 
-# The same, for times that are shown again and again, such as those of the schedule.
-ros_time_kept = functools.lru_cache(maxsize=2000)(ros_time)
-
-
 def ros_wire_time(wire_time: WireTime) -> rospy.Time:
     """A wire time, exactly; one that a ROS time cannot hold becomes the nearest that it can."""
     nanoseconds = min(max(wire_ns(wire_time), 0), _MAX_TIME * 1_000_000_000)
@@ -29,6 +23,3 @@ def ros_wire_time(wire_time: WireTime) -> rospy.Time:
 def ros_duration(seconds: float) -> rospy.Duration:
     """A duration in seconds; one that a ROS duration cannot hold becomes the nearest that it can."""
     return rospy.Duration.from_sec(min(max(seconds, -_MAX_DURATION), _MAX_DURATION))
-
-
-ros_duration_kept = functools.lru_cache(maxsize=2000)(ros_duration)

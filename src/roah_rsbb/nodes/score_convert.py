@@ -1,6 +1,6 @@
 """Between scores, the referee's and the modules', and their ROS messages."""
 
-from typing import Dict, Iterable, List, Tuple
+from typing import Iterable, List
 
 from roah_rsbb.core.benchmarks import ScoreKind, ScoringItem
 from roah_rsbb.core.module_messages import ScoreValue
@@ -19,27 +19,6 @@ def group_message(group: ScoreGroup) -> ZoneScoreGroup:
         descriptions=[item.desc for item, _ in group.items],
         current_values=[value for _, value in group.items],
     )
-
-
-class _Kept:
-    """Messages of score sheets: one that has not changed is made once, though it is published ten times a second."""
-
-    SIZE = 1000
-
-    def __init__(self) -> None:
-        self._made: Dict[int, Tuple[Tuple[ScoreGroup, ...], List[ZoneScoreGroup]]] = {}
-
-    def __call__(self, groups: Tuple[ScoreGroup, ...]) -> List[ZoneScoreGroup]:
-        """The groups of a sheet."""
-        known = self._made.get(id(groups))
-        if known is None or known[0] is not groups:
-            if len(self._made) >= self.SIZE:
-                self._made.clear()
-            known = self._made[id(groups)] = (groups, [group_message(group) for group in groups])
-        return known[1]
-
-
-groups_message = _Kept()
 
 
 def type_of(item: ItemRecord) -> int:

@@ -12,7 +12,8 @@ from roah_rsbb.states import RobotState
 def test_a_zone_without_a_robot():
     driver = BoxDriver(competition(tbm=[event(timeout=60.0)]))
     view = driver.view()
-    assert (view.zone, view.phase, view.timer, view.run, view.scoring, view.log) == ("tbm", "idle", 60.0, None, (), "")
+    assert (view.zone, view.phase, view.timer, view.scoring, view.log) == ("tbm", "idle", 60.0, (), "")
+    assert (view.identity, view.end_reason, view.robot, view.all_robots) == ("", "", None, None)
     assert view.state == "No robot of team Alpha is active: none of its beacons arrives on UDP port 6666"
 
 
