@@ -9,13 +9,13 @@ from typing import Optional
 
 import rostest
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "pure"))
-from helpers.box_driver import BoxDriver
-from helpers.competition import competition, event
-
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.msg import CoreDetails, CoreToGui
 from roah_rsbb.nodes.panel_messages import PanelMessages
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "pure"))
+from helpers.box_driver import BoxDriver
+from helpers.competition import competition, event
 
 BUTTONS = dict(zip(COMMANDS, ("connect", "disconnect", "start", "stop", "prev", "next")))
 LOG = "/logs/run.bag"

@@ -1,7 +1,6 @@
 """The two channels of the protocol: messages in and out, over UDP (wire protocol, Channels)."""
 
 import asyncio
-import functools
 import ipaddress
 from typing import Any, Callable, Optional, Tuple, Type
 
@@ -25,7 +24,7 @@ class _Channel:
         peer: Peer,
         name: str,
         types: Tuple[Type[Message], ...],
-        decode: Callable[[bytes], Message],
+        decode: Callable[[bytes], Any],
         loop: asyncio.AbstractEventLoop,
         on_message: OnMessage,
         on_complaint: OnComplaint,
@@ -134,10 +133,12 @@ class PrivateChannel(_Channel):
         broadcast: bool = False,
         max_datagram: int = 1024,
         complaints: Optional[Complaints] = None,
+        read: Callable[[bytes], Any] = frame.private_message,
     ) -> None:
         """As `PublicChannel`; `cipher` is used to send, any is accepted (ValueError for NONE).
 
-        `broadcast`: send to rsbb_host as the original box did, and not to `remote`.
+        `broadcast`: send to rsbb_host as the original box did, and not to `remote`. `read`: makes of a decrypted
+        payload what `on_message` gets, or raises `BadDatagram`.
         """
         if cipher is Cipher.NONE:
             raise ValueError("a private channel is never plain: choose a cipher")
@@ -145,7 +146,7 @@ class PrivateChannel(_Channel):
             loop, rsbb_host, port, self._receive, on_complaint, bind_host, max_datagram, shared=False)
         super().__init__(
             peer, f"private channel {port}", frame.PRIVATE_TYPES,
-            functools.partial(frame.decode_private, key=key), loop, on_message, on_complaint, complaints)
+            lambda datagram: read(frame.decrypt(datagram, key)), loop, on_message, on_complaint, complaints)
         self._key = key
         self._cipher = cipher
         self._broadcast = broadcast

@@ -81,6 +81,11 @@ PUBLIC_TYPES = tuple(kind.type for kind in _KINDS if kind.public)
 PRIVATE_TYPES = tuple(kind.type for kind in _KINDS if not kind.public)
 
 
+def ids_of(message_type: Type[Message]) -> bytes:
+    """What the payload of a message begins with."""
+    return _BY_TYPE[message_type].ids
+
+
 def encode(message: Message, cipher: Cipher = Cipher.NONE, key: Optional[Key] = None,
            iv: Optional[bytes] = None) -> bytes:
     """The frame of a message; `iv` only for tests, otherwise random.
@@ -147,6 +152,11 @@ def open_private(datagram: bytes) -> PrivateFrame:
 
 def decode_private(datagram: bytes, key: Key) -> Any:
     """The BenchmarkState or RobotState in a frame encrypted with the key; else raises BadDatagram only."""
+    return private_message(decrypt(datagram, key))
+
+
+def decrypt(datagram: bytes, key: Key) -> bytes:
+    """The payload of a private channel's frame, which is for `private_message`; else raises BadDatagram only."""
     cipher, iv, ciphertext = open_private(datagram)
     payload = key.decrypt(cipher, iv, ciphertext)
     if payload is None:
@@ -154,6 +164,11 @@ def decode_private(datagram: bytes, key: Key) -> Any:
     # One of 256 wrong keys gives a padding that looks right; the component id then tells.
     if len(payload) >= _IDS.size and not payload.startswith(_COMPONENT):
         raise BadDatagram(Reason.UNDECRYPTABLE, "the content makes no sense")
+    return payload
+
+
+def private_message(payload: bytes) -> Any:
+    """The BenchmarkState or RobotState of a decrypted payload; else raises BadDatagram only."""
     return _message(payload, public=False)
 
 

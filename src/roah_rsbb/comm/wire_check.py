@@ -64,14 +64,14 @@ def _check(protobuf: bytes, texts: Texts, budget: List[int]) -> None:
         budget[0] -= 1
         if budget[0] < 0:
             raise _TooMany
-        tag, position = _varint(protobuf, position)
+        tag, position = varint(protobuf, position)
         # Field numbers go from 1 to 29 bits. A tag with needless zero bytes at its end, which no encoder
         # writes, is read by the C++ library and skipped by the Python one.
         if not 8 <= tag <= _MAX_TAG or not protobuf[position - 1]:
             raise Malformed("it has an impossible field number")
         wire_type = tag & 7
         if wire_type == _LENGTH:
-            size, start = _varint(protobuf, position)
+            size, start = varint(protobuf, position)
             position = start + size
             if position > end:
                 raise IndexError
@@ -79,7 +79,7 @@ def _check(protobuf: bytes, texts: Texts, budget: List[int]) -> None:
             if text is not None:
                 _check_text(protobuf[start:position], text, budget)
         elif wire_type == _VARINT:
-            _, position = _varint(protobuf, position)
+            _, position = varint(protobuf, position)
         elif wire_type == _FIXED_64:
             position += 8
         elif wire_type == _FIXED_32:
@@ -100,8 +100,9 @@ def _check_text(value: bytes, text: Any, budget: List[int]) -> None:
         raise NotUtf8(text) from None
 
 
-def _varint(protobuf: bytes, position: int) -> Tuple[int, int]:
-    """The number that starts at `position`, and the position after it; IndexError at the end of the bytes."""
+def varint(protobuf: bytes, position: int) -> Tuple[int, int]:
+    """The number that starts at `position`, and the position after it; IndexError at the end of the bytes, `Malformed`
+    where it does not end."""
     byte = protobuf[position]
     if byte < 0x80:
         return byte, position + 1

@@ -15,8 +15,9 @@ from roah_rsbb.comm.frame import encoded_size
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import How
-from roah_rsbb.core.messages import Beacon, BoxMessage
+from roah_rsbb.core.messages import Beacon, BoxMessage, RobotReport
 from roah_rsbb.nodes import wire_convert
+from roah_rsbb.nodes.report_reader import ReportReader
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 Address = Tuple[str, int]
@@ -128,7 +129,7 @@ class CoreRadio:
             lambda message, address: self._on_private(port, message, address),
             lambda text: self._on_private_complaint(port, text),
             cipher=network.cipher, bind_host=network.bind_host, broadcast=network.broadcast,
-            max_datagram=network.max_datagram,
+            max_datagram=network.max_datagram, read=ReportReader(),
         )
         channel.open()
         channel.remote = host
@@ -199,8 +200,8 @@ class CoreRadio:
             self._event(self._box.on_foreign_box, host)
 
     def _on_private(self, port: int, message: object, address: Address) -> None:
-        if isinstance(message, pb.RobotState):
-            self._event(self._box.on_robot_report, port, address[0], wire_convert.report_of(message))
+        if isinstance(message, RobotReport):
+            self._event(self._box.on_robot_report, port, address[0], message)
         else:
             self._event(self._box.on_foreign_box, address[0])
 
