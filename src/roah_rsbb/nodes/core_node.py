@@ -44,7 +44,7 @@ from roah_rsbb.msg import (
     PublicDetails,
     Results,
 )
-from roah_rsbb.nodes import module_convert, public_convert, ros_convert
+from roah_rsbb.nodes import device_convert, module_convert, public_convert
 from roah_rsbb.nodes.core_driver import CoreDriver
 from roah_rsbb.nodes.core_journal import CoreJournal, competition, saved_before
 from roah_rsbb.nodes.core_radio import CoreRadio, Network, beacon_size
@@ -197,7 +197,7 @@ class CoreNode:
         self._driver.event(method, *args)
 
     def _on_devices(self, message: DevicesState) -> None:
-        devices = ros_convert.devices_of(message)
+        devices = device_convert.devices_of(message)
         self._ros.post(lambda: self._event(self._box.on_devices, devices))
 
     def _on_devices_status(self, message: DevicesStatus) -> None:
@@ -243,7 +243,7 @@ class CoreNode:
         if details is not None:
             self._publish("details", details)
         if self._ticks % PUBLIC_EVERY == 0:
-            self._publish("public", ros_convert.to_public(self._box, now))
+            self._publish("public", public_convert.to_public(self._box, now))
         self._publish_public_details(now)
         results = self._results.take(now)
         if results is not None:

@@ -1,13 +1,31 @@
-"""From what the public may see to the messages of the public display."""
+"""From what the public may see to the messages of public displays, the original's and ours."""
 
+import time
+
+from roah_rsbb.core import views
 from roah_rsbb.core.benchmarks import Event
+from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.public_view import PublicRun, PublicView
 from roah_rsbb.core.results import Result
-from roah_rsbb.msg import PublicDetails, PublicEvent, PublicResult
+from roah_rsbb.msg import CoreToPublic, PublicDetails, PublicEvent, PublicResult, ScheduleInfo
 from roah_rsbb.msg import PublicRun as PublicRunMsg
 from roah_rsbb.nodes.ros_times import ros_duration, ros_time
 from roah_rsbb.nodes.score_convert import items_message, score_message
+
+
+def to_public(box: Box, now: Now) -> CoreToPublic:
+    """The public display's message; times are local, the public's."""
+    return CoreToPublic(
+        clock=_local(now.utc),
+        schedule=[
+            ScheduleInfo(
+                line.event.team, line.event.benchmark.desc, line.event.round, line.event.run,
+                _local(line.event.scheduled), line.running,
+            )
+            for line in views.schedule(box)
+        ],
+    )
 
 
 def public_details(view: PublicView, now: Now, box_uuid: str) -> PublicDetails:
@@ -53,3 +71,7 @@ def _result(run: Result) -> PublicResult:
         ],
         module_scores=[score_message(score) for score in run.module_scores if not score.group],
     )
+
+
+def _local(utc: float) -> str:
+    return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(utc))
