@@ -86,6 +86,8 @@ def _scripted(environment: Dict[str, str], master_port: int) -> int:
                       f"last:\n{_last_lines()}", file=sys.stderr)
                 break
     print(f"Logs of the runs (rosbags) are in {LOG_DIR}; what the programs printed is in {LAUNCH_LOG}")
+    if status == 0:
+        print(f"Both score sheets as pages to print: rosrun roah_rsbb results export --html sheets --log-dir {LOG_DIR}")
     return status
 
 
