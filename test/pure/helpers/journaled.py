@@ -3,11 +3,22 @@
 import shutil
 
 from helpers.box_driver import BoxDriver, beacon_bytes
+from helpers.competition import competition, event
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
+from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import Resume, Session
 from roah_rsbb.journal.store import Journal
-from roah_rsbb.nodes.core_journal import CoreJournal, competition, saved_before
+from roah_rsbb.nodes import core_journal
+
+CATERING = event("HCFGAC", timeout=300.0)
+NAVIGATION = event("HNF", team="Beta", timeout=60.0, total_timeout=300.0)
+NO_LISTENING = Settings(listen_duration=0.0)
+
+
+def two_zones():
+    """A task benchmark in one zone, and a functionality benchmark in the other."""
+    return competition(tbm=[CATERING, event("HWV")], fbm=[NAVIGATION])
 
 
 class JournaledDriver(BoxDriver):
@@ -30,11 +41,12 @@ class JournaledDriver(BoxDriver):
     def open(self, directory, resume=Resume.ALWAYS, launch=""):
         """Open the journal in a directory, and go on from it."""
         session = Session(self.now.utc, self.now.mono, self.boot, 1, "uuid", launch)
-        self.journal = Journal(str(directory), session, competition(self.config), resume, self.troubles.append)
+        events = core_journal.competition(self.config)
+        self.journal = Journal(str(directory), session, events, resume, self.troubles.append)
         self._rules.restart()
         self.box = Box(self.config, self.settings, beacon_bytes, self.journal.before.last_port)
-        self.core_journal = CoreJournal(self.box, self.journal)
-        saved, warnings = saved_before(self.journal.before, self.now, self.boot)
+        self.core_journal = core_journal.CoreJournal(self.box, self.journal)
+        saved, warnings = core_journal.saved_before(self.journal.before, self.now, self.boot)
         self.troubles += [*self.journal.warnings, *warnings]
         self.event(self.box.resume, saved)
 
@@ -73,3 +85,8 @@ class JournaledDriver(BoxDriver):
         """A core that is started with the journal in this directory."""
         self.channels = {}
         self.open(directory)
+
+
+def box(tmp_path, config=None, settings=NO_LISTENING, **of_driver):
+    """A box with a journal, of two zones if nothing else is said."""
+    return JournaledDriver(tmp_path, config or two_zones(), settings, **of_driver)

@@ -4,31 +4,17 @@ import pytest
 
 from helpers.all_robots import robots_of, take_ports
 from helpers.competition import BUMPS, DOOR, competition, event
-from helpers.journaled import JournaledDriver
+from helpers.journaled import NO_LISTENING, JournaledDriver, box, two_zones
 from helpers.module_player import FakeModules, does_goal
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.messages import DevicesState, TabletState
 from roah_rsbb.core.module_messages import RequestKind, ScoreValue
 from roah_rsbb.core.phases import EndReason, Phase
-from roah_rsbb.core.referee_record import RunName
 from roah_rsbb.core.saved import freeze
-from roah_rsbb.core.scoring import Mark
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.journal.file import Resume
 from roah_rsbb.states import BoxState, RobotState
 
-CATERING = event("HCFGAC", timeout=300.0)
-NAVIGATION = event("HNF", team="Beta", timeout=60.0, total_timeout=300.0)
-NO_LISTENING = Settings(listen_duration=0.0)
 WAYPOINT = {"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}
-
-
-def two_zones():
-    return competition(tbm=[CATERING, event("HWV")], fbm=[NAVIGATION])
-
-
-def box(tmp_path, config=None, settings=NO_LISTENING, **of_driver):
-    return JournaledDriver(tmp_path, config or two_zones(), settings, **of_driver)
 
 
 class Story:
@@ -302,22 +288,6 @@ def test_a_run_that_is_connected_is_not_among_those_that_are_over(tmp_path):
     assert driver.run_in("tbm").sheet.groups()[0].items[0] == (DOOR, 1)
 
 
-def test_a_run_that_cannot_go_on_can_be_corrected_and_signed_off(tmp_path):
-    driver = box(tmp_path)
-    driver.executing("tbm")
-    driver.score(DOOR.group, DOOR.desc, 1, "tbm")
-    identity = driver.run_in("tbm").identity
-    driver.kill(5.0, config=competition(fbm=[NAVIGATION]))
-    (record,) = driver.box.finished.records()
-    assert (record.identity, record.end_reason, record.items[0].value) == (identity, "stopped", 1)
-    name = RunName("tbm", identity)
-    driver.event(driver.box.score, name, Mark(DOOR.group, DOOR.desc, 0), "Anna")
-    driver.event(driver.box.sign_off, name, "Anna")
-    signed = driver.box.finished.find(identity).record
-    driver.kill()
-    assert driver.box.finished.records() == [signed]
-
-
 def test_who_said_what(tmp_path):
     driver = box(tmp_path)
     robot = driver.connected("tbm")
@@ -348,44 +318,6 @@ def test_all_robots_go_on_together(tmp_path):
         robot.executes()
         robot.completes()
     assert driver.run_in().end_reason is EndReason.COMPLETED
-
-
-def test_an_event_that_was_moved_in_time_is_found(tmp_path):
-    driver = box(tmp_path)
-    driver.command("next", "tbm")
-    later = event("HWV", scheduled=event().scheduled + 900)
-    moved = competition(tbm=[event("HGTKMH"), CATERING, later], fbm=[NAVIGATION])
-    driver.kill(config=moved)
-    assert driver.box.zones["tbm"].event.benchmark.code == "HWV"
-
-
-def test_a_run_whose_event_is_gone_is_told(tmp_path):
-    driver = box(tmp_path)
-    driver.executing("tbm")
-    driver.kill(config=competition(tbm=["HGTKMH"], fbm=[NAVIGATION]))
-    assert driver.run_in("tbm") is None
-    assert any("cannot go on" in text for text in driver.box.warnings(driver.now))
-
-
-def test_the_journal_of_another_competition_is_put_aside(tmp_path):
-    driver = box(tmp_path)
-    driver.executing("tbm")
-    driver.kill(config=competition(other=["HGTKMH"]))
-    assert any("another competition" in text for text in driver.troubles)
-    assert [path.name for path in driver._directory.glob("*_aside_*.sqlite3")] != []
-
-
-@pytest.mark.parametrize("resume, launch, goes_on", [
-    (Resume.ALWAYS, "2", True), (Resume.LAUNCH, "1", True), (Resume.LAUNCH, "2", False), (Resume.NEVER, "1", False),
-])
-def test_when_a_core_goes_on(tmp_path, resume, launch, goes_on):
-    driver = box(tmp_path)
-    driver.journal.close()
-    driver.open(tmp_path / "0", launch="1")
-    driver.executing("tbm")
-    driver.journal.close()
-    driver.open(tmp_path / "0", resume, launch)
-    assert (driver.run_in("tbm") is not None) == goes_on
 
 
 def test_a_port_that_cannot_be_opened_is_tried_again_and_the_run_waits(tmp_path):

@@ -1,0 +1,63 @@
+"""A core that is started anew with another schedule, or in another launch: what goes on, and what does not."""
+
+import pytest
+
+from helpers.competition import DOOR, competition, event
+from helpers.journaled import CATERING, NAVIGATION, box
+from roah_rsbb.core.referee_record import RunName
+from roah_rsbb.core.scoring import Mark
+from roah_rsbb.journal.file import Resume
+
+
+def test_a_run_that_cannot_go_on_can_be_corrected_and_signed_off(tmp_path):
+    driver = box(tmp_path)
+    driver.executing("tbm")
+    driver.score(DOOR.group, DOOR.desc, 1, "tbm")
+    identity = driver.run_in("tbm").identity
+    driver.kill(5.0, config=competition(fbm=[NAVIGATION]))
+    (record,) = driver.box.finished.records()
+    assert (record.identity, record.end_reason, record.items[0].value) == (identity, "stopped", 1)
+    name = RunName("tbm", identity)
+    driver.event(driver.box.score, name, Mark(DOOR.group, DOOR.desc, 0), "Anna")
+    driver.event(driver.box.sign_off, name, "Anna")
+    signed = driver.box.finished.find(identity).record
+    driver.kill()
+    assert driver.box.finished.records() == [signed]
+
+
+def test_an_event_that_was_moved_in_time_is_found(tmp_path):
+    driver = box(tmp_path)
+    driver.command("next", "tbm")
+    later = event("HWV", scheduled=event().scheduled + 900)
+    moved = competition(tbm=[event("HGTKMH"), CATERING, later], fbm=[NAVIGATION])
+    driver.kill(config=moved)
+    assert driver.box.zones["tbm"].event.benchmark.code == "HWV"
+
+
+def test_a_run_whose_event_is_gone_is_told(tmp_path):
+    driver = box(tmp_path)
+    driver.executing("tbm")
+    driver.kill(config=competition(tbm=["HGTKMH"], fbm=[NAVIGATION]))
+    assert driver.run_in("tbm") is None
+    assert any("cannot go on" in text for text in driver.box.warnings(driver.now))
+
+
+def test_the_journal_of_another_competition_is_put_aside(tmp_path):
+    driver = box(tmp_path)
+    driver.executing("tbm")
+    driver.kill(config=competition(other=["HGTKMH"]))
+    assert any("another competition" in text for text in driver.troubles)
+    assert [path.name for path in driver._directory.glob("*_aside_*.sqlite3")] != []
+
+
+@pytest.mark.parametrize("resume, launch, goes_on", [
+    (Resume.ALWAYS, "2", True), (Resume.LAUNCH, "1", True), (Resume.LAUNCH, "2", False), (Resume.NEVER, "1", False),
+])
+def test_when_a_core_goes_on(tmp_path, resume, launch, goes_on):
+    driver = box(tmp_path)
+    driver.journal.close()
+    driver.open(tmp_path / "0", launch="1")
+    driver.executing("tbm")
+    driver.journal.close()
+    driver.open(tmp_path / "0", resume, launch)
+    assert (driver.run_in("tbm") is not None) == goes_on
