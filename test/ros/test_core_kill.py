@@ -93,6 +93,7 @@ class TestKilledOnce(KillCase):
             self.assertLess(abs(self.ends(zone) - end), 1.0)
         box.wait_details("Door", lambda d: (d.phase, d.end_reason) == ("ended", "timeout"), "HWV ended by timeout")
         gamma.wait_did("stop")
+        wait_until(lambda: box.timeouts, "the sound is asked for, although nobody counted the time when it was up")
         self.assertIn((*ITEM, 1, 2), [(g, d, k, v) for g, d, k, v in box.scores("Home")])
         box.set_score("Home", *ITEM, 3)
         alpha.wait_said()
@@ -108,6 +109,7 @@ class TestKilledOnce(KillCase):
         for robot, benchmark in ((alpha, "HGTKMH"), (beta, "HCFGAC"), (gamma, "HWV")):
             self.assertEqual(robot.did, [f"prepare {benchmark}", f"execute {benchmark}", "stop"])
         self.assert_records(ports)
+        self.assertEqual(box.timeouts, 1)
 
     def lines(self, zone: str) -> List[str]:
         """A zone's online data."""

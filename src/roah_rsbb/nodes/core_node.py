@@ -61,6 +61,8 @@ GUI_PERIOD_S = 0.1
 # Every fifth of the panels' messages goes with one for the public.
 PUBLIC_EVERY = 5
 JOURNAL_EVERY = 10
+# After a restart those who play sounds need a moment to find the core again.
+HEARD_AFTER_S = 2.0
 
 # The node that ends the launch may still be starting, and ending takes its time.
 END_LAUNCH_S = 10.0
@@ -134,11 +136,11 @@ class CoreNode:
                                       self._journal.log_entries, self._ros.post)
         self._results = ResultsBoard(box, self._uuid)
         self._panels = PanelMessages(box, self._uuid, network.rsbb_host)
-        self._timeout_topic = rospy.Publisher("/timeout", Empty, queue_size=1)
+        self._heard_from = self._ros.loop.time() + HEARD_AFTER_S
         self._device_calls = DeviceCalls(self._on_device_refused)
         self._driver = CoreDriver(
             self._ros.loop, box, self._radio, self._run_logs, ports, self._journal,
-            ring_timeout=lambda: self._timeout_topic.publish(Empty()), tell_modules=self._tell_modules,
+            ring_timeout=self._ring_timeout, tell_modules=self._tell_modules,
             results_changed=self._results.on_record_changed, set_device=self._device_calls.set, give_up=self._give_up,
         )
         self._box = box
@@ -166,6 +168,7 @@ class CoreNode:
             "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
             "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
+            "timeout": rospy.Publisher("/timeout", Empty, queue_size=1),
         }
         CoreServices(self._box, self._ros, self._event, self._store.sync)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
@@ -233,6 +236,10 @@ class CoreNode:
 
     def _tell_modules(self) -> None:
         self._publish("module_runs", module_convert.runs_message(self._uuid, self._box.module_runs()))
+
+    def _ring_timeout(self) -> None:
+        """At once, unless the core has just started: a run's time ran out while it was down."""
+        self._ros.loop.call_at(self._heard_from, self._publish, "timeout", Empty())
 
     def _publish_tick(self) -> None:
         self._ros.loop.call_later(GUI_PERIOD_S, self._publish_tick)
