@@ -48,6 +48,7 @@ class TestHome(ChannelCase):
             (True, False, False, 20, False),
         )
         self.assertEqual((first.bell.secs, first.bell.nsecs), (ring.sec, ring.nsec))
+        bells.wait_count(1)
         count, rings = len(devices.messages), len(bells.messages)
         # The same again is no change; another beacon's change comes after it.
         self.box.beacon()

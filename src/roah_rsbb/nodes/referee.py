@@ -99,12 +99,12 @@ def _watch(link: Link, options, output: Output) -> Exit:
 def _command(link: Link, options, output: Output) -> Exit:
     name = _zone_name(link, options.zone)
     link.command(options.command, name)
-    return _say_done(link, name, output, options.command)
+    return _say_done(link, name, output, options.command, with_details=True)
 
 
-def _say_done(link: Link, name: str, output: Output, command: str) -> Exit:
+def _say_done(link: Link, name: str, output: Output, command: str, with_details: bool) -> Exit:
     """Write how the zone is after a command."""
-    box = link.settle()
+    box = link.settle(with_details)
     zone = box.zone(name)
     if output.json:
         output.object({"ok": True, "command": command, "zone": name, "state": zone})
@@ -146,7 +146,7 @@ def _done(link: Link, options, output: Output) -> Exit:
     if options.operation not in (None, operation.number):
         raise Refused([f"operation {options.operation} is over; now the referee is asked to: {operation.text}"])
     link.complete_operation(name, operation.number, answer_of(options.answer, operation))
-    return _say_done(link, name, output, "done")
+    return _say_done(link, name, output, "done", with_details=True)
 
 
 def _switches(link: Link, options, output: Output) -> Exit:
@@ -157,7 +157,7 @@ def _switches(link: Link, options, output: Output) -> Exit:
         link.set_damaged(name, options.damaged)
     if options.confirm:
         link.confirm_switches(name)
-    return _say_done(link, name, output, "switches")
+    return _say_done(link, name, output, "switches", with_details=False)
 
 
 def _run(link: Link, options, output: Output) -> Exit:

@@ -119,10 +119,14 @@ class Link:
                 return None
             time.sleep(min(POLL_S, left))
 
-    def settle(self) -> Box:
-        """The first snapshot that surely shows what a command did; raises `NoCore` if none comes."""
-        count, deadline = self._count, self.now() + SETTLE_S
-        while self._count < count + SETTLED:
+    def settle(self, with_details: bool = False) -> Box:
+        """The first snapshot that surely shows what a command did; raises `NoCore` if none comes.
+
+        `with_details`: it changed what CoreDetails tells. That is a topic of its own, and may come later; without a
+        change it comes once a second.
+        """
+        count, details, deadline = self._count, self._details, self.now() + SETTLE_S
+        while self._count < count + SETTLED or (with_details and self._details is details):
             if self.next(max(0.0, deadline - self.now())) is None:
                 raise NoCore(self._why_silent())
         assert self.box is not None, "messages came"
