@@ -82,7 +82,7 @@ class FakeScores:
             if self._is_connected(r):
                 zone.book.give_reason(r.stop, by)
             else:
-                zone.finished.find(r.identity).give_stop_reason(by, r.stop)
+                zone.finished.find(r.identity).give_stop_reason(present(), by, r.stop)
         return []
 
     def _on_sign_off(self, r: object) -> list:

@@ -55,7 +55,7 @@ class FinishedRun:
         self._check_open()
         return self._changed(self._book.withdraw(now, by, number).text)
 
-    def give_stop_reason(self, by: By, number: int) -> str:
+    def give_stop_reason(self, _now: Now, by: By, number: int) -> str:
         """See `RunBook.give_reason`; raises `Refused`."""
         self._check_open()
         return self._changed(self._book.give_reason(number, by))

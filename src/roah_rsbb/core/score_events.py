@@ -5,7 +5,7 @@ means the run that is connected in the zone, whatever it is.
 """
 
 import abc
-from typing import List, Union
+from typing import List, Optional, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
@@ -69,10 +69,7 @@ class ScoreEvents(RefereeRecord):
         with self._recording(name, who, "score", **asked):
             mark = mark._replace(note=checked_note(mark.note))
             run = self._named(name)
-            if isinstance(run, FinishedRun):
-                self._corrected(run, run.mark(now, checked_who(who), mark))
-            else:
-                run.mark(now, checked_who(who), mark)
+            self._tell_correction(run, run.mark(now, checked_who(who), mark))
 
     def withdraw_score(self, now: Now, name: RunName, number: int, who: str = "", note: str = "") -> None:
         """An entry of a score sheet counts no more; the others are as they are. Raises `Refused`."""
@@ -80,10 +77,7 @@ class ScoreEvents(RefereeRecord):
         with self._recording(name, who, "withdraw", entry=number, note=note):
             by = By(checked_who(who), checked_note(note))
             run = self._named(name)
-            if isinstance(run, FinishedRun):
-                self._corrected(run, run.withdraw_score(now, by, number))
-            else:
-                run.withdraw_score(now, by, number)
+            self._tell_correction(run, run.withdraw_score(now, by, number))
 
     def give_stop_reason(self, now: Now, name: RunName, reason: str, who: str = "", number: int = 0) -> None:
         """Say why a run was stopped, until it is signed off; see `RunBook.give_reason`. Raises `Refused`."""
@@ -91,10 +85,7 @@ class ScoreEvents(RefereeRecord):
         with self._recording(name, who, "stop_reason", reason=reason, stop=number):
             by = By(checked_who(who), checked_note(reason))
             run = self._named(name)
-            if isinstance(run, FinishedRun):
-                self._corrected(run, run.give_stop_reason(by, number))
-            else:
-                run.give_stop_reason(now, by, number)
+            self._tell_correction(run, run.give_stop_reason(now, by, number))
 
     def sign_off(self, now: Now, name: RunName, who: str = "") -> None:
         """The score sheet of a run that is over is final; raises `Refused`."""
@@ -105,7 +96,7 @@ class ScoreEvents(RefereeRecord):
             run = self._named(name)
             if not isinstance(run, FinishedRun):
                 raise Refused([f"run {name.identity} is still connected: disconnect it first"])
-            self._corrected(run, run.sign_off(now, checked_who(who)))
+            self._tell_correction(run, run.sign_off(now, checked_who(who)))
 
     def _named(self, name: RunName) -> Union[ZoneRun, FinishedRun]:
         """The run of that name; raises `Refused`."""
@@ -119,7 +110,10 @@ class ScoreEvents(RefereeRecord):
             raise Refused([f"run {name.identity} was in zone '{run.record.zone}', not in '{name.zone}'"])
         return run
 
-    def _corrected(self, run: FinishedRun, text: str) -> None:
+    def _tell_correction(self, run: Union[ZoneRun, FinishedRun], text: Optional[str]) -> None:
+        """A run that goes on tells its changes by itself; of one that is over, `text` says what was corrected."""
+        if not isinstance(run, FinishedRun):
+            return
         record = run.record
         self._emit(effects.RecordChanged(record))
         what = f"{record.benchmark}, team {record.team}, round {record.round}, run {record.run}"

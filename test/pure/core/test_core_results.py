@@ -172,7 +172,7 @@ def test_the_sheet_of_a_run_has_the_items_of_then():
 def test_the_reason_of_a_stop_can_be_typed_afterwards():
     runs = _runs(run_record(1))
     run = runs.find(run_record(1).identity)
-    run.give_stop_reason(By("Ben", "hit the vase"), 0)
+    run.give_stop_reason(NOW, By("Ben", "hit the vase"), 0)
     (stop,) = run.record.stops
     assert (stop.who, stop.reason, stop.reason_by) == ("Anna", "hit the vase", "Ben")
 
@@ -190,7 +190,7 @@ def test_what_is_signed_off_is_final():
         for change in (
             lambda run: run.mark(NOW, "Ben", Mark(BUMPS.group, BUMPS.desc, 3)),
             lambda run: run.withdraw_score(NOW, By("Ben"), 1),
-            lambda run: run.give_stop_reason(By("Ben", "x"), 0),
+            lambda run: run.give_stop_reason(NOW, By("Ben", "x"), 0),
             lambda run: run.sign_off(NOW, "Ben"),
         ):
             with pytest.raises(Refused, match=f"signed off by Cleo at {clock_text(NOW.utc)}: it is final"):
