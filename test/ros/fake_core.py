@@ -31,7 +31,7 @@ from roah_rsbb.msg import (
     ZoneState,
 )
 from roah_rsbb.nodes.results_convert import summary_message
-from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneScore, ZoneUInt8
+from roah_rsbb.srv import ManualOperationAnswer, StopRun, Zone, ZoneScore, ZoneUInt8
 
 COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next")
 FIELDS = {"previous": "prev"}
@@ -187,6 +187,7 @@ class FakeCore(FakeScores):
             rospy.Service(f"/core/{c}", Zone, lambda request, c=c: self._on_command(c, request)) for c in COMMANDS
         ]
         self._services += [
+            rospy.Service("/core/stop_run", StopRun, self._on_stop_run),
             rospy.Service("/core/set_score", ZoneScore, self._on_score),
             *self.score_services(),
             rospy.Service("/core/manual_operation_answer", ManualOperationAnswer, self._on_operation),
@@ -303,6 +304,16 @@ class FakeCore(FakeScores):
         if reasons:
             raise rospy.ServiceException("; ".join(reasons))
         self.zones[request.zone].command(command)
+        return []
+
+    def _on_stop_run(self, request: object) -> list:
+        self.calls.append(("stop_run", request.zone))
+        self._answer()
+        zone = self.zones[request.zone]
+        if request.identity not in ("", zone.identity):
+            raise rospy.ServiceException(f"no run {request.identity}")
+        if zone.phase == "running":
+            zone.command("stop")
         return []
 
     def _on_score(self, request: object) -> list:

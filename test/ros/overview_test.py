@@ -137,8 +137,8 @@ class TestOverview(PanelCase):
         self.core.zones["Arena"].command("connect")  # a stop would leave this run: it is none of ours
         self.run_both()
         self.hold(KEEP_MS + 400)
-        self.wait_call("stop", "Home A")
-        self.wait_call("stop", "Home B")
+        self.wait_call("stop_run", "Home A")
+        self.wait_call("stop_run", "Home B")
         wait_until(lambda: self.panel.head.text() == "○ No zone is running", "both have stopped")
         self.assertEqual(len(self.core.calls), 2)
         self.assertEqual(self.core.zones["Arena"].phase, "connected")
@@ -159,8 +159,8 @@ class TestOverview(PanelCase):
         self.assertIn("Press Shift+Esc again", self.panel._answer.text())
         self.assertEqual(self.core.calls, [])
         self.press()
-        self.wait_call("stop", "Home A")
-        self.wait_call("stop", "Home B")
+        self.wait_call("stop_run", "Home A")
+        self.wait_call("stop_run", "Home B")
 
     def test_the_key_says_why_it_does_nothing(self) -> None:
         self.press()

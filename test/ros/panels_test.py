@@ -58,7 +58,7 @@ class TestBenchmarkControl(PanelCase):
                                ("disconnect", "NOT CONNECTED")):
             click(self.buttons[command])
             self.wait_phase(phase)
-        self.assertEqual([call for call, _ in self.core.calls], ["connect", "start", "stop", "disconnect"])
+        self.assertEqual([call for call, _ in self.core.calls], ["connect", "start", "stop_run", "disconnect"])
 
     def test_next_and_previous(self) -> None:
         click(self.buttons["next"])
@@ -114,9 +114,21 @@ class TestBenchmarkControl(PanelCase):
             QTest.mouseClick(self.buttons["stop"], Qt.LeftButton)
         self.wait_phase("ENDED")
         wait_until(lambda: self.buttons["stop"].text() == benchmark_control.STOP_LEAVES, "the next press leaves")
-        self.assertEqual(self.core.calls, [("stop", "Home A")])
+        self.assertEqual(self.core.calls, [("stop_run", "Home A")])
         click(self.buttons["stop"])
         self.wait_phase("NOT CONNECTED")
+
+    def test_a_stop_in_the_moment_in_which_the_run_ends_does_not_leave_it(self) -> None:
+        self.zone.command("connect")
+        self.zone.command("start")
+        self.wait_phase("RUNNING")
+        wait_until(self.buttons["stop"].isEnabled, "stop is on")
+        self.core.silent = True
+        self.zone.phase, self.zone.end_reason = "ended", "completed"
+        QTest.mouseClick(self.buttons["stop"], Qt.LeftButton)
+        self.wait_call("stop_run", "Home A")
+        self.core.silent = False
+        self.wait_phase("ENDED")
 
     def test_disconnect_asks_while_the_run_goes_on(self) -> None:
         self.zone.command("connect")
@@ -159,7 +171,7 @@ class TestBenchmarkControl(PanelCase):
         self.press(Qt.Key_Escape)
         self.assertEqual(self.core.calls, [])
         self.press(Qt.Key_Escape)
-        self.wait_call("stop", "Home B")
+        self.wait_call("stop_run", "Home B")
 
     def test_a_key_whose_button_is_off_says_why(self) -> None:
         wait_until(lambda: self.client.model.zone_details is not None, "the reasons are heard")

@@ -19,6 +19,7 @@ from roah_rsbb.srv import (
     ScoreWithdraw,
     SignOff,
     StopReason,
+    StopRun,
     Zone,
     ZoneScore,
     ZoneUInt8,
@@ -91,6 +92,8 @@ class TestServices(unittest.TestCase):
                 self.box.happened = []
                 self.assertEqual(self.call(name, Zone, "Home"), [("command", NOW, "Home", name, self.node)])
         for name, kind, request, event in (
+            ("stop_run", StopRun, (RUN.identity,), ("stop_run", NOW, RUN, self.node)),
+            ("stop_run", StopRun, ("",), ("stop_run", NOW, RunName("Home"), self.node)),
             ("manual_operation_complete", Zone, (), ("manual_operation_complete", NOW, "Home", 0, "", self.node)),
             ("manual_operation_answer", ManualOperationAnswer, (3, "yes"),
              ("manual_operation_complete", NOW, "Home", 3, "yes", self.node)),

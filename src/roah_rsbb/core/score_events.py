@@ -1,4 +1,4 @@
-"""The box's events that concern scores and records of runs.
+"""The box's events that concern one run by its name: scores, records, a stop.
 
 A run is named by its identity, so that a mark that was meant for one run never goes into the next one; no identity
 means the run that is connected in the zone, whatever it is.
@@ -10,6 +10,7 @@ from typing import List, Optional, Union
 from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Effect, Level
+from roah_rsbb.core.phases import Phase
 from roah_rsbb.core.records import By, RunRecord
 from roah_rsbb.core.referee_record import RefereeRecord, RunName, checked_note, checked_who
 from roah_rsbb.core.refused import Refused
@@ -97,6 +98,17 @@ class ScoreEvents(RefereeRecord):
             if not isinstance(run, FinishedRun):
                 raise Refused([f"run {name.identity} is still connected: disconnect it first"])
             self._tell_correction(run, run.sign_off(now, checked_who(who)))
+
+    # -- stop ---------------------------------------------------------------------------------------
+
+    def stop_run(self, now: Now, name: RunName, who: str = "") -> None:
+        """Stop a run; raises `Refused`. One that ended by itself a moment before stays as it is: who wanted to stop it
+        must not leave it by accident, as the command *stop* would."""
+        self.tick(now)
+        with self._recording(name, who, "stop"):
+            run = self._named(name)
+            if not isinstance(run, FinishedRun) and run.phase is Phase.RUNNING:
+                run.stop(now, By(checked_who(who)))
 
     def _named(self, name: RunName) -> Union[ZoneRun, FinishedRun]:
         """The run of that name; raises `Refused`."""

@@ -20,6 +20,7 @@ from roah_rsbb.srv import (
     ScoreWithdraw,
     SignOff,
     StopReason,
+    StopRun,
     Zone,
     ZoneScore,
     ZoneUInt8,
@@ -42,6 +43,7 @@ class CoreServices:
         self._sync = sync
         for command in COMMANDS:
             self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c, who_of(r)))
+        self._serve("stop_run", StopRun, lambda r: (box.stop_run, _run_of(r), who_of(r)))
         self._serve("manual_operation_complete", Zone, lambda r: (
             box.manual_operation_complete, r.zone, 0, "", who_of(r)
         ))

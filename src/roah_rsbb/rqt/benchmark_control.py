@@ -13,6 +13,7 @@ from roah_rsbb.rqt import phases, texts, widgets
 from roah_rsbb.rqt.panel import Answer, Panel, ask
 from roah_rsbb.rqt.shortcuts import TwiceKey
 from roah_rsbb.rqt.stop_reason import StopReasonLine
+from roah_rsbb.rqt.stops import stop_run
 from roah_rsbb.rqt.todo import WARNING
 from roah_rsbb.srv import Zone
 
@@ -49,6 +50,11 @@ NEXT_STEP = {
     ("running", "stop"): widgets.ALARM,
     ("ended", "disconnect"): widgets.READY,
 }
+
+
+def _leaves(details: Optional[ZoneDetails]) -> bool:
+    """Whether *stop* leaves the run, as there is nothing to stop in it."""
+    return details is not None and details.robot != "" and details.phase != "running"
 
 
 class _ZoneBox(QComboBox):
@@ -203,8 +209,7 @@ class BenchmarkControlPanel(Panel):
         button = self.buttons[command.service]
         running = details is not None and details.phase == "running"
         if command.service == "stop":
-            leaves = details is not None and details.robot != "" and not running
-            button.setText(STOP_LEAVES if leaves else command.label)
+            button.setText(STOP_LEAVES if _leaves(details) else command.label)
         if zone is None:
             button.allow(False, [NO_ZONE if self.model.gui else "The core was not heard yet"])
             return
@@ -241,4 +246,8 @@ class BenchmarkControlPanel(Panel):
             if outcome.error:
                 button.let_go()
 
-        self.client.calls.service(self, f"/core/{service}", Zone, (zone,), done)
+        details = self.model.zone_details
+        if service == "stop" and not _leaves(details):
+            stop_run(self, zone, details, done)
+        else:
+            self.client.calls.service(self, f"/core/{service}", Zone, (zone,), done)

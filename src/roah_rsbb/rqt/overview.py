@@ -17,8 +17,8 @@ from roah_rsbb.rqt.hold_button import HoldButton
 from roah_rsbb.rqt.overview_tile import COMPACT_EMS, HIGH_EMS, WIDE_EMS, ZoneTile
 from roah_rsbb.rqt.panel import Answer, Panel
 from roah_rsbb.rqt.shortcuts import TwiceKey
+from roah_rsbb.rqt.stops import stop_run
 from roah_rsbb.rqt.todo import Urgency, todo
-from roah_rsbb.srv import Zone
 
 STOP_KEY = "Shift+Esc"
 STOP_ALL = "■ STOP ALL ZONES"
@@ -167,7 +167,7 @@ class OverviewPanel(Panel):
         outcomes: Dict[str, Outcome] = {}
         for zone in zones:
             answered = partial(self._stopped, zones, outcomes, zone)
-            self.client.calls.service(self, "/core/stop", Zone, (zone,), answered)
+            stop_run(self, zone, self.model.details_of(zone), answered)
 
     def _stopped(self, zones: List[str], outcomes: Dict[str, Outcome], zone: str, outcome: Outcome) -> None:
         outcomes[zone] = outcome

@@ -7,6 +7,7 @@ from helpers.competition import competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.phases import EndReason, Phase
+from roah_rsbb.core.referee_record import RunName
 from roah_rsbb.core.refused import Refused
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.states import BoxState, RobotState
@@ -201,6 +202,39 @@ def test_the_first_stop_ends_the_run_and_the_second_leaves_it():
     assert (run.phase, run.end_reason, run.message.state) == (Phase.ENDED, EndReason.STOPPED, BoxState.STOP)
     driver.command("stop")
     assert driver.run_in() is None
+
+
+def test_a_run_by_its_name_is_stopped_and_never_left():
+    driver = BoxDriver(competition(tbm=["HGTKMH", "HWV"]))
+    robot = driver.connected()
+    run = driver.run_in()
+    name = RunName("tbm", run.identity)
+    driver.event(driver.box.stop_run, name)
+    assert run.phase is Phase.CONNECTED
+    driver.command("start")
+    robot.executes()
+    driver.event(driver.box.stop_run, name, "Anna")
+    assert (run.phase, run.end_reason, run.message.state) == (Phase.ENDED, EndReason.STOPPED, BoxState.STOP)
+    assert run.record(driver.now).stops[0].who == "Anna"
+    driver.event(driver.box.stop_run, name)
+    driver.event(driver.box.stop_run, RunName("tbm"))
+    assert driver.run_in() is run
+    driver.command("disconnect")
+    driver.event(driver.box.stop_run, name)  # it is over: that is what was wanted
+    with pytest.raises(Refused, match="no run 'HWV-1' was started"):
+        driver.event(driver.box.stop_run, RunName("tbm", "HWV-1"))
+
+
+def test_a_stop_that_was_meant_for_the_run_before_does_not_stop_this_one():
+    driver = BoxDriver(competition(tbm=["HGTKMH", "HWV"]))
+    driver.executing()
+    before = RunName("tbm", driver.run_in().identity)
+    driver.command("stop")
+    driver.command("disconnect")
+    driver.run(2.0)
+    driver.executing()
+    driver.event(driver.box.stop_run, before)
+    assert driver.run_in().phase is Phase.RUNNING
 
 
 def test_stop_leaves_a_run_that_never_started():
