@@ -182,7 +182,7 @@ class RunScript:
                 try:
                     self._began = True
                     self._link.command(command, self._plan.zone)
-                    self._settle()
+                    self._settle(with_details=True)
                     return
                 except Refused as refused:
                     self._began = phase != IDLE
@@ -270,7 +270,7 @@ class RunScript:
                     self._settle()
                 if self._zone().phase == RUNNING:
                     self._link.command("stop", self._plan.zone)
-                    self._settle()
+                    self._settle(with_details=True)
                     text = "interrupted, the run was stopped"
             return self._leave(Exit.INTERRUPTED, text)
         except KeyboardInterrupt:
@@ -301,9 +301,9 @@ class RunScript:
         while self._link.silence_s > STEP_S:
             self._step(STEP_S)
 
-    def _settle(self) -> None:
-        """Go on once what the last command did is published."""
-        self._link.settle()
+    def _settle(self, with_details: bool = False) -> None:
+        """Go on once what the last command did is published; `with_details`: see `Link.settle`."""
+        self._link.settle(with_details)
         self._step(0.0)
 
     def _note(self, text: str) -> None:

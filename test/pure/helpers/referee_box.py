@@ -144,8 +144,8 @@ class FakeLink:
                 return self.box
         return None
 
-    def settle(self) -> Box:
-        """Two ticks."""
+    def settle(self, with_details: bool = False) -> Box:
+        """Two ticks; both topics come together here."""
         for _ in range(2):
             if self.next(TICK_S) is None:
                 raise NoCore("silent")
