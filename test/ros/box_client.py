@@ -47,9 +47,9 @@ class BoxClient:
 
     # -- looking ------------------------------------------------------------------------------------
 
-    def wait_heard(self) -> "BoxClient":
+    def wait_heard(self, limit_s: float = LIMIT_S) -> "BoxClient":
         """Wait for the core's first messages."""
-        wait_until(lambda: self.gui and self.details and self.public, "all topics of the core are heard")
+        wait_until(lambda: self.gui and self.details and self.public, "all topics of the core are heard", limit_s)
         return self
 
     def zone(self, name: str) -> ZoneState:

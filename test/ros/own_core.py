@@ -70,8 +70,13 @@ class OwnCoreCase(NetworkCase):
 
     def assert_log_is_the_journals(self, log_dir: pathlib.Path, port: int, log: RunLog) -> None:
         """A run's bag and the journal hold the same, in the same order."""
-        logged = [(topic, _value(topic, message)) for topic, message in log.entries]
-        self.assertEqual(logged, self.journaled(log_dir, port))
+        self.assertEqual(_entries(log), self.journaled(log_dir, port))
+
+    def assert_log_has_all_of_the_journal(self, log_dir: pathlib.Path, port: int, log: RunLog) -> None:
+        """As well; but the bag may have more: what it still had room for when the journal could not be written."""
+        logged, journaled = _entries(log), self.journaled(log_dir, port)
+        rest = iter(logged)
+        self.assertTrue(all(entry in rest for entry in journaled), f"of\n{journaled}\nthe log has only\n{logged}")
 
     def complete_log(self, path: pathlib.Path) -> RunLog:
         """The log of a run that was left, once it is complete."""
@@ -86,6 +91,10 @@ class OwnCoreCase(NetworkCase):
         """Wait until no warning tells that any more."""
         wait_until(lambda: not any(text in warning for warning in self.box.details.warnings),
                    lambda: f"no warning tells '{text}' any more; warnings: {self.box.details.warnings}")
+
+
+def _entries(log: RunLog) -> List[Tuple[str, Any]]:
+    return [(topic, _value(topic, message)) for topic, message in log.entries]
 
 
 def _value(topic: str, message: Any) -> Any:

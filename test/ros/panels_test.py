@@ -9,7 +9,7 @@ import rostest
 from fake_core import FakeCore
 from gui_testing import QMessageBox, Qt, QTest, answer, click, question, show, wait_until
 
-from roah_rsbb.rqt import benchmark_control, calls
+from roah_rsbb.rqt import benchmark_control, calls, model
 from roah_rsbb.rqt.benchmark_control import BenchmarkControlPanel
 from roah_rsbb.rqt.client import Client
 from roah_rsbb.rqt.scoring import ScoringPanel
@@ -221,6 +221,25 @@ class TestBenchmarkControl(PanelCase):
         self.core.silent = False
         wait_until(lambda: "live" in self.panel._news.text(), "it is live again")
         self.assertFalse(self.panel._countdown.text().startswith("("))
+
+    def test_of_a_core_that_stays_silent_the_last_state_is_still_shown(self) -> None:
+        limit, model.DETAILS_SILENT_S = model.DETAILS_SILENT_S, 0.5
+        self.addCleanup(setattr, model, "DETAILS_SILENT_S", limit)
+        self.zone.command("connect")
+        self.zone.command("start")
+        self.wait_phase("RUNNING")
+        self.core.silent = True
+        wait_until(lambda: self.client.model.silence_s > 1.0, "details and state are both old")
+        self.panel.show_model()
+        self.assertIn("OLD", self.panel._news.text())
+        self.assertIn("RUNNING", self.panel._phase.text())
+
+    def test_a_call_that_reached_nobody_says_what_to_look_at(self) -> None:
+        for raised in ("service [/core/stop] unavailable", "unable to connect to service: [Errno 104] Connection reset",
+                       "transport error completing service call: unable to receive data from sender"):
+            with self.subTest(raised):
+                self.assertIn("is the core running?", calls.error_text(raised))
+                self.assertIn(raised, calls.error_text(raised))
 
     def test_the_latched_message_of_a_core_that_hangs_is_no_sign_of_life(self) -> None:
         self.core.silent = True

@@ -144,7 +144,7 @@ class TestDisk(DiskCase):
         self.to_the_end(robot, "there is room again")
         self.wait_no_warning(JOURNAL)
         log = self.complete_log(self.path)
-        self.assert_log_is_the_journals(self.log_dir, self.port, log)
+        self.assert_log_has_all_of_the_journal(self.log_dir, self.port, log)
         self.assertEqual([score.value for score in log.messages("/rsbb_log/score")], [1])
         sessions = self.journal(self.log_dir).sessions()
         self.assertEqual(len(sessions), 2)

@@ -142,7 +142,7 @@ class TestDummySetUp(LaunchCase):
         launched = self.launch("roah_rsbb_dummy.launch")
         box = BoxClient()
         self.addCleanup(box.close)
-        box.wait_heard()
+        box.wait_heard(2 * LIMIT_S)  # a dozen programs start at once
         box.wait_details(self.ZONE, lambda d: any("still listening" in reason for reason in d.connect_off),
                          "connect is off while the box only listens")
         self.assertIn("The box is still listening for another box", box.refusal("connect", self.ZONE))

@@ -85,6 +85,6 @@ class Calls(QObject):
 
 def error_text(raised: str) -> str:
     """What the referee reads: the core's reasons, or what to look at when there was no answer."""
-    if raised.endswith("unavailable"):
-        return f"{raised}: is the core running?"
+    if raised.endswith("unavailable") or raised.startswith(("unable to connect to service", "transport error")):
+        return f"no answer: is the core running? See what is shown once it is back. ({raised})"
     return refusals.reason(raised)

@@ -122,8 +122,9 @@ class Model(QObject):
         return self.details_of(self.zone_name)
 
     def details_of(self, zone_name: str) -> Optional[ZoneDetails]:
-        """The details of a zone; None: not known, or too old to go with its state."""
-        if self.details is None or time.monotonic() - self._details_heard > DETAILS_SILENT_S:
+        """The details of a zone; None: not known, or too old to go with its state. Of a core that is silent both are
+        equally old: what it said last is still worth more than nothing."""
+        if self.details is None or (self._heard or 0.0) - self._details_heard > DETAILS_SILENT_S:
             return None
         return next((z for z in self.details.zones if z.zone == zone_name), None)
 
