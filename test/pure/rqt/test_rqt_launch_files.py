@@ -4,6 +4,7 @@ import ast
 import json
 import os
 import pathlib
+import struct
 from xml.etree import ElementTree
 
 import pytest
@@ -53,6 +54,15 @@ def test_the_layout_for_rqt_opens_every_plugin_once():
     layout = json.loads((ROOT / "resource" / "roah_rsbb.perspective").read_text(encoding="utf-8"))
     running = ast.literal_eval(layout["groups"]["pluginmanager"]["keys"]["running-plugins"]["repr"])
     assert running == {f"roah_rsbb/{element.get('name')}": [1] for element in PLUGINS.iter("class")}
+
+
+def test_the_layout_for_rqt_fills_whatever_screen():
+    """Qt forgets a window's geometry where the screen's width is not about the one that is saved with it (0: any)."""
+    layout = json.loads((ROOT / "resource" / "roah_rsbb.perspective").read_text(encoding="utf-8"))
+    text = layout["groups"]["mainwindow"]["keys"]["geometry"]["repr(QByteArray.hex)"]
+    saved = bytes.fromhex(text.split("'")[1])
+    magic, is_maximized, screen_width = struct.unpack(">I40x?xI16x", saved)
+    assert (magic, is_maximized, screen_width) == (0x1D9D0CB, True, 0)
 
 
 def test_each_plugin_is_also_a_program_of_its_own():
