@@ -87,7 +87,10 @@ def _scripted(environment: Dict[str, str], master_port: int) -> int:
                 break
     print(f"Logs of the runs (rosbags) are in {LOG_DIR}; what the programs printed is in {LAUNCH_LOG}")
     if status == 0:
-        print(f"Both score sheets as pages to print: rosrun roah_rsbb results export --html sheets --log-dir {LOG_DIR}")
+        # Whoever reads this has not sourced what `make demo` has.
+        setup = os.path.join(os.environ["CMAKE_PREFIX_PATH"].split(os.pathsep)[0], "setup.bash")
+        print(f"Both score sheets as pages to print: source {setup}; "
+              f"rosrun roah_rsbb results export --html sheets --log-dir {LOG_DIR}")
     return status
 
 
