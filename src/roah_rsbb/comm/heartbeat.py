@@ -62,6 +62,6 @@ def _split(payload: bytes) -> Optional[_Split]:
         nanoseconds, end = wire_check.varint(time, position + 1)
     except (IndexError, wire_check.Malformed):
         return None
-    if end != size or not 0 <= seconds <= _MAX_INT64 or not 0 <= nanoseconds <= _MAX_INT64:
+    if end != size or max(seconds, nanoseconds) > _MAX_INT64:
         return None
     return _Split((seconds, nanoseconds), rest)

@@ -57,9 +57,11 @@ class RobotInRunView(NamedTuple):
     skew: Optional[float]  # seconds, robot's clock minus the box's; None: not known
     last_heard: Optional[float]  # UTC seconds; None: never
 
-    def timeless(self) -> "RobotInRunView":
+    def without_time(self) -> "RobotInRunView":
         """The same, but for values that change with each message; whether they are known stays."""
-        return self._replace(skew=self.skew and 0.0, last_heard=self.last_heard and 0.0)
+        return self._replace(
+            skew=None if self.skew is None else 0.0, last_heard=None if self.last_heard is None else 0.0
+        )
 
 
 class AllRobotsView(NamedTuple):
@@ -94,9 +96,9 @@ class ZoneView(NamedTuple):
         """Why a command would be refused; empty: it is allowed."""
         return self.off[_COMMAND_INDEX[command]]
 
-    def timeless(self) -> "ZoneView":
+    def without_time(self) -> "ZoneView":
         """The same, but for values that change all the time although nothing happens."""
-        return self._replace(timer=0.0, robot=None if self.robot is None else self.robot.timeless())
+        return self._replace(timer=0.0, robot=None if self.robot is None else self.robot.without_time())
 
 
 class ScheduleLine(NamedTuple):

@@ -17,7 +17,7 @@ from roah_rsbb.nodes.serialised import SerialisedToGui, SerialisedZone
 class _Zone(NamedTuple):
     """What is told of a zone."""
 
-    told: Tuple[views.ZoneView, str]  # timeless, and the path of the run's log
+    told: Tuple[views.ZoneView, str]  # without time, and the path of the run's log
     state: SerialisedZone
     details: ZoneDetails
     robot: Optional[views.RobotInRunView]
@@ -83,7 +83,7 @@ class PanelMessages:
         return list(self._robots.values())
 
     def _zone(self, view: views.ZoneView, log_files: Mapping[int, str]) -> bytes:
-        told = view.timeless(), "" if view.robot is None else log_files.get(view.robot.port, "")
+        told = view.without_time(), "" if view.robot is None else log_files.get(view.robot.port, "")
         kept = self._zones.get(view.zone)
         if kept is None or kept.told != told:
             kept = _Zone(told, SerialisedZone(_zone_state(view)), _zone_details(*told), view.robot)

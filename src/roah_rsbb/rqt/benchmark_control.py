@@ -246,7 +246,7 @@ class BenchmarkControlPanel(Panel):
             if outcome.error:
                 button.let_go()
 
-        details = self.model.zone_details
+        details = self.model.details_of(zone)
         if service == "stop" and not _leaves(details):
             stop_run(self, zone, details, done)
         else:
