@@ -80,14 +80,16 @@ def setup_for_pip():
     # build/ is CMake's, and what an earlier build left there would end up in the wheel.
     with tempfile.TemporaryDirectory() as build_base:
         setup(
-            packages=find_packages("src", include=["roah_rsbb", "roah_rsbb.comm*", "roah_rsbb.robot*"]),
+            packages=find_packages("src", include=[
+                "roah_rsbb", "roah_rsbb.comm*", "roah_rsbb.robot*", "roah_rsbb.tools", "roah_rsbb.tools.capture*",
+            ]),
             cmdclass={"build_py": BuildWithProtobuf},
             options={"build": {"build_base": build_base}},
             install_requires=[RUNTIME, "cryptography>=2.8"],
             setup_requires=[] if usable_protoc() else [COMPILER],
             entry_points={
                 "console_scripts": [
-                    "roah_rsbb_capture = roah_rsbb.comm.capture.program:main",
+                    "roah_rsbb_capture = roah_rsbb.tools.capture.program:main",
                     "roah_rsbb_dummy_robot = roah_rsbb.robot.dummy:main",
                 ],
             },

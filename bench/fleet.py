@@ -18,7 +18,7 @@ from roah_rsbb.comm import frame
 from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 # Linux's number, for the option and for what comes with each datagram; Python 3.8 has no name for it.
 SO_TIMESTAMPNS = 35

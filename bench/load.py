@@ -8,7 +8,7 @@ from fleet import REGULAR_S, Fleet
 from processes import Box
 from table import quantile
 
-from roah_rsbb.states import BoxState
+from roah_rsbb.protocol import BoxState
 
 PERIOD_S = 0.05  # of robots that send as fast as the wire allows
 ORIGINAL_PERIOD_S = 0.2  # the original's pace, for box and robots alike

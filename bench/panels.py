@@ -15,8 +15,8 @@ from gui_testing import Qt, QTest
 from processes import ROOT, Measured
 from python_qt_binding.QtCore import QSettings
 
-from roah_rsbb.rqt.window import Window
-from roah_rsbb.states import BoxState
+from roah_rsbb.protocol import BoxState
+from roah_rsbb.rqt.app.window import Window
 
 SETTLE_S = 3.0  # a window builds itself before it only follows
 

@@ -12,7 +12,7 @@ from typing import Callable, Iterator, List, Sequence
 from fleet import ANSWER_S, Fleet, Robot
 from processes import Box, free_port, wait
 
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 # A robot in a run that says one of these changes the box's state, to and fro, as often as wanted.
 PROBES = ((RobotState.PREPARING, BoxState.PREPARE), (RobotState.WAITING_GOAL, BoxState.WAITING_RESULT))

@@ -9,7 +9,7 @@ from typing import List
 from fleet import Awaited, Fleet
 from processes import LaunchedBox, wait
 
-from roah_rsbb.states import BoxState
+from roah_rsbb.protocol import BoxState
 
 # More than this, and the box is not coming back.
 LIMIT_S = 30.0

@@ -9,14 +9,14 @@ from typing import List, NamedTuple
 
 from table import quantile
 
-from roah_rsbb.core.benchmarks import Benchmark, Config, Event, ScoreKind, ScoringItem, ZonePlan
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.nodes.core_radio import beacon_size
-from roah_rsbb.nodes.panel_messages import PanelMessages
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.nodes.core.panel_messages import PanelMessages
+from roah_rsbb.nodes.core.radio import beacon_size
+from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.rulebook.benchmarks import Benchmark, Config, Event, ScoreKind, ScoringItem, ZonePlan
 
 START = Now(1000.0, 1_800_000_000.0)
 SCORING = tuple(ScoringItem("Achievements", f"Item {i}", ScoreKind.UINT) for i in range(16))

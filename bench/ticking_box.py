@@ -12,9 +12,9 @@ from addresses import BOX_HOST, BROADCAST
 
 from roah_rsbb.comm.channels import PrivateChannel
 from roah_rsbb.comm.ciphers import Key
-from roah_rsbb.core.machine import Step, step
+from roah_rsbb.core.runs.machine import Step, step
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 PERIOD_S = 0.2
 FOLLOWS = {Step.EXECUTE: BoxState.WAITING_RESULT, Step.RETRY: BoxState.PREPARE, Step.GOAL_DONE: BoxState.STOP}

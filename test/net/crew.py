@@ -11,11 +11,11 @@ from waiting import happened, wait_until
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy_robot import DummyOptions, DummyRobot
 from roah_rsbb.robot.times import wire_time
-from roah_rsbb.states import RobotState
 from roah_rsbb.tablet.radio import TabletRadio
 from roah_rsbb.tablet.state import TabletState
 

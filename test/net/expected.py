@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Tuple
 from crew import Robot
 from referee import Result
 
-from roah_rsbb.states import BoxState
+from roah_rsbb.protocol import BoxState
 
 STATES = "/rsbb_log/rsbb_state"
 _GOALS = {"HOPF": 2, "HNF": 2, "HPPF": 2, "HPFF": 1, "HGMF": 2, "HOMF": 2, "STB": 2}

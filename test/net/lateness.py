@@ -6,8 +6,7 @@ from typing import Iterable, List, NamedTuple, Optional, Tuple
 from crew import Robot
 from referee import Result
 
-from roah_rsbb.states import BoxState, RobotState
-from roah_rsbb.timing import PERIOD_S
+from roah_rsbb.protocol import PERIOD_S, BoxState, RobotState
 
 CLIENT_STATES, BOX_STATES = "/rsbb_log/client_state", "/rsbb_log/rsbb_state"
 # What a machine may add that does much else.

@@ -16,7 +16,7 @@ from programs import Program
 from referee import Result
 from rounds import Plan
 
-from roah_rsbb.states import BoxState
+from roah_rsbb.protocol import BoxState
 
 FLOOD = pathlib.Path(__file__).resolve().parent / "flood.py"
 FLOOD_RATE, FLOOD_S = 10000, 8

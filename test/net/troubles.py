@@ -11,7 +11,7 @@ from crew import wire as wire_time
 from namespaces import Station, other_address
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.states import RobotState
+from roah_rsbb.protocol import RobotState
 
 OUTAGE_S = 10.0
 PULLED_S = 3.0

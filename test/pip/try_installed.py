@@ -18,8 +18,8 @@ import sys
 import roah_rsbb
 import roah_rsbb.comm
 import roah_rsbb.pb.roah_rsbb_msgs_pb2
+import roah_rsbb.protocol
 import roah_rsbb.robot
-import roah_rsbb.states
 
 SOURCE = pathlib.Path(sys.argv[1])
 EXAMPLE = SOURCE / "docs" / "examples" / "my_robot.py"

@@ -6,8 +6,8 @@ import rospy
 from std_msgs.msg import Empty
 from waiting import LIMIT_S, happened, wait_until
 
-from roah_rsbb.client import refusals
 from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, Score, ZoneDetails, ZoneState
+from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Zone, ZoneScore
 
 T = TypeVar("T")

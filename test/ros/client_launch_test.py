@@ -17,9 +17,9 @@ import rostest
 from gui_testing import wait_until
 from std_srvs.srv import Empty
 
-from roah_rsbb.rqt import alone
-from roah_rsbb.rqt.client import Client
-from roah_rsbb.rqt.panels import PANELS
+from roah_rsbb.rqt.app import alone
+from roah_rsbb.rqt.app.panel_list import PANELS
+from roah_rsbb.rqt.model.client import Client
 
 HERE = pathlib.Path(__file__).resolve().parent
 LAUNCH = HERE.parent.parent / "launch"

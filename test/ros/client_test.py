@@ -17,15 +17,15 @@ from gui_testing import QMessageBox, Qt, QTest, answer, click, question, show, w
 from python_qt_binding.QtCore import QObject, QSettings
 from std_srvs.srv import Empty
 
-from roah_rsbb.rqt.active_robots import COLUMNS, ActiveRobotsPanel
-from roah_rsbb.rqt.client import Client
-from roah_rsbb.rqt.core_status import CoreStatusPanel
-from roah_rsbb.rqt.log_display import LogDisplayPanel
-from roah_rsbb.rqt.online_data import OnlineDataPanel
-from roah_rsbb.rqt.panels import PANELS
-from roah_rsbb.rqt.tablet_status import TabletStatusPanel
-from roah_rsbb.rqt.widgets import ALARM, OLD
-from roah_rsbb.rqt.window import Window
+from roah_rsbb.rqt.app.panel_list import PANELS
+from roah_rsbb.rqt.app.window import Window
+from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.panels.active_robots import COLUMNS, ActiveRobotsPanel
+from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
+from roah_rsbb.rqt.panels.log_display import LogDisplayPanel
+from roah_rsbb.rqt.panels.online_data import OnlineDataPanel
+from roah_rsbb.rqt.panels.tablet_status import TabletStatusPanel
+from roah_rsbb.rqt.widgets.basic import ALARM, OLD
 
 HERE = pathlib.Path(__file__).resolve().parent
 PLUGIN_XML = HERE.parent.parent / "plugin.xml"

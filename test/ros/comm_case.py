@@ -18,10 +18,10 @@ from std_msgs.msg import String as StringMsg
 from std_srvs.srv import Empty as EmptySrv
 from waiting import LIMIT_S, happened, wait_until
 
-from roah_rsbb.client import refusals
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
+from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Override
-from roah_rsbb.states import BoxState, RobotState
 
 NODE = "/roah_rsbb_comm"
 # The logger that teams know from the node's documentation.

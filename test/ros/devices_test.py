@@ -17,8 +17,8 @@ from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 from waiting import LIMIT_S, happened, wait_until
 
-from roah_rsbb.client import refusals
 from roah_rsbb.msg import DevicesState, DevicesStatus
+from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Bool, Percentage
 
 PLAYED = pathlib.Path(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros"))) / "played"

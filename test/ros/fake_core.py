@@ -13,11 +13,10 @@ import rospy
 from fake_scores import FakeScores, present
 from std_srvs.srv import Empty
 
-from roah_rsbb.core.benchmarks import Benchmark, ScoreKind, ScoringItem
-from roah_rsbb.core.records import By, RunRecord, ScoreValue
-from roah_rsbb.core.results import FinishedRuns
-from roah_rsbb.core.run_book import RunBook
-from roah_rsbb.core.scoring import Mark
+from roah_rsbb.core.runs.run_book import RunBook
+from roah_rsbb.core.scoring.finished_runs import FinishedRuns
+from roah_rsbb.core.scoring.records import By, RunRecord, ScoreValue
+from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
@@ -30,7 +29,8 @@ from roah_rsbb.msg import (
     ZoneScoreGroup,
     ZoneState,
 )
-from roah_rsbb.nodes.results_convert import summary_message
+from roah_rsbb.nodes.core.results_convert import summary_message
+from roah_rsbb.rulebook.benchmarks import Benchmark, ScoreKind, ScoringItem
 from roah_rsbb.srv import ManualOperationAnswer, StopRun, Zone, ZoneScore, ZoneUInt8
 
 COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next")

@@ -7,7 +7,7 @@ import rospy
 from box_case import BoxCase
 from waiting import happened, wait_until
 
-from roah_rsbb.core.module_messages import (
+from roah_rsbb.core.modules.messages import (
     ModuleInfo,
     ModulesState,
     Outcome,
@@ -18,7 +18,7 @@ from roah_rsbb.core.module_messages import (
 )
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
-from roah_rsbb.nodes.module_convert import runs_of, state_message
+from roah_rsbb.nodes.modules.convert import runs_of, state_message
 
 BEAT_S = 0.5
 

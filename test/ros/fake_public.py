@@ -6,7 +6,7 @@ from typing import List, Tuple
 import rospy
 
 from roah_rsbb.msg import ModuleScore, PublicDetails, PublicEvent, PublicResult, PublicRun, ZoneScoreGroup
-from roah_rsbb.rqt.public_display import TOPIC
+from roah_rsbb.rqt.public.display import TOPIC
 
 BENCHMARKS = ("Getting to know my home", "Welcoming visitors", "Catering for Granny Annie's Comfort")
 TEAMS = ("BrassButlers", "CopperKettle", "HomeAlone", "TeaAtFive")

@@ -7,10 +7,10 @@ from typing import Dict, Iterator, List
 import rospy
 
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.records import By, RunRecord
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.core.scoring import Mark
-from roah_rsbb.nodes.results_convert import sheet_message
+from roah_rsbb.core.scoring.records import By, RunRecord
+from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.nodes.core.results_convert import sheet_message
 from roah_rsbb.srv import GetRunSheet, GetRunSheetResponse, ScoreMark, ScoreWithdraw, SignOff, StopReason
 
 # In `FakeScores.calls`, instead of a value.

@@ -8,10 +8,10 @@ from gui_testing import Qt, QTest, click, wait_until
 from panels_test import PanelCase
 
 from roah_rsbb.msg import ModuleScore
-from roah_rsbb.rqt import manual_operation
-from roah_rsbb.rqt.manual_operation import ManualOperationPanel
-from roah_rsbb.rqt.omf_switches import NO_SWITCHES, OmfSwitchesPanel
-from roah_rsbb.rqt.scoring import ScoringPanel
+from roah_rsbb.rqt.panels import manual_operation
+from roah_rsbb.rqt.panels.manual_operation import ManualOperationPanel
+from roah_rsbb.rqt.panels.omf_switches import NO_SWITCHES, OmfSwitchesPanel
+from roah_rsbb.rqt.panels.scoring import ScoringPanel
 
 
 class TestManualOperation(PanelCase):

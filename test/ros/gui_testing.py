@@ -40,7 +40,7 @@ from python_qt_binding.QtCore import QPoint, Qt  # noqa: E402  (only now is ther
 from python_qt_binding.QtTest import QTest  # noqa: E402
 from python_qt_binding.QtWidgets import QApplication, QCheckBox, QMessageBox, QWidget  # noqa: E402
 
-from roah_rsbb.rqt.application import make_application  # noqa: E402
+from roah_rsbb.rqt.app.application import make_application  # noqa: E402
 
 app = QApplication.instance() or make_application(["test"])
 

@@ -12,10 +12,10 @@ from panels_test import PanelCase
 from python_qt_binding.QtCore import QEvent, QPointF
 from python_qt_binding.QtGui import QMouseEvent, QWheelEvent
 
-from roah_rsbb.rqt import devices, overview
-from roah_rsbb.rqt.devices import DevicesPanel
-from roah_rsbb.rqt.hold_button import KEEP_MS
-from roah_rsbb.rqt.overview import OverviewPanel, Shape, best_shape
+from roah_rsbb.rqt.panels import devices, overview
+from roah_rsbb.rqt.panels.devices import DevicesPanel
+from roah_rsbb.rqt.panels.overview import OverviewPanel, Shape, best_shape
+from roah_rsbb.rqt.widgets.hold_button import KEEP_MS
 
 
 class TestOverview(PanelCase):

@@ -9,10 +9,11 @@ import rostest
 from fake_core import FakeCore
 from gui_testing import QMessageBox, Qt, QTest, answer, click, question, show, wait_until
 
-from roah_rsbb.rqt import benchmark_control, calls, model
-from roah_rsbb.rqt.benchmark_control import BenchmarkControlPanel
-from roah_rsbb.rqt.client import Client
-from roah_rsbb.rqt.scoring import ScoringPanel
+from roah_rsbb.rqt.model import calls, model
+from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.panels import benchmark_control
+from roah_rsbb.rqt.panels.benchmark_control import BenchmarkControlPanel
+from roah_rsbb.rqt.panels.scoring import ScoringPanel
 
 DOOR = ("Achievements", "The robot detects the door with changed state")
 BUMPS = ("Penalized behaviours", "Bumps into the furniture")

@@ -17,11 +17,11 @@ from fake_public import TEAMS, FakePublic, event, scene
 from gui_testing import SCREEN, SECOND_SCREEN, app, show, wait_until
 from python_qt_binding.QtCore import Qt
 
-from roah_rsbb.client.feed import Feed
 from roah_rsbb.msg import PublicDetails
-from roah_rsbb.rqt import public
-from roah_rsbb.rqt.public_display import OLD_BACKGROUND, RUNNING, TOPIC, PublicDisplay
-from roah_rsbb.rqt.public_screen import ScreenChoice
+from roah_rsbb.ros.feed import Feed
+from roah_rsbb.rqt.public import node
+from roah_rsbb.rqt.public.display import OLD_BACKGROUND, RUNNING, TOPIC, PublicDisplay
+from roah_rsbb.rqt.public.screen import ScreenChoice
 from roah_rsbb.srv import UInt8
 
 LAUNCH = pathlib.Path(__file__).resolve().parent.parent.parent / "launch" / "roah_rsbb_public.launch"
@@ -308,16 +308,16 @@ class TestScreens(DisplayCase):
         both = app.screens()
         self.call(1)
         self.wait_on(1, SECOND_SCREEN)
-        with mock.patch("roah_rsbb.rqt.public_screen.QGuiApplication.screens", return_value=both[:1]):
+        with mock.patch("roah_rsbb.rqt.public.screen.QGuiApplication.screens", return_value=both[:1]):
             self.wait_on(0, SCREEN)
         self.wait_on(1, SECOND_SCREEN)
 
     def test_the_parameter(self) -> None:
         for value, screen in ((1, 1), (0, 0), (300, 0), (-1, 0), ("x", 0), (True, 0)):
             rospy.set_param("~screen", value)
-            self.assertEqual(public._chosen_screen(), screen, value)
+            self.assertEqual(node._chosen_screen(), screen, value)
         rospy.delete_param("~screen")
-        self.assertEqual(public._chosen_screen(), 0)
+        self.assertEqual(node._chosen_screen(), 0)
 
 
 class TestProgram(unittest.TestCase):

@@ -9,7 +9,7 @@ from waiting import happened, wait_until
 from roah_rsbb.comm.channels import PrivateChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 
 class RawBox:

@@ -9,7 +9,7 @@ from typing import Callable
 from programs import Program
 from waiting import LIMIT_S, wait_until
 
-COMMAND = (sys.executable, "-c", "from roah_rsbb.nodes.referee import main; main()")
+COMMAND = (sys.executable, "-c", "from roah_rsbb.referee.program import main; main()")
 
 
 def referee(*words: str, **environment: str) -> subprocess.CompletedProcess:

@@ -7,11 +7,11 @@ from fake_scores import NOT_ATTEMPTED
 from gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, question, wait_until
 from panels_test import BUMPS, DOOR, PanelCase
 
-from roah_rsbb.core.scoring import Mark
-from roah_rsbb.rqt import benchmark_control, scoring
-from roah_rsbb.rqt.history import HistoryDialog
-from roah_rsbb.rqt.results import ResultsPanel
-from roah_rsbb.rqt.score_dialogs import NoteDialog, ScoreDialog
+from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.rqt.panels import benchmark_control, scoring
+from roah_rsbb.rqt.panels.history import HistoryDialog
+from roah_rsbb.rqt.panels.results import ResultsPanel
+from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog
 
 
 def opened(kind: type):

@@ -19,10 +19,10 @@ from waiting import LIMIT_S, happened, wait_until
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.client import Behaviour, RobotClient
 from roah_rsbb.robot.times import wire_time
-from roah_rsbb.states import RobotState
 
 T = TypeVar("T")
 

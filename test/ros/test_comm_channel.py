@@ -25,8 +25,8 @@ from waiting import wait_until
 
 from roah_rsbb.msg import BenchmarkState, DevicesState, GoalHGMF, TabletState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.srv import ResultHOPF, ResultHPPF, String
-from roah_rsbb.states import BoxState, RobotState
 
 STOP, PREPARE, GOAL_TX, WAITING_RESULT = (
     BoxState.STOP, BoxState.PREPARE, BoxState.GOAL_TX, BoxState.WAITING_RESULT

@@ -17,7 +17,7 @@ from waiting import wait_until
 
 from roah_rsbb.msg import DevicesState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.states import BoxState
+from roah_rsbb.protocol import BoxState
 
 NO_GOAL = [BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT, BoxState.STOP]
 # What the dummy tells in HWV, in its order.

@@ -8,7 +8,7 @@ from rosgraph_msgs.msg import Log
 from waiting import wait_until
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.states import BoxState
+from roah_rsbb.protocol import BoxState
 
 
 class TestTroubles(ChannelCase):

@@ -19,8 +19,8 @@ from raw_box import RawBox
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.comm.frame import decode_private, decode_public
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import RobotState
 from roah_rsbb.srv import Bool, Percentage, String
-from roah_rsbb.states import RobotState
 
 DATA = pathlib.Path(__file__).resolve().parents[1] / "data"
 PASSWORD, TEAM, ROBOT = "PASSWORD", "TestingTeam", "TestingRobot"

@@ -9,7 +9,7 @@ from referee_program import Referee
 from robots import Robot, listed
 from waiting import wait_until
 
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT
 TEAMS = ("Alpha", "Beta", "Gamma")

@@ -7,11 +7,11 @@ from box_client import Refusal
 from fake_modules import ModulesCase
 from waiting import wait_until
 
-from roah_rsbb.core.module_messages import OutcomeKind, RequestKind, ScoreValue
+from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.goals import HopfResult, Pose
 from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneUInt8
-from roah_rsbb.states import BoxState, RobotState
 
 REFEREE, SWITCHES = RequestKind.REFEREE, RequestKind.SWITCHES
 WAYPOINT = {"goal": "[1.5, -2, 0.25]", "pose": (1.5, -2.0, 0.25)}

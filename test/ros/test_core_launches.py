@@ -15,9 +15,9 @@ from run_logs import RunLog
 from std_srvs.srv import Empty
 from waiting import LIMIT_S, happened, wait_until
 
-from roah_rsbb.core.benchmarks import KINDS, Kind
 from roah_rsbb.msg import ModulesState
-from roah_rsbb.states import BoxState
+from roah_rsbb.protocol import BoxState
+from roah_rsbb.rulebook.benchmarks import KINDS, Kind
 
 FOREIGN_BOX = "127.0.0.5"
 LOST = "192.0.2.1"  # reserved for documentation: no machine has it

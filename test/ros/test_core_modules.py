@@ -7,10 +7,10 @@ import rospy
 from box_case import main
 from fake_modules import FakeModules, ModulesCase
 
-from roah_rsbb.core.module_messages import Progress, Request, RequestKind
+from roah_rsbb.core.modules.messages import Progress, Request, RequestKind
 from roah_rsbb.msg import ModulesState
+from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot.goals import Pose
-from roah_rsbb.states import RobotState
 
 REFEREE = RequestKind.REFEREE
 

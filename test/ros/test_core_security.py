@@ -16,7 +16,7 @@ from waiting import happened, wait_until
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 ATTACKER = "127.0.0.9"
 STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT

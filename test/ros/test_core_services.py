@@ -6,12 +6,12 @@ import unittest
 import rospy
 import rostest
 
-from roah_rsbb.core.records import RunRecord
 from roah_rsbb.core.referee_record import RunName
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.core.scoring import Mark
+from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import Score
-from roah_rsbb.nodes.core_services import CoreServices
+from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.srv import (
     GetRunSheet,
     ManualOperationAnswer,

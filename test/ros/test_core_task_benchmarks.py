@@ -13,7 +13,7 @@ from waiting import wait_until
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.msg import DevicesState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 DOOR = ("Achievements", "Detects the door whose state has changed")
 FURNITURE = ("Achievements", "Detects a piece of moved furniture")

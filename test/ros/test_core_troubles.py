@@ -7,8 +7,8 @@ from box_case import LISTENER, BoxCase, main
 from robots import BOX, RSBB_PORT, host_of, listed
 from waiting import wait_until
 
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.effects import Trouble
-from roah_rsbb.states import BoxState, RobotState
 
 STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT
 

@@ -16,10 +16,10 @@ from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
 from programs import Program
 from waiting import wait_until
 
-from roah_rsbb.bmbox.ground_truth import GroundTruth, NoPose, Pose3, rotation
-from roah_rsbb.bmbox.ground_truth_config import GroundTruthConfig, Marker, load
-from roah_rsbb.nodes.dummy_ground_truth_node import default_file
-from roah_rsbb.nodes.ground_truth_tf import TfGroundTruth
+from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3, rotation
+from roah_rsbb.bmbox.framework.ground_truth_config import GroundTruthConfig, Marker, load
+from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
+from roah_rsbb.nodes.modules.ground_truth_tf import TfGroundTruth
 
 # Frames of the test itself, which nobody else publishes.
 WORLD = "test_world"

@@ -8,8 +8,7 @@ import unittest
 
 import rostest
 
-from roah_rsbb.core.benchmarks import ScoreKind, ScoringItem
-from roah_rsbb.core.module_messages import (
+from roah_rsbb.core.modules.messages import (
     ModuleInfo,
     ModulesState,
     Outcome,
@@ -21,10 +20,11 @@ from roah_rsbb.core.module_messages import (
     ScoreValue,
     Step,
 )
-from roah_rsbb.core.scoring import ScoreGroup
+from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.msg import ModuleOutcome, ModuleRequest, ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
-from roah_rsbb.nodes.module_convert import runs_message, runs_of, state_message, state_of
+from roah_rsbb.nodes.modules.convert import runs_message, runs_of, state_message, state_of
+from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
 
 GOAL = Request(
     2, RequestKind.GOAL, "Waypoint 1", ("again", "skip"), True, "[1, 2, 3]", (1.0, -2.0, 3.0), (True, False), (2, 1),

@@ -11,7 +11,7 @@ import rostest
 
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.msg import CoreDetails, CoreToGui
-from roah_rsbb.nodes.panel_messages import PanelMessages
+from roah_rsbb.nodes.core.panel_messages import PanelMessages
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "pure"))
 from helpers.box_driver import BoxDriver

@@ -16,8 +16,8 @@ from waiting import LIMIT_S, wait_until
 
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.protocol import RobotState
 from roah_rsbb.srv import ScoreMark, SignOff, StopReason
-from roah_rsbb.states import RobotState
 
 ZONE = "Home"
 DOOR = ("Achievements", "Detects the door whose state has changed")

@@ -4,10 +4,10 @@ import random
 from types import SimpleNamespace
 from typing import Optional
 
-from roah_rsbb.bmbox.ground_truth import Pose2D, Pose3, distance, seen_from
-from roah_rsbb.bmbox.module import Module
-from roah_rsbb.bmbox.parameters import ListOf, Number, Record, Seconds, Text, Whole
-from roah_rsbb.bmbox.score import Value
+from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3, distance, seen_from
+from roah_rsbb.bmbox.framework.module import Module
+from roah_rsbb.bmbox.framework.parameters import ListOf, Number, Record, Seconds, Text, Whole
+from roah_rsbb.bmbox.framework.score import Value
 
 OBJECT, TABLE = "object", "table"
 PERIOD_S = 0.1

@@ -3,10 +3,10 @@
 import math
 from typing import List
 
-from roah_rsbb.bmbox.ground_truth import Pose2D, angle_difference, distance
-from roah_rsbb.bmbox.module import Module
-from roah_rsbb.bmbox.parameters import ListOf, Pose, Seconds
-from roah_rsbb.bmbox.score import Value
+from roah_rsbb.bmbox.framework.ground_truth import Pose2D, angle_difference, distance
+from roah_rsbb.bmbox.framework.module import Module
+from roah_rsbb.bmbox.framework.parameters import ListOf, Pose, Seconds
+from roah_rsbb.bmbox.framework.score import Value
 
 ROBOT = "robot"
 

@@ -5,9 +5,9 @@ Switches are numbered from 1, for the robot, the referee and in the parameters.
 
 from typing import Sequence
 
-from roah_rsbb.bmbox.module import Module
-from roah_rsbb.bmbox.parameters import ListOf, Record, Seconds, Whole, YesNo
-from roah_rsbb.bmbox.score import Value
+from roah_rsbb.bmbox.framework.module import Module
+from roah_rsbb.bmbox.framework.parameters import ListOf, Record, Seconds, Whole, YesNo
+from roah_rsbb.bmbox.framework.score import Value
 
 # As many as the referee's panel shows.
 MAX_SWITCHES = 10

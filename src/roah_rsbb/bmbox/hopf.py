@@ -3,10 +3,10 @@
 import math
 from types import SimpleNamespace
 
-from roah_rsbb.bmbox.ground_truth import Pose3, angle_difference, compose, distance, seen_from
-from roah_rsbb.bmbox.module import TRY_AGAIN, GoalOutcome, Module
-from roah_rsbb.bmbox.parameters import FARTHEST_M, ListOf, Number, Record, Seconds, Text, Transform, Whole
-from roah_rsbb.bmbox.score import Value
+from roah_rsbb.bmbox.framework.ground_truth import Pose3, angle_difference, compose, distance, seen_from
+from roah_rsbb.bmbox.framework.module import TRY_AGAIN, GoalOutcome, Module
+from roah_rsbb.bmbox.framework.parameters import FARTHEST_M, ListOf, Number, Record, Seconds, Text, Transform, Whole
+from roah_rsbb.bmbox.framework.score import Value
 
 POSITIONER, TABLE = "positioner", "table"
 AS_IT_IS = "Use it as it is"

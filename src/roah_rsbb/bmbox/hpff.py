@@ -2,10 +2,10 @@
 
 from typing import Any, Dict
 
-from roah_rsbb.bmbox.ground_truth import Pose2D, distance
-from roah_rsbb.bmbox.module import Module, RunEnded
-from roah_rsbb.bmbox.parameters import Number, Seconds
-from roah_rsbb.bmbox.score import Value
+from roah_rsbb.bmbox.framework.ground_truth import Pose2D, distance
+from roah_rsbb.bmbox.framework.module import Module, RunEnded
+from roah_rsbb.bmbox.framework.parameters import Number, Seconds
+from roah_rsbb.bmbox.framework.score import Value
 
 ROBOT, PERSON = "robot", "person"
 # Seconds after the goal was sent, in which the robot takes its position.

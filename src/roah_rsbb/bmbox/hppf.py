@@ -3,10 +3,10 @@
 from types import SimpleNamespace
 from typing import Optional
 
-from roah_rsbb.bmbox.ground_truth import Pose3, distance
-from roah_rsbb.bmbox.module import SKIP, TRY_AGAIN, Module
-from roah_rsbb.bmbox.parameters import FARTHEST_M, ListOf, Seconds, Text
-from roah_rsbb.bmbox.score import Value
+from roah_rsbb.bmbox.framework.ground_truth import Pose3, distance
+from roah_rsbb.bmbox.framework.module import SKIP, TRY_AGAIN, Module
+from roah_rsbb.bmbox.framework.parameters import FARTHEST_M, ListOf, Seconds, Text
+from roah_rsbb.bmbox.framework.score import Value
 
 PERSON = "person"
 

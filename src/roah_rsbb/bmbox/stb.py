@@ -1,8 +1,8 @@
 """STB, the Simple Test Benchmark: a manual operation, two goals, a manual operation (benchmarks, STB)."""
 
-from roah_rsbb.bmbox.module import Module
-from roah_rsbb.bmbox.parameters import ListOf, Seconds, Text
-from roah_rsbb.bmbox.score import Value
+from roah_rsbb.bmbox.framework.module import Module
+from roah_rsbb.bmbox.framework.parameters import ListOf, Seconds, Text
+from roah_rsbb.bmbox.framework.score import Value
 
 
 class STB(Module):

@@ -4,7 +4,7 @@ A changed state leaves at once, then ten times at 50 ms intervals, because any s
 lost; after that once a second. An answer to what came in may leave between these, and moves none of them.
 """
 
-from roah_rsbb.timing import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S
+from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S
 
 
 class StateSender:

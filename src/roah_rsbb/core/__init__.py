@@ -2,5 +2,5 @@
 
 Nothing in this room talks to a network, asks a clock or knows ROS: objects take `now` and an event,
 and return or emit effects (architecture, rule 1). Only `config` reads files, once, at the start.
-It imports the standard library, PyYAML, `roah_rsbb.states`, and nothing else.
+It imports the standard library, PyYAML, `roah_rsbb.protocol`, and nothing else.
 """

@@ -8,30 +8,30 @@ import math
 from typing import Callable, Dict, List, Mapping, Optional, Tuple
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.all_robots import AllRobotsRun
-from roah_rsbb.core.benchmarks import Config, Kind
 from roah_rsbb.core.capacity import LAST_PORT, Capacity
 from roah_rsbb.core.clock import ClockWatch, Now, WireTime
 from roah_rsbb.core.commands import COMMANDS, NO_RUN, robots_to_connect
-from roah_rsbb.core.device_commands import CATERING
 from roah_rsbb.core.effects import Effect, Level
-from roah_rsbb.core.functionality import FunctionalityRun
-from roah_rsbb.core.link_record import LinkSample
+from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, RobotReport, TabletState
-from roah_rsbb.core.module_events import ModuleEvents
-from roah_rsbb.core.records import NOBODY, By
+from roah_rsbb.core.modules.events import ModuleEvents
 from roah_rsbb.core.referee_record import RunName, checked_who, cut_note
 from roah_rsbb.core.refused import Refused, did_you_mean
-from roah_rsbb.core.restart import BOX, Restart
-from roah_rsbb.core.results import FinishedRuns
+from roah_rsbb.core.restart.restart import BOX, Restart
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots, RobotId
-from roah_rsbb.core.run import Entry, Run, Surroundings
-from roah_rsbb.core.score_events import ScoreEvents
+from roah_rsbb.core.runs.all_robots import AllRobotsRun
+from roah_rsbb.core.runs.device_commands import CATERING
+from roah_rsbb.core.runs.functionality import FunctionalityRun
+from roah_rsbb.core.runs.run import Entry, Run, Surroundings
+from roah_rsbb.core.runs.zone_run import ZoneRun
+from roah_rsbb.core.scoring.events import ScoreEvents
+from roah_rsbb.core.scoring.finished_runs import FinishedRuns
+from roah_rsbb.core.scoring.records import NOBODY, By
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zone import Zone
-from roah_rsbb.core.zone_run import ZoneRun
+from roah_rsbb.rulebook.benchmarks import Config, Kind
 
 # So many ports that cannot be opened, more than there are robots to connect, mean that no port can.
 MAX_PORTS_TRIED = 20

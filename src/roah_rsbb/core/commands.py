@@ -6,14 +6,14 @@ changed since the panel was drawn.
 
 from typing import TYPE_CHECKING, Callable, Dict, List, NamedTuple, Sequence
 
-from roah_rsbb.core import all_robots_choice
-from roah_rsbb.core.benchmarks import Kind
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.phases import EndReason, Phase
-from roah_rsbb.core.records import By
+from roah_rsbb.core.link.skew import skew_off
 from roah_rsbb.core.robots import ActiveRobot
-from roah_rsbb.core.skew import skew_off
+from roah_rsbb.core.runs import all_robots_choice
+from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import By
 from roah_rsbb.core.zone import Zone
+from roah_rsbb.rulebook.benchmarks import Kind
 
 if TYPE_CHECKING:  # the box holds the commands, not the other way round
     from roah_rsbb.core.box import Box

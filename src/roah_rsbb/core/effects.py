@@ -9,7 +9,7 @@ import enum
 from typing import Any, Dict, NamedTuple, Optional, Union
 
 from roah_rsbb.core.messages import BoxMessage
-from roah_rsbb.core.records import RunRecord
+from roah_rsbb.core.scoring.records import RunRecord
 
 
 class How(enum.Enum):

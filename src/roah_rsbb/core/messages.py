@@ -8,7 +8,7 @@ import json
 from typing import NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import WireTime
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 NEVER: WireTime = (0, 0)
 

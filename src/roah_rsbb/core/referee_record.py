@@ -7,8 +7,8 @@ from typing import Dict, Iterator, List, NamedTuple, Optional
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Effect
 from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.runs.zone_run import ZoneRun
 from roah_rsbb.core.zone import Zone
-from roah_rsbb.core.zone_run import ZoneRun
 
 # Characters of a note or a reason; of a name.
 MAX_NOTE = 500

@@ -2,9 +2,9 @@
 
 from typing import NamedTuple, Optional
 
-from roah_rsbb.core.benchmarks import Event, ZonePlan
-from roah_rsbb.core.phases import EndReason
-from roah_rsbb.core.zone_run import ZoneRun
+from roah_rsbb.core.runs.phases import EndReason
+from roah_rsbb.core.runs.zone_run import ZoneRun
+from roah_rsbb.rulebook.benchmarks import Event, ZonePlan
 
 
 class LastRun(NamedTuple):

@@ -9,9 +9,9 @@ from typing import Callable, Dict, Optional
 
 import rospy
 
-from roah_rsbb.client import refusals
-from roah_rsbb.core.device_commands import FIELDS, SWITCHES
 from roah_rsbb.core.effects import SetDevice
+from roah_rsbb.core.runs.device_commands import FIELDS, SWITCHES
+from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Bool, Percentage
 
 # The devices node answers in milliseconds: who takes longer hangs, and the referee should know.

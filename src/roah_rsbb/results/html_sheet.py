@@ -2,16 +2,16 @@
 
 from typing import Iterator, List, Tuple
 
-from roah_rsbb.client.module_scores import by_group
-from roah_rsbb.core.records import RunRecord, ScoreEntry, grouped
-from roah_rsbb.results import texts
+from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry, grouped
 from roah_rsbb.results.link_plot import Rows, link_plot
 from roah_rsbb.results.link_summary import link_lines
 from roah_rsbb.results.page import Child, Markup, facts_table, joined, page, table, tag
 from roah_rsbb.results.run_result import RobotPart, RunResult
 from roah_rsbb.results.story import Section, box_states, robot_states, sections
 from roah_rsbb.results.text_sheet import change_text, facts, withdrawn_text
-from roah_rsbb.results.texts import moment
+from roah_rsbb.wording import result_texts
+from roah_rsbb.wording.module_scores import by_group
+from roah_rsbb.wording.result_texts import moment
 
 _SIGNERS = ("Referee: name, date, signature", "Team: name, date, signature")
 
@@ -50,7 +50,10 @@ def _items(record: RunRecord) -> Iterator[Markup]:
     for group, items in grouped(record.items).items():
         yield tag("h3", group)
         yield table(("Value", "Item", ""), [
-            (texts.item_value(i.kind, i.value, i.not_attempted), i.desc, mark("corrected") if i.corrected else "")
+            (
+                result_texts.item_value(i.kind, i.value, i.not_attempted), i.desc,
+                mark("corrected") if i.corrected else "",
+            )
             for i in items
         ], ("value", "", ""))
 
@@ -88,7 +91,7 @@ def _stops(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
         return
     yield tag("h2", "Ends")
     yield table(("When", "Who", "End", "Reason given"), [
-        (moment(s.utc, in_utc), s.who, s.desc or texts.end_text(s.end_reason),
+        (moment(s.utc, in_utc), s.who, s.desc or result_texts.end_text(s.end_reason),
          f"{s.reason} ({s.reason_by})" if s.reason and s.reason_by else s.reason)
         for s in record.stops
     ], ("when", "who", "what"))
@@ -98,7 +101,7 @@ def _section(section: Section, in_utc: bool) -> Markup:
     several = any(h.robot for h in section.happenings)
     headings = ("When", "Who", *(("Robot",) if several else ()), "What")
     rows = [
-        (texts.clock(h.utc, in_utc), h.who, *((h.robot,) if several else ()),
+        (result_texts.clock(h.utc, in_utc), h.who, *((h.robot,) if several else ()),
          tag("span", h.text, class_="bad") if h.bad else h.text)
         for h in section.happenings
     ]

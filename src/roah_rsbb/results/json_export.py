@@ -2,9 +2,9 @@
 
 from typing import Any, Dict, List, Sequence
 
-from roah_rsbb.results import texts
 from roah_rsbb.results.run_result import RunResult
 from roah_rsbb.results.standing import Standing
+from roah_rsbb.wording import result_texts
 
 FORMAT = "roah_rsbb results"
 VERSION = 1
@@ -26,13 +26,13 @@ def exported_standings(standings: Sequence[Standing], journal: str, utc: float) 
 
 def _head(journal: str, utc: float) -> Dict[str, Any]:
     return {"format": FORMAT, "version": VERSION, "journal": journal, "written_utc": utc,
-            "written": texts.iso(utc, in_utc=True)}
+            "written": result_texts.iso(utc, in_utc=True)}
 
 
 def _run(result: RunResult) -> Dict[str, Any]:
     return {
         **_plain(result.record),
-        "state": texts.state_of(result.record),
+        "state": result_texts.state_of(result.record),
         "robot_parts": [
             {"port": r.port, "team": r.team, "robot": r.robot, "log_file": r.log_file,
              "link": [{"utc": second.utc, **_plain(second.sample)} for second in r.link]}

@@ -3,11 +3,11 @@
 import math
 from typing import Callable, List, NamedTuple, Optional, Sequence
 
-from roah_rsbb.core.link_record import LinkSample
+from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.results.page import Markup, joined, tag
 from roah_rsbb.results.run_result import LinkSecond
 from roah_rsbb.results.story import Stretch
-from roah_rsbb.results.texts import clock
+from roah_rsbb.wording.result_texts import clock
 
 WIDTH, LEFT, RIGHT = 720.0, 86.0, 8.0
 STRIP, SPACE, ROW = 54.0, 13.0, 15.0

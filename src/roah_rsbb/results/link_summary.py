@@ -3,7 +3,7 @@
 from typing import List, Sequence
 
 from roah_rsbb.results.run_result import LinkSecond
-from roah_rsbb.results.texts import line
+from roah_rsbb.wording.result_texts import line
 
 # A silence that is more than a single datagram that was lost.
 GAP_S = 2.5

@@ -7,7 +7,7 @@ nothing from outside, and its policy forbids the browser to fetch, run or send a
 import html
 from typing import Iterable, Sequence, Union
 
-from roah_rsbb.results.texts import visible
+from roah_rsbb.wording.result_texts import visible
 
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
 

@@ -10,17 +10,18 @@ import time
 from typing import Any, Callable, Dict, List, NoReturn, Optional, TextIO
 
 from roah_rsbb.comm.arguments import Parser
-from roah_rsbb.core.config_errors import ConfigErrors
-from roah_rsbb.core.records import RunRecord
+from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover
-from roah_rsbb.results import json_export, standing_texts, tables, text_sheet, texts
-from roah_rsbb.results.bag import NoBag, write_bag
+from roah_rsbb.results import json_export, standing_texts, tables, text_sheet
 from roah_rsbb.results.html_sheet import sheet_page
 from roah_rsbb.results.run_result import NoSuchRun, RunResult, find, records, run_result
 from roah_rsbb.results.standing import Choice, Standing, standings
 from roah_rsbb.results.standing_rules import OfRuns, Rules, read_rules
+from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.run_logs.export import NoBag, write_bag
+from roah_rsbb.wording import result_texts
 
 LOG_DIR = "~/.ros/roah_rsbb"
 RULES_FILE = "standings.yaml"
@@ -264,8 +265,8 @@ def _journals(options: argparse.Namespace) -> int:
         except JournalError as error:
             print(error)
             continue
-        begun = f"begun {texts.moment(sessions[0].utc, options.utc)}" if sessions else "empty"
-        last = f", last connected {texts.moment(known[-1].opened_utc, options.utc)}" if known else ""
+        begun = f"begun {result_texts.moment(sessions[0].utc, options.utc)}" if sessions else "empty"
+        last = f", last connected {result_texts.moment(known[-1].opened_utc, options.utc)}" if known else ""
         print(f"{path}: {begun}, {len(known)} runs{last}")
     return 0
 

@@ -2,9 +2,9 @@
 
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.link_record import LinkSample
-from roah_rsbb.core.records import RunRecord
-from roah_rsbb.core.saved import BadState, thaw
+from roah_rsbb.core.link.record import LinkSample
+from roah_rsbb.core.restart.saved import BadState, thaw
+from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.reader import JournalEntry, JournalReader, JournalRun
 
 

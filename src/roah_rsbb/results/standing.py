@@ -5,9 +5,9 @@ import math
 import statistics
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core.benchmarks import ALL_TEAMS, KINDS
-from roah_rsbb.core.records import RunRecord, ScoreValue
+from roah_rsbb.core.scoring.records import RunRecord, ScoreValue
 from roah_rsbb.results.standing_rules import DEFAULT, Criterion, OfRuns, Rules, Term
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS
 
 # Sums of weighted values that differ by less are the same.
 DIGITS = 9

@@ -7,10 +7,10 @@ weighted sum of items of the referee's sheet and of values of the benchmarking m
 import enum
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.benchmarks import KINDS
-from roah_rsbb.core.config_errors import Report
-from roah_rsbb.core.yaml_fields import choice, fields, number, sequence, text
-from roah_rsbb.core.yaml_lines import Mapping, Node, Unusable, read_yaml
+from roah_rsbb.rulebook.benchmarks import KINDS
+from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.yaml_fields import choice, fields, number, sequence, text
+from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Unusable, read_yaml
 
 _SHAPE = "a map 'CODE: {runs: best, criteria: [...]}' of benchmarks"
 _CRITERION = {"name": "Achievements", "of": "[{group: Achievements}]"}

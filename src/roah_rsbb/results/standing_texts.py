@@ -2,12 +2,12 @@
 
 from typing import Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
-from roah_rsbb.core.records import RunRecord
-from roah_rsbb.results import texts
+from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.results.page import Child, Markup, joined, page, table, tag
 from roah_rsbb.results.standing import Numbers, RunLine, Standing, TeamLine
 from roah_rsbb.results.standing_rules import OfRuns
-from roah_rsbb.results.texts import line, moment
+from roah_rsbb.wording import result_texts
+from roah_rsbb.wording.result_texts import line, moment
 
 DISQUALIFIED = "disqualified"
 OF_RUNS = {
@@ -18,7 +18,7 @@ OF_RUNS = {
 
 def number_text(number: Optional[float]) -> str:
     """A number of a criterion: whole, or with three decimals at most."""
-    return texts.NOTHING if number is None else f"{number:.3f}".rstrip("0").rstrip(".")
+    return result_texts.NOTHING if number is None else f"{number:.3f}".rstrip("0").rstrip(".")
 
 
 def rank_text(team: TeamLine) -> str:
@@ -106,7 +106,7 @@ def index_page(
     """The page that leads to all sheets, with the standings."""
     rows = [
         (str(number), moment(r.opened_utc, in_utc), r.zone, linked(r.benchmark, r.identity, sheets), r.team,
-         f"{r.round} / {r.run}", texts.state_of(r), texts.sign_off_text(r, in_utc))
+         f"{r.round} / {r.run}", result_texts.state_of(r), result_texts.sign_off_text(r, in_utc))
         for number, r in numbered
     ]
     return page(

@@ -5,9 +5,9 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import run_log
 from roah_rsbb.journal.reader import JournalEntry
+from roah_rsbb.protocol import RobotState
 from roah_rsbb.results.run_result import RunResult
-from roah_rsbb.results.texts import plain
-from roah_rsbb.states import RobotState
+from roah_rsbb.wording.result_texts import plain
 
 # Kinds of entries that are no topic of a run log.
 COMMAND = "command"

@@ -8,10 +8,10 @@ import csv
 import json
 from typing import Dict, Iterable, Iterator, List, Optional, TextIO, Tuple, Union
 
-from roah_rsbb.core.records import RunRecord, ScoreEntry
-from roah_rsbb.results import texts
+from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry
 from roah_rsbb.results.standing import Standing
-from roah_rsbb.results.texts import iso, visible
+from roah_rsbb.wording import result_texts
+from roah_rsbb.wording.result_texts import iso, visible
 
 Cell = Union[str, int, float, None]
 
@@ -105,7 +105,7 @@ def _module_cell(text: str) -> Cell:
         value = json.loads(text)
     except ValueError:
         return text
-    return value if value is None or isinstance(value, (bool, int, float, str)) else texts.plain(value)
+    return value if value is None or isinstance(value, (bool, int, float, str)) else result_texts.plain(value)
 
 
 def standing_rows(standings: Iterable[Standing]) -> Iterator[Dict[str, Cell]]:

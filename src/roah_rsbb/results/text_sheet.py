@@ -2,13 +2,13 @@
 
 from typing import Iterator, List, Tuple
 
-from roah_rsbb.client.module_scores import by_group
-from roah_rsbb.core.records import RunRecord, ScoreEntry, grouped
-from roah_rsbb.results import texts
+from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry, grouped
 from roah_rsbb.results.link_summary import link_lines
 from roah_rsbb.results.run_result import RunResult
 from roah_rsbb.results.story import sections
-from roah_rsbb.results.texts import line, moment, optional_moment
+from roah_rsbb.wording import result_texts
+from roah_rsbb.wording.module_scores import by_group
+from roah_rsbb.wording.result_texts import line, moment, optional_moment
 
 # Strikes through what is between them, on terminals that can.
 _STRUCK, _PLAIN = "\033[9m", "\033[29m"
@@ -26,8 +26,9 @@ def list_lines(records: List[RunRecord], in_utc: bool) -> Iterator[str]:
 def _row(number: int, record: RunRecord, in_utc: bool) -> Tuple[str, ...]:
     return (
         str(number), moment(record.opened_utc, in_utc), line(record.zone), line(record.benchmark), line(record.team),
-        str(record.round), str(record.run), texts.duration(record.elapsed_s) if record.started_utc else texts.NOTHING,
-        "signed off" if record.sign_off else "open", line(texts.state_of(record)),
+        str(record.round), str(record.run),
+        result_texts.duration(record.elapsed_s) if record.started_utc else result_texts.NOTHING,
+        "signed off" if record.sign_off else "open", line(result_texts.state_of(record)),
     )
 
 
@@ -46,7 +47,7 @@ def sheet_lines(result: RunResult, in_utc: bool, strike: bool) -> Iterator[str]:
         yield from _titled(f"Module's score: {line(title)}", [f"{line(s.name)}: {line(s.value)}" for s in lines])
     for section in sections(result):
         yield from _titled(section.title, [
-            f"{texts.clock(h.utc, in_utc)}  {_by(h.who)}{line(h.robot) + ': ' if h.robot else ''}{line(h.text)}"
+            f"{result_texts.clock(h.utc, in_utc)}  {_by(h.who)}{line(h.robot) + ': ' if h.robot else ''}{line(h.text)}"
             for h in section.happenings
         ])
     for robot in result.robots:
@@ -59,15 +60,15 @@ def facts(result: RunResult, in_utc: bool) -> List[Tuple[str, str]]:
     return [
         ("Zone", line(record.zone)),
         ("Robots", ", ".join(f"{line(r.robot)} of team {line(r.team)} (port {r.port})" for r in result.robots)
-         or texts.robots_text(record)),
+         or result_texts.robots_text(record)),
         ("Scheduled", moment(record.scheduled, in_utc)),
         ("Connected", moment(record.opened_utc, in_utc)),
         ("Started", optional_moment(record.started_utc, in_utc)),
         ("Disconnected", optional_moment(record.closed_utc, in_utc)),
-        ("Time", texts.duration(record.elapsed_s) if record.started_utc else texts.NOTHING),
-        ("End", line(texts.state_of(record))),
-        ("Sheet", texts.sign_off_text(record, in_utc)),
-        ("Run logs", ", ".join(line(r.log_file) for r in result.robots if r.log_file) or texts.NOTHING),
+        ("Time", result_texts.duration(record.elapsed_s) if record.started_utc else result_texts.NOTHING),
+        ("End", line(result_texts.state_of(record))),
+        ("Sheet", result_texts.sign_off_text(record, in_utc)),
+        ("Run logs", ", ".join(line(r.log_file) for r in result.robots if r.log_file) or result_texts.NOTHING),
     ]
 
 
@@ -86,7 +87,7 @@ def _by(who: str) -> str:
 def _items(record: RunRecord) -> Iterator[str]:
     for group, items in grouped(record.items).items():
         yield from _titled(line(group), [
-            f"{texts.item_value(item.kind, item.value, item.not_attempted):>13}  {line(item.desc)}"
+            f"{result_texts.item_value(item.kind, item.value, item.not_attempted):>13}  {line(item.desc)}"
             + ("  (CORRECTED)" if item.corrected else "")
             for item in items
         ])
@@ -95,8 +96,8 @@ def _items(record: RunRecord) -> Iterator[str]:
 def change_text(record: RunRecord, entry: ScoreEntry) -> str:
     """What an entry changed."""
     kind = next((i.kind for i in record.items if (i.group, i.desc) == (entry.group, entry.desc)), "uint")
-    old = texts.item_value(kind, entry.old, entry.old_not_attempted)
-    return f"{old} -> {texts.item_value(kind, entry.value, entry.not_attempted)}"
+    old = result_texts.item_value(kind, entry.old, entry.old_not_attempted)
+    return f"{old} -> {result_texts.item_value(kind, entry.value, entry.not_attempted)}"
 
 
 def withdrawn_text(entry: ScoreEntry, in_utc: bool) -> str:
@@ -122,7 +123,7 @@ def _history(record: RunRecord, in_utc: bool, strike: bool) -> Iterator[str]:
 
 def _stops(record: RunRecord, in_utc: bool) -> Iterator[str]:
     yield from _titled("Ends", [
-        f"{moment(s.utc, in_utc)}  {_by(s.who)}{line(s.desc) or texts.end_text(s.end_reason)}"
+        f"{moment(s.utc, in_utc)}  {_by(s.who)}{line(s.desc) or result_texts.end_text(s.end_reason)}"
         + (f"; reason given{' by ' + line(s.reason_by) if s.reason_by else ''}: {line(s.reason)}" if s.reason else "")
         for s in record.stops
     ])

@@ -22,11 +22,11 @@ from typing import Any, Awaitable, Callable, Optional, Set, Union
 
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Goal, Result
 from roah_rsbb.robot.machine import IllegalEvent
 from roah_rsbb.robot.runner import SessionRunner, always
-from roah_rsbb.states import RobotState
 
 _log = logging.getLogger(__name__)
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Optional, Tuple, Union
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot.goals import Goal
-from roah_rsbb.states import RobotState
 
 
 @dataclass(frozen=True)

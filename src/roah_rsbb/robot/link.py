@@ -9,13 +9,13 @@ from typing import Dict, Optional, Union
 
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.goals import write_result
 from roah_rsbb.robot.machine import IllegalEvent
 from roah_rsbb.robot.progress import Progress
 from roah_rsbb.robot.repeated import RepeatedStrings
 from roah_rsbb.robot.times import MessageTimes
 from roah_rsbb.robot.watch import SILENCE_S, Silence
-from roah_rsbb.states import BoxState, RobotState
 
 STRING_FIELDS = ("notifications", "activation_event", "visitor", "final_command")
 SWITCHES = ("switch_1", "switch_2", "switch_3")

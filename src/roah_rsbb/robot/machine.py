@@ -16,7 +16,7 @@ where the box finds it and starts again with PREPARE.
 import enum
 from typing import Dict, NamedTuple, Tuple
 
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 
 class IllegalEvent(Exception):

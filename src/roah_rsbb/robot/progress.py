@@ -3,10 +3,10 @@
 from typing import List, Optional, Tuple
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import BadGoal, Goal, Result, check_result, read_goal
 from roah_rsbb.robot.machine import Act, Own, Step, box_step, error_text, own_step
-from roah_rsbb.states import BoxState, RobotState
 
 _MAX_UINT32 = 2**32 - 1
 

@@ -8,12 +8,12 @@ from fuzzing.frames import private_seeds, public_seeds
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
 from helpers import golden
-from roah_rsbb.comm.capture import packets, records
-from roah_rsbb.comm.capture.decoding import Decoder
-from roah_rsbb.comm.capture.lines import TextLines, json_line
-from roah_rsbb.comm.capture.records import BadRecording, Datagram
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.tools.capture import packets, records
+from roah_rsbb.tools.capture.decoding import Decoder
+from roah_rsbb.tools.capture.lines import TextLines, json_line
+from roah_rsbb.tools.capture.records import BadRecording, Datagram
 
 _PORT = 6666
 _UTC = 1_800_000_000.5

@@ -9,15 +9,15 @@ import tempfile
 from typing import Callable, Iterator, List, Optional
 
 from fuzzing.target import Step, Target
-from roah_rsbb.bmbox import ground_truth_config
+from roah_rsbb.bmbox.framework import ground_truth_config
+from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.hopf import HOPF
-from roah_rsbb.bmbox.parameters import read_parameters
 from roah_rsbb.comm.passwords import BadPasswords, parse_passwords
-from roah_rsbb.competition.moments import VenueClock
-from roah_rsbb.competition.sheet import read_sheet
-from roah_rsbb.core import config
-from roah_rsbb.core.config_errors import MAX_ERRORS, ConfigErrors, Report
+from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.errors import MAX_ERRORS, ConfigErrors, Report
 from roah_rsbb.tablet import images, maps
+from roah_rsbb.tools.competition.moments import VenueClock
+from roah_rsbb.tools.competition.sheet import read_sheet
 
 _ROOT = pathlib.Path(__file__).resolve().parents[3]
 # Between the files in an input.

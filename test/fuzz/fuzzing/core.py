@@ -11,20 +11,21 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher
-from roah_rsbb.core import restart, views
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.effects import RunOpened
-from roah_rsbb.core.link import HERE_S
+from roah_rsbb.core.link.link import HERE_S
 from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
-from roah_rsbb.core.module_messages import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
+from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
 from roah_rsbb.core.referee_record import RunName
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.core.saved import freeze, thaw
-from roah_rsbb.core.scoring import Mark
-from roah_rsbb.nodes import wire_convert
-from roah_rsbb.nodes.module_limits import checked_state
-from roah_rsbb.states import RobotState
+from roah_rsbb.core.restart import restart
+from roah_rsbb.core.restart.saved import freeze, thaw
+from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.core.views import views
+from roah_rsbb.nodes.core import wire_convert
+from roah_rsbb.nodes.modules.limits import checked_state
+from roah_rsbb.protocol import RobotState
 
 ZONES = ("catering", "visitor", "object", "waypoints", "all")
 HOSTS = ("10.0.0.2", "10.0.0.3", "10.0.0.9")

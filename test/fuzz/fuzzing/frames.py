@@ -9,8 +9,8 @@ from helpers import golden
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import BadDatagram
-from roah_rsbb.nodes import wire_convert
-from roah_rsbb.nodes.report_reader import ReportReader
+from roah_rsbb.nodes.core import wire_convert
+from roah_rsbb.nodes.core.report_reader import ReportReader
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 KEY = Key(golden.PASSWORD)

@@ -18,19 +18,19 @@ from helpers.competition import competition, event
 from helpers.journaled import JournaledDriver
 from helpers.module_player import FakeModules
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.module_messages import RequestKind
+from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.batch import Batch
 from roah_rsbb.journal.file import COMPANIONS, FILE_NAME, Resume, Session
-from roah_rsbb.journal.log_names import log_name
 from roah_rsbb.journal.ports import FILE_NAME as PORTS_FILE
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover
 from roah_rsbb.journal.store import Journal
-from roah_rsbb.nodes.core_journal import competition as competition_json
-from roah_rsbb.nodes.core_journal import saved_before
-from roah_rsbb.states import RobotState
+from roah_rsbb.nodes.core.journal import competition as competition_json
+from roah_rsbb.nodes.core.journal import saved_before
+from roah_rsbb.protocol import RobotState
+from roah_rsbb.run_logs.names import log_name
 
 _LARGEST = 300_000
 _VALUES: Tuple[Any, ...] = (

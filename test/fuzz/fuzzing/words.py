@@ -8,13 +8,13 @@ from typing import Callable, Iterator, List
 
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
-from roah_rsbb.comm.capture import options
-from roah_rsbb.nodes import referee_args
+from roah_rsbb.referee import args
 from roah_rsbb.robot import dummy
 from roah_rsbb.tablet import dummy as dummy_tablet
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
 from roah_rsbb.tablet.state import BoxSaid, TabletState
+from roah_rsbb.tools.capture import options
 
 _MOST_WORDS = 30
 _PLAN = Map(b"\x89PNG image", 200, 100, 0.05, (0.0, 0.0, 0.0), False)
@@ -43,7 +43,7 @@ _TAKE_PASSWORDS = (0, 3)
 _PROGRAMS: List[Callable[[List[str]], object]] = [
     _dummy_robot,
     lambda words: dummy_tablet._parser().parse_args(words),
-    lambda words: referee_args.parser().parse_args(words),
+    lambda words: args.parser().parse_args(words),
     options.parse,
 ]
 

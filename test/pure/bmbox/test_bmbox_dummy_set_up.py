@@ -6,12 +6,12 @@ import pytest
 
 from helpers.config_files import SHIPPED
 from helpers.dummy_set_up import DummySetUp
-from roah_rsbb.bmbox.dummy_world import TABLE_SIZE
-from roah_rsbb.bmbox.ground_truth import Pose3, compose, seen_from
-from roah_rsbb.bmbox.parameters import read_parameters
-from roah_rsbb.bmbox.registry import modules
-from roah_rsbb.core.module_messages import RequestKind
-from roah_rsbb.core.phases import EndReason
+from roah_rsbb.bmbox.framework.dummy_world import TABLE_SIZE
+from roah_rsbb.bmbox.framework.ground_truth import Pose3, compose, seen_from
+from roah_rsbb.bmbox.framework.parameters import read_parameters
+from roah_rsbb.bmbox.framework.registry import modules
+from roah_rsbb.core.modules.messages import RequestKind
+from roah_rsbb.core.runs.phases import EndReason
 
 RESTARTS = [None, 1.7]  # seconds from one crash of the modules to the next
 

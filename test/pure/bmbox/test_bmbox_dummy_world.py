@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from roah_rsbb.bmbox.dummy_world import EDGE_M, FOLLOW_M, TABLE, TABLE_SIZE, TARGET_AREA, DummyWorld
-from roah_rsbb.bmbox.ground_truth import Pose2D, angle_difference, distance, seen_from
-from roah_rsbb.core.module_messages import Outcome, OutcomeKind, Request, RequestKind, RunForModule, Step
+from roah_rsbb.bmbox.framework.dummy_world import EDGE_M, FOLLOW_M, TABLE, TABLE_SIZE, TARGET_AREA, DummyWorld
+from roah_rsbb.bmbox.framework.ground_truth import Pose2D, angle_difference, distance, seen_from
+from roah_rsbb.core.modules.messages import Outcome, OutcomeKind, Request, RequestKind, RunForModule, Step
 
 
 class World:

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from roah_rsbb.bmbox.ground_truth import (
+from roah_rsbb.bmbox.framework.ground_truth import (
     NO_TRANSFORM,
     GroundTruth,
     Pose2D,

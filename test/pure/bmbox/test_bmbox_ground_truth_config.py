@@ -3,9 +3,9 @@
 import pytest
 
 from helpers.config_files import SHIPPED
-from roah_rsbb.bmbox.ground_truth import NO_TRANSFORM, NoPose, Pose3
-from roah_rsbb.bmbox.ground_truth_config import Marker, load
-from roah_rsbb.core.config_errors import ConfigErrors
+from roah_rsbb.bmbox.framework.ground_truth import NO_TRANSFORM, NoPose, Pose3
+from roah_rsbb.bmbox.framework.ground_truth_config import Marker, load
+from roah_rsbb.rulebook.errors import ConfigErrors
 
 GOOD = """\
 reference_frame: testbed

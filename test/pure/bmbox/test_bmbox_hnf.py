@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from roah_rsbb.bmbox.ground_truth import Pose2D, Pose3
+from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3
+from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
 from roah_rsbb.bmbox.hnf import HNF, mean_angle
-from roah_rsbb.bmbox.rehearsal import Poses, Rehearsal
 
 WAYPOINTS = [Pose2D(1.0, 0.0, 0.0), Pose2D(2.0, 2.0, math.pi), Pose2D(0.0, 0.0, -math.pi / 2)]
 

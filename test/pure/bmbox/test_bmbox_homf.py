@@ -4,10 +4,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from roah_rsbb.bmbox.framework.rehearsal import Rehearsal
 from roah_rsbb.bmbox.homf import HOMF, in_order
-from roah_rsbb.bmbox.rehearsal import Rehearsal
 from roah_rsbb.bmbox.stb import STB
-from roah_rsbb.core.module_messages import RequestKind
+from roah_rsbb.core.modules.messages import RequestKind
 
 GOALS = [
     SimpleNamespace(initial_state=[False, True, False], switches=[1, 3, 2]),

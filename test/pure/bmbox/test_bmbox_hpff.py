@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from roah_rsbb.bmbox.ground_truth import Pose2D, Pose3
+from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3
+from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
 from roah_rsbb.bmbox.hpff import HPFF, add_sample, is_failed
-from roah_rsbb.bmbox.rehearsal import Poses, Rehearsal
 
 LIMITS = {"minimum_distance": 0.15, "maximum_distance": 3.5, "desired_distance": 2.0, "goal_timeout": 300.0}
 

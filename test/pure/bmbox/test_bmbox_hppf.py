@@ -2,11 +2,11 @@
 
 import pytest
 
-from roah_rsbb.bmbox.ground_truth import NoPose, Pose3
+from roah_rsbb.bmbox.framework.ground_truth import NoPose, Pose3
+from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
+from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.bmbox.hppf import HPPF, is_same_name
-from roah_rsbb.bmbox.rehearsal import Poses, Rehearsal
-from roah_rsbb.bmbox.runner import ModuleRunner
-from roah_rsbb.core.module_messages import RequestKind, RunForModule
+from roah_rsbb.core.modules.messages import RequestKind, RunForModule
 
 HERE = Pose3(1.0, 1.0, 1.8, 0.0)
 

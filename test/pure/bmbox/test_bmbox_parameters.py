@@ -4,8 +4,8 @@ import pathlib
 
 import pytest
 
-from roah_rsbb.bmbox.ground_truth import Pose2D, Pose3
-from roah_rsbb.bmbox.parameters import (
+from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3
+from roah_rsbb.bmbox.framework.parameters import (
     ListOf,
     Number,
     Pose,
@@ -17,8 +17,8 @@ from roah_rsbb.bmbox.parameters import (
     YesNo,
     read_parameters,
 )
-from roah_rsbb.bmbox.registry import modules
-from roah_rsbb.core.config_errors import ConfigErrors
+from roah_rsbb.bmbox.framework.registry import modules
+from roah_rsbb.rulebook.errors import ConfigErrors
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config" / "modules"
 FIELDS = {

@@ -5,11 +5,11 @@ import sys
 import pytest
 
 from roah_rsbb import bmbox
-from roah_rsbb.bmbox import registry
-from roah_rsbb.core.benchmarks import KINDS, Kind
+from roah_rsbb.bmbox.framework import registry
+from roah_rsbb.rulebook.benchmarks import KINDS, Kind
 
 MODULE = """
-from roah_rsbb.bmbox.module import Module
+from roah_rsbb.bmbox.framework.module import Module
 
 class {name}(Module):
     CODE = "{code}"

@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from roah_rsbb.bmbox.results import BadResult, read_record
+from roah_rsbb.bmbox.framework.results import BadResult, read_record
 
 HOPF = {"class": str, "instance": str, "x": float, "y": float, "theta": float}
 

@@ -2,15 +2,15 @@
 
 import pytest
 
-from roah_rsbb.bmbox.ground_truth import Pose3
-from roah_rsbb.bmbox.module import Disconnected, Module, RunEnded, RunTimedOut, Stopped
-from roah_rsbb.bmbox.rehearsal import Poses, Rehearsal
-from roah_rsbb.bmbox.runner import ModuleRunner
-from roah_rsbb.bmbox.score import Value
-from roah_rsbb.core.benchmarks import ScoreKind, ScoringItem
-from roah_rsbb.core.config_errors import ConfigError, ConfigErrors
-from roah_rsbb.core.module_messages import Outcome, OutcomeKind, Request, RequestKind, RunForModule, Step
-from roah_rsbb.core.scoring import ScoreGroup
+from roah_rsbb.bmbox.framework.ground_truth import Pose3
+from roah_rsbb.bmbox.framework.module import Disconnected, Module, RunEnded, RunTimedOut, Stopped
+from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
+from roah_rsbb.bmbox.framework.runner import ModuleRunner
+from roah_rsbb.bmbox.framework.score import Value
+from roah_rsbb.core.modules.messages import Outcome, OutcomeKind, Request, RequestKind, RunForModule, Step
+from roah_rsbb.core.scoring.sheet import ScoreGroup
+from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
+from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors
 
 DONE = Outcome(OutcomeKind.DONE)
 

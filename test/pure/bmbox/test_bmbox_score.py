@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from roah_rsbb.bmbox.score import Score, Value
-from roah_rsbb.core.module_messages import ScoreValue
+from roah_rsbb.bmbox.framework.score import Score, Value
+from roah_rsbb.core.modules.messages import ScoreValue
 
 
 def score():

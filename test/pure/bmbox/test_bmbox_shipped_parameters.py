@@ -3,9 +3,9 @@
 import pytest
 
 from helpers.config_files import SHIPPED
-from roah_rsbb.bmbox.parameters import read_parameters
-from roah_rsbb.bmbox.registry import modules
-from roah_rsbb.core.config_errors import ConfigErrors
+from roah_rsbb.bmbox.framework.parameters import read_parameters
+from roah_rsbb.bmbox.framework.registry import modules
+from roah_rsbb.rulebook.errors import ConfigErrors
 
 MODULES = SHIPPED / "modules"
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from helpers.config_files import SHIPPED
 from roah_rsbb.comm.passwords import BadPasswords, own_password, parse_passwords, read_passwords
-from roah_rsbb.core.config_errors import Report
-from roah_rsbb.core.config_passwords import PasswordsFile
+from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.passwords_file import PasswordsFile
 
 REPEATABLE = {"deadline": None, "database": None, "derandomize": True}
 

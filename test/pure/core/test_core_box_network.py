@@ -4,10 +4,11 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition
-from roah_rsbb.core import effects, views
+from roah_rsbb.core import effects
 from roah_rsbb.core.effects import GiveUp, Level
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.states import RobotState
+from roah_rsbb.core.views import views
+from roah_rsbb.protocol import RobotState
 
 
 @pytest.mark.parametrize("after", [0.0, 2.5, 4.999])

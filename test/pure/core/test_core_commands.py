@@ -6,11 +6,11 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.commands import COMMANDS
-from roah_rsbb.core.phases import EndReason, Phase
 from roah_rsbb.core.referee_record import RunName
 from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.runs.phases import EndReason, Phase
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 
 def _refused(driver, command, zone="tbm"):

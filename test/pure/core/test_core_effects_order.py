@@ -9,7 +9,7 @@ from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.effects import How
 from roah_rsbb.core.messages import BoxMessage
 from roah_rsbb.core.run_log import KINDS, LogKind
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 
 def _names(driver, *left_out):

@@ -3,7 +3,7 @@
 import yaml
 
 from roah_rsbb.core.messages import NEVER, BoxMessage, RobotReport
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 
 def test_a_robots_message_in_the_log_holds_what_was_sent():

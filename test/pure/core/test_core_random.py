@@ -9,17 +9,18 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import TEAMS, competition, event
 from helpers.linked_world import FakeLink, World, assert_legal
-from roah_rsbb.core import effects, views
+from roah_rsbb.core import effects
 from roah_rsbb.core.commands import COMMANDS
+from roah_rsbb.core.link.timeline import Timeline, Verdict
 from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
-from roah_rsbb.core.phases import EndReason, Phase
 from roah_rsbb.core.referee_record import RunName
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.core.scoring import Mark
+from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.core.timeline import Timeline, Verdict
+from roah_rsbb.core.views import views
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.machine import IllegalEvent
-from roah_rsbb.states import BoxState, RobotState
 
 hypothesis = pytest.importorskip("hypothesis")
 given, st = hypothesis.given, hypothesis.strategies

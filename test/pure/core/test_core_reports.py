@@ -7,7 +7,7 @@ from helpers.competition import competition, event
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.refused import Refused
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.states import RobotState
+from roah_rsbb.protocol import RobotState
 
 hypothesis = pytest.importorskip("hypothesis")
 given, st = hypothesis.given, hypothesis.strategies

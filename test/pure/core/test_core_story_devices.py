@@ -8,7 +8,7 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level, SendBeacon, SetDevice
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, TabletState
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.states import RobotState
+from roah_rsbb.protocol import RobotState
 
 
 def _catering(code="HCFGAC"):

@@ -5,9 +5,9 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from roah_rsbb.core import effects
-from roah_rsbb.core.phases import EndReason, Phase
+from roah_rsbb.core.runs.phases import EndReason, Phase
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 
 def _executing(saved=0, settings=None, config=None):

@@ -4,10 +4,11 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
-from roah_rsbb.core import effects, views
-from roah_rsbb.core.phases import EndReason, Phase
+from roah_rsbb.core import effects
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.views import views
+from roah_rsbb.protocol import BoxState, RobotState
 
 
 def test_two_zones_at_once_do_not_touch_each_other():

@@ -6,11 +6,11 @@ import pytest
 
 from helpers.box_driver import BoxDriver, wire
 from helpers.competition import competition
-from roah_rsbb.core import views
 from roah_rsbb.core.effects import Level, SendBeacon
 from roah_rsbb.core.messages import NEVER, TabletState
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import LAST_SECOND, MAX_DISTANCE_M, MEANT_S, REMEMBER_SILENT_S, SILENT_S
+from roah_rsbb.core.views import views
 
 HOST, OTHER = "10.0.0.3", "10.0.0.4"
 CALL, PLACE, EARLIER, LATER = (100, 0), (200, 0), (50, 0), (300, 0)

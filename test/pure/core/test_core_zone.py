@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.competition import competition
-from roah_rsbb.core.phases import EndReason
+from roah_rsbb.core.runs.phases import EndReason
 from roah_rsbb.core.zone import Zone
 
 

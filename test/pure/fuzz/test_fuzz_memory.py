@@ -5,11 +5,11 @@ import gc
 import tracemalloc
 
 from fuzzing.core import CODES, HOSTS, Play
-from roah_rsbb.core import views
 from roah_rsbb.core.messages import RobotReport, TabletState
-from roah_rsbb.core.module_messages import ModuleInfo, ModulesState, Progress, ScoreValue
+from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, ScoreValue
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.states import RobotState
+from roah_rsbb.core.views import views
+from roah_rsbb.protocol import RobotState
 
 FEW, MANY = 3, 8
 # What lists and caches of Python itself take now and then.

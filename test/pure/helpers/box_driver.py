@@ -2,12 +2,13 @@
 
 from helpers.competition import UTC0, competition
 from helpers.effect_rules import EffectRules
-from roah_rsbb.core import effects, views
+from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.core.views import views
+from roah_rsbb.protocol import BoxState, RobotState
 
 MONO0 = 1000.0
 

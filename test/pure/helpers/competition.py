@@ -1,7 +1,7 @@
 """A small competition, made by hand: benchmarks, events and zones for the tests of the core."""
 
-from roah_rsbb.core.benchmarks import Benchmark, Config, Event, ScoreKind, ScoringItem, ZonePlan
-from roah_rsbb.core.records import ItemRecord, RunRecord, StopRecord
+from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord
+from roah_rsbb.rulebook.benchmarks import Benchmark, Config, Event, ScoreKind, ScoringItem, ZonePlan
 
 UTC0 = 1_800_000_000.0
 TEAMS = ("Alpha", "Beta", "Gamma")

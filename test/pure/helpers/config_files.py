@@ -4,8 +4,8 @@ import os
 import pathlib
 from typing import Dict, List, Tuple
 
-from roah_rsbb.core import config
-from roah_rsbb.core.benchmarks import Config
+from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.benchmarks import Config
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config"
 NAMES = ("benchmarks", "schedule", "passwords")

@@ -2,14 +2,14 @@
 
 from helpers.config_files import SHIPPED
 from helpers.module_player import functionality
-from roah_rsbb.bmbox.dummy_world import DummyWorld
-from roah_rsbb.bmbox.ground_truth import GroundTruth
-from roah_rsbb.bmbox.parameters import read_parameters
-from roah_rsbb.bmbox.registry import modules
-from roah_rsbb.bmbox.runner import ModuleRunner
-from roah_rsbb.core.module_messages import ModuleInfo, ModulesState
-from roah_rsbb.core.phases import Phase
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.bmbox.framework.dummy_world import DummyWorld
+from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
+from roah_rsbb.bmbox.framework.parameters import read_parameters
+from roah_rsbb.bmbox.framework.registry import modules
+from roah_rsbb.bmbox.framework.runner import ModuleRunner
+from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState
+from roah_rsbb.core.runs.phases import Phase
+from roah_rsbb.protocol import BoxState, RobotState
 
 PREPARE_S, EXECUTE_S = 1.0, 3.0
 ZONE = "tbm"

@@ -9,7 +9,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.file import Resume, Session
 from roah_rsbb.journal.store import Journal
-from roah_rsbb.nodes import core_journal
+from roah_rsbb.nodes.core import journal
 
 CATERING = event("HCFGAC", timeout=300.0)
 NAVIGATION = event("HNF", team="Beta", timeout=60.0, total_timeout=300.0)
@@ -41,12 +41,12 @@ class JournaledDriver(BoxDriver):
     def open(self, directory, resume=Resume.ALWAYS, launch=""):
         """Open the journal in a directory, and go on from it."""
         session = Session(self.now.utc, self.now.mono, self.boot, 1, "uuid", launch)
-        events = core_journal.competition(self.config)
+        events = journal.competition(self.config)
         self.journal = Journal(str(directory), session, events, resume, self.troubles.append)
         self._rules.restart()
         self.box = Box(self.config, self.settings, beacon_bytes, self.journal.before.last_port)
-        self.core_journal = core_journal.CoreJournal(self.box, self.journal)
-        saved, warnings = core_journal.saved_before(self.journal.before, self.now, self.boot)
+        self.core_journal = journal.CoreJournal(self.box, self.journal)
+        saved, warnings = journal.saved_before(self.journal.before, self.now, self.boot)
         self.troubles += [*self.journal.warnings, *warnings]
         self.event(self.box.resume, saved)
 

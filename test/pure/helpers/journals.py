@@ -2,7 +2,7 @@
 
 import json
 
-from roah_rsbb.core.saved import freeze
+from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
 from roah_rsbb.journal.file import Resume, Session
 from roah_rsbb.journal.store import Journal

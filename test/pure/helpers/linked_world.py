@@ -16,11 +16,11 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now, wire_ns
 from roah_rsbb.core.effects import How
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.nodes import wire_convert
+from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.session import Session
-from roah_rsbb.states import BoxState, RobotState
 
 BOX_HOST = "10.0.0.1"
 PUBLIC_PORT = 6666

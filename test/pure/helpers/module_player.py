@@ -2,8 +2,8 @@
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
-from roah_rsbb.core.module_messages import ModuleInfo, ModulesState, Progress, Request, RequestKind
-from roah_rsbb.states import RobotState
+from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, RequestKind
+from roah_rsbb.protocol import RobotState
 
 BEAT_S = 0.5
 

@@ -3,8 +3,8 @@
 from typing import Callable, Dict, List, Optional
 
 from roah_rsbb.core.refused import Refused
-from roah_rsbb.nodes.referee_exits import NoCore
-from roah_rsbb.nodes.referee_state import (
+from roah_rsbb.referee.exits import NoCore
+from roah_rsbb.referee.state import (
     COMMANDS,
     CONNECTED,
     ENDED,

@@ -1,9 +1,9 @@
 """A robot's session on a test bench: simulated time, a box's words, and all that the session does."""
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.session import Session
-from roah_rsbb.states import BoxState, RobotState
 
 BOX = "127.0.0.1"
 OTHER_BOX = "127.0.0.9"

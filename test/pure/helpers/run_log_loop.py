@@ -8,7 +8,7 @@ import time
 
 from helpers.bags import UTC, UUID, read, rosbag
 from roah_rsbb.core import effects
-from roah_rsbb.nodes.run_log_writer import RunLogWriter
+from roah_rsbb.run_logs.writer import RunLogWriter
 
 PORT, OTHER = 6670, 6671
 LIMIT_S = 20.0

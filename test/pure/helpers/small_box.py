@@ -9,8 +9,8 @@ from collections import defaultdict
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.link import STRING_FIELDS
-from roah_rsbb.states import BoxState, RobotState
 
 BOX, ROBOT, BROADCAST = "127.0.0.1", "127.0.0.2", "127.255.255.255"
 TEAM, NAME, PASSWORD = "Team", "Robot", "PASSWORD"

@@ -9,8 +9,8 @@ import tempfile
 import pytest
 
 from helpers.journals import UTC0, Writer
-from roah_rsbb.core.link_record import LinkSample
-from roah_rsbb.core.records import RunRecord
+from roah_rsbb.core.link.record import LinkSample
+from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal import schema
 from roah_rsbb.journal.reader import JournalError, JournalMember, JournalReader, JournalRun
 

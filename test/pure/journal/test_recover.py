@@ -6,7 +6,7 @@ import sqlite3
 import pytest
 
 from helpers.journals import UTC0, Writer
-from roah_rsbb.core.records import RunRecord
+from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal import recover as recover_module
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover

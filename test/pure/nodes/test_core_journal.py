@@ -8,11 +8,11 @@ from helpers.journaled import NO_LISTENING, JournaledDriver, box, two_zones
 from helpers.module_player import FakeModules, does_goal
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.messages import DevicesState, TabletState
-from roah_rsbb.core.module_messages import RequestKind, ScoreValue
-from roah_rsbb.core.phases import EndReason, Phase
-from roah_rsbb.core.saved import freeze
+from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
+from roah_rsbb.core.restart.saved import freeze
+from roah_rsbb.core.runs.phases import EndReason, Phase
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.states import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
 WAYPOINT = {"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}
 

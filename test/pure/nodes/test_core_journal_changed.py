@@ -5,7 +5,7 @@ import pytest
 from helpers.competition import DOOR, competition, event
 from helpers.journaled import CATERING, NAVIGATION, box
 from roah_rsbb.core.referee_record import RunName
-from roah_rsbb.core.scoring import Mark
+from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.journal.file import Resume
 
 

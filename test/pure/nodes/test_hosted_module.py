@@ -5,13 +5,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from roah_rsbb.bmbox.ground_truth import GroundTruth
-from roah_rsbb.bmbox.module import Module
-from roah_rsbb.bmbox.score import Value
-from roah_rsbb.core.config_errors import Report
-from roah_rsbb.core.module_messages import Outcome, OutcomeKind, RunForModule, Step
-from roah_rsbb.core.yaml_lines import Place
-from roah_rsbb.nodes.hosted_module import HostedModule
+from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
+from roah_rsbb.bmbox.framework.module import Module
+from roah_rsbb.bmbox.framework.score import Value
+from roah_rsbb.core.modules.messages import Outcome, OutcomeKind, RunForModule, Step
+from roah_rsbb.nodes.modules.hosted_module import HostedModule
+from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.yaml_lines import Place
 
 RUN = RunForModule("TEST-1", 1, "Home", "TEST", "Alpha", 1, 1, running=True)
 

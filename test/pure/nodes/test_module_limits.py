@@ -5,8 +5,8 @@ import re
 
 import pytest
 
-from roah_rsbb.core.module_messages import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
-from roah_rsbb.nodes.module_limits import (
+from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
+from roah_rsbb.nodes.modules.limits import (
     MAX_JSON,
     MAX_LIST,
     MAX_NAME,

@@ -6,8 +6,8 @@ import pytest
 
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.heartbeat import Heartbeat
-from roah_rsbb.nodes import wire_convert
-from roah_rsbb.nodes.report_reader import ReportReader
+from roah_rsbb.nodes.core import wire_convert
+from roah_rsbb.nodes.core.report_reader import ReportReader
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 IDS = frame.ids_of(pb.RobotState)

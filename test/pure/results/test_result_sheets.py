@@ -7,14 +7,14 @@ import pytest
 
 from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_full_run
-from roah_rsbb.core.link_record import LinkSample
+from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.results import texts
 from roah_rsbb.results.html_sheet import sheet_page
 from roah_rsbb.results.page import tag
 from roah_rsbb.results.run_result import NoSuchRun, find, records, run_result
 from roah_rsbb.results.story import box_states, robot_states, sections
 from roah_rsbb.results.text_sheet import list_lines, sheet_lines
+from roah_rsbb.wording import result_texts
 
 
 @pytest.fixture
@@ -82,18 +82,18 @@ class Page(html.parser.HTMLParser):
 
 
 def test_times_are_local_with_their_offset_or_utc(lisbon):
-    assert texts.moment(UTC0) == "2025-11-21 12:00:00 +01:00"
-    assert texts.moment(UTC0, in_utc=True) == "2025-11-21 11:00:00Z"
-    assert texts.iso(UTC0 + 0.25) == "2025-11-21T12:00:00.250+01:00"
-    assert texts.clock(UTC0 + 0.98) == "12:00:00.9"
-    assert texts.clock(UTC0, in_utc=True) == "11:00:00.0"
-    assert (texts.duration(0.0), texts.duration(599.96), texts.duration(61.3)) == ("0:00.0", "10:00.0", "1:01.3")
+    assert result_texts.moment(UTC0) == "2025-11-21 12:00:00 +01:00"
+    assert result_texts.moment(UTC0, in_utc=True) == "2025-11-21 11:00:00Z"
+    assert result_texts.iso(UTC0 + 0.25) == "2025-11-21T12:00:00.250+01:00"
+    assert result_texts.clock(UTC0 + 0.98) == "12:00:00.9"
+    assert result_texts.clock(UTC0, in_utc=True) == "11:00:00.0"
+    assert [result_texts.duration(s) for s in (0.0, 599.96, 61.3)] == ["0:00.0", "10:00.0", "1:01.3"]
 
 
 def test_what_cannot_be_printed_is_seen():
-    assert texts.visible("a\x1b[31m\u202eb\nc\x00 ü") == "a\\x1b[31m\\u202eb\nc\\x00 ü"
-    assert texts.line("a\n  b\t") == "a b\\t"
-    assert texts.visible("\ud800") == "\\ud800"
+    assert result_texts.visible("a\x1b[31m\u202eb\nc\x00 ü") == "a\\x1b[31m\\u202eb\nc\\x00 ü"
+    assert result_texts.line("a\n  b\t") == "a b\\t"
+    assert result_texts.visible("\ud800") == "\\ud800"
 
 
 def test_a_run_is_found_by_number_identity_or_its_beginning():
@@ -205,7 +205,7 @@ def test_the_list(lisbon):
     ({"end_reason": "of a newer version"}, "of a newer version"),
 ])
 def test_where_a_run_is(fields, state):
-    assert texts.state_of(task_record("Alpha", 1, **fields)) == state
+    assert result_texts.state_of(task_record("Alpha", 1, **fields)) == state
 
 
 def test_the_sheet_in_the_terminal(result, lisbon):
@@ -268,7 +268,7 @@ def test_a_page_is_what_was_written_and_no_more(result):
         "html", "head", "meta", "title", "style", "body", "h1", "h2", "h3", "p", "table", "thead", "tbody", "tr", "th",
         "td", "div", "span", "del", "svg", "rect", "line", "text", "path", "circle",
     }
-    assert page.text().count(texts.visible(EVIL)) >= 7, "shown as it is, at all places"
+    assert page.text().count(result_texts.visible(EVIL)) >= 7, "shown as it is, at all places"
     names = {name for name, _ in page.attributes}
     assert not {"href", "src", "onload", "onclick"} & names
     assert re.findall(r"https?://[^\"<]*", page_text) == ["http://www.w3.org/2000/svg"]

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import pytest
 
 from helpers.journals import UTC0
-from roah_rsbb.core.link_record import LinkSample
+from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.results.link_plot import LEFT, MAX_COLUMNS, RIGHT, WIDTH, Rows, link_plot
 from roah_rsbb.results.run_result import LinkSecond
 from roah_rsbb.results.story import Stretch

@@ -15,8 +15,8 @@ import pytest
 
 from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_competition
-from roah_rsbb.core.link_record import LinkSample
-from roah_rsbb.core.records import RunRecord, ScoreEntry, ScoreValue
+from roah_rsbb.core.link.record import LinkSample
+from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry, ScoreValue
 from roah_rsbb.results import program, tables
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -142,12 +142,12 @@ def test_the_journals_of_a_log_dir(run, journal, tmp_path):
 
 
 def test_a_bag_needs_ros_and_a_file_that_is_not_there(run, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "roah_rsbb.nodes.bag_file", None)
+    monkeypatch.setitem(sys.modules, "roah_rsbb.run_logs.bag_file", None)
     status, _, err = run("bag", "1", tmp_path / "x.bag")
     assert (status, "do it on a computer with ROS" in err) == (1, True)
     bags = types.SimpleNamespace(WRITE_ERRORS=(OSError,), write_whole=lambda path, entries: written.append(entries))
     written = []
-    monkeypatch.setitem(sys.modules, "roah_rsbb.nodes.bag_file", bags)
+    monkeypatch.setitem(sys.modules, "roah_rsbb.run_logs.bag_file", bags)
     assert run("bag", "1", tmp_path / "x.bag")[0] == 0
     [entries] = written
     assert entries[0][:2] == ("/rsbb_log/rsbb_state_str", "STOP")

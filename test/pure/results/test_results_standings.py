@@ -14,11 +14,11 @@ from helpers.results_of import (
     module_record,
     task_record,
 )
-from roah_rsbb.core.config_errors import ConfigErrors
-from roah_rsbb.core.records import ScoreValue, SignOff
+from roah_rsbb.core.scoring.records import ScoreValue, SignOff
 from roah_rsbb.results.standing import Choice, standing, standings
 from roah_rsbb.results.standing_rules import DEFAULT, Criterion, OfRuns, Rules, Term, read_rules
 from roah_rsbb.results.standing_texts import run_text, standing_lines, standing_markup
+from roah_rsbb.rulebook.errors import ConfigErrors
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config" / "standings.yaml"
 ACHIEVEMENTS = Criterion("Achievements", True, (Term(group=ACHIEVED),))

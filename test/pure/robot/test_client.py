@@ -10,11 +10,11 @@ from helpers.small_box import BOX, BROADCAST, NAME, PASSWORD, ROBOT, TEAM, Small
 from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.client import Behaviour, RobotClient
 from roah_rsbb.robot.goals import HopfResult, HppfResult, Pose
 from roah_rsbb.robot.machine import IllegalEvent
-from roah_rsbb.states import BoxState, RobotState
 
 
 class Recorder(Behaviour):

@@ -12,10 +12,10 @@ import pytest
 from helpers.small_box import BROADCAST, NAME, PASSWORD, ROBOT, TEAM, SmallBox, free_ports
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.sockets import listen
+from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot import dummy
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy_robot import CRASH_STATUS, DummyOptions, DummyRobot, dummy_client
-from roah_rsbb.states import RobotState
 
 QUICK = {"prepare_duration": 0.05, "execute_duration": 0.05, "seed": 1}
 

@@ -8,9 +8,9 @@ from helpers.golden import PASSWORD, SESSIONS, load
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.comm.frame import decode_private, decode_public
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.session import Session
-from roah_rsbb.states import RobotState
 
 BOX = "10.99.0.1"
 PUBLIC_PORT = 6666

@@ -4,6 +4,7 @@ import itertools
 
 import pytest
 
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.machine import (
     BOX_TABLE,
     OWN_TABLE,
@@ -15,7 +16,6 @@ from roah_rsbb.robot.machine import (
     error_text,
     own_step,
 )
-from roah_rsbb.states import BoxState, RobotState
 
 # The table as the protocol has it: rows are what the box sends, columns the robot's present state.
 TABLE = """

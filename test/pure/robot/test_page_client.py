@@ -7,7 +7,7 @@ import pytest
 
 from helpers.page_client import PageClient
 from helpers.small_box import BROADCAST, NAME, PASSWORD, ROBOT, TEAM, SmallBox
-from roah_rsbb.states import RobotState
+from roah_rsbb.protocol import RobotState
 
 
 def with_client(box, body):

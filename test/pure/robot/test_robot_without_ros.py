@@ -16,16 +16,15 @@ from helpers import golden
 from helpers.small_box import BROADCAST, PASSWORD, ROBOT, TEAM, SmallBox
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher, Key
-from roah_rsbb.core.link import SILENT_S
+from roah_rsbb.core.link.link import SILENT_S
+from roah_rsbb.core.link.skew import WINDOW_S
 from roah_rsbb.core.robots import MAX_NAME
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.core.skew import WINDOW_S
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S, BoxState, RobotState
 from roah_rsbb.robot.link import STALE_S
 from roah_rsbb.robot.machine import Act, box_step
 from roah_rsbb.robot.watch import SILENCE_S
-from roah_rsbb.states import BoxState, RobotState
-from roah_rsbb.timing import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S
 
 DOCS = pathlib.Path(__file__).resolve().parents[3] / "docs"
 PAGE = (DOCS / "robot_without_ros.md").read_text(encoding="utf-8")

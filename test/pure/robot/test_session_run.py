@@ -4,9 +4,9 @@ import pytest
 
 from helpers.robot_bench import BOX, PORT, UTC0, Bench, executing, linked_bench
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Goal, HppfResult, Pose
-from roah_rsbb.states import BoxState, RobotState
 
 
 @pytest.fixture

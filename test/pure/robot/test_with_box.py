@@ -11,10 +11,10 @@ from helpers.competition import competition
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import How
-from roah_rsbb.nodes.wire_convert import beacon_message, report_of, state_message, time_of
+from roah_rsbb.nodes.core.wire_convert import beacon_message, report_of, state_message, time_of
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.session import Session
-from roah_rsbb.states import BoxState, RobotState
 
 BOX, ROBOT, TEAM, NAME = "10.0.0.1", "10.0.0.2", "Alpha", "r1"
 PHASE_S = 3.0  # that preparing and executing take

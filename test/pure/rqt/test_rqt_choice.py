@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from roah_rsbb.rqt import display, gui
+from roah_rsbb.rqt.app import display, gui
 
 
 @pytest.mark.parametrize(("wanted", "has_rqt", "command"), [

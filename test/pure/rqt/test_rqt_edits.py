@@ -1,6 +1,6 @@
 """What the referee changed is never overwritten by an older message."""
 
-from roah_rsbb.rqt.edits import MARGIN_S, Edits
+from roah_rsbb.rqt.model.edits import MARGIN_S, Edits
 
 ITEM, OTHER = ("Achievements", "opens the door"), ("Achievements", "finds Annie")
 

@@ -37,10 +37,10 @@ def test_arguments_are_explained(path):
 
 
 def test_each_plugin_names_a_class_that_there_is():
-    source = ast.parse((ROOT / "src" / "roah_rsbb" / "rqt" / "plugins.py").read_text(encoding="utf-8"))
+    source = ast.parse((ROOT / "src" / "roah_rsbb" / "rqt" / "app" / "plugins.py").read_text(encoding="utf-8"))
     classes = {node.name for node in source.body if isinstance(node, ast.ClassDef)} - {"PanelPlugin"}
     named = {element.get("name"): element.get("type") for element in PLUGINS.iter("class")}
-    assert named == {f"rqt_roah_rsbb/{name}": f"roah_rsbb.rqt.plugins.{name}" for name in classes}
+    assert named == {f"rqt_roah_rsbb/{name}": f"roah_rsbb.rqt.app.plugins.{name}" for name in classes}
 
 
 def test_all_plugins_are_in_one_group_of_the_menu():

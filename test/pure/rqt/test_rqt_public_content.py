@@ -7,8 +7,9 @@ from unittest import mock
 
 import pytest
 
-from roah_rsbb.rqt import public_content, public_layout
-from roah_rsbb.rqt.public_layout import Rect, Screen
+from roah_rsbb.rqt.public import content as public_content
+from roah_rsbb.rqt.public import layout
+from roah_rsbb.rqt.public.layout import Rect, Screen
 
 NOW = 1_800_000_000.0  # 2027-01-15 08:00:00 UTC
 
@@ -116,13 +117,13 @@ def test_a_result_and_its_scores():
 
 @pytest.mark.parametrize("count, expected", [(0, [0]), (1, [1]), (6, [6]), (7, [4, 3]), (20, [5, 5, 5, 5])])
 def test_pages_are_even_and_lose_nothing(count, expected):
-    pages = public_layout.pages(list(range(count)), 6)
+    pages = layout.pages(list(range(count)), 6)
     assert [len(page) for page in pages] == expected
     assert [item for page in pages for item in page] == list(range(count))
 
 
 @pytest.mark.parametrize("size", [(1280, 720), (1920, 1080), (3840, 2160), (1024, 768), (2560, 1080)])
-@pytest.mark.parametrize("count", range(public_layout.CARDS_ON_A_PAGE + 1))
+@pytest.mark.parametrize("count", range(layout.CARDS_ON_A_PAGE + 1))
 def test_nothing_overlaps_and_there_is_room_for_what_follows(size, count):
     screen = Screen(*size)
     cards = screen.cards(count)
@@ -133,11 +134,11 @@ def test_nothing_overlaps_and_there_is_room_for_what_follows(size, count):
         for other in places[i + 1:]:
             assert (one.right <= other.x or other.right <= one.x
                     or one.bottom <= other.y + 1e-6 or other.bottom <= one.y + 1e-6)
-    assert public_layout.rows_that_fit(below, screen.unit, with_scores=False) >= 3
-    assert public_layout.rows_that_fit(below, screen.unit, with_scores=True) >= 1
+    assert layout.rows_that_fit(below, screen.unit, with_scores=False) >= 3
+    assert layout.rows_that_fit(below, screen.unit, with_scores=True) >= 1
 
 
-@pytest.mark.parametrize("parts", [public_layout.wide_card, public_layout.flat_card, public_layout.narrow_card])
+@pytest.mark.parametrize("parts", [layout.wide_card, layout.flat_card, layout.narrow_card])
 def test_the_parts_of_a_card_do_not_overlap(parts):
     inside = Rect(10.0, 20.0, 600.0, 120.0)
     found = parts(inside)

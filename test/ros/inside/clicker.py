@@ -14,7 +14,7 @@ from python_qt_binding.QtTest import QTest
 from python_qt_binding.QtWidgets import QApplication, QTabBar, QWidget
 from std_msgs.msg import String as StringMsg
 
-from roah_rsbb.rqt import application
+from roah_rsbb.rqt.app import application
 from roah_rsbb.srv import String
 
 SHOW_MS = 200

@@ -1,0 +1,1 @@
+"""What all benchmarking modules share: rules as coroutines, parameters, scores, ground truth."""

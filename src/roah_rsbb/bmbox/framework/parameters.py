@@ -1,0 +1,163 @@
+"""Parameters of a benchmarking module: declared in the module, read from one YAML file a benchmark.
+
+Errors are those of all configuration files: file, line, what was found, what was expected, all at once
+(`roah_rsbb.rulebook.errors`).
+"""
+
+import math
+from types import SimpleNamespace
+from typing import Any, Dict, List, Optional
+
+from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3
+from roah_rsbb.rulebook import yaml_fields
+from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.yaml_lines import Node, read_yaml
+
+# A test bed, generously, metres.
+FARTHEST_M = 1000.0
+MAX_SECONDS = 86400.0
+
+
+class Field:
+    """One parameter. `example` stands in error messages; with a default it may be left out of the file."""
+
+    def __init__(self, example: str, default: Any = None) -> None:
+        self.example = example
+        self.default = default
+
+    def read(self, report: Report, node: Optional[Node], what: str) -> Any:
+        """The value; None, with an entry in the report, where it is none."""
+        raise NotImplementedError
+
+
+class Number(Field):
+    """A number of some unit, above `above` (or from `least`) up to `most`."""
+
+    def __init__(self, unit: str, example: str, above: Optional[float] = None, least: Optional[float] = None,
+                 most: Optional[float] = None, default: Optional[float] = None) -> None:
+        super().__init__(example, default)
+        self._range = {"unit": unit, "above": above, "least": least, "most": most}
+
+    def read(self, report: Report, node: Optional[Node], what: str) -> Optional[float]:
+        return yaml_fields.number(report, node, what, **self._range)
+
+
+class Seconds(Number):
+    """A duration, above 0."""
+
+    def __init__(self, example: str = "120", default: Optional[float] = None) -> None:
+        super().__init__("seconds", example, above=0.0, most=MAX_SECONDS, default=default)
+
+
+class Whole(Field):
+    """A whole number from `least` to `most`."""
+
+    def __init__(self, example: str, least: int, most: int, default: Optional[int] = None) -> None:
+        super().__init__(example, default)
+        self._least, self._most = least, most
+
+    def read(self, report: Report, node: Optional[Node], what: str) -> Optional[int]:
+        return yaml_fields.integer(report, node, what, self._least, self._most)
+
+
+class Text(Field):
+    """A text of one line."""
+
+    def read(self, report: Report, node: Optional[Node], what: str) -> Optional[str]:
+        return yaml_fields.text(report, node, what)
+
+
+class YesNo(Field):
+    """true or false."""
+
+    def read(self, report: Report, node: Optional[Node], what: str) -> Optional[bool]:
+        word = yaml_fields.choice(report, node, what, ("true", "false"), "true or false")
+        return None if word is None else word == "true"
+
+
+class ListOf(Field):
+    """At least one of what `item` is."""
+
+    def __init__(self, item: Field, at_most: int = 1000) -> None:
+        super().__init__(f"[{item.example}]")
+        self._item, self._at_most = item, at_most
+
+    def read(self, report: Report, node: Optional[Node], what: str) -> Optional[List[Any]]:
+        nodes = yaml_fields.sequence(report, node, what, f"at least one, such as {self._item.example}")
+        if nodes is None:
+            return None
+        if len(nodes) > self._at_most:
+            extra = nodes[self._at_most]
+            return report.error(extra.place, f"{len(nodes)} of them as {what}", f"at most {self._at_most}")
+        found = [self._item.read(report, each, f"item {i} of {what}") for i, each in enumerate(nodes, 1)]
+        return None if None in found else found
+
+
+class _Coordinates(Field):
+    """So many numbers in a list: metres, and the last one an angle in radians."""
+
+    def __init__(self, example: str, kind: type, default: Any = None) -> None:
+        super().__init__(example, default)
+        self._kind = kind
+
+    def read(self, report: Report, node: Optional[Node], what: str) -> Any:
+        names = self._kind._fields
+        nodes = yaml_fields.sequence(report, node, what, f"{len(names)} numbers, such as {self.example}")
+        if nodes is None:
+            return None
+        if len(nodes) != len(names):
+            expected = f"{', '.join(names)}, such as {self.example}"
+            return report.error(node.place, f"{len(nodes)} numbers as {what}", expected)
+        found = [_coordinate(report, each, f"{name} of {what}", name) for name, each in zip(names, nodes)]
+        return None if None in found else self._kind(*found)
+
+
+def _coordinate(report: Report, node: Node, what: str, name: str) -> Optional[float]:
+    if name == "theta":
+        return yaml_fields.number(report, node, what, "radians", least=-2 * math.pi, most=2 * math.pi)
+    return yaml_fields.number(report, node, what, "metres", least=-FARTHEST_M, most=FARTHEST_M)
+
+
+class Pose(_Coordinates):
+    """A pose in the plane, [x, y, theta]: metres and radians."""
+
+    def __init__(self, example: str = "[1.5, 2.0, 1.57]", default: Optional[Pose2D] = None) -> None:
+        super().__init__(example, Pose2D, default)
+
+
+class Transform(_Coordinates):
+    """A pose with a height, [x, y, z, theta]: metres and radians."""
+
+    def __init__(self, example: str = "[0.1, 0.0, 0.05, 0.0]", default: Optional[Pose3] = None) -> None:
+        super().__init__(example, Pose3, default)
+
+
+class Record(Field):
+    """A map with these fields; its value has them as attributes."""
+
+    def __init__(self, fields: Dict[str, Field]) -> None:
+        super().__init__("{" + ", ".join(f"{name}: {field.example}" for name, field in fields.items()) + "}")
+        self._fields = fields
+
+    def read(self, report: Report, node: Optional[Node], what: str) -> Optional[SimpleNamespace]:
+        required = {name: field.example for name, field in self._fields.items() if field.default is None}
+        optional = {name: field.example for name, field in self._fields.items() if field.default is not None}
+        got = yaml_fields.fields(report, node, what, required, optional)
+        if got is None:
+            return None
+        found = {
+            name: field.default if name not in got and name in optional else field.read(report, got.get(name), name)
+            for name, field in self._fields.items()
+        }
+        return None if None in found.values() else SimpleNamespace(**found)
+
+
+def read_parameters(path: str, code: str, fields: Dict[str, Field]) -> SimpleNamespace:
+    """The parameters of a benchmark's module, as attributes; raises ConfigErrors with every error."""
+    report = Report()
+    record = Record(fields)
+    what = f"the parameters of {code}"
+    root = read_yaml(path, report, what, f"a map of {what}, such as {record.example}")
+    found = record.read(report, root, what)
+    report.raise_errors()
+    return found if found is not None else SimpleNamespace()

@@ -1,0 +1,148 @@
+"""A module's rules without ROS, robot or clock: you play the core, the referee and the robot.
+
+    rehearsal = Rehearsal(STB, {"goals": ["A"], "goal_timeout": 15.0})
+    rehearsal.answer()                       # the referee did the first manual operation
+    rehearsal.result("found it", seconds=4)  # the robot finished the first goal
+    assert rehearsal.score["A", "time"] == 4.0
+"""
+
+from types import SimpleNamespace
+from typing import Any, Dict, Optional, Type
+
+from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3
+from roah_rsbb.bmbox.framework.module import Module
+from roah_rsbb.bmbox.framework.runner import ModuleRunner
+from roah_rsbb.core.modules.messages import Outcome, OutcomeKind, Request, RequestKind, RunForModule, Step
+
+UTC0 = 1_800_000_000.0
+
+
+class Poses(GroundTruth):
+    """Ground truth that is what the test says: a pose for each subject, or None where there is none."""
+
+    def __init__(self, **subjects: Optional[Pose3]) -> None:
+        self.subjects: Dict[str, Optional[Pose3]] = dict(subjects)
+
+    def pose(self, frame: str, at_utc: Optional[float] = None) -> Pose3:
+        pose = self.subjects.get(frame)
+        if pose is None:
+            raise NoPose(f"Pose of {frame} cannot be had")
+        return pose
+
+
+class Rehearsal:
+    """One attempt of a module, from its start on."""
+
+    def __init__(
+        self, kind: Type[Module], parameters: Optional[Dict[str, Any]] = None, truth: Optional[GroundTruth] = None,
+        **run: Any,
+    ) -> None:
+        """`run`: fields of `RunForModule` that matter to the rules."""
+        self._kind = kind
+        self._parameters = dict(parameters or {})
+        self.truth = truth or Poses()
+        self.utc = UTC0
+        fields = {"zone": "zone", "team": "Team", "round": 1, "number": 1, "running": True, **run}
+        self.run = RunForModule("rehearsal", 1, benchmark=kind.CODE, **fields)
+        self.runner = self._runner()
+        self._tell()
+
+    # -- looking ------------------------------------------------------------------------------------
+
+    @property
+    def asked(self) -> Optional[Request]:
+        """What the module waits for; None: nothing any more."""
+        return None if not self.run.steps or self.run.steps[-1].outcome is not None else self.run.steps[-1].request
+
+    @property
+    def finished(self) -> bool:
+        """Whether the rules are through."""
+        return self.runner.progress().finished
+
+    @property
+    def failed(self) -> str:
+        """Why the module cannot go on; empty: it can."""
+        return self.runner.progress().failed
+
+    @property
+    def score(self) -> Any:
+        """The module's score."""
+        return self.module.score
+
+    @property
+    def module(self) -> Module:
+        """The module itself."""
+        return self.runner.module
+
+    # -- referee and robot --------------------------------------------------------------------------
+
+    def answer(self, answer: str = "") -> None:
+        """The referee did what was asked; "" is the usual answer where there are choices."""
+        asked = self._expect(RequestKind.REFEREE)
+        self._done(Outcome(OutcomeKind.DONE, answer=answer or (asked.choices[0] if asked.choices else "")))
+
+    def switches(self, *changed: int, damaged: int = 0) -> None:
+        """The referee entered switches."""
+        self._expect(RequestKind.SWITCHES)
+        self._done(Outcome(OutcomeKind.DONE, changed=changed, damaged=damaged))
+
+    def executes(self, seconds: float, step: float = 0.1) -> None:
+        """The robot executes the goal for so long; the module may look every `step` seconds."""
+        self._expect(RequestKind.GOAL)
+        if not self.run.told_utc:
+            self.run = self.run._replace(told_utc=self.utc)
+            self._tell()
+        steps = max(1, round(seconds / step))
+        for _ in range(steps):
+            self.runner.tick(self.utc)
+            self.utc += seconds / steps
+        self.run = self.run._replace(kept=self.runner.progress().kept)
+
+    def result(self, result: str = "", seconds: float = 0.0) -> None:
+        """The robot finished the goal after executing it for `seconds` in all."""
+        self._expect(RequestKind.GOAL)
+        self._done(Outcome(OutcomeKind.DONE, result=result, executing_s=seconds))
+
+    def time_out(self, seconds: float = 0.0) -> None:
+        """The goal's time is up; the robot executed for `seconds` of it."""
+        self._expect(RequestKind.GOAL)
+        self._done(Outcome(OutcomeKind.TIMED_OUT, executing_s=seconds))
+
+    def end(self, reason: str = "stopped", elapsed_s: float = 0.0) -> None:
+        """The run ends: stopped, timeout, no_messages_saved."""
+        self.run = self.run._replace(running=False, end_reason=reason, elapsed_s=elapsed_s, told_utc=0.0)
+        self._tell()
+
+    def restart(self, **parameters: Any) -> None:
+        """The module's process crashes and is there again (with these parameters changed)."""
+        self._parameters.update(parameters)
+        self.runner = self._runner()
+        self._tell()
+
+    # -- playing the core ---------------------------------------------------------------------------
+
+    def _runner(self) -> ModuleRunner:
+        return ModuleRunner(self._kind, lambda: SimpleNamespace(**self._parameters), self.truth)
+
+    def _expect(self, kind: RequestKind) -> Request:
+        asked = self.asked
+        if asked is None or asked.kind is not kind:
+            raise AssertionError(f"the module waits for {asked}, not for {kind.name}; {self.failed}")
+        return asked
+
+    def _done(self, outcome: Outcome) -> None:
+        last = self.run.steps[-1]._replace(outcome=outcome._replace(ended_utc=self.utc))
+        self.run = self.run._replace(steps=(*self.run.steps[:-1], last), told_utc=0.0)
+        self._tell()
+
+    def _tell(self) -> None:
+        """Tell the module what there is, take what it asks for, and answer notes at once."""
+        self.runner.on_run(self.run)
+        progress = self.runner.progress()
+        while self.run.running and progress.request is not None and progress.request.number > len(self.run.steps):
+            steps = (*self.run.steps, Step(progress.request))
+            if progress.request.kind is RequestKind.NOTE:
+                steps = (*steps[:-1], Step(progress.request, Outcome(OutcomeKind.DONE, ended_utc=self.utc)))
+            self.run = self.run._replace(steps=steps, kept=progress.kept)
+            self.runner.on_run(self.run)
+            progress = self.runner.progress()

@@ -1,0 +1,1 @@
+"""What is known of a robot's link: freshness, clock skew, quality over time."""

@@ -1,0 +1,257 @@
+"""What the box knows of the robot at the other end of a private channel.
+
+Staleness, skew, silence and clock steps are judged here; what they mean for the run is decided in
+`roah_rsbb.core.runs.run`.
+"""
+
+from typing import List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core.clock import Now, WireTime, wire_ns, wire_seconds
+from roah_rsbb.core.link.record import LinkRecorder, LinkSample
+from roah_rsbb.core.link.skew import SkewEstimate, SkewSample, skew_off, skew_text, within
+from roah_rsbb.core.link.timeline import Timeline, TimelineState, Verdict
+from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.protocol import RobotState
+
+# A robot sends every second: after this long without a message something is wrong.
+SILENT_S = 3.0
+# A forward step of the robot's clock shows as a sudden rise of the skew: nothing else makes it larger.
+JUMP_S = 0.1
+# One late message alone would look like a robot behind whose clock then jumps: ask for this many.
+SURE_SAMPLES = 3
+# For this long a warning about a single event stays before the referee's eyes.
+REMEMBER_S = 30.0
+# As long as the robot was heard less than this ago, nobody else is taken for it who has its team's password.
+HERE_S = 2.5
+# So many messages that are not newer than the last one, in a silence, are no stragglers.
+OLD_TOLD = 3
+# A datagram that could not be read matters as long as nothing good came since, and this long.
+BAD_S = 10.0
+
+NO_ANSWER = "Robot has not answered on the private channel yet"
+
+
+class Heard(NamedTuple):
+    """What one message meant."""
+
+    fresh: bool
+    new_host: bool
+    state_changed: bool
+    notices: Tuple[str, ...]
+
+
+STALE = Heard(False, False, False, ())
+
+
+class LinkState(NamedTuple):
+    """The saved state of a `RobotLink`; see its attributes."""
+
+    host: Optional[str] = None
+    last: Optional[RobotReport] = None
+    last_heard: Optional[Now] = None
+    timeline: TimelineState = TimelineState()
+    skew: Optional[SkewSample] = None
+    told_invalid: bool = False
+
+
+class RobotLink:
+    """One robot's messages on its private channel."""
+
+    def __init__(self, allowed_skew: float, now: Now) -> None:
+        """The channel is opened `now`; `allowed_skew` in seconds."""
+        self._allowed_skew = allowed_skew
+        self._timeline = Timeline()
+        self._skew = SkewEstimate()
+        self._listens_since = now.mono
+        self._old = 0  # messages since the last fresh one that were not newer than that
+        self._told_silent = False
+        self._told_invalid = False
+        self._step: Optional[str] = None
+        self._step_mono = 0.0
+        self._rival: Optional[str] = None
+        self._rival_mono = 0.0
+        self._moved: Optional[str] = None
+        self._moved_mono = 0.0
+        self._bad: Optional[str] = None
+        self._bad_mono = 0.0
+        self.record = LinkRecorder(now)
+        self.host: Optional[str] = None
+        self.last: Optional[RobotReport] = None
+        self.last_heard: Optional[Now] = None
+
+    def saved(self) -> LinkState:
+        """The state for the journal."""
+        return LinkState(
+            self.host, self.last, self.last_heard, self._timeline.saved(), self._skew.saved(), self._told_invalid
+        )
+
+    def restore(self, state: LinkState) -> None:
+        """Go on as before a restart; the robot is not silent because nobody listened."""
+        self.host, self.last, self.last_heard = state.host, state.last, state.last_heard
+        self._timeline.restore(state.timeline)
+        self._skew.restore(state.skew)
+        self._told_invalid = state.told_invalid
+
+    @property
+    def skew(self) -> Optional[float]:
+        """The robot's clock minus the box's, in seconds; None: not known."""
+        return self._skew.seconds
+
+    @property
+    def times_valid(self) -> bool:
+        """Whether the robot's times mean anything: only within the allowed skew (manual, section 1)."""
+        return within(self.skew, self._allowed_skew)
+
+    @property
+    def robot_state(self) -> Optional[RobotState]:
+        """What the robot last reported; None: nothing yet."""
+        return None if self.last is None else self.last.state
+
+    @property
+    def messages_saved(self) -> int:
+        """Messages of offline data that the robot says it saved."""
+        return 0 if self.last is None else self.last.messages_saved
+
+    def expect_after(self, heard: Now, time: WireTime) -> None:
+        """The robot said this time before, in its beacon or its last run: what is older now is a recording.
+
+        If that was not the robot, or its clock was set back since, its times soon make a timeline of their own.
+        """
+        self._timeline.begin_after(heard.mono, wire_ns(time))
+
+    def hear(self, now: Now, host: str, report: RobotReport) -> Heard:
+        """Judge a message that arrived from `host`, and remember it if it is fresh."""
+        if self._is_elsewhere(now, host):
+            return STALE._replace(notices=self._note_rival(now, host))
+        verdict = self._timeline.judge(now.mono, wire_ns(report.time))
+        if verdict in (Verdict.DUPLICATE, Verdict.STALE):
+            self._old += 1
+            self.record.old(duplicate=verdict is Verdict.DUPLICATE)
+            return STALE
+        notices = self._note_clock(now, verdict, report)
+        new_host = host != self.host
+        if new_host and self.host is not None:
+            notices.extend(self._note_host(now, self.host, host))
+        state_changed = report.state != self.robot_state
+        self.host, self.last, self.last_heard = host, report, now
+        self._old = 0
+        self._told_silent = False
+        self._bad = None
+        return Heard(True, new_host, state_changed, tuple(notices))
+
+    def on_bad_datagram(self, now: Now, text: str) -> None:
+        """Something arrived that could not be read; `text` says from whom, and what it likely means."""
+        self._bad, self._bad_mono = text, now.mono
+
+    def restart_skew(self) -> None:
+        """The box's clock was set: all samples so far mean nothing."""
+        self._skew.restart()
+        self.record.clock_set()
+
+    def sample(self, now: Now, unreadable: int) -> LinkSample:
+        """The link record since the last sample. `unreadable`: all unreadable datagrams of this channel so far."""
+        return self.record.sample(now, self.skew, self.host, unreadable)
+
+    def tick(self, now: Now) -> List[str]:
+        """Notices that are due because time went by."""
+        if self.is_silent(now) and not self._told_silent:
+            self._told_silent = True
+            return [self._silence_text(now)]
+        return []
+
+    def deadline(self) -> Optional[float]:
+        """Monotonic time (s) at which `tick` has a notice if nothing is heard before; None: it was given."""
+        return None if self._told_silent else self._silent_from()
+
+    def is_silent(self, now: Now) -> bool:
+        """Whether the robot should have been heard by now."""
+        return now.mono >= self._silent_from()
+
+    def warnings(self, now: Now) -> List[str]:
+        """What the referee should know of the robot and its link right now."""
+        found: List[str] = []
+        if self.is_silent(now):
+            found.append(self._silence_text(now))
+        if self._bad is not None and now.mono - self._bad_mono <= BAD_S:
+            found.append(self._bad)
+        if self.last is not None and not self.times_valid and self.skew is not None:
+            found.append(
+                f"Robot's times are INVALID: clock skew {skew_text(self.skew)}, "
+                f"allowed are {self._allowed_skew:.3f} s: synchronise the robot's clock"
+            )
+        if self._step is not None and now.mono - self._step_mono <= REMEMBER_S:
+            found.append(self._step)
+        if self._moved is not None and now.mono - self._moved_mono <= REMEMBER_S:
+            found.append(self._moved)
+        if self._rival is not None and now.mono - self._rival_mono <= REMEMBER_S:
+            found.append(self._rival)
+        return found
+
+    def not_ready(self, now: Now) -> List[str]:
+        """Why the robot cannot be started now, every reason; empty: it can."""
+        if self.last is None:
+            reasons = [NO_ANSWER]
+            return reasons + [w for w in self.warnings(now) if w not in reasons]
+        reasons = self.warnings(now)[:1] if self.is_silent(now) else []
+        reasons += skew_off("the robot", self.skew, self._allowed_skew)
+        if self.robot_state is not RobotState.STOP:
+            reasons.append(f"Robot has not stopped yet: it reports {self.last.state.name}")
+        return reasons
+
+    def _silent_from(self) -> float:
+        if self.last_heard is None:
+            return self._listens_since + SILENT_S
+        return max(self.last_heard.mono, self._listens_since) + SILENT_S
+
+    def _silence_text(self, now: Now) -> str:
+        if self.last_heard is None:
+            return NO_ANSWER
+        text = f"No message from the robot for {now.mono - self.last_heard.mono:.0f} s"
+        if self._old >= OLD_TOLD:
+            return f"{text} but old ones: does its clock stand still, or is it set back again and again?"
+        return text
+
+    def _is_elsewhere(self, now: Now, host: str) -> bool:
+        """Whether a message comes from another host than the robot, while that is there."""
+        return host != self.host and self.last_heard is not None and now.mono - self.last_heard.mono < HERE_S
+
+    def _note_rival(self, now: Now, host: str) -> Tuple[str, ...]:
+        """Another robot of the team, or a recording, uses this channel: that is said once in a while."""
+        if self._rival is not None and now.mono - self._rival_mono <= REMEMBER_S:
+            return ()
+        self._rival_mono = now.mono
+        self._rival = (f"Messages for this run come from {host}, too: they do not count, the robot is at {self.host}. "
+                       "Give that one another robot_name, or switch it off")
+        return (self._rival,)
+
+    def _note_host(self, now: Now, before: str, host: str) -> List[str]:
+        """Two robots of one name change the address with every message: that is said once in a while."""
+        if self._moved is not None and now.mono - self._moved_mono <= REMEMBER_S:
+            return []
+        self._moved, self._moved_mono = f"Robot's address changed from {before} to {host}", now.mono
+        return [self._moved]
+
+    def _note_clock(self, now: Now, verdict: Verdict, report: RobotReport) -> List[str]:
+        """Take the skew sample, and the record; return what is to be said of the robot's clock."""
+        sample = wire_seconds(report.time) - now.utc
+        before = self.skew
+        step = None
+        if verdict is Verdict.CLOCK_SET_BACK:
+            amount = "" if before is None else f" by {before - sample:.3f} s"
+            step = f"Robot's clock was set back{amount}"
+        elif before is not None and self._skew.count >= SURE_SAMPLES and sample - before > JUMP_S:
+            step = f"Robot's clock jumped forward by {sample - before:.3f} s"
+        if step is not None:
+            self._step, self._step_mono = step, now.mono
+            self._skew.restart()
+        skew = self._skew.sample(now.mono, sample)
+        self.record.heard(now, report, late_s=skew - sample, clock_set=step is not None)
+        return ([step] if step is not None else []) + self._note_validity()
+
+    def _note_validity(self) -> List[str]:
+        if self.times_valid == (not self._told_invalid):
+            return []
+        self._told_invalid = not self.times_valid
+        if self._told_invalid:
+            return [f"Robot's times are invalid from here on: clock skew {skew_text(self.skew or 0.0)}"]
+        return [f"Robot's times are valid again: clock skew {skew_text(self.skew or 0.0)}"]

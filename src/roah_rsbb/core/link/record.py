@@ -1,0 +1,298 @@
+"""The link record: how the wireless did, second by second, so that it can be said afterwards.
+
+The box sees its own end of the link only. Everything here follows from what arrived, when, what the robot's
+clock said when it was sent, and from the rules by which both sides send (wire protocol, Timing): each second, and
+after a change of state ten times at 50 ms. Each number says in `LinkSample` what it rests on, and what it cannot
+know. Where a rule leaves room the smaller number is taken (the ten begin with the change in the original client,
+and come after it in ours): losses are never invented for a robot that keeps the rules, but some are not seen.
+
+A computer that is busy looks like a slow network. What happens to one robot alone is that robot's, or its radio's;
+what happens to all of them in the same second is the box's, or the access point's.
+"""
+
+from typing import FrozenSet, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core.clock import Now, wire_ns
+from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S, BoxState, RobotState, sent_after_change
+
+# An answer that is later than this was not the answer to the first datagrams: no robot thinks for so long.
+ANSWER_S = 0.5
+# The end of a robot's burst, seconds after it began: half as long again as it takes, for a robot that is slow.
+BURST_OVER_S = 1.5 * BURST_COUNT * BURST_INTERVAL_S
+# As slow as that a robot's burst may be that is cut short by the next change.
+SLOW_INTERVAL_S = 1.25 * BURST_INTERVAL_S
+# A robot that was heard this often within a burst does send bursts.
+IS_BURST = 6
+# More seconds than that no datagram is under way: the robot's clock jumped.
+MOST_LATE_S = 5.0
+# No more acknowledgements than that are remembered.
+MAX_ACKNOWLEDGED = 64
+
+# The robot's states (wire protocol, State machines, "Robot's next state") in which it must do something at the
+# box's new state at once, and those that show that it did.
+_MUST_ANSWER = {
+    BoxState.STOP: frozenset(RobotState) - {RobotState.STOP},
+    BoxState.PREPARE: frozenset({RobotState.STOP, RobotState.RESULT_TX}),
+    BoxState.GOAL_TX: frozenset({RobotState.WAITING_GOAL}),
+    BoxState.WAITING_RESULT: frozenset({RobotState.WAITING_GOAL}),
+}
+_ANSWERS = {
+    BoxState.STOP: frozenset({RobotState.STOP}),
+    BoxState.PREPARE: frozenset({RobotState.PREPARING, RobotState.WAITING_GOAL}),
+    BoxState.GOAL_TX: frozenset({RobotState.EXECUTING, RobotState.RESULT_TX}),
+    BoxState.WAITING_RESULT: frozenset({RobotState.EXECUTING, RobotState.RESULT_TX}),
+}
+
+
+class LinkSample(NamedTuple):
+    """What was seen of a robot's link since the sample before, usually a second.
+
+    From the robot to the box:
+    `received`: datagrams that were newer than all before.
+    `lost`: datagrams that the robot must have sent and that were not there in their turn. From the robot's times:
+    after a message the next one is due a second later by the robot's clock; with a change of its state there are
+    ten in half a second. They are counted when the next message arrives, so during a silence only `gap_s`
+    grows. Unknown: what is lost at the end of a run, bursts of a robot that was never heard to send one, those
+    after new online data, most of a burst that was cut short. Too large for a robot that sends less often
+    than the rules say. One that was overtaken counts as lost, and as `stale` when it comes.
+    `skipped_states`: states that the robot went through without the box hearing of them. Usually their datagrams
+    were lost; a robot that goes through two at once has none to lose.
+    `duplicates`, `stale`: datagrams that came twice, or after a newer one (copies of older ones are stale, too).
+    `unreadable`: datagrams that could not be decrypted or parsed, whoever sent them to this port.
+    `gap_s`: the longest time without a message that was newer, in seconds, up to the sample: also the part of it
+    from before. Up to about 1 s is as it should be.
+    `late_s`: how much later than the fastest of the last 2.5 s the slowest message came, in seconds: waiting in a
+    radio, repeated by it, or in a busy computer. The delay that all of them have is not in it.
+
+    From the box to the robot, and back; the robot does not acknowledge what it gets, so only what it must react
+    to tells of this direction, which is the box's changes of state and the acknowledgement of online data:
+    `answers`: how many of them the robot was seen to react to.
+    `unanswered`: datagrams of the box, `ANSWER_S` old or more, that a newer message of the robot knows nothing of:
+    lost on the way, or the robot thinks for so long. Too large for a robot that repeats what was acknowledged.
+    `round_trip_s`, `round_trip_max_s`: the shortest and the longest time, in seconds, from saying something for the
+    first time to the arrival of the reaction. With the robot's own delay (a robot that looks at its messages five
+    times a second has up to 0.2 s of it) and with repetitions where the first ones were lost: the shortest one of
+    a run is closest to the network's. None: nothing was said that needs a reaction.
+
+    Clocks, robot's minus box's, in seconds:
+    `skew_s`: the largest difference of the last 2.5 s between a message's time and its arrival; the true skew is
+    no smaller, and larger by the fastest one's way. None: nothing heard since one of the clocks was set.
+    `skew_max_s`: the true skew is no larger: from the times of reactions, which were sent after what they react to.
+    """
+
+    seconds: float  # since the sample before
+    received: int = 0
+    lost: int = 0
+    skipped_states: int = 0
+    duplicates: int = 0
+    stale: int = 0
+    unreadable: int = 0
+    gap_s: float = 0.0
+    late_s: float = 0.0
+    answers: int = 0
+    unanswered: int = 0
+    round_trip_s: Optional[float] = None
+    round_trip_max_s: Optional[float] = None
+    skew_s: Optional[float] = None
+    skew_max_s: Optional[float] = None
+    host: str = ""  # the robot's address; empty: not known yet
+
+
+def skipped_states(before: RobotState, state: RobotState) -> int:
+    """How many states a robot went through between two that it reported one after the other, at least.
+
+    From anywhere it may stop, or prepare again (wire protocol, State machines).
+    """
+    if state is RobotState.STOP or state == before:
+        return 0
+    return state - (before if before < state else RobotState.STOP) - 1
+
+
+class _Burst:
+    """A robot's datagrams after a change of its state, by its own clock. No burst is open when `got` is 0."""
+
+    __slots__ = ("age_s", "got", "sends_bursts")
+
+    def __init__(self) -> None:
+        self.age_s = 0.0  # from the change to the last message
+        self.got = 0  # datagrams so far
+        self.sends_bursts = False  # the robot has been heard to send one
+
+    def lost(self, passed: float, changed: bool) -> int:
+        """Datagrams that are missing before a message that was sent `passed` seconds after the one before."""
+        lost = 0
+        if self.got:
+            self.age_s += passed
+            if not changed and self.age_s < BURST_OVER_S:
+                self.got += 1
+                passed = 0.0
+            else:
+                lost = self._close()
+                passed = min(passed, self.age_s - BURST_COUNT * BURST_INTERVAL_S)
+        if changed:
+            self.age_s, self.got = 0.0, 1
+        return lost + max(0, int(passed / PERIOD_S + 0.5) - 1)
+
+    def _close(self) -> int:
+        """The burst is over, or cut short by another one."""
+        due = min(BURST_COUNT, 1 + int(self.age_s / SLOW_INTERVAL_S))
+        self.sends_bursts = self.sends_bursts or self.got >= IS_BURST
+        lost = max(0, due - self.got) if self.sends_bursts else 0
+        self.got = 0
+        return lost
+
+
+class _Question(NamedTuple):
+    """A change of state that the robot must react to."""
+
+    asked: Now
+    state: BoxState
+
+
+class LinkRecorder:
+    """Takes the record of one robot's link. Cheap: it stands between a datagram and its answer."""
+
+    def __init__(self, now: Now) -> None:
+        """The box listens from `now` on."""
+        self._burst = _Burst()
+        self._last_ns: Optional[int] = None  # robot's time of the last message that was newer
+        self._heard_mono = now.mono
+        self._state: Optional[RobotState] = None
+        self._said: Optional[BoxState] = None
+        self._question: Optional[_Question] = None
+        self._no_answer_to = 0  # datagrams of the question that are counted as unanswered
+        self._had_strings = False
+        self._strings: FrozenSet[Tuple[int, str]] = frozenset()  # acknowledged, and not dropped yet
+        self._acknowledged: List[Now] = []  # when
+        self._first_acknowledged: Optional[Now] = None
+        self._unreadable = 0  # at the last sample
+        self._sampled_mono = now.mono
+        self._begin_sample()
+
+    def _begin_sample(self) -> None:
+        self._received = self._lost = self._skipped = self._duplicates = self._stale = 0
+        self._answers = self._unanswered = 0
+        self._gap_s = self._late_s = 0.0
+        self._round_trip_s: Optional[float] = None
+        self._round_trip_max_s: Optional[float] = None
+        self._skew_max_s: Optional[float] = None
+
+    # -- what happens -------------------------------------------------------------------------------
+
+    def old(self, duplicate: bool) -> None:
+        """A message that was not newer than all before."""
+        if duplicate:
+            self._duplicates += 1
+        else:
+            self._stale += 1
+
+    def heard(self, now: Now, report: RobotReport, late_s: float, clock_set: bool) -> None:
+        """A message that was newer. `late_s`: how much later than the fastest one it came. `clock_set`: the robot's
+        clock was set since the one before: their times cannot be compared."""
+        time_ns = wire_ns(report.time)
+        self._received += 1
+        if late_s > self._late_s:
+            self._late_s = late_s
+        state = report.state
+        changed = self._state is not None and state is not self._state
+        silence = now.mono - self._heard_mono
+        if silence > self._gap_s:
+            self._gap_s = silence
+        if self._last_ns is not None:
+            passed = silence if clock_set else min((time_ns - self._last_ns) / 1e9, silence + MOST_LATE_S)
+            self._lost += self._burst.lost(passed, changed)
+        if changed:
+            self._skipped += skipped_states(self._state, state)
+        if self._question is not None:
+            self._look_for_answer(now, time_ns, state)
+        self._look_at_strings(now, time_ns, report, changed)
+        self._last_ns, self._heard_mono, self._state = time_ns, now.mono, state
+
+    def box_says(self, now: Now, state: BoxState) -> None:
+        """The box sends this state at once, and the burst after it."""
+        if state is self._said:
+            return
+        self._said = state
+        self._question = _Question(now, state) if self._state in _MUST_ANSWER[state] else None
+        self._no_answer_to = 0
+
+    def clock_set(self) -> None:
+        """The box's clock was set: what was asked before it cannot be compared with the robot's times."""
+        self._question, self._strings = None, frozenset()
+
+    def sample(self, now: Now, skew_s: Optional[float], host: Optional[str], unreadable: int) -> LinkSample:
+        """What was seen since the last sample. `unreadable`: all unreadable datagrams of this channel so far."""
+        sample = LinkSample(
+            seconds=_rounded(now.mono - self._sampled_mono), received=self._received, lost=self._lost,
+            skipped_states=self._skipped, duplicates=self._duplicates, stale=self._stale,
+            unreadable=max(0, unreadable - self._unreadable),
+            gap_s=_rounded(max(self._gap_s, now.mono - self._heard_mono)), late_s=_rounded(self._late_s),
+            answers=self._answers, unanswered=self._unanswered, round_trip_s=_rounded(self._round_trip_s),
+            round_trip_max_s=_rounded(self._round_trip_max_s), skew_s=_rounded(skew_s),
+            skew_max_s=_rounded(self._skew_max_s), host=host or "",
+        )
+        self._unreadable, self._sampled_mono = unreadable, now.mono
+        self._begin_sample()
+        return sample
+
+    # -- reactions ----------------------------------------------------------------------------------
+
+    def _look_for_answer(self, now: Now, time_ns: int, state: RobotState) -> None:
+        asked = self._question.asked
+        if state in _ANSWERS[self._question.state]:
+            self._question = None
+            self._answered(now, time_ns, asked)
+            return
+        known = sent_after_change(now.mono - asked.mono - ANSWER_S)
+        self._unanswered += known - self._no_answer_to
+        self._no_answer_to = known
+
+    def _look_at_strings(self, now: Now, time_ns: int, report: RobotReport, changed: bool) -> None:
+        """Online data is sent until it is acknowledged, and the box acknowledges each message with any at once.
+
+        Only strings that come after a message without any are looked at: it is known when those were acknowledged
+        first. With a change of its state a robot may drop strings for another reason.
+        """
+        has_strings = bool(report.notifications or report.activation_event or report.visitor or report.final_command)
+        if not has_strings and not self._strings:
+            self._had_strings = False
+            return
+        strings = _strings_of(report) if has_strings else frozenset()
+        if self._strings:
+            if self._strings.isdisjoint(strings):
+                if not changed and self._first_acknowledged is not None:
+                    self._answered(now, time_ns, self._first_acknowledged)
+                self._strings = frozenset()
+            else:
+                self._note_unheard(now)
+        elif has_strings and not self._had_strings:
+            self._strings, self._first_acknowledged, self._acknowledged = strings, now, [now]
+        self._had_strings = has_strings
+
+    def _note_unheard(self, now: Now) -> None:
+        """The robot repeats what was acknowledged: the acknowledgements that it should have by now were lost."""
+        unheard = [then for then in self._acknowledged if then.mono <= now.mono - ANSWER_S]
+        self._unanswered += len(unheard)
+        self._acknowledged = [*self._acknowledged[len(unheard):], now][-MAX_ACKNOWLEDGED:]
+
+    def _answered(self, now: Now, time_ns: int, since: Now) -> None:
+        seconds = now.mono - since.mono
+        self._answers += 1
+        if self._round_trip_s is None or seconds < self._round_trip_s:
+            self._round_trip_s = seconds
+        if self._round_trip_max_s is None or seconds > self._round_trip_max_s:
+            self._round_trip_max_s = seconds
+        skew_max = time_ns / 1e9 - since.utc
+        if self._skew_max_s is None or skew_max < self._skew_max_s:
+            self._skew_max_s = skew_max
+
+
+def _strings_of(report: RobotReport) -> FrozenSet[Tuple[int, str]]:
+    fields = (report.notifications, report.activation_event, report.visitor, report.final_command)
+    return frozenset((number, text) for number, texts in enumerate(fields) for text in texts)
+
+
+def _rounded(seconds: Optional[float]) -> Optional[float]:
+    """To the microsecond: more would only be more to write."""
+    return None if seconds is None else round(seconds, 6)

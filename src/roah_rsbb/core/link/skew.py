@@ -1,0 +1,86 @@
+"""Clock skew of a robot, estimated from the times in its messages.
+
+Skew is the robot's clock minus the box's: positive is ahead. Every message gives one sample,
+`time` minus the moment of arrival. The way through the network (and a busy box) can only make a
+sample smaller than the truth, never larger, so the largest sample of the last few seconds is the
+best one. Benchmarks may start only within `allowed_skew` (manual, section 1).
+"""
+
+from collections import deque
+from typing import Deque, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core.restart.saved import Mono
+
+# Three beacons: a clock that was put right is believed after this long.
+WINDOW_S = 2.5
+# A window of a robot that sends every few milliseconds is still enough with so many samples.
+MAX_SAMPLES = 64
+
+
+class SkewSample(NamedTuple):
+    """A skew, and when it was measured."""
+
+    mono: Mono
+    seconds: float
+
+
+class SkewEstimate:
+    """The skew of one robot, in seconds."""
+
+    def __init__(self) -> None:
+        self._samples: Deque[Tuple[float, float]] = deque(maxlen=MAX_SAMPLES)
+        self.seconds: Optional[float] = None
+
+    def saved(self) -> Optional[SkewSample]:
+        """The state for the journal: the estimate of now, as if it were one sample."""
+        return None if self.seconds is None else SkewSample(Mono(self._samples[-1][0]), self.seconds)
+
+    def restore(self, state: Optional[SkewSample]) -> None:
+        """Go on with what was measured before a restart."""
+        if state is not None:
+            self.sample(state.mono, state.seconds)
+
+    @property
+    def count(self) -> int:
+        """How many samples the estimate rests on."""
+        return len(self._samples)
+
+    def sample(self, mono: float, skew: float) -> float:
+        """Take a sample of `skew` (s) that arrived at `mono` (s); return the new estimate (s)."""
+        last = self._samples[-1] if self._samples else None
+        while self._samples and self._samples[0][0] < mono - WINDOW_S:
+            self._samples.popleft()
+        if last is not None and not self._samples:
+            # The first message after a silence may have waited for its way to be found again, for seconds:
+            # alone it would make a robot with a right clock look wrong.
+            self._samples.append((mono, last[1]))
+        self._samples.append((mono, skew))
+        self.seconds = max(sample for _, sample in self._samples)
+        return self.seconds
+
+    def restart(self) -> None:
+        """Forget all samples: one of the two clocks was set."""
+        self._samples.clear()
+        self.seconds = None
+
+
+def within(skew: Optional[float], allowed: float) -> bool:
+    """Whether a skew is known and below the allowed one, in both directions (manual, section 1)."""
+    return skew is not None and abs(skew) < allowed
+
+
+def skew_off(whose: str, skew: Optional[float], allowed: float) -> List[str]:
+    """Why a skew (s) keeps a robot from a benchmark; empty: it does not."""
+    if within(skew, allowed):
+        return []
+    if skew is None:
+        return [f"Clock skew of {whose} is not known yet"]
+    return [f"Clock skew of {whose} is {skew_text(skew)}, it must be below {allowed:.3f} s: "
+            "synchronise the robot's clock"]
+
+
+def skew_text(skew: float) -> str:
+    """A skew for the referee's eyes, e.g. ``+0.150 s``."""
+    if abs(skew) < 100:
+        return f"{skew:+.3f} s"
+    return f"{skew:+.3g} s"

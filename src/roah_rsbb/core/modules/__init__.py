@@ -1,0 +1,1 @@
+"""What the core knows of benchmarking modules, and what it exchanges with them."""

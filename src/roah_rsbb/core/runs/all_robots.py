@@ -1,0 +1,310 @@
+"""A run of all robots at once (HSUF): a member for each robot, and one clock, score sheet and log for all.
+
+Theory of operation. Each member is a whole `Run` with a port, a channel, a run log and a state machine of its
+own, so that one robot's failure ends nobody else's run. What is one for all is here: the referee's commands go
+to all members, the run is over with the last of them, and what they say is shown with the robot's name.
+
+*Start* waits a moment for robots that were just connected or just stopped, but not longer: those that are not
+ready then are left out, and join as soon as they are ready.
+"""
+
+from typing import Dict, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core import effects
+from roah_rsbb.core.clock import Now, clock_text
+from roah_rsbb.core.effects import Level
+from roah_rsbb.core.link.link import SILENT_S
+from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.core.runs.clock import CountdownState, RunClock
+from roah_rsbb.core.runs.online_data import DisplayText
+from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.runs.run import Entry, Run, RunState, Surroundings, said_in
+from roah_rsbb.core.runs.run_book import BookState
+from roah_rsbb.core.runs.scored_run import ScoredRun
+from roah_rsbb.core.scoring.records import NOBODY, By
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.protocol import BoxState
+
+# For so long *start* waits for robots that have not answered, or not stopped, yet.
+SETTLE_S = SILENT_S
+
+
+class Counts(NamedTuple):
+    """How many robots do what, as the box has them; together they are all."""
+
+    preparing: int
+    executing: int
+    stopped: int
+
+
+# What a member's end is called where all are counted.
+ENDS: Dict[EndReason, str] = {
+    EndReason.COMPLETED: "completed",
+    EndReason.STOPPED: "stopped by the referee",
+    EndReason.TIMEOUT: "out of time",
+    EndReason.NO_MESSAGES_SAVED: "saved no offline data",
+}
+# What the end of the whole run is called.
+WHOLE_ENDS: Dict[EndReason, str] = {
+    EndReason.COMPLETED: "All robots have ended",
+    EndReason.STOPPED: EndReason.STOPPED.value,
+    EndReason.TIMEOUT: EndReason.TIMEOUT.value,
+    EndReason.NO_MESSAGES_SAVED: "Stopped: no robot saves offline data",
+}
+DOINGS: Dict[BoxState, str] = {
+    BoxState.STOP: "stopped", BoxState.PREPARE: "preparing", BoxState.WAITING_RESULT: "executing",
+}
+
+
+class AllRobotsState(NamedTuple):
+    """The saved state of an `AllRobotsRun`; see its attributes."""
+
+    identity: str
+    opened_utc: float
+    phase: Phase
+    end_reason: Optional[EndReason]
+    desc: str
+    clock: CountdownState
+    book: BookState
+    log: str
+    online_data: str
+    members: Tuple[RunState, ...]
+
+
+class MemberRun(Run):
+    """One robot's part in a run of all robots. In phase *connected* it is left out, as long as the others run."""
+
+    def __init__(
+        self, whole: "AllRobotsRun", entry: Entry, settings: Settings, surroundings: Surroundings, now: Now
+    ) -> None:
+        self._whole = whole
+        super().__init__(entry, settings, surroundings, now)
+        self.clock = whole.clock
+
+    def leave_out(self, now: Now) -> None:
+        """The others start without this robot, which is not ready."""
+        self.phase, self.end_reason = Phase.CONNECTED, None
+        self._say(now, Level.WARNING, f"left out until it is ready: {self.why_not_ready(now)}")
+
+    def why_not_ready(self, now: Now) -> str:
+        """Why the robot cannot be started now; empty: it can."""
+        return "; ".join(self.link.not_ready(now))
+
+    def on_report(self, now: Now, host: str, report: RobotReport) -> bool:
+        """See `Run.on_report`."""
+        is_fresh = super().on_report(now, host, report)
+        self._whole.on_member_heard(now, self)
+        return is_fresh
+
+    def doing(self, now: Now) -> str:
+        """What the robot is doing, in a few words."""
+        if self.phase is Phase.CONNECTED:
+            why = self.why_not_ready(now)
+            return f"not ready: {why}" if why else "ready"
+        done = DOINGS[self.message.state] if self.end_reason is None else ENDS[self.end_reason]
+        return f"{done}, messages saved: {self.link.messages_saved}"
+
+    def _time_out(self, now: Now) -> None:
+        """The bell rings once for all."""
+        self._end(now, EndReason.TIMEOUT)
+
+    def _record_changed(self, now: Now) -> None:
+        """The whole run has one record for all."""
+
+    def _say(self, now: Now, level: Level, text: str) -> None:
+        self._whole.say(now, level, f"{self.robot}: {text}")
+
+    def _tell_online(self, now: Now, text: str) -> None:
+        self._whole.online_data.add(f"{clock_text(now.utc)} {self.robot}: {text}")
+
+
+class AllRobotsRun(ScoredRun):
+    """See `ZoneRun`. It has at least one member whenever somebody looks at it."""
+
+    def __init__(self, first: Entry, settings: Settings, surroundings: Surroundings, now: Now) -> None:
+        """`first`: the entry of the robot that is added first."""
+        super().__init__(first.event)
+        self.event = event = first.event
+        self.zone = first.zone
+        self.identity = first.identity(now)
+        self.opened_utc = now.utc
+        self.phase = Phase.CONNECTED
+        self.end_reason: Optional[EndReason] = None
+        self.desc = ""
+        self.clock = RunClock(event.benchmark.total_timeout, settings.after_stop_duration)
+        self.log = DisplayText(settings.display_log_size)
+        self.online_data = DisplayText(settings.display_log_size)
+        self._settings = settings
+        self._surroundings = surroundings
+        self._emit = surroundings.emit
+        self._settled_mono = now.mono + SETTLE_S
+        self._members: List[MemberRun] = []
+
+    # -- members ------------------------------------------------------------------------------------
+
+    def add(self, now: Now, entry: Entry) -> None:
+        """One more robot, whose channel is being opened."""
+        member = MemberRun(self, entry, self._settings, self._surroundings, now)
+        self._members.append(member)
+        self._record_changed(now)
+        member.open(now)
+
+    def saved(self) -> AllRobotsState:
+        """The state for the journal."""
+        return AllRobotsState(
+            self.identity, self.opened_utc, self.phase, self.end_reason, self.desc, self.clock.saved(),
+            self.book.saved(), self.log.text, self.online_data.text,
+            tuple(member.saved() for member in self._members),
+        )
+
+    def resume(self, now: Now, state: AllRobotsState) -> None:
+        """Go on where the run was when the core ended."""
+        self._take_back(state)
+        for of_member in state.members:
+            entry = Entry(self.zone, self.event, of_member.robot, of_member.port)
+            member = MemberRun(self, entry, self._settings, self._surroundings, now)
+            self._members.append(member)
+            member.resume(now, of_member)
+
+    def members(self) -> Tuple[MemberRun, ...]:
+        """See `ZoneRun`."""
+        return tuple(self._members)
+
+    def without(self, member: Run) -> Optional["AllRobotsRun"]:
+        """See `ZoneRun`."""
+        self._members = [other for other in self._members if other is not member]
+        return self if self._members else None
+
+    def on_member_heard(self, now: Now, member: MemberRun) -> None:
+        """A message of a robot was taken: it may join the others, or have been the last to end."""
+        if self.phase is Phase.RUNNING and member.phase is Phase.CONNECTED and not member.why_not_ready(now):
+            self.say(now, Level.INFO, f"{member.robot} is ready now, and joins the run")
+            member.start(now)
+        self._end_with_the_last(now)
+
+    # -- the referee --------------------------------------------------------------------------------
+
+    def start(self, now: Now) -> None:
+        """See `ZoneRun`. The members start the clock that they share, and stop it when they end."""
+        self.phase = Phase.RUNNING
+        self.end_reason = None
+        self._note_start(now)
+        for member in self._members:
+            if member.why_not_ready(now):
+                member.leave_out(now)
+            else:
+                member.start(now)
+        self.desc = f"Started with {len(self._in_phase(Phase.RUNNING))} of {len(self._members)} robots"
+        self.say(now, Level.INFO, self.desc)
+
+    def stop(self, now: Now, by: By = NOBODY) -> None:
+        """See `ZoneRun`."""
+        for member in self._in_phase(Phase.RUNNING):
+            member.stop(now)
+        self._end(now, EndReason.STOPPED, by)
+
+    def warn(self, now: Now, text: str) -> None:
+        """See `ZoneRun`."""
+        self.say(now, Level.WARNING, text)
+
+    def close(self, now: Now, by: By = NOBODY) -> None:
+        """See `ZoneRun`."""
+        self._note_close(now, by)
+        for member in self._members:
+            member.close(now)
+
+    # -- time ---------------------------------------------------------------------------------------
+
+    def deadline(self) -> Optional[float]:
+        """See `ZoneRun`. The members share the clock: whoever of them runs knows when it is over."""
+        times = [member.deadline() for member in self._members]
+        return min((t for t in times if t is not None), default=None)
+
+    def tick(self, now: Now) -> None:
+        """See `ZoneRun`."""
+        for member in self._members:
+            member.tick(now)
+        self._end_with_the_last(now)
+
+    def _end_with_the_last(self, now: Now) -> None:
+        if self.phase is not Phase.RUNNING or self._in_phase(Phase.RUNNING):
+            return
+        ends = [member.end_reason for member in self._in_phase(Phase.ENDED)]
+        if EndReason.TIMEOUT in ends:
+            self._end(now, EndReason.TIMEOUT)
+            self._emit(effects.TimeoutRung(self.zone))
+        elif EndReason.COMPLETED in ends:
+            self._end(now, EndReason.COMPLETED)
+        else:
+            self._end(now, EndReason.NO_MESSAGES_SAVED)
+
+    def _end(self, now: Now, reason: EndReason, by: By = NOBODY) -> None:
+        self.phase = Phase.ENDED
+        self.end_reason = reason
+        self._settled_mono = now.mono + SETTLE_S
+        ends = [member.end_reason for member in self._in_phase(Phase.ENDED)]
+        counted = [f"{ends.count(end)} {text}" for end, text in ENDS.items() if end in ends]
+        self.desc = f"{WHOLE_ENDS[reason]} ({', '.join(counted)})"
+        self._note_end(now, self.desc, by)
+        self.say(now, Level.INFO, self.desc)
+
+    # -- for the referee's eyes ---------------------------------------------------------------------
+
+    def timer(self, now: Now) -> float:
+        """See `ZoneRun`."""
+        return self.clock.shown(now, ended=self.phase is Phase.ENDED)
+
+    def start_off(self, now: Now) -> List[str]:
+        """See `ZoneRun`. Nobody waits for long for a robot that is not ready, unless there is no other."""
+        waiting = [member for member in self._members if member.why_not_ready(now)]
+        if now.mono >= self._settled_mono and len(waiting) < len(self._members):
+            return []
+        return [f"{member.robot}: {member.why_not_ready(now)}" for member in waiting]
+
+    def warnings(self, now: Now) -> List[str]:
+        """See `ZoneRun`; each with its robot's name."""
+        return [f"{member.robot}: {text}" for member in self._members for text in self._warnings_of(member, now)]
+
+    def _warnings_of(self, member: MemberRun, now: Now) -> List[str]:
+        if self.phase is Phase.RUNNING:
+            if member.phase is Phase.CONNECTED:
+                return [f"left out until it is ready: {member.why_not_ready(now)}"]
+        elif now.mono >= self._settled_mono and not self.clock.is_over(now) and member.why_not_ready(now):
+            return [f"will be left out until it is ready: {member.why_not_ready(now)}"]
+        saved_nothing = member.end_reason is EndReason.NO_MESSAGES_SAVED
+        return ([member.desc] if saved_nothing else []) + member.warnings(now)
+
+    def status_lines(self, now: Now) -> List[str]:
+        """See `ZoneRun`."""
+        if self.phase is Phase.CONNECTED:
+            ready = sum(1 for member in self._members if not member.why_not_ready(now))
+            return [f"Robots connected: {len(self._members)} / ready: {ready}"]
+        counts = self.counts()
+        return [
+            f"Robots preparing: {counts.preparing} / executing: {counts.executing} / stopped: {counts.stopped}"
+        ]
+
+    def counts(self) -> Counts:
+        """How many robots do what."""
+        states = [member.message.state for member in self._members]
+        preparing, stopped = states.count(BoxState.PREPARE), states.count(BoxState.STOP)
+        return Counts(preparing, len(states) - preparing - stopped, stopped)
+
+    def robots(self, now: Now) -> List[str]:
+        """Each robot and what it is doing, a line each."""
+        return [f"{member.robot}: {member.doing(now)}" for member in self._members]
+
+    def say(self, now: Now, level: Level, text: str) -> None:
+        """Tell the referee, in the log of the run and in that of the node."""
+        self._emit(said_in(self.log, now, level, text, self.zone))
+
+    _say = say
+
+    def _log_ports(self) -> Tuple[int, ...]:
+        return tuple(member.port for member in self._members)
+
+    def _robot_names(self) -> Tuple[str, ...]:
+        return tuple(str(member.robot) for member in self._members)
+
+    def _in_phase(self, phase: Phase) -> List[MemberRun]:
+        return [member for member in self._members if member.phase is phase]

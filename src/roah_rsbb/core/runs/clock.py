@@ -1,0 +1,142 @@
+"""The times of a run: its countdowns, and the watch on the robot's offline data.
+
+Both use the monotonic clock only (architecture, rule 4).
+"""
+
+from typing import NamedTuple, Optional
+
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.core.restart.saved import Mono
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.protocol import BoxState, RobotState
+
+
+class CountdownState(NamedTuple):
+    """The saved state of a countdown; see its attributes."""
+
+    deadline: Optional[Mono] = None
+    paused_at: Optional[Mono] = None
+    stopped_at: Optional[Mono] = None  # of a run's clock only
+
+
+class Countdown:
+    """Counts from its start to its end, except while it is paused."""
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds = seconds
+        self._deadline: Optional[float] = None  # as if there were no more pauses
+        self._paused_at: Optional[float] = None
+
+    def saved(self) -> CountdownState:
+        """The state for the journal."""
+        return CountdownState(self._deadline, self._paused_at)
+
+    def restore(self, state: CountdownState) -> None:
+        """Go on where a countdown was when it was saved: the time since then has passed for it, too."""
+        self._deadline, self._paused_at = state.deadline, state.paused_at
+
+    def start(self, now: Now) -> None:
+        """Only the first call starts it."""
+        if self._deadline is None:
+            self._deadline = now.mono + self._seconds
+
+    def pause(self, now: Now) -> None:
+        """Time does not count until `resume`."""
+        if self._deadline is not None and self._paused_at is None:
+            self._paused_at = now.mono
+
+    def resume(self, now: Now) -> None:
+        """Time counts again."""
+        if self._paused_at is not None:
+            self._deadline += now.mono - self._paused_at
+            self._paused_at = None
+
+    def set_paused(self, now: Now, paused: bool) -> None:
+        """Pause or resume, whatever it is now."""
+        (self.pause if paused else self.resume)(now)
+
+    @property
+    def paused(self) -> bool:
+        """Whether time does not count at the moment."""
+        return self._paused_at is not None
+
+    def deadline(self) -> Optional[float]:
+        """Monotonic time (s) of its end; None: it is not started, or paused."""
+        return None if self.paused else self._deadline
+
+    def is_over(self, now: Now) -> bool:
+        """Whether the time is up."""
+        deadline = self.deadline()
+        return deadline is not None and now.mono >= deadline
+
+    def left(self, now: Now) -> float:
+        """Seconds left, at least 0."""
+        if self._deadline is None:
+            return self._seconds
+        return max(0.0, self._deadline - (self._paused_at if self.paused else now.mono))
+
+    def elapsed(self, now: Now) -> float:
+        """Seconds that counted so far, at most all."""
+        return self._seconds - self.left(now)
+
+
+class RunClock(Countdown):
+    """Counts from the first start to the timeout. Stopped time counts (wire protocol, State machines)."""
+
+    def __init__(self, timeout: float, after_stop: float) -> None:
+        super().__init__(timeout)
+        self._after_stop = after_stop
+        self._stopped_at: Optional[float] = None
+
+    def saved(self) -> CountdownState:
+        """See `Countdown.saved`."""
+        return super().saved()._replace(stopped_at=self._stopped_at)
+
+    def restore(self, state: CountdownState) -> None:
+        """See `Countdown.restore`."""
+        super().restore(state)
+        self._stopped_at = state.stopped_at
+
+    def start(self, now: Now) -> None:
+        """The first start sets the deadline, a later one keeps it."""
+        super().start(now)
+        self._stopped_at = None
+
+    def stop(self, now: Now) -> None:
+        """The run was stopped; the deadline stays, and no pause outlasts the run."""
+        self.resume(now)
+        self._stopped_at = now.mono
+
+    def shown(self, now: Now, ended: bool) -> float:
+        """Seconds left until the timeout or, in a run that ended, of the time after the stop; at least 0."""
+        if ended and self._stopped_at is not None:
+            return max(0.0, self._stopped_at + self._after_stop - now.mono)
+        return self.left(now)
+
+
+class SavingWatch:
+    """Ends a run whose robot executes for some time with `messages_saved` at 0 (manual, section 1)."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._timeout = settings.check_messages_saved_timeout if settings.check_messages_saved else None
+        self._since: Optional[float] = None
+
+    def see(self, now: Now, box: BoxState, report: RobotReport) -> None:
+        """Take a fresh message of the robot."""
+        executing = box is BoxState.WAITING_RESULT and report.state is RobotState.EXECUTING
+        if not executing or report.messages_saved > 0:
+            self._since = None
+        elif self._since is None:
+            self._since = now.mono
+
+    def deadline(self) -> Optional[float]:
+        """Monotonic time (s) at which the run ends if nothing is saved before."""
+        if self._timeout is None or self._since is None:
+            return None
+        return self._since + self._timeout
+
+    def is_over(self, now: Now) -> bool:
+        """Whether the robot has saved nothing for too long."""
+        deadline = self.deadline()
+        return deadline is not None and now.mono >= deadline

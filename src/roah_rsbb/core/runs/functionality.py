@@ -1,0 +1,399 @@
+"""A run of a functionality benchmark: the module asks, the core does it and answers.
+
+See `roah_rsbb.core.modules.messages` for how both talk. The core knows goals, manual operations and
+timeouts, but no rule of any benchmark.
+"""
+
+import json
+from typing import List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core import effects, run_log
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.effects import Level
+from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.core.modules.messages import (
+    Outcome,
+    OutcomeKind,
+    Progress,
+    Request,
+    RequestKind,
+    RunForModule,
+    ScoreValue,
+    Step,
+)
+from roah_rsbb.core.modules.presence import Driver, Modules
+from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.runs import machine
+from roah_rsbb.core.runs.goal import GOAL_OVERHEAD, Goal, GoalState
+from roah_rsbb.core.runs.manual_operations import Switches, SwitchesState, check_answer
+from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.runs.run import Entry, Run, Surroundings
+from roah_rsbb.core.runs.run_book import Marked
+from roah_rsbb.core.scoring.records import NOBODY, By
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.protocol import BoxState
+
+# More steps than that are no benchmark, but a module that went wild.
+MAX_STEPS = 2000
+
+HOPF = "HOPF"
+
+
+class FunctionalityState(NamedTuple):
+    """What a `FunctionalityRun` saves besides the state of every run; see its attributes."""
+
+    attempt: int
+    steps: Tuple[Step, ...] = ()
+    scores: Tuple[ScoreValue, ...] = ()
+    switches: Optional[SwitchesState] = None
+    held: bool = False
+    kept: str = ""
+    goal: Optional[GoalState] = None  # of the last step
+
+
+class FunctionalityRun(Run):
+    """One robot, one event, and a benchmarking module that drives it."""
+
+    def __init__(
+        self, entry: Entry, settings: Settings, surroundings: Surroundings, modules: Modules, now: Now
+    ) -> None:
+        self.attempt = 0
+        self.steps: List[Step] = []
+        self.scores: Tuple[ScoreValue, ...] = ()
+        self.switches: Optional[Switches] = None
+        self.held = False  # the module is gone: time does not count
+        self._modules = modules
+        self._max_goal = settings.max_datagram - GOAL_OVERHEAD
+        self._node = ""  # of the modules that drive this attempt
+        self._progress: Optional[Progress] = None
+        self._kept = ""
+        self._goal: Optional[Goal] = None
+        super().__init__(entry, settings, surroundings, now)
+
+    def open(self, now: Now) -> None:
+        """See `Run.open`."""
+        super().open(now)
+        self._changed()
+
+    # -- restart of the core ------------------------------------------------------------------------
+
+    def saved_for_module(self) -> FunctionalityState:
+        """The state for the journal that other runs do not have."""
+        switches = None if self.switches is None else self.switches.saved()
+        goal = None if self._goal is None else self._goal.saved()
+        return FunctionalityState(
+            self.attempt, tuple(self.steps), self.scores, switches, self.held, self._kept, goal
+        )
+
+    def resume_for_module(self, state: FunctionalityState) -> None:
+        """After `resume`: the rest of it. Modules go on by themselves, as after a restart of their own."""
+        self.attempt, self.steps, self.scores = state.attempt, list(state.steps), state.scores
+        self.switches = None if state.switches is None else Switches.restored(state.switches)
+        self.held, self._kept = state.held, state.kept
+        self._goal = None if state.goal is None else Goal.restored(self.steps[-1].request, state.goal)
+        self._changed()
+
+    # -- the referee --------------------------------------------------------------------------------
+
+    def _begin(self, now: Now) -> None:
+        """A new attempt; the module begins anew."""
+        self.attempt += 1
+        self.steps, self.scores, self.switches = [], (), None
+        self.held, self._node, self._progress, self._kept, self._goal = False, "", None, "", None
+        self._set_state(now, BoxState.STOP, "Started: the benchmarking module begins")
+        self._changed()
+
+    def _score_changed(self, now: Now, marked: Marked) -> None:
+        """As for every run; the module can read the referee's scores."""
+        super()._score_changed(now, marked)
+        self._changed()
+
+    @property
+    def asked(self) -> Optional[Request]:
+        """What the referee is asked to do now; None: nothing."""
+        request = self._open_request()
+        wanted = (RequestKind.REFEREE, RequestKind.SWITCHES)
+        return request if request is not None and request.kind in wanted else None
+
+    def complete_operation(self, now: Now, operation: int, answer: str) -> None:
+        """The referee did what was asked for; raises `Refused` (see `check_answer`)."""
+        asked = self.asked
+        if asked is None or asked.kind is not RequestKind.REFEREE:
+            raise Refused([f"no manual operation is asked for in zone '{self.zone}'"])
+        answer = check_answer(asked, operation, answer)
+        self._emit(effects.RunLogged(self.port, run_log.MANUAL_OPERATION, f"{asked.text}: done {answer}".rstrip()))
+        self._say(now, Level.INFO, f"Manual operation done: {asked.text} {answer}".rstrip())
+        self._answer_referee(now, Outcome(OutcomeKind.DONE, answer=answer, ended_utc=now.utc))
+
+    def sheet_of_switches(self) -> Switches:
+        """HOMF: where the referee enters switches; raises `Refused` when there are none."""
+        if self.switches is None or self.phase is not Phase.RUNNING:
+            raise Refused([f"zone '{self.zone}' has no switches to enter: only HOMF has them, from its goal on"])
+        return self.switches
+
+    def switches_entered(self, now: Now) -> None:
+        """The referee says of a switch, or of damaged ones, what the run keeps."""
+        switches = self.sheet_of_switches()
+        text = json.dumps({"changed": switches.changed, "on": switches.on, "damaged": switches.damaged})
+        self._emit(effects.RunLogged(self.port, run_log.SWITCHES, text))
+        self._say(now, Level.INFO, f"Switches changed: {switches.changed or 'none'}, damaged: {switches.damaged}")
+
+    def complete_switches(self, now: Now) -> None:
+        """HOMF: the referee confirms what was entered; raises `Refused`."""
+        asked = self.asked
+        if asked is None or asked.kind is not RequestKind.SWITCHES:
+            raise Refused(["the switches cannot be confirmed yet: the robot has not finished"])
+        switches = self.sheet_of_switches()
+        self._say(now, Level.INFO, "Switches confirmed by the referee")
+        self._answer_referee(now, Outcome(
+            OutcomeKind.DONE, ended_utc=now.utc, changed=tuple(switches.changed), damaged=switches.damaged
+        ))
+
+    def _answer_referee(self, now: Now, outcome: Outcome) -> None:
+        self._answer(outcome)
+        self._set_pauses(now)
+
+    # -- the module ---------------------------------------------------------------------------------
+
+    def on_modules(self, now: Now) -> None:
+        """A node of modules was heard, or is gone: see who drives this run, and what it wants."""
+        driver = self._modules.driver(now, self.event.benchmark.code)
+        self._note_driver(now, driver)
+        if driver is None or not self.attempt:
+            return
+        progress = self._modules.progress(driver.node).get(self.identity)
+        if progress is None or progress.attempt != self.attempt or progress == self._progress:
+            return
+        self._take(now, progress)
+
+    def _note_driver(self, now: Now, driver: Optional[Driver]) -> None:
+        if self.phase is not Phase.RUNNING:
+            self.held = False
+            return
+        if driver is None:
+            if not self.held:
+                self.held = True
+                self._set_pauses(now)
+                self._say(now, Level.ERROR, "Benchmarking module is gone: the run is held, its time does not count")
+            return
+        if self._node not in ("", driver.node):
+            self._say(now, Level.WARNING, f"Benchmarking module is back, at step {len(self.steps)}: the run goes on")
+        elif self.held:
+            self._say(now, Level.WARNING, "Benchmarking module is heard again: the run goes on")
+        self._node = driver.node
+        if self.held:
+            self.held = False
+            self._set_pauses(now)
+
+    def _take(self, now: Now, progress: Progress) -> None:
+        """Do what the module asks for. What it scored counts, also when the attempt is over."""
+        if _number(progress) < len(self.steps) and not progress.failed:
+            return  # it was started again, and has not arrived yet where it was
+        before, self._progress = self._progress, progress
+        if progress.scores != self.scores:
+            self.scores = progress.scores
+            self._emit(effects.RunLogged(self.port, run_log.MODULE_SCORE, scores_json(self.scores)))
+            self._record_changed(now)
+        for warning in progress.warnings:
+            if before is None or warning not in before.warnings:
+                self._say(now, Level.WARNING, f"Benchmarking module: {warning}")
+        if self.phase is not Phase.RUNNING:
+            return
+        if progress.kept != self._kept:
+            self._kept = progress.kept
+            self._changed()
+        if progress.failed:
+            self._end(now, EndReason.MODULE_FAILED, f"{EndReason.MODULE_FAILED.value}: {progress.failed}")
+        elif self._open_request() is not None:
+            return
+        elif progress.finished and _number(progress) == len(self.steps):
+            self._end(now, EndReason.COMPLETED, "Benchmark complete")
+        elif progress.request is not None and progress.request.number == len(self.steps) + 1:
+            self._open(now, progress.request)
+
+    def _open(self, now: Now, request: Request) -> None:
+        problem = self._problem(request)
+        if problem:
+            self._end(now, EndReason.MODULE_FAILED, f"{EndReason.MODULE_FAILED.value}: {problem}")
+            return
+        self.steps.append(Step(request))
+        if request.kind is RequestKind.NOTE:
+            self._answer(Outcome(OutcomeKind.DONE, ended_utc=now.utc))
+            return
+        if request.kind is RequestKind.GOAL:
+            self._open_goal(now, request)
+        else:
+            self._emit(effects.RunLogged(self.port, run_log.MANUAL_OPERATION, request.text))
+            self._say(now, Level.INFO, f"Manual operation: {request.text}")
+            self._set_pauses(now)
+        self._changed()
+
+    def _problem(self, request: Request) -> str:
+        """What is wrong with a request; the module is at fault, not the robot."""
+        if len(self.steps) >= MAX_STEPS:
+            return f"it asked for more than {MAX_STEPS} things"
+        size = len(request.goal.encode()) + len(request.initial_state) * 2 + len(request.switches) * 6
+        if size > self._max_goal:
+            return f"its goal takes {size} bytes, and a datagram has room for {self._max_goal}"
+        if request.kind is RequestKind.SWITCHES and self.switches is None:
+            return "it asks for switches, but no goal had any"
+        return ""
+
+    def _answer(self, outcome: Outcome) -> None:
+        self.steps[-1] = self.steps[-1]._replace(outcome=outcome)
+        self._changed()
+
+    def _open_request(self) -> Optional[Request]:
+        if self.phase is not Phase.RUNNING or not self.steps or self.steps[-1].outcome is not None:
+            return None
+        return self.steps[-1].request
+
+    def _changed(self) -> None:
+        self._emit(effects.ModuleRunsChanged())
+
+    def for_module(self) -> RunForModule:
+        """The run as its module is told it."""
+        event = self.event
+        return RunForModule(
+            self.identity, self.attempt, self.zone, event.benchmark.code, event.team, event.round, event.run,
+            running=self.phase is Phase.RUNNING,
+            end_reason="" if self.end_reason is None else self.end_reason.name.lower(),
+            elapsed_s=self.book.elapsed_s,
+            goal_timeout=event.benchmark.timeout,
+            total_timeout=event.benchmark.total_timeout,
+            told_utc=0.0 if self._goal is None or self._goal.told is None else self._goal.told.utc,
+            sheet=tuple(self.sheet.groups()),
+            steps=tuple(self.steps),
+            kept=self._kept,
+        )
+
+    # -- goals --------------------------------------------------------------------------------------
+
+    def _open_goal(self, now: Now, request: Request) -> None:
+        self._goal = Goal(request)
+        self._goal.start(now)
+        if request.initial_state:
+            self.switches = Switches(request.initial_state)
+        self._emit(effects.RunLogged(self.port, run_log.GOAL, goal_json(request)))
+        self._set_pauses(now)
+        self._set_state(now, BoxState.PREPARE, "Requested the robot to prepare for a new goal")
+
+    def _step(self, now: Now, report: RobotReport) -> None:
+        """Only a goal moves the machine: between goals the robot waits as it is."""
+        goal = self._goal
+        if goal is None:
+            return
+        explicit = goal.request.explicit_goal
+        step = machine.step(self.message.state, report.state, explicit)
+        if step is machine.Step.EXECUTE:
+            if goal.told is None:
+                goal.told = now
+                self._changed()
+            if explicit:
+                self._set_state(now, BoxState.GOAL_TX, "Robot prepared, goal sent", goal.message)
+            else:
+                self._set_state(now, BoxState.WAITING_RESULT, "Robot prepared, executing (no explicit goal)")
+        elif step is machine.Step.AWAIT_RESULT:
+            self._set_state(now, BoxState.WAITING_RESULT, "Robot received the goal, waiting for its result")
+        elif step is machine.Step.RETRY:
+            self._set_state(now, BoxState.PREPARE, f"Robot fell back to {report.state.name}: asked to prepare again")
+        elif step is machine.Step.GOAL_DONE:
+            self._goal_done(now, goal, result_text(report))
+
+    def _goal_done(self, now: Now, goal: Goal, result: str) -> None:
+        seconds = goal.executing_s(now.mono)
+        if result:
+            self._emit(effects.RunLogged(self.port, run_log.RESULT, result))
+            if self.event.benchmark.code == HOPF:
+                self._emit(effects.RunLogged(self.port, run_log.HOPF_RESULT, result))
+            self._tell_online(now, f"result: {result}")
+        self._say(now, Level.INFO, f"Goal completed by the robot in {seconds:.1f} s")
+        self._close_goal(Outcome(OutcomeKind.DONE, result=result, executing_s=seconds, ended_utc=now.utc))
+
+    def _goal_timed_out(self, now: Now, goal: Goal, due: float) -> None:
+        seconds = goal.executing_s(due)
+        self._say(now, Level.WARNING, f"Goal timed out after {goal.request.timeout:g} s")
+        self._close_goal(Outcome(
+            OutcomeKind.TIMED_OUT, executing_s=seconds, ended_utc=now.utc - (now.mono - due)
+        ))
+
+    def _close_goal(self, outcome: Outcome) -> None:
+        self.desc = "Goal timed out" if outcome.kind is OutcomeKind.TIMED_OUT else "Goal completed by the robot"
+        self._goal = None
+        self._answer(outcome)
+
+    # -- time ---------------------------------------------------------------------------------------
+
+    def _set_pauses(self, now: Now) -> None:
+        """The referee's work and the module's absence are not at the team's cost."""
+        self.clock.set_paused(now, self.held or self.asked is not None)
+        if self._goal is not None:
+            self._goal.clock.set_paused(now, self.held)
+
+    def deadline(self) -> Optional[float]:
+        """See `Run.deadline`; a goal's timeout, too."""
+        goal = None if self._goal is None else self._goal.clock.deadline()
+        return min((t for t in (super().deadline(), goal) if t is not None), default=None)
+
+    def tick(self, now: Now) -> None:
+        """See `Run.tick`; a goal that ends before or with the run is over first."""
+        goal = self._goal
+        if goal is not None and self.phase is Phase.RUNNING and goal.clock.is_over(now):
+            due = goal.clock.deadline()
+            ends = [t for t in (self.clock.deadline(), self.saving.deadline()) if t is not None]
+            if all(due <= t for t in ends):
+                self._goal_timed_out(now, goal, due)
+        super().tick(now)
+
+    def _end(self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY) -> None:
+        self._goal = None
+        self.held = False
+        super()._end(now, reason, desc, by)
+        self._changed()
+
+    def close(self, now: Now, by: By = NOBODY) -> None:
+        """See `Run.close`."""
+        super().close(now, by)
+        self._changed()
+
+    # -- for the referee's eyes ---------------------------------------------------------------------
+
+    def timer(self, now: Now) -> float:
+        """Seconds left of the goal, while there is one; of the run else."""
+        left = super().timer(now)
+        return left if self._goal is None else min(left, self._goal.clock.left(now))
+
+    def start_off(self, now: Now) -> List[str]:
+        """Why the run cannot be started: the module first."""
+        return self._modules.start_off(now, self.event.benchmark.code) + super().start_off(now)
+
+    def warnings(self, now: Now) -> List[str]:
+        """What the referee should look at: the module first, if it is the matter."""
+        found: List[str] = []
+        if self.held:
+            found.append("Benchmarking module not connected: the run is held until it is back. Its time does not count")
+        found += self._modules.warnings(now, self.event.benchmark.code)
+        if self._progress is not None:
+            found += self._progress.warnings
+        return found + super().warnings(now)
+
+    @property
+    def module_status(self) -> str:
+        """What the module says it is doing."""
+        return "" if self._progress is None else self._progress.status
+
+    def status_lines(self, now: Now) -> List[str]:
+        """What is asked of the referee, how long the run may take, what the module says."""
+        lines: List[str] = []
+        if self.phase is Phase.RUNNING:
+            if self.asked is not None:
+                lines.append(f"Manual operation: {self.asked.text}")
+            minutes, seconds = divmod(int(self.clock.left(now)), 60)
+            paused = " (does not count now)" if self.clock.paused else ""
+            lines.append(f"Benchmark timeout: {minutes:02d}:{seconds:02d}{paused}")
+        return lines + ([self.module_status] if self.module_status else []) + super().status_lines(now)
+
+
+def _number(progress: Progress) -> int:
+    return 0 if progress.request is None else progress.request.number

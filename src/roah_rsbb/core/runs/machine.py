@@ -1,0 +1,64 @@
+"""The box's state machine: what a message of the robot does to the state that the box sends.
+
+Theory of operation. The box asks (STOP, PREPARE, GOAL_TX, WAITING_RESULT), the robot answers with
+what it is doing, and both repeat themselves until the other has understood. So each message that
+comes in is a pair (state that the box sends, state that the robot reports), and `TABLE` says what
+follows from it. Only fresh messages may be put in: a stale one must never move the machine (see
+`roah_rsbb.core.link.timeline`). The referee's start and stop and the timeouts are not in the table: they
+set PREPARE and STOP from outside.
+
+The table is that of the wire protocol, State machines, "Box's next state"; its rows and columns are
+swapped here.
+"""
+
+import enum
+from typing import Dict, Tuple
+
+from roah_rsbb.protocol import BoxState, RobotState
+
+
+class Step(enum.Enum):
+    """What to do after a message of the robot."""
+
+    KEEP = "keep the state"
+    EXECUTE = "send the goal, or without an explicit goal wait for the result"
+    AWAIT_RESULT = "the robot has the goal: wait for the result"
+    RETRY = "the robot is not where it should be: ask it to prepare again"
+    RETRY_WITH_GOAL = "the robot forgot its goal: prepare again; without an explicit goal, keep"
+    GOAL_DONE = "the robot finished: prepare the next goal, or stop after the last"
+
+
+_BOX, _ROBOT = BoxState, RobotState
+
+TABLE: Dict[Tuple[BoxState, RobotState], Step] = {
+    (_BOX.STOP, _ROBOT.STOP): Step.KEEP,
+    (_BOX.STOP, _ROBOT.PREPARING): Step.KEEP,
+    (_BOX.STOP, _ROBOT.WAITING_GOAL): Step.KEEP,
+    (_BOX.STOP, _ROBOT.EXECUTING): Step.KEEP,
+    (_BOX.STOP, _ROBOT.RESULT_TX): Step.KEEP,
+    # A robot that hears PREPARE late, or was busy with something else, is just asked on.
+    (_BOX.PREPARE, _ROBOT.STOP): Step.KEEP,
+    (_BOX.PREPARE, _ROBOT.PREPARING): Step.KEEP,
+    (_BOX.PREPARE, _ROBOT.WAITING_GOAL): Step.EXECUTE,
+    (_BOX.PREPARE, _ROBOT.EXECUTING): Step.KEEP,
+    (_BOX.PREPARE, _ROBOT.RESULT_TX): Step.KEEP,
+    (_BOX.GOAL_TX, _ROBOT.STOP): Step.RETRY,
+    (_BOX.GOAL_TX, _ROBOT.PREPARING): Step.RETRY,
+    (_BOX.GOAL_TX, _ROBOT.WAITING_GOAL): Step.KEEP,
+    (_BOX.GOAL_TX, _ROBOT.EXECUTING): Step.AWAIT_RESULT,
+    (_BOX.GOAL_TX, _ROBOT.RESULT_TX): Step.GOAL_DONE,
+    (_BOX.WAITING_RESULT, _ROBOT.STOP): Step.RETRY,
+    (_BOX.WAITING_RESULT, _ROBOT.PREPARING): Step.RETRY,
+    # Without an explicit goal this is normal until the robot has heard of WAITING_RESULT.
+    (_BOX.WAITING_RESULT, _ROBOT.WAITING_GOAL): Step.RETRY_WITH_GOAL,
+    (_BOX.WAITING_RESULT, _ROBOT.EXECUTING): Step.KEEP,
+    (_BOX.WAITING_RESULT, _ROBOT.RESULT_TX): Step.GOAL_DONE,
+}
+
+
+def step(box: BoxState, robot: RobotState, explicit_goal: bool) -> Step:
+    """What a fresh message of the robot does; `explicit_goal`: this goal is sent to the robot."""
+    found = TABLE[(box, robot)]
+    if found is Step.RETRY_WITH_GOAL:
+        return Step.RETRY if explicit_goal else Step.KEEP
+    return found

@@ -1,0 +1,1 @@
+"""Score sheets, their history, and the records of finished runs."""

@@ -1,0 +1,1 @@
+"""What referees, the public and benchmarking modules are shown."""

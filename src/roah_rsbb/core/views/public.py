@@ -1,0 +1,96 @@
+"""The box as the public may see it: plain values, made from the box at one moment.
+
+What the organisers do not allow is not in here at all: it never leaves the core.
+"""
+
+import enum
+from typing import List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.finished_runs import Result
+from roah_rsbb.core.zone import Zone
+from roah_rsbb.rulebook.benchmarks import Event
+
+# More fits on no screen.
+MAX_FOLLOWING = 40
+MAX_FINISHED = 40
+
+
+class PublicResults(enum.Enum):
+    """What the organisers let the public see of runs that have ended."""
+
+    NONE = "none"
+    OUTCOMES = "outcomes"  # how each run ended
+    SCORES = "scores"  # and its scores
+
+
+class PublicRun(NamedTuple):
+    """The run in a zone."""
+
+    zone: str
+    event: Event
+    phase: Phase
+    end_reason: Optional[EndReason]  # None: it has not ended, or the public may not know
+    teams: Tuple[str, ...]  # of all robots in it
+    counting: bool  # its time runs
+    left: float  # seconds until its time is up
+
+
+class Following(NamedTuple):
+    """An event that has not begun."""
+
+    zone: str
+    event: Event
+
+
+class PublicView(NamedTuple):
+    """Everything that the public may see."""
+
+    results: PublicResults
+    runs: Tuple[PublicRun, ...]  # in the order of the zones
+    following: Tuple[Following, ...]  # the soonest first
+    finished: Tuple[Result, ...]  # the newest first
+
+    def without_time(self) -> "PublicView":
+        """The same at any moment, for as long as nothing happens."""
+        return self._replace(runs=tuple(run._replace(left=0.0) for run in self.runs))
+
+
+def public_view(box: Box, now: Now, results: PublicResults) -> PublicView:
+    """What the public may see now."""
+    following = [line for zone in box.zones.values() for line in _following(zone)]
+    following.sort(key=lambda line: line.event.scheduled)
+    return PublicView(
+        results,
+        tuple(_run(zone, now, results) for zone in box.zones.values() if zone.run is not None),
+        tuple(following[:MAX_FOLLOWING]),
+        tuple(_allowed(run, results) for run in _finished(box, results)),
+    )
+
+
+def _run(zone: Zone, now: Now, results: PublicResults) -> PublicRun:
+    run = zone.run
+    return PublicRun(
+        zone.name, run.event, run.phase,
+        end_reason=None if results is PublicResults.NONE else run.end_reason,
+        teams=tuple(dict.fromkeys(member.robot.team for member in run.members())),
+        counting=run.phase is Phase.RUNNING and not run.clock.paused,
+        left=run.clock.left(now),
+    )
+
+
+def _following(zone: Zone) -> List[Following]:
+    """What comes in a zone. An event whose run is connected, or was completed, comes no more."""
+    last = zone.last_run
+    is_over = zone.run is not None or (last is not None and last.end_reason is EndReason.COMPLETED)
+    return [Following(zone.name, event) for event in zone.events[zone.index + is_over:]]
+
+
+def _finished(box: Box, results: PublicResults) -> Tuple[Result, ...]:
+    return () if results is PublicResults.NONE else box.finished.newest(MAX_FINISHED)
+
+
+def _allowed(run: Result, results: PublicResults) -> Result:
+    return run if results is PublicResults.SCORES else run._replace(items=(), module_scores=())

@@ -1,0 +1,231 @@
+"""The box as the referees and the public see it: plain values, made from the box at one moment."""
+
+from typing import List, NamedTuple, Optional, Sequence, Tuple
+
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.commands import COMMANDS, robots_to_connect
+from roah_rsbb.core.modules.messages import Request, RequestKind, ScoreValue
+from roah_rsbb.core.robots import ActiveRobot
+from roah_rsbb.core.runs.all_robots import AllRobotsRun, Counts
+from roah_rsbb.core.runs.all_robots_choice import outsiders
+from roah_rsbb.core.runs.functionality import FunctionalityRun
+from roah_rsbb.core.runs.manual_operations import Switches
+from roah_rsbb.core.runs.phases import Phase
+from roah_rsbb.core.runs.run import Run
+from roah_rsbb.core.scoring.sheet import ScoreGroup
+from roah_rsbb.core.zone import Zone
+from roah_rsbb.rulebook.benchmarks import Event, Kind
+
+# A zone without a run has no phase of a run.
+IDLE = "idle"
+
+_COMMAND_INDEX = {command: index for index, command in enumerate(COMMANDS)}
+
+
+class RobotView(NamedTuple):
+    """An active robot."""
+
+    team: str
+    robot: str
+    skew: float  # seconds, robot's clock minus the box's; 0.0 while it is not known
+    last_heard: float  # UTC seconds
+
+
+class ModuleView(NamedTuple):
+    """What a run has that a benchmarking module drives."""
+
+    operation: Optional[Request] = None  # the manual operation that is asked for
+    switches: Optional[Switches] = None  # HOMF, from the goal on
+    switches_asked: bool = False  # the referee is to confirm them
+    held: bool = False
+    status: str = ""
+    scores: Tuple[ScoreValue, ...] = ()
+
+
+NO_MODULE = ModuleView()
+
+
+class RobotInRunView(NamedTuple):
+    """The robot of a run and its private channel."""
+
+    robot: str
+    port: int
+    box_state: str  # that the box sends
+    robot_state: str  # that it last reported; empty: none yet
+    messages_saved: int
+    skew: Optional[float]  # seconds, robot's clock minus the box's; None: not known
+    last_heard: Optional[float]  # UTC seconds; None: never
+
+    def without_time(self) -> "RobotInRunView":
+        """The same, but for values that change with each message; whether they are known stays."""
+        return self._replace(
+            skew=None if self.skew is None else 0.0, last_heard=None if self.last_heard is None else 0.0
+        )
+
+
+class AllRobotsView(NamedTuple):
+    """What a run has in which all robots take part."""
+
+    first_port: int
+    counts: Counts
+    robots: Tuple[str, ...]  # each robot and what it is doing
+
+
+class ZoneView(NamedTuple):
+    """A zone, its event and the run in it."""
+
+    zone: str
+    event: Event
+    timer: float  # seconds left
+    state: str  # for the referee, one or more lines
+    off: Tuple[Tuple[str, ...], ...]  # for each of COMMANDS, in their order: why it is refused
+    log: str
+    online_data: str
+    scoring: Tuple[ScoreGroup, ...]
+    not_attempted: Tuple[bool, ...]  # for each item of `scoring`
+    warnings: Tuple[str, ...]
+    phase: str
+    identity: str  # of the run; empty: there is none
+    end_reason: str  # empty: it has not ended
+    module: ModuleView
+    robot: Optional[RobotInRunView]  # where one runs
+    all_robots: Optional[AllRobotsView]  # where all run at once
+
+    def reasons_off(self, command: str) -> Tuple[str, ...]:
+        """Why a command would be refused; empty: it is allowed."""
+        return self.off[_COMMAND_INDEX[command]]
+
+    def without_time(self) -> "ZoneView":
+        """The same, but for values that change all the time although nothing happens."""
+        return self._replace(timer=0.0, robot=None if self.robot is None else self.robot.without_time())
+
+
+class ScheduleLine(NamedTuple):
+    """An event as the public sees it."""
+
+    event: Event
+    running: bool
+
+
+def robots(box: Box, now: Now) -> List[RobotView]:
+    """All active robots, by team and name."""
+    return [
+        RobotView(r.id.team, r.id.robot, r.skew.seconds or 0.0, r.last_heard.utc) for r in box.robots.all(now)
+    ]
+
+
+def status(box: Box, now: Now) -> str:
+    """The box's state in one line: OK, or what it does or complains of."""
+    left = box.listening_left(now)
+    if left > 0:
+        return f"Listening for another box before transmitting: {left:.0f} s"
+    return "; ".join(box.warnings(now)) or "OK"
+
+
+def zones(box: Box, now: Now) -> List[ZoneView]:
+    """All zones, in the order of the schedule file."""
+    return [_zone(box, zone, now) for zone in box.zones.values()]
+
+
+def schedule(box: Box) -> List[ScheduleLine]:
+    """What runs and what comes next, all zones together, by scheduled time."""
+    lines = [
+        ScheduleLine(event, running=zone.run is not None and index == zone.index)
+        for zone in box.zones.values()
+        for index, event in enumerate(zone.events)
+        if index >= zone.index
+    ]
+    return sorted(lines, key=lambda line: line.event.scheduled)
+
+
+def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
+    run = zone.run
+    off = tuple(tuple(box.reasons_off(now, zone, command)) for command in COMMANDS)
+    log, online_data = _texts(zone)
+    warnings = [] if run is None else box.restart_warnings(now, run) + run.warnings(now)
+    if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
+        warnings += outsiders(box, zone, now)
+    view = ZoneView(
+        zone=zone.name,
+        event=zone.event,
+        timer=zone.event.benchmark.total_timeout if run is None else run.timer(now),
+        state="",
+        off=off,
+        log=log,
+        online_data=online_data,
+        scoring=() if run is None else run.sheet.groups(),
+        not_attempted=() if run is None else run.sheet.not_attempted(),
+        warnings=tuple(warnings),
+        phase=IDLE if run is None else run.phase.value,
+        identity="" if run is None else run.identity,
+        end_reason="" if run is None or run.end_reason is None else run.end_reason.name.lower(),
+        module=_module(run) if isinstance(run, FunctionalityRun) else NO_MODULE,
+        robot=_robot(run) if isinstance(run, Run) else None,
+        all_robots=_all_robots(run, now) if isinstance(run, AllRobotsRun) else None,
+    )
+    return view._replace(state="\n".join(_state_lines(box, zone, view, now)))
+
+
+def _texts(zone: Zone) -> Tuple[str, str]:
+    """Log and online data: of the run, or of the one before."""
+    if zone.run is not None:
+        return zone.run.log.text, zone.run.online_data.text
+    last = zone.last_run
+    return ("", "") if last is None else (last.log, last.online_data)
+
+
+def _module(run: FunctionalityRun) -> ModuleView:
+    asked, running = run.asked, run.phase is Phase.RUNNING
+    return ModuleView(
+        operation=asked if asked is not None and asked.kind is RequestKind.REFEREE else None,
+        switches=run.switches if running else None,
+        switches_asked=asked is not None and asked.kind is RequestKind.SWITCHES,
+        held=run.held,
+        status=run.module_status,
+        scores=run.scores,
+    )
+
+
+def _robot(run: Run) -> RobotInRunView:
+    link = run.link
+    return RobotInRunView(
+        robot=run.robot.robot,
+        port=run.port,
+        box_state=run.message.state.name,
+        robot_state="" if run.robot_state is None else run.robot_state.name,
+        messages_saved=link.messages_saved,
+        skew=link.skew,
+        last_heard=None if link.last_heard is None else link.last_heard.utc,
+    )
+
+
+def _all_robots(run: AllRobotsRun, now: Now) -> AllRobotsView:
+    return AllRobotsView(run.members()[0].port, run.counts(), tuple(run.robots(now)))
+
+
+def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:
+    """What is the matter first, then what the referee must know, a line each."""
+    run = zone.run
+    if run is None:
+        lines = list(view.reasons_off("connect")) or [_ready(robots_to_connect(box, zone, now))]
+        return lines + _warning_lines(view, lines)
+    lines = [] if run.phase is Phase.CONNECTED else [run.desc]
+    if run.phase is not Phase.RUNNING:
+        reasons = view.reasons_off("start")
+        if run.phase is Phase.CONNECTED:
+            lines.extend(reasons or ("All OK for start",))
+        elif not reasons:
+            lines.append("May be started again: its time went on")
+    lines.extend(run.status_lines(now))
+    return lines + _warning_lines(view, lines)
+
+
+def _ready(robots: Sequence[ActiveRobot]) -> str:
+    if len(robots) == 1:
+        return f"Robot ready to accept connection: {robots[0].id}"
+    return f"{len(robots)} robots ready to accept connection: {', '.join(str(robot.id) for robot in robots)}"
+
+
+def _warning_lines(view: ZoneView, lines: List[str]) -> List[str]:
+    return [f"WARNING: {warning}" for warning in view.warnings if warning not in lines]

@@ -1,0 +1,1 @@
+"""Node roah_rsbb_core."""

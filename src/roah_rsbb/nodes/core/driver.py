@@ -1,0 +1,202 @@
+"""Drives the core: puts events in with the time, and carries out the effects that they leave.
+
+Everything here runs in the loop's thread. The core decides; the driver only knows who does what.
+"""
+
+import asyncio
+import time
+from typing import Callable, List, Optional, Set
+
+import rospy
+
+from roah_rsbb.core import effects
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.effects import Effect, Level
+from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.nodes.core.journal import CoreJournal
+from roah_rsbb.nodes.core.radio import CoreRadio
+from roah_rsbb.run_logs.writer import RunLogWriter
+
+# Readings of clocks this close together are of one moment; a busy machine takes a few attempts.
+SAME_MOMENT_S = 0.005
+MAX_READINGS = 10
+
+_LOG = {Level.INFO: rospy.loginfo, Level.WARNING: rospy.logwarn, Level.ERROR: rospy.logerr}
+
+
+class CoreDriver:
+    """One box, and the hands that do what it wants done."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        box: Box,
+        radio: CoreRadio,
+        run_logs: RunLogWriter,
+        ports: PortRecord,
+        journal: CoreJournal,
+        ring_timeout: Callable[[], None],
+        tell_modules: Callable[[], None],
+        results_changed: Callable[[], None],
+        set_device: Callable[[effects.SetDevice], None],
+        give_up: Callable[[str], None],
+    ) -> None:
+        self._loop = loop
+        self.box = box
+        self._radio = radio
+        self._run_logs = run_logs
+        self._ports = ports
+        self._journal = journal
+        self._ring_timeout = ring_timeout
+        self._tell_modules = tell_modules
+        self._give_up = give_up
+        self._timer: Optional[asyncio.TimerHandle] = None
+        self._carrying_out = False
+        self._beacon_wanted = False
+        self._modules_wait = False
+        self._unopened: Set[int] = set()  # ports
+        self._moment = self.now()  # of the last event
+        self._hands = {
+            effects.PortTaken: self._port_taken,
+            effects.OpenChannel: self._open_channel,
+            effects.AimChannel: lambda e: self._radio.aim(e.port, e.host),
+            effects.CloseChannel: lambda e: self._radio.close_channel(e.port),
+            effects.SendState: lambda e: self._radio.send_state(e.port, e.message, e.how),
+            effects.SendBeacon: self._want_beacon,
+            effects.TimeoutRung: lambda e: self._ring_timeout(),
+            effects.SetDevice: set_device,
+            effects.RunOpened: self._run_opened,
+            effects.RunResumed: self._run_resumed,
+            effects.RecordChanged: lambda e: results_changed(),
+            effects.Recorded: lambda e: None,  # the journal has it
+            effects.RunLogged: lambda e: self._run_logs.logged(e, self._moment.utc),
+            effects.RunClosed: lambda e: self._run_logs.closed(e),
+            effects.ModuleRunsChanged: self._want_modules_told,
+            effects.Notice: self._notice,
+            effects.GiveUp: lambda e: self._give_up(e.reason),
+        }
+
+    @staticmethod
+    def now() -> Now:
+        """The present moment on both clocks; the loop's clock is the monotonic one.
+
+        A pause of this process between two readings would look like a step of the clock: then read again.
+        """
+        for _ in range(MAX_READINGS):
+            before, utc, mono = time.monotonic(), time.time(), time.monotonic()
+            if mono - before < SAME_MOMENT_S:
+                break
+        return Now(mono, utc)
+
+    def event(self, method: Callable[..., object], *args: object) -> None:
+        """Put an event into the box, then do what it wants. What the method raises comes out afterwards."""
+        self._moment = self.now()
+        try:
+            method(self._moment, *args)
+        finally:
+            self._carry_out()
+            self._set_timer()
+
+    def tick(self) -> None:
+        """Let the box do what is due."""
+        self.event(self.box.tick)
+
+    def _carry_out(self) -> None:
+        if self._carrying_out:
+            return  # an effect led to another event: its effects come after those before
+        self._carrying_out = True
+        notices: List[effects.Notice] = []
+        try:
+            todo = self._take_effects()
+            while todo:
+                for effect in todo:
+                    if isinstance(effect, effects.Notice):
+                        notices.append(effect)
+                    else:
+                        self._do(effect)
+                todo = self._take_effects()
+            if self._beacon_wanted:
+                self._beacon_wanted = False
+                self._radio.send_beacon()
+            if self._modules_wait:
+                self._modules_wait = False
+                self._tell_modules()
+        finally:
+            self._carrying_out = False
+            # A line in the node's log takes longer than a datagram, and nobody waits for it.
+            for notice in notices:
+                self._do(notice)
+
+    def _take_effects(self) -> List[Effect]:
+        """What is to be done; it is on record when this returns."""
+        todo = self.box.take_effects()
+        if todo:
+            try:
+                self._journal.record(self._moment, todo)
+            except Exception:
+                # A record that cannot be made must not keep the robots from their run.
+                rospy.logerr_throttle(1.0, "internal error, please report it: what happened could not be recorded",
+                                      exc_info=True)
+        return todo
+
+    def _do(self, effect: Effect) -> None:
+        try:
+            self._hands[type(effect)](effect)
+        except Exception:
+            # One hand that fails must not keep the others from their work.
+            rospy.logerr_throttle(1.0, f"internal error, please report it: {type(effect).__name__} was not carried out",
+                                  exc_info=True)
+
+    def _set_timer(self) -> None:
+        deadline = self.box.deadline()
+        if self._timer is not None:
+            if self._timer.when() == deadline:
+                return
+            self._timer.cancel()
+        self._timer = None if deadline is None else self._loop.call_at(deadline, self._on_timer)
+
+    def _on_timer(self) -> None:
+        self._timer = None
+        self.tick()
+
+    def _want_beacon(self, _effect: effects.SendBeacon) -> None:
+        """The beacon says what is true when it leaves, so it leaves after all else, also after what another
+        port puts on record when the first one could not be opened."""
+        self._beacon_wanted = True
+
+    def _want_modules_told(self, _effect: effects.ModuleRunsChanged) -> None:
+        """Once an event, after what robots wait for."""
+        self._modules_wait = True
+
+    def _port_taken(self, effect: effects.PortTaken) -> None:
+        try:
+            self._ports.add(effect.port)
+        except OSError as error:
+            self.event(
+                self.box.on_trouble,
+                f"{self._ports.path} cannot be written: {error.strerror}. After a restart of the box private ports "
+                "may be used twice: free or mend the disk of log_dir",
+            )
+
+    def _open_channel(self, effect: effects.OpenChannel) -> None:
+        try:
+            self._radio.open_channel(effect.port, effect.team, effect.host)
+        except OSError as error:
+            self._unopened.add(effect.port)
+            self.event(self.box.on_channel_failed, effect.port, str(error))
+
+    def _run_opened(self, effect: effects.RunOpened) -> None:
+        if effect.port in self._unopened:
+            return  # the box tries again on another port: no log for this one
+        self._run_logs.opened(effect, self._moment.utc)
+        self._journal.log_file(effect.port, self._run_logs.files[effect.port])
+
+    def _run_resumed(self, effect: effects.RunResumed) -> None:
+        self._run_logs.resumed(effect.port, self._journal.log_file_before(effect.port))
+        self._journal.log_file(effect.port, self._run_logs.files[effect.port])
+
+    @staticmethod
+    def _notice(effect: effects.Notice) -> None:
+        zone = f"zone {effect.zone}: " if effect.zone else ""
+        _LOG[effect.level]("%s%s", zone, effect.text)

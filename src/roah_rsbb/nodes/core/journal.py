@@ -1,0 +1,194 @@
+"""Between the core and its journal: an event's effects become a batch, and a batch of old a box that goes on.
+
+What an event changed is in the journal before anything leaves the box because of it (architecture, rule 5).
+"""
+
+import json
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Tuple
+
+from roah_rsbb.core import effects, run_log
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.effects import Effect, Level
+from roah_rsbb.core.restart.restart import BOX, BoxSaved, Saved, ZoneState, key_of
+from roah_rsbb.core.restart.saved import Anchor, BadState, freeze, thaw
+from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
+from roah_rsbb.journal.before import Before
+from roah_rsbb.journal.store import Journal
+from roah_rsbb.rulebook.config import Config
+
+# Kinds of entries that are no topic of a run log.
+NOTICE = "notice"
+ADDRESS = "address"
+TIMEOUT = "timeout"
+
+BOX_STATE = "box"
+ZONE_STATE = "zone:"
+
+
+class _Place(NamedTuple):
+    """Where the robot with a private port is."""
+
+    zone: str
+    identity: str
+
+
+def competition(config: Config) -> str:
+    """What a competition is known by: its events."""
+    return _json([[zone.name, *key_of(event)] for zone in config.zones for event in zone.events])
+
+
+class CoreJournal:
+    """Puts on record what the box does."""
+
+    def __init__(self, box: Box, journal: Journal) -> None:
+        self._box = box
+        self._journal = journal
+        self._places: Dict[int, _Place] = {}
+        self._entries: List[Entry] = []
+        self._runs: List[RunRow] = []
+        self._members: List[Member] = []
+        self._outcomes: List[Tuple[str, Outcome]] = []
+        self._takers: Dict[type, Callable[[Now, Any], None]] = {
+            effects.RunOpened: self._opened,
+            effects.RunResumed: self._resumed,
+            effects.RunLogged: self._logged,
+            effects.RunClosed: self._closed,
+            effects.AimChannel: self._aimed,
+            effects.TimeoutRung: self._rung,
+            effects.Notice: self._noticed,
+            effects.Recorded: self._recorded,
+            effects.RecordChanged: self._record_changed,
+        }
+
+    def record(self, now: Now, todo: Sequence[Effect]) -> None:
+        """Write what an event changed; `todo` are its effects, which nobody has carried out yet."""
+        for effect in todo:
+            taker = self._takers.get(type(effect))
+            if taker is not None:
+                taker(now, effect)
+        changed = self._box.take_changed()
+        if not (changed or self._entries or self._outcomes):
+            return
+        batch = Batch(
+            tuple(self._entries), tuple(self._runs), tuple(self._members), (), tuple(self._outcomes),
+            tuple(self._state(name) for name in sorted(changed)),
+        )
+        for written in (self._entries, self._runs, self._members, self._outcomes):
+            written.clear()
+        self._journal.write(batch)
+
+    def log_file(self, port: int, path: str) -> None:
+        """Where the run log of a robot is."""
+        self._journal.write(Batch(log_files=((port, path),)))
+
+    def log_entries(self, port: int) -> List[Tuple[str, object, float]]:
+        """All that belongs into the run log of a robot so far: topic, value and UTC seconds, in order."""
+        return [
+            (entry.kind, json.loads(entry.value), entry.utc)
+            for entry in self._journal.entries_of(port) if entry.kind in run_log.KINDS
+        ]
+
+    def log_file_before(self, port: int) -> str:
+        """Where the run log of a robot was before the restart; empty: nobody knows."""
+        return self._journal.before.log_files.get(port, "")
+
+    def each_second(self, now: Now, unreadable: Mapping[int, int]) -> None:
+        """To be called once a second: write the link records, and what could not be written before.
+
+        `unreadable`: see `Box.link_samples`.
+        """
+        samples = self._box.link_samples(now, unreadable)
+        if samples:
+            self._journal.write(Batch(links=tuple(
+                LinkRow(port, now.utc, now.mono, _json(freeze(sample))) for port, sample in samples
+            )))
+        self._journal.look()
+
+    # -- effects ------------------------------------------------------------------------------------
+
+    def _state(self, name: str) -> Tuple[str, str]:
+        if name == BOX:
+            return BOX_STATE, _json(freeze(self._box.saved_box()))
+        return ZONE_STATE + name, _json(freeze(self._box.saved_zone(name)))
+
+    def _place(self, port: int) -> _Place:
+        return self._places.get(port, _Place("", ""))
+
+    def _add(self, now: Now, place: _Place, port: Any, who: str, kind: str, value: object) -> None:
+        self._entries.append(Entry(now.utc, now.mono, place.zone, place.identity, port, who, kind, _json(value)))
+
+    def _opened(self, _now: Now, effect: effects.RunOpened) -> None:
+        self._find_place(effect.port)
+        run = self._box.run_at(effect.port)
+        whole = self._box.zones[run.zone].run
+        self._runs.append(RunRow(whole.identity, run.zone, *key_of(whole.event), whole.opened_utc))
+        self._members.append(Member(effect.port, whole.identity, run.robot.team, run.robot.robot))
+
+    def _resumed(self, _now: Now, effect: effects.RunResumed) -> None:
+        self._find_place(effect.port)
+
+    def _find_place(self, port: int) -> None:
+        """A run begins or goes on: what is told of its port later, also after its end, belongs to it."""
+        self._places[port] = self._place_of_zone(self._box.run_at(port).zone)
+
+    def _place_of_zone(self, zone: str) -> _Place:
+        run = self._box.zones[zone].run
+        return _Place(zone, "" if run is None else run.identity)
+
+    def _logged(self, now: Now, effect: effects.RunLogged) -> None:
+        who = ""
+        if effect.topic in run_log.FROM_ROBOT:
+            run = self._box.run_at(effect.port)
+            who = "" if run is None else run.link.host or ""
+        self._add(now, self._place(effect.port), effect.port, who, effect.topic, effect.value)
+
+    def _closed(self, _now: Now, effect: effects.RunClosed) -> None:
+        self._places.pop(effect.port, None)
+
+    def _aimed(self, now: Now, effect: effects.AimChannel) -> None:
+        self._add(now, self._place(effect.port), effect.port, effect.host, ADDRESS, effect.host)
+
+    def _rung(self, now: Now, effect: effects.TimeoutRung) -> None:
+        self._add(now, self._place_of_zone(effect.zone), None, "", TIMEOUT, None)
+
+    def _noticed(self, now: Now, effect: effects.Notice) -> None:
+        if effect.zone and effect.level >= Level.WARNING:
+            said = {"level": effect.level.name, "text": effect.text}
+            self._add(now, self._place_of_zone(effect.zone), None, "", NOTICE, said)
+
+    def _recorded(self, now: Now, effect: effects.Recorded) -> None:
+        self._add(now, _Place(effect.zone, effect.identity), effect.port, effect.who, effect.kind, effect.value)
+
+    def _record_changed(self, _now: Now, effect: effects.RecordChanged) -> None:
+        record = effect.record
+        self._outcomes.append((record.identity, Outcome(record.closed_utc or None, _json(freeze(record)))))
+
+
+def saved_before(before: Before, now: Now, boot: str) -> Tuple[Saved, List[str]]:
+    """What the box goes on from, and warnings about what cannot be read."""
+    warnings: List[str] = []
+    last = before.last
+    shift = 0.0 if last is None else Anchor(last.mono, last.utc, last.boot_id).shift(now, boot)
+    box, zones, records = BoxSaved(), {}, []
+    for name, text in before.states.items():
+        try:
+            if name == BOX_STATE:
+                box = thaw(BoxSaved, json.loads(text), shift)
+            elif name.startswith(ZONE_STATE):
+                zones[name[len(ZONE_STATE):]] = thaw(ZoneState, json.loads(text), shift)
+        except (BadState, ValueError, RecursionError) as error:
+            what = "home devices and tablet" if name == BOX_STATE else f"zone {name[len(ZONE_STATE):]}"
+            warnings.append(f"The journal's state of {what} cannot be read: {error}. It begins anew")
+    for text in before.outcomes:
+        try:
+            records.append(thaw(RunRecord, json.loads(text)))
+        except (BadState, ValueError, RecursionError) as error:
+            warnings.append(f"The journal's record of a run cannot be read, and cannot be corrected here: {error}")
+    utc = now.utc if last is None else last.utc
+    return Saved(utc, box, zones, tuple(records)), warnings
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False, separators=(",", ":"))

@@ -1,0 +1,311 @@
+"""Node roah_rsbb_core: the box itself (ROS interface, Core node).
+
+The only place where the core meets rospy. Its topics, services and parameters are those of the ROS
+interface, plus /core/details and /core/public_details.
+
+Parameters (private), which docs/organiser.md explains: rsbb_host, rsbb_port, bind_host, benchmarks_file, schedule_file,
+passwords_file, log_dir, resume, public_results, rsbb_cypher, private_mode, robot_timeout, allowed_skew,
+after_stop_duration, check_messages_saved, check_messages_saved_timeout, auto_next, display_log_size, max_datagram,
+listen_duration; end_launch (for launch files: what cannot be mended by starting again ends the launch).
+"""
+
+import gc
+import os
+import signal
+import sys
+import threading
+import time
+import uuid
+from typing import Callable
+
+import rospy
+from std_msgs.msg import Empty
+from std_srvs.srv import Empty as EmptySrv
+
+from roah_rsbb.comm.ciphers import Cipher, Key, cipher_by_label
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.effects import SetDevice
+from roah_rsbb.core.modules.presence import MAX_NODES
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.views.public import PublicResults, public_view
+from roah_rsbb.journal.file import Resume, Session, boot_id
+from roah_rsbb.journal.ports import PortRecord
+from roah_rsbb.journal.store import Journal
+from roah_rsbb.msg import (
+    CoreDetails,
+    CoreToGui,
+    CoreToPublic,
+    DevicesState,
+    DevicesStatus,
+    ModuleRuns,
+    ModulesState,
+    PublicDetails,
+    Results,
+)
+from roah_rsbb.nodes import device_convert
+from roah_rsbb.nodes.core import public_convert
+from roah_rsbb.nodes.core.driver import CoreDriver
+from roah_rsbb.nodes.core.journal import CoreJournal, competition, saved_before
+from roah_rsbb.nodes.core.panel_messages import PanelMessages
+from roah_rsbb.nodes.core.radio import CoreRadio, Network, beacon_size
+from roah_rsbb.nodes.core.results_convert import ResultsBoard
+from roah_rsbb.nodes.core.services import CoreServices
+from roah_rsbb.nodes.device_calls import DeviceCalls
+from roah_rsbb.nodes.modules import convert
+from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.ros.newest import Newest
+from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.rulebook import config
+from roah_rsbb.run_logs.writer import RunLogWriter
+
+GUI_PERIOD_S = 0.1
+# Every fifth of the panels' messages goes with one for the public.
+PUBLIC_EVERY = 5
+JOURNAL_EVERY = 10
+# After a restart those who play sounds need a moment to find the core again.
+HEARD_AFTER_S = 2.0
+
+# The node that ends the launch may still be starting, and ending takes its time.
+END_LAUNCH_S = 10.0
+
+# Private channels: how the box answers robots.
+UNICAST, BROADCAST = "unicast", "broadcast"
+
+
+def _settings(params: Params) -> Settings:
+    default = Settings()
+    return Settings(
+        rsbb_port=params.whole("rsbb_port", default.rsbb_port, 1, 65000),
+        robot_timeout=params.number("robot_timeout", default.robot_timeout, lowest=1.0),
+        allowed_skew=params.number("allowed_skew", default.allowed_skew, lowest=0.001),
+        after_stop_duration=params.number("after_stop_duration", default.after_stop_duration),
+        display_log_size=params.whole("display_log_size", default.display_log_size, 100, 1_000_000),
+        check_messages_saved=params.flag("check_messages_saved", default.check_messages_saved),
+        check_messages_saved_timeout=params.number(
+            "check_messages_saved_timeout", default.check_messages_saved_timeout
+        ),
+        max_datagram=params.whole("max_datagram", default.max_datagram, 200, 65507),
+        auto_next=params.flag("auto_next", default.auto_next),
+        listen_duration=params.number("listen_duration", default.listen_duration, highest=60.0),
+    )
+
+
+def _network(params: Params, settings: Settings) -> Network:
+    labels = [cipher.label for cipher in Cipher if cipher is not Cipher.NONE]
+    return Network(
+        rsbb_host=params.text("rsbb_host", "10.255.255.255"),
+        rsbb_port=settings.rsbb_port,
+        bind_host=params.text("bind_host", "0.0.0.0"),
+        cipher=cipher_by_label(params.choice("rsbb_cypher", Cipher.AES_128_CBC.label, labels)),
+        broadcast=params.choice("private_mode", UNICAST, [UNICAST, BROADCAST]) == BROADCAST,
+        max_datagram=settings.max_datagram,
+    )
+
+
+class CoreNode:
+    """The node, from its parameters to its end. Raises `BadParams`, `ConfigErrors` or OSError at the start."""
+
+    def __init__(self) -> None:
+        params = Params()
+        settings = _settings(params)
+        network = _network(params, settings)
+        files = [params.path(name) for name in ("benchmarks_file", "schedule_file", "passwords_file")]
+        log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
+        resume = Resume(params.choice("resume", Resume.ALWAYS.value, [choice.value for choice in Resume]))
+        results = params.choice("public_results", PublicResults.NONE.value, [choice.value for choice in PublicResults])
+        params.done()
+        loaded, warnings = config.load(*files)
+        for warning in warnings:
+            rospy.logwarn("%s", warning)
+
+        self._uuid = str(uuid.uuid4())
+        self._ros = RosLoop()
+        self._gave_up = ""
+        self._ticks = 0
+        self._public_results = PublicResults(results)
+        self._last_public_view = None
+        ports = PortRecord(log_dir)
+        last_port, port_warnings = ports.read()
+        launch = rospy.get_param("/run_id", "")
+        session = Session(time.time(), time.monotonic(), boot_id(), os.getpid(), self._uuid, launch)
+        self._store = Journal(log_dir, session, competition(loaded), resume, self._on_journal_trouble)
+        box = Box(loaded, settings, beacon_size, max(last_port or 0, self._store.before.last_port or 0))
+        keys = {team: Key(password) for team, password in loaded.passwords.items()}
+        self._radio = CoreRadio(self._ros.loop, network, keys, box, self._event)
+        self._journal = CoreJournal(box, self._store)
+        self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble, self._on_log_mended,
+                                      self._journal.log_entries, self._ros.post)
+        self._results = ResultsBoard(box, self._uuid)
+        self._panels = PanelMessages(box, self._uuid, network.rsbb_host)
+        self._heard_from = self._ros.loop.time() + HEARD_AFTER_S
+        self._device_calls = DeviceCalls(self._on_device_refused)
+        self._driver = CoreDriver(
+            self._ros.loop, box, self._radio, self._run_logs, ports, self._journal,
+            ring_timeout=self._ring_timeout, tell_modules=self._tell_modules,
+            results_changed=self._results.on_record_changed, set_device=self._device_calls.set, give_up=self._give_up,
+        )
+        self._box = box
+        self._modules = Newest(self._ros.post, lambda state: self._event(box.on_modules, state), MAX_NODES)
+        self._network = network
+        self._log_dir = log_dir
+        for warning in (*port_warnings, *self._store.warnings):
+            self._driver.event(box.on_trouble, warning)
+        self._check_log_dir()
+
+    def _go_on(self) -> None:
+        """Go on where the core was when it ended, if it is in the journal."""
+        saved, warnings = saved_before(self._store.before, self._driver.now(), boot_id())
+        for warning in warnings:
+            self._driver.event(self._box.on_trouble, warning)
+        self._driver.event(self._box.resume, saved)
+        self._run_logs.mend(self._store.before.log_files)
+
+    def run(self) -> int:
+        """Run until shut down; returns the process's exit status."""
+        self._topics = {
+            "gui": rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True),
+            "public": rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True),
+            "public_details": rospy.Publisher("/core/public_details", PublicDetails, queue_size=1, latch=True),
+            "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
+            "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
+            "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
+            "timeout": rospy.Publisher("/timeout", Empty, queue_size=1),
+        }
+        CoreServices(self._box, self._ros, self._event, self._store.sync)
+        rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
+        rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
+        rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
+        gc.collect()
+        # From here on robots are heard: what waits for the loop looks as if their clocks were behind.
+        self._go_on()
+        self._driver.tick()
+        self._radio.open(self._box.listening_left(self._driver.now()))
+        rospy.loginfo("Listening on UDP %s:%d, private channels above; log in %s",
+                      self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
+        self._tell_modules()
+        self._publish_tick()
+        # What is there now stays: each full collection that goes through it would stop the box for some 15 ms.
+        gc.freeze()
+        self._ros.run()
+        self._radio.close()
+        self._run_logs.stop()
+        self._store.close()
+        if self._gave_up:
+            _end_launch()
+        self._ros.close()
+        return 1 if self._gave_up else 0
+
+    # -- events -------------------------------------------------------------------------------------
+
+    def _event(self, method: Callable[..., object], *args: object) -> None:
+        self._driver.event(method, *args)
+
+    def _on_devices(self, message: DevicesState) -> None:
+        devices = device_convert.devices_of(message)
+        self._ros.post(lambda: self._event(self._box.on_devices, devices))
+
+    def _on_devices_status(self, message: DevicesStatus) -> None:
+        self._ros.post(lambda: self._event(self._box.on_devices_status, message.connected, message.text))
+
+    def _on_device_refused(self, wish: SetDevice, reason: str) -> None:
+        self._ros.post(lambda: self._event(self._box.on_device_refused, wish.zone, wish.device, wish.value, reason))
+
+    def _on_modules(self, message: ModulesState) -> None:
+        state = convert.state_of(message)
+        self._modules.put(state.node, state)
+
+    def _on_log_trouble(self, text: str) -> None:
+        self._ros.post(lambda: self._event(self._box.on_trouble, text))
+
+    def _on_log_mended(self, trouble: str, text: str) -> None:
+        self._ros.post(lambda: self._event(self._box.on_mended, trouble, text))
+
+    def _on_journal_trouble(self, text: str) -> None:
+        self._ros.post(lambda: self._event(self._box.on_journal, text))
+
+    def _give_up(self, reason: str) -> None:
+        self._gave_up = reason
+        rospy.logfatal("%s", reason)
+        self._ros.stop(reason)
+
+    def _check_log_dir(self) -> None:
+        problem = self._run_logs.check()
+        if problem:
+            self._driver.event(self._box.on_trouble, problem)
+
+    # -- topics -------------------------------------------------------------------------------------
+
+    def _tell_modules(self) -> None:
+        self._publish("module_runs", convert.runs_message(self._uuid, self._box.module_runs()))
+
+    def _ring_timeout(self) -> None:
+        """At once, unless the core has just started: a run's time ran out while it was down."""
+        self._ros.loop.call_at(self._heard_from, self._publish, "timeout", Empty())
+
+    def _publish_tick(self) -> None:
+        self._ros.loop.call_later(GUI_PERIOD_S, self._publish_tick)
+        self._driver.tick()
+        now = self._driver.now()
+        self._publish("gui", self._panels.to_gui(now, self._run_logs.files))
+        details = self._panels.details(now)
+        if details is not None:
+            self._publish("details", details)
+        if self._ticks % PUBLIC_EVERY == 0:
+            self._publish("public", public_convert.to_public(self._box, now))
+        self._publish_public_details(now)
+        results = self._results.take(now)
+        if results is not None:
+            self._publish("results", results)
+        if self._ticks % JOURNAL_EVERY == 0:
+            self._journal.each_second(now, self._radio.unreadable())
+        self._ticks += 1
+
+    def _publish_public_details(self, now) -> None:
+        view = public_view(self._box, now, self._public_results)
+        timeless = view.without_time()
+        if timeless != self._last_public_view or self._ticks % PUBLIC_EVERY == 0:
+            self._last_public_view = timeless
+            self._publish("public_details", public_convert.public_details(view, now, self._uuid))
+
+    def _publish(self, topic: str, message: object) -> None:
+        try:
+            self._topics[topic].publish(message)
+        except rospy.ROSException as error:
+            if not rospy.is_shutdown():
+                rospy.logerr_throttle(1.0, f"{self._topics[topic].name} could not be published: {error}")
+
+
+def _end_launch() -> None:
+    """What cannot be mended by starting again ends the whole launch, if this node was launched in one.
+
+    Returns once roslaunch interrupts this process, too: it would start one that ended before that again.
+    """
+    if not rospy.get_param("~end_launch", False):
+        return
+    interrupted = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: interrupted.set())
+    try:
+        rospy.wait_for_service("roah_rsbb_shutdown", timeout=END_LAUNCH_S)
+        rospy.ServiceProxy("roah_rsbb_shutdown", EmptySrv)()
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        rospy.logerr("the launch could not be ended (%s): end it with Ctrl-C", error)
+    else:
+        interrupted.wait(END_LAUNCH_S)
+
+
+def main() -> None:
+    """Entry point of the node."""
+    explain(__doc__)
+    rospy.init_node("roah_rsbb_core", disable_signals=True)
+    try:
+        status = CoreNode().run()
+    except (BadParams, config.ConfigErrors, OSError) as error:
+        for line in str(error).splitlines():
+            rospy.logfatal("%s", line)
+        status = 1
+        _end_launch()
+    # The process ends now: roslaunch, which interrupts all its nodes, could only add a traceback.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    sys.exit(status)

@@ -1,0 +1,77 @@
+"""From what the public may see to the messages of public displays, the original's and ours."""
+
+import time
+
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.scoring.finished_runs import Result
+from roah_rsbb.core.views import views
+from roah_rsbb.core.views.public import PublicRun, PublicView
+from roah_rsbb.msg import CoreToPublic, PublicDetails, PublicEvent, PublicResult, ScheduleInfo
+from roah_rsbb.msg import PublicRun as PublicRunMsg
+from roah_rsbb.nodes.core.score_convert import items_message, score_message
+from roah_rsbb.ros.times import ros_duration, ros_time
+from roah_rsbb.rulebook.benchmarks import Event
+
+
+def to_public(box: Box, now: Now) -> CoreToPublic:
+    """The public display's message; times are local, the public's."""
+    return CoreToPublic(
+        clock=_local(now.utc),
+        schedule=[
+            ScheduleInfo(
+                line.event.team, line.event.benchmark.desc, line.event.round, line.event.run,
+                _local(line.event.scheduled), line.running,
+            )
+            for line in views.schedule(box)
+        ],
+    )
+
+
+def public_details(view: PublicView, now: Now, box_uuid: str) -> PublicDetails:
+    """What CoreToPublic has no field for; `view` was made at `now`."""
+    return PublicDetails(
+        clock=ros_time(now.utc),
+        box_uuid=box_uuid,
+        results=view.results.value,
+        runs=[_run(run, now) for run in view.runs],
+        following=[_event(line.zone, line.event) for line in view.following],
+        finished=[_result(run) for run in view.finished],
+    )
+
+
+def _event(zone: str, event: Event) -> PublicEvent:
+    benchmark = event.benchmark
+    return PublicEvent(
+        zone, benchmark.desc or benchmark.name, event.team, event.round, event.run, ros_time(event.scheduled)
+    )
+
+
+def _run(run: PublicRun, now: Now) -> PublicRunMsg:
+    return PublicRunMsg(
+        event=_event(run.zone, run.event),
+        teams=list(run.teams),
+        phase=run.phase.value,
+        end_reason="" if run.end_reason is None else run.end_reason.name.lower(),
+        counting=run.counting,
+        ends=ros_time(now.utc + run.left if run.counting else 0.0),
+        left=ros_duration(run.left),
+    )
+
+
+def _result(run: Result) -> PublicResult:
+    scoring = items_message(run.items)
+    return PublicResult(
+        event=_event(run.zone, run.event),
+        end_reason=run.end_reason,
+        disconnected=ros_time(run.disconnected_utc),
+        scoring=scoring,
+        not_attempted=[
+            sum(item.not_attempted for item in run.items if item.group == group.group_name) for group in scoring
+        ],
+        module_scores=[score_message(score) for score in run.module_scores if not score.group],
+    )
+
+
+def _local(utc: float) -> str:
+    return time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(utc))

@@ -1,0 +1,213 @@
+"""All UDP of the core node: the public channel, and a private one for each run.
+
+Decides nothing: it turns datagrams into events of the box, and what the box says into datagrams at the
+times that `StateSender` gives.
+"""
+
+import asyncio
+from typing import Callable, Dict, NamedTuple, Optional, Tuple
+
+import rospy
+
+from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
+from roah_rsbb.comm.ciphers import Cipher, Key
+from roah_rsbb.comm.frame import encoded_size
+from roah_rsbb.comm.sender import StateSender
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.effects import How
+from roah_rsbb.core.messages import Beacon, BoxMessage, RobotReport
+from roah_rsbb.nodes.core import wire_convert
+from roah_rsbb.nodes.core.report_reader import ReportReader
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+
+Address = Tuple[str, int]
+BEACON_PERIOD_S = 1.0
+# Devices and the tablet change at the pace of whoever sends it: beacons leave no closer together than this.
+BEACON_GAP_S = 0.05
+
+
+class Network(NamedTuple):
+    """Parameters of the network."""
+
+    rsbb_host: str  # broadcast address
+    rsbb_port: int
+    bind_host: str
+    cipher: Cipher
+    broadcast: bool  # private_mode: answer robots by broadcast, as the original did
+    max_datagram: int  # bytes
+
+
+def beacon_size(beacon: Beacon) -> int:
+    """Bytes of the datagram that carries a beacon."""
+    return encoded_size(wire_convert.beacon_message(beacon), Cipher.NONE)
+
+
+class _Private:
+    """A private channel and the message that it sends again and again."""
+
+    def __init__(self, channel: PrivateChannel) -> None:
+        self.channel = channel
+        self.sender = StateSender()
+        self.message: Optional[BoxMessage] = None
+        self.made: Optional[pb.BenchmarkState] = None  # of the message, once it was sent
+        self.timer: Optional[asyncio.TimerHandle] = None
+
+
+class CoreRadio:
+    """The core's channels."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        network: Network,
+        keys: Dict[str, Key],
+        box: Box,
+        event: Callable[..., None],
+    ) -> None:
+        """`keys`: of each team. `event(method, *arguments)` puts an event into the box, with the time."""
+        self._loop = loop
+        self._network = network
+        self._keys = keys
+        self._box = box
+        self._event = event
+        self._listening = True
+        self._privates: Dict[int, _Private] = {}
+        self._beacon_timer: Optional[asyncio.TimerHandle] = None
+        self._beacon_soon: Optional[asyncio.TimerHandle] = None
+        self._last_beacon = float("-inf")
+        self.public = PublicChannel(
+            loop, network.rsbb_host, network.rsbb_port, self._on_public, self._on_complaint,
+            bind_host=network.bind_host, max_datagram=network.max_datagram,
+        )
+
+    def open(self, listen_duration: float) -> None:
+        """Open the public channel; send beacons after `listen_duration` seconds of only listening.
+
+        Raises OSError whose text names the remedy.
+        """
+        self.public.open()
+        self._beacon_timer = self._loop.call_later(listen_duration, self._begin_to_send)
+
+    def close(self) -> None:
+        """Close all channels."""
+        for timer in (self._beacon_timer, self._beacon_soon):
+            if timer is not None:
+                timer.cancel()
+        for port in list(self._privates):
+            self.close_channel(port)
+        self.public.close()
+
+    def unreadable(self) -> Dict[int, int]:
+        """By private port, how many datagrams arrived there so far that could not be read."""
+        return {port: sum(private.channel.complaints.totals().values()) for port, private in self._privates.items()}
+
+    # -- what the box wants sent --------------------------------------------------------------------
+
+    def send_beacon(self) -> None:
+        """Send a beacon at once (and the regular ones as ever), unless the box only listens.
+
+        Where the last one left just before, it leaves after `BEACON_GAP_S`, and says what is true then.
+        """
+        if self._listening or self._beacon_soon is not None:
+            return
+        gap_left = self._last_beacon + BEACON_GAP_S - self._loop.time()
+        if gap_left > 0:
+            self._beacon_soon = self._loop.call_later(gap_left, self._send_beacon_now)
+        else:
+            self._send_beacon_now()
+
+    def _send_beacon_now(self) -> None:
+        self._beacon_soon = None
+        self._last_beacon = self._loop.time()
+        self.public.send(wire_convert.beacon_message(self._box.beacon()))
+
+    def open_channel(self, port: int, team: str, host: Optional[str]) -> None:
+        """Open a private channel with the team's key; raises OSError whose text names the remedy."""
+        network = self._network
+        channel = PrivateChannel(
+            self._loop, network.rsbb_host, port, self._keys[team],
+            lambda message, address: self._on_private(port, message, address),
+            lambda text: self._on_private_complaint(port, text),
+            cipher=network.cipher, bind_host=network.bind_host, broadcast=network.broadcast,
+            max_datagram=network.max_datagram, read=ReportReader(),
+        )
+        channel.open()
+        channel.remote = host
+        self._privates[port] = _Private(channel)
+
+    def aim(self, port: int, host: str) -> None:
+        """Send to this host from now on."""
+        private = self._privates.get(port)
+        if private is not None:
+            private.channel.remote = host
+
+    def send_state(self, port: int, message: BoxMessage, how: How) -> None:
+        """Send this message from now on, the first time as `how` says."""
+        private = self._privates.get(port)
+        if private is None:
+            return  # its channel could not be opened: the box takes another port
+        if how is How.CHANGE and message.repeats(private.message):
+            # A module begins with STOP, and the next moment asks for PREPARE: on the way one may overtake the other.
+            how = How.QUIET
+        private.message, private.made = message, None
+        if how is How.QUIET and private.timer is not None:
+            return
+        now = self._loop.time()
+        if how is How.CHANGE:
+            private.sender.changed(now)
+        elif how is How.REPLY:
+            private.sender.reply(now)
+        self._send_due(private)
+
+    def close_channel(self, port: int) -> None:
+        """Close a private channel without a last message."""
+        private = self._privates.pop(port, None)
+        if private is None:
+            return
+        if private.timer is not None:
+            private.timer.cancel()
+        private.channel.close()
+
+    # -- time ---------------------------------------------------------------------------------------
+
+    def _begin_to_send(self) -> None:
+        self._listening = False
+        self._beacon_tick()
+
+    def _beacon_tick(self) -> None:
+        self._beacon_timer = self._loop.call_later(BEACON_PERIOD_S, self._beacon_tick)
+        self.send_beacon()
+
+    def _send_due(self, private: _Private) -> None:
+        if private.timer is not None:
+            private.timer.cancel()
+        if private.sender.due(self._loop.time()) and private.message is not None:
+            if private.made is None:
+                private.made = wire_convert.state_message(private.message)
+            private.channel.send(private.made)
+        private.timer = self._loop.call_at(private.sender.deadline, self._send_due, private)
+
+    # -- what arrives -------------------------------------------------------------------------------
+
+    def _on_public(self, message: object, address: Address) -> None:
+        host = address[0]
+        if isinstance(message, pb.RobotBeacon):
+            time = wire_convert.time_of(message.time)
+            self._event(self._box.on_robot_beacon, host, message.team_name, message.robot_name, time)
+        elif isinstance(message, pb.TabletBeacon):
+            self._event(self._box.on_tablet, host, wire_convert.tablet_of(message))
+        elif isinstance(message, pb.RoahRsbbBeacon):
+            self._event(self._box.on_foreign_box, host)
+
+    def _on_private(self, port: int, message: object, address: Address) -> None:
+        if isinstance(message, RobotReport):
+            self._event(self._box.on_robot_report, port, address[0], message)
+        else:
+            self._event(self._box.on_foreign_box, address[0])
+
+    def _on_complaint(self, text: str) -> None:
+        self._event(self._box.on_complaint, text)
+
+    def _on_private_complaint(self, port: int, text: str) -> None:
+        rospy.logwarn("%s", text)
+        self._event(self._box.on_unreadable, port, text)

@@ -1,0 +1,123 @@
+"""From records of runs to the messages that show them to the referees."""
+
+import json
+import zlib
+from typing import Dict, Iterable, List, Optional, Tuple
+
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.restart.saved import freeze
+from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry, StopRecord, grouped
+from roah_rsbb.msg import Results, RunSheet, RunStop, RunSummary, ScoreChange, ScoreItem
+from roah_rsbb.nodes.core.score_convert import score_message, type_of
+from roah_rsbb.ros.times import ros_duration, ros_time
+from roah_rsbb.wording.sheet_sums import Group, sums_text
+
+
+class ResultsBoard:
+    """Makes /core/results of a box, whenever it changed."""
+
+    def __init__(self, box: Box, box_uuid: str) -> None:
+        self._box = box
+        self._box_uuid = box_uuid
+        self._changed = True
+        self._connected: Tuple[str, ...] = ()
+        self._summaries: Dict[str, Tuple[RunRecord, RunSummary]] = {}  # by identity
+
+    def on_record_changed(self) -> None:
+        """A record is another one now."""
+        self._changed = True
+
+    def take(self, now: Now) -> Optional[Results]:
+        """The message, if it is another one than at the last call."""
+        connected = tuple(zone.run.identity for zone in self._box.zones.values() if zone.run is not None)
+        if not self._changed and connected == self._connected:
+            return None
+        self._changed, self._connected = False, connected
+        records = [_timeless(record) for record in self._box.records(now)]
+        self._summaries = {record.identity: (record, self._summary(record)) for record in records}
+        return Results(self._box_uuid, [summary for _, summary in self._summaries.values()])
+
+    def _summary(self, record: RunRecord) -> RunSummary:
+        known, summary = self._summaries.get(record.identity, (None, None))
+        return summary if known == record else summary_message(record)
+
+
+def summary_message(record: RunRecord) -> RunSummary:
+    """A run in a line."""
+    signed = record.sign_off
+    return RunSummary(
+        identity=record.identity,
+        revision=_revision(record),
+        zone=record.zone,
+        code=record.benchmark,
+        team=record.team,
+        round=record.round,
+        run=record.run,
+        schedule=ros_time(record.scheduled),
+        opened=ros_time(record.opened_utc),
+        started=ros_time(record.started_utc),
+        closed=ros_time(record.closed_utc),
+        end_reason=record.end_reason,
+        score=sums_text(_groups(record.items)),
+        corrected=any(item.corrected for item in record.items),
+        signed=ros_time(0.0 if signed is None else signed.utc),
+        signed_by="" if signed is None else signed.who,
+    )
+
+
+def sheet_message(record: RunRecord) -> RunSheet:
+    """All that there is of a run."""
+    return RunSheet(
+        summary=summary_message(record),
+        elapsed=ros_duration(record.elapsed_s),
+        robots=list(record.robots),
+        items=[_item(item) for item in record.items],
+        history=[_change(entry) for entry in record.history],
+        module_scores=[score_message(score) for score in record.module_scores],
+        stops=[_stop(stop) for stop in record.stops],
+    )
+
+
+def _timeless(record: RunRecord) -> RunRecord:
+    """The time that passes is no change."""
+    return record._replace(elapsed_s=0.0)
+
+
+def _revision(record: RunRecord) -> int:
+    return zlib.crc32(json.dumps(freeze(_timeless(record))).encode())
+
+
+def _groups(items: Iterable[ItemRecord]) -> List[Group]:
+    return [
+        Group(name, [item.value for item in group], sum(item.not_attempted for item in group))
+        for name, group in grouped(items).items()
+    ]
+
+
+def _item(item: ItemRecord) -> ScoreItem:
+    return ScoreItem(item.group, item.desc, type_of(item), item.value, item.not_attempted, item.corrected)
+
+
+def _change(entry: ScoreEntry) -> ScoreChange:
+    return ScoreChange(
+        number=entry.number,
+        time=ros_time(entry.utc),
+        who=entry.who,
+        group=entry.group,
+        desc=entry.desc,
+        old=entry.old,
+        old_not_attempted=entry.old_not_attempted,
+        value=entry.value,
+        not_attempted=entry.not_attempted,
+        note=entry.note,
+        correction=entry.correction,
+        withdrawn=ros_time(entry.withdrawn_utc),
+        withdrawn_by=entry.withdrawn_by,
+        withdrawn_note=entry.withdrawn_note,
+        withdrawal_corrects=entry.withdrawal_corrects,
+    )
+
+
+def _stop(stop: StopRecord) -> RunStop:
+    return RunStop(ros_time(stop.utc), stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)

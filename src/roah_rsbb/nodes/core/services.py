@@ -1,0 +1,113 @@
+"""The services of the core node (ROS interface, Core node): each is one event for the box."""
+
+from typing import Any, Callable, List, Tuple
+
+import rospy
+
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.commands import COMMANDS
+from roah_rsbb.core.referee_record import RunName
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.nodes.core.results_convert import sheet_message
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.srv import (
+    GetRunSheet,
+    GetRunSheetResponse,
+    ManualOperationAnswer,
+    ScoreMark,
+    ScoreWithdraw,
+    SignOff,
+    StopReason,
+    StopRun,
+    Zone,
+    ZoneScore,
+    ZoneUInt8,
+)
+
+
+class CoreServices:
+    """Offers all of /core/…; `event` puts a method of the box and its arguments in, in the loop's thread.
+
+    `sync` returns when all that happened so far is on the disk. It is called in rospy's threads, before what a
+    referee wrote down is confirmed.
+    """
+
+    def __init__(
+        self, box: Box, ros: RosLoop, event: Callable[..., None], sync: Callable[[], object] = lambda: None
+    ) -> None:
+        self._box = box
+        self._ros = ros
+        self._event = event
+        self._sync = sync
+        for command in COMMANDS:
+            self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c, who_of(r)))
+        self._serve("stop_run", StopRun, lambda r: (box.stop_run, _run_of(r), who_of(r)))
+        self._serve("manual_operation_complete", Zone, lambda r: (
+            box.manual_operation_complete, r.zone, 0, "", who_of(r)
+        ))
+        self._serve("manual_operation_answer", ManualOperationAnswer, lambda r: (
+            box.manual_operation_complete, r.zone, r.operation, r.answer, who_of(r)
+        ))
+        self._serve("omf_switches/button", ZoneUInt8, lambda r: (box.omf_button, r.zone, r.data, who_of(r)))
+        self._serve("omf_switches/damaged", ZoneUInt8, lambda r: (box.omf_damaged, r.zone, r.data, who_of(r)))
+        self._serve("omf_switches/complete", Zone, lambda r: (box.omf_complete, r.zone, who_of(r)))
+        self._serve_scores(box)
+
+    def _serve_scores(self, box: Box) -> None:
+        """What is on the disk when the call returns."""
+        self._serve("set_score", ZoneScore, lambda r: (
+            box.set_score, r.zone, r.score.group, r.score.desc, r.score.value, who_of(r)
+        ), durable=True)
+        self._serve("score", ScoreMark, lambda r: (
+            box.score, _run_of(r), Mark(r.group, r.desc, r.value, r.not_attempted, r.note), who_of(r, r.referee)
+        ), durable=True)
+        self._serve("score/withdraw", ScoreWithdraw, lambda r: (
+            box.withdraw_score, _run_of(r), r.number, who_of(r, r.referee), r.note
+        ), durable=True)
+        self._serve("stop_reason", StopReason, lambda r: (
+            box.give_stop_reason, _run_of(r), r.reason, who_of(r, r.referee), r.stop
+        ), durable=True)
+        self._serve("sign_off", SignOff, lambda r: (box.sign_off, _run_of(r), who_of(r, r.referee)), durable=True)
+        rospy.Service("/core/run_sheet", GetRunSheet, self._run_sheet)
+
+    def _serve(
+        self, name: str, service: type, event_of: Callable[[Any], Tuple], durable: bool = False
+    ) -> None:
+        """Offer /core/NAME: `event_of` makes a request the box's method and its arguments.
+
+        A refusal fails the call with its reasons in the error text. `durable`: what came of it is on the disk
+        when the call returns.
+        """
+
+        def handle(request: object) -> object:
+            self._call(lambda: self._event(*event_of(request)))
+            if durable:
+                self._sync()
+            return service._response_class()
+
+        rospy.Service(f"/core/{name}", service, handle)
+
+    def _run_sheet(self, request: Any) -> GetRunSheetResponse:
+        found: List[RunRecord] = []
+        self._call(lambda: self._event(lambda now: found.append(self._box.record_of(now, _run_of(request)))))
+        return GetRunSheetResponse(sheet_message(found[0]))
+
+    def _call(self, function: Callable[[], None]) -> None:
+        try:
+            self._ros.call(function)
+        except Refused as refused:
+            raise rospy.ServiceException(str(refused)) from None
+
+
+def who_of(request: Any, referee: str = "") -> str:
+    """Who calls: the name that the referee typed, if any, and the ROS node."""
+    header = getattr(request, "_connection_header", None) or {}
+    node = header.get("callerid", "")
+    name = referee.strip()
+    return f"{name} ({node})" if name and node else name or node
+
+
+def _run_of(request: Any) -> RunName:
+    return RunName(request.zone, request.identity)

@@ -1,0 +1,135 @@
+"""Node roah_devices: the home devices (ROS interface, Devices node).
+
+What is set is held, and told to the SmartIF controller now or as soon as it is reached; /devices/status (latched)
+says whether it is. A node that crashed holds again what it held before: that is on the parameter server.
+
+Parameters (private): smartif_host, smartif_port (TCP).
+"""
+
+import concurrent.futures
+import sys
+import time
+
+import rospy
+from std_msgs.msg import Empty
+from std_srvs.srv import Empty as EmptySrv
+from std_srvs.srv import EmptyResponse
+
+from roah_rsbb.core.runs.device_commands import PERCENTAGES, SWITCHES
+from roah_rsbb.devices.client import SmartIfClient
+from roah_rsbb.devices.home import OUTPUTS, BadValue, Home
+from roah_rsbb.msg import DevicesState, DevicesStatus
+from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.times import ros_wire_time
+from roah_rsbb.srv import Bool, Percentage
+
+HELD = "~held"
+
+
+class DevicesNode:
+    """The node, from its parameters to its end. Raises `BadParams` at the start."""
+
+    def __init__(self) -> None:
+        params = Params()
+        host = params.text("smartif_host", "192.168.1.56")
+        port = params.whole("smartif_port", 6665, 1, 65535)
+        params.done()
+        self._ros = RosLoop()
+        self._keeper = concurrent.futures.ThreadPoolExecutor(max_workers=1)
+        self._home = Home()
+        self._home.restore(rospy.get_param(HELD, None))
+        self._state = rospy.Publisher("/devices/state", DevicesState, queue_size=10, latch=True)
+        self._bell = rospy.Publisher("/devices/bell", Empty, queue_size=10)
+        self._status = rospy.Publisher("/devices/status", DevicesStatus, queue_size=10, latch=True)
+        self._client = SmartIfClient(host, port, self._home, self._ring, self._on_status)
+        self._on_status(False, f"connecting to the SmartIF controller at {host}:{port}")
+
+    def run(self) -> None:
+        """Run until shut down."""
+        self._publish()
+        self._serve()
+        self._connection = self._ros.loop.create_task(self._client.run())
+        self._ros.run()
+        self._keeper.shutdown(wait=False)
+        self._ros.close()
+
+    # -- services, in threads of rospy ----------------------------------------------------------------
+
+    def _serve(self) -> None:
+        for device in SWITCHES:
+            self._serve_device(device, Bool, "on", "off")
+        for device in PERCENTAGES:
+            self._serve_device(device, Percentage, "max", "min")
+        rospy.Service("/devices/bell/mock", EmptySrv, lambda _: self._call(EmptyResponse, self._ring))
+        rospy.Service(
+            "/devices/door_win_detect/mock", Bool,
+            lambda r: self._call(Bool._response_class, lambda: self._set_door(r.data)),
+        )
+
+    def _serve_device(self, device: str, kind: type, highest: str, lowest: str) -> None:
+        for name, value in ((highest, OUTPUTS[device].highest), (lowest, 0)):
+            rospy.Service(
+                f"/devices/{device}/{name}", EmptySrv,
+                lambda _, value=value: self._call(EmptyResponse, lambda: self._set(device, value)),
+            )
+        rospy.Service(
+            f"/devices/{device}/set", kind,
+            lambda r: self._call(kind._response_class, lambda: self._set(device, int(r.data))),
+        )
+
+    def _call(self, response: type, do) -> object:
+        try:
+            self._ros.call(do)
+        except BadValue as error:
+            raise rospy.ServiceException(str(error)) from None
+        return response()
+
+    # -- in the loop's thread ---------------------------------------------------------------------------
+
+    def _set(self, device: str, value: int) -> None:
+        self._client.send(self._home.set(device, value))
+        if not self._client.connected:
+            rospy.logwarn("%s is to be %d: told to the controller as soon as it is reached", device, value)
+        self._publish()
+
+    def _set_door(self, opened: bool) -> None:
+        self._home.door = bool(opened)
+        self._publish()
+
+    def _ring(self) -> None:
+        rospy.loginfo("The bell rings")
+        nsec = time.time_ns()
+        self._home.bell = (nsec // 10**9, nsec % 10**9)
+        self._publish()
+        self._bell.publish(Empty())
+
+    def _on_status(self, connected: bool, text: str) -> None:
+        (rospy.loginfo if connected else rospy.logwarn)("%s", text)
+        self._status.publish(DevicesStatus(connected, text))
+
+    def _publish(self) -> None:
+        home = self._home
+        self._state.publish(DevicesState(bell=ros_wire_time(home.bell), door_win_detect=home.door, **home.values))
+        self._keeper.submit(_keep, home.saved())
+
+
+def _keep(saved: object) -> None:
+    """Off the loop: the master may be slow, or gone."""
+    try:
+        rospy.set_param(HELD, saved)
+    except Exception as error:
+        rospy.logwarn_throttle(60.0, f"what is held cannot be kept for a restart of this node: {error}")
+
+
+def main() -> None:
+    """Entry point of the node."""
+    explain(__doc__)
+    rospy.init_node("roah_devices", disable_signals=True)
+    try:
+        DevicesNode().run()
+    except BadParams as error:
+        for line in str(error).splitlines():
+            rospy.logfatal("%s", line)
+        sys.exit(1)

@@ -1,0 +1,61 @@
+"""Whether the motion-capture system sees all markers: `rosrun roah_rsbb check_ground_truth`.
+
+Prints a line for each marker of the ground truth's configuration, with what to do where one is not seen.
+"""
+
+import argparse
+import sys
+from typing import List, Optional
+
+import rosgraph
+import rospy
+
+from roah_rsbb.bmbox.framework.ground_truth_config import load
+from roah_rsbb.comm.arguments import Parser, number
+from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
+from roah_rsbb.nodes.modules.ground_truth_tf import FrameState, TfGroundTruth
+from roah_rsbb.rulebook.errors import ConfigErrors
+
+PROGRAM = "check_ground_truth"
+_DESCRIPTION = "Say of each marker of the ground truth's configuration whether it is seen now, and where it is."
+_EPILOG = "The exit status is 0 if all are seen, 1 if not."
+_POLL_S = 0.1
+
+
+def _arguments(given: List[str]) -> argparse.Namespace:
+    parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
+    parser.add_argument("file", nargs="?", help="the configuration (default: the package's ground_truth.yaml)")
+    parser.add_argument("--wait", type=number(0.0, 3600.0), default=3.0, metavar="S",
+                        help="how long to wait for what is not seen yet, seconds (default: %(default)s)")
+    return parser.parse_args(rospy.myargv(given))
+
+
+def line(state: FrameState) -> str:
+    """A marker's line."""
+    owner = f" of {state.team}" if state.team else ""
+    if state.pose is None:
+        return f"MISSING  {state.subject}{owner}: {state.trouble.split(': ', 1)[1]}"
+    x, y, z, theta = state.pose
+    return f"seen     {state.subject}{owner}: {state.frame} at x {x:.3f} y {y:.3f} z {z:.3f} m, theta {theta:.3f} rad"
+
+
+def main(arguments: Optional[List[str]] = None) -> None:
+    """Run the program with these arguments (default: those of the process)."""
+    options = _arguments(sys.argv[1:] if arguments is None else arguments)
+    try:
+        config = load(options.file or default_file())
+    except ConfigErrors as errors:
+        sys.exit(f"{PROGRAM}: the configuration cannot be used\n{errors}")
+    if not rosgraph.is_master_online():
+        sys.exit(f"{PROGRAM}: no ROS master: start roscore or the launch file, or set ROS_MASTER_URI")
+    rospy.init_node(PROGRAM, anonymous=True, disable_signals=True)
+    ground_truth = TfGroundTruth(config)
+    until = rospy.get_time() + options.wait
+    states = ground_truth.frames()
+    while rospy.get_time() < until and any(state.pose is None for state in states):
+        rospy.rostime.wallsleep(_POLL_S)
+        states = ground_truth.frames()
+    print(f"In reference frame {config.reference_frame}; what is older than {config.maximum_age_s:g} s is missing.")
+    for state in states:
+        print(line(state))
+    sys.exit(0 if all(state.pose is not None for state in states) else 1)

@@ -1,0 +1,145 @@
+"""Between what core and benchmarking modules say to each other and the ROS messages, for both sides.
+
+Nothing here raises, whatever a message holds: what a module says is made fit (`module_limits`), on its own side
+before it is sent, and on the core's when it arrives.
+"""
+
+from typing import Iterable, Optional, Tuple
+
+from roah_rsbb.core.modules.messages import (
+    ModuleInfo,
+    ModulesState,
+    Outcome,
+    OutcomeKind,
+    Progress,
+    Request,
+    RequestKind,
+    RunForModule,
+    Step,
+)
+from roah_rsbb.msg import ModuleInfo as ModuleInfoMsg
+from roah_rsbb.msg import ModuleOutcome, ModuleProgress, ModuleRequest, ModuleRun, ModuleRuns, ModuleStep
+from roah_rsbb.msg import ModulesState as ModulesStateMsg
+from roah_rsbb.nodes.core.score_convert import group_message, group_of, score_message, score_of
+from roah_rsbb.nodes.modules.limits import checked_state
+
+_REQUEST_KINDS = {int(kind): kind for kind in RequestKind}
+_OUTCOME_KINDS = {int(kind): kind for kind in OutcomeKind}
+
+
+# -- what modules say -------------------------------------------------------------------------------
+
+
+def state_message(state: ModulesState) -> ModulesStateMsg:
+    """All that a node of modules says."""
+    fit = checked_state(state)
+    return ModulesStateMsg(
+        node=fit.node,
+        modules=[ModuleInfoMsg(*info) for info in fit.modules],
+        progress=[_progress_message(progress) for progress in fit.progress],
+    )
+
+
+def state_of(message: ModulesStateMsg) -> ModulesState:
+    """All that a node of modules says."""
+    return checked_state(ModulesState(
+        message.node,
+        tuple(ModuleInfo(info.benchmark, tuple(info.problems), tuple(info.warnings)) for info in message.modules),
+        tuple(_progress_of(progress) for progress in message.progress),
+    ))
+
+
+def _progress_message(progress: Progress) -> ModuleProgress:
+    return ModuleProgress(
+        run=progress.run,
+        attempt=progress.attempt,
+        request=ModuleRequest() if progress.request is None else _request_message(progress.request),
+        scores=[score_message(score) for score in progress.scores],
+        status=progress.status,
+        warnings=list(progress.warnings),
+        kept=progress.kept,
+        finished=progress.finished,
+        failed=progress.failed,
+    )
+
+
+def _progress_of(message: ModuleProgress) -> Progress:
+    request, failed = None, message.failed
+    if message.request.number:
+        request = _request_of(message.request)
+        if request is None:
+            failed = failed or (f"it asks for something of kind {message.request.kind}, which this core does not know: "
+                                "are both of the same version?")
+    return Progress(
+        message.run, message.attempt, request, tuple(score_of(score) for score in message.scores), message.status,
+        tuple(message.warnings), message.kept, message.finished, failed,
+    )
+
+
+# -- what the core says -----------------------------------------------------------------------------
+
+
+def runs_message(box_uuid: str, runs: Iterable[RunForModule]) -> ModuleRuns:
+    """All runs that modules drive."""
+    return ModuleRuns(box_uuid, [_run_message(run) for run in runs])
+
+
+def runs_of(message: ModuleRuns) -> Tuple[RunForModule, ...]:
+    """All runs that modules drive. One that cannot be read, as its core is of another version, is left out."""
+    return tuple(run for run in map(_run_of, message.runs) if run is not None)
+
+
+def _run_message(run: RunForModule) -> ModuleRun:
+    return ModuleRun(
+        **{name: value for name, value in zip(run._fields, run) if name not in ("sheet", "steps")},
+        sheet=[group_message(group) for group in run.sheet],
+        steps=[ModuleStep(_request_message(step.request), _outcome_message(step.outcome)) for step in run.steps],
+    )
+
+
+def _run_of(message: ModuleRun) -> Optional[RunForModule]:
+    steps = [_step_of(step) for step in message.steps]
+    if None in steps:
+        return None
+    plain = {name: getattr(message, name) for name in RunForModule._fields if name not in ("sheet", "steps")}
+    return RunForModule(**plain, sheet=tuple(map(group_of, message.sheet)), steps=tuple(steps))
+
+
+def _step_of(message: ModuleStep) -> Optional[Step]:
+    request = _request_of(message.request)
+    if request is None:
+        return None
+    if message.outcome.kind == ModuleOutcome.PENDING:
+        return Step(request)
+    kind = _OUTCOME_KINDS.get(message.outcome.kind)
+    return None if kind is None else Step(request, _outcome_of(kind, message.outcome))
+
+
+# -- requests and outcomes --------------------------------------------------------------------------
+
+
+def _request_message(request: Request) -> ModuleRequest:
+    return ModuleRequest(**{**request._asdict(), "kind": int(request.kind), "pose": request.pose or ()})
+
+
+def _request_of(message: ModuleRequest) -> Optional[Request]:
+    """None: nobody knows what is asked for."""
+    kind = _REQUEST_KINDS.get(message.kind)
+    if kind is None:
+        return None
+    return Request(
+        message.number, kind, message.text, tuple(message.choices), message.asks_text, message.goal,
+        tuple(message.pose) or None, tuple(map(bool, message.initial_state)), tuple(message.switches), message.timeout,
+        message.note,
+    )
+
+
+def _outcome_message(outcome: Optional[Outcome]) -> ModuleOutcome:
+    return ModuleOutcome() if outcome is None else ModuleOutcome(**{**outcome._asdict(), "kind": int(outcome.kind)})
+
+
+def _outcome_of(kind: OutcomeKind, message: ModuleOutcome) -> Outcome:
+    return Outcome(
+        kind, message.answer, message.result, message.executing_s, message.ended_utc, tuple(message.changed),
+        message.damaged,
+    )

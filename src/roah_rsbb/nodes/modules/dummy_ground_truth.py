@@ -1,0 +1,131 @@
+"""Node roah_rsbb_dummy_ground_truth: frames of a motion-capture system that is not there, for the dummy set-up.
+
+Publishes to /tf each marker of the ground truth's configuration, so that the modules see what `DummyWorld`
+pretends. Parameters (private): ground_truth_file; rate (Hz); seed; to misbehave: lose (subjects that are not seen,
+such as "person robot"), lose_every and lose_for (seconds: only in the first lose_for of each lose_every seconds;
+lose_every 0: never seen).
+"""
+
+import contextlib
+import math
+import os
+import sys
+import threading
+from typing import Dict, FrozenSet, Iterator, Tuple
+
+import rospkg
+import rospy
+import tf2_ros
+from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
+
+from roah_rsbb.bmbox.framework.dummy_world import DummyWorld
+from roah_rsbb.bmbox.framework.ground_truth import Pose3, compose, inverse, rotation
+from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig, Marker, load
+from roah_rsbb.core.modules.messages import RunForModule
+from roah_rsbb.msg import ModuleRuns
+from roah_rsbb.nodes.modules.convert import runs_of
+from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.rulebook.errors import ConfigErrors
+
+NOTHING = "nothing"
+
+
+def default_file() -> str:
+    """The configuration that this package brings."""
+    return os.path.join(rospkg.RosPack().get_path("roah_rsbb"), "config", "modules", FILE_NAME)
+
+
+class _Losses:
+    """Which subjects are lost, and when."""
+
+    def __init__(self, subjects: FrozenSet[str], every_s: float, for_s: float) -> None:
+        self._subjects, self._every_s, self._for_s = subjects, every_s, for_s
+
+    def now(self, since_start_s: float) -> FrozenSet[str]:
+        if self._every_s and math.fmod(since_start_s, self._every_s) >= self._for_s:
+            return frozenset()
+        return self._subjects
+
+
+class DummyGroundTruthNode:
+    """The node. Raises `BadParams` or `ConfigErrors` at the start."""
+
+    def __init__(self) -> None:
+        params = Params()
+        path = params.path("ground_truth_file", default_file())
+        rate = params.number("rate", 20.0, lowest=1.0, highest=200.0)
+        seed = params.whole("seed", 0, 0, 2**31 - 1)
+        every_s = params.number("lose_every", 0.0)
+        for_s = params.number("lose_for", 5.0)
+        lost = frozenset(params.text("lose", NOTHING).split()) - {NOTHING}
+        params.done()
+        self._config = load(path)
+        unknown = sorted(lost - set(self._config.markers))
+        if unknown:
+            raise BadParams(f"parameter {rospy.resolve_name('~lose')}: found {', '.join(unknown)}, expected some of "
+                            + ", ".join(self._config.markers))
+        self._losses = _Losses(lost, every_s, for_s)
+        self._rate = rospy.Rate(rate)
+        self._world = DummyWorld(seed)
+        self._runs: Tuple[RunForModule, ...] = ()
+        self._lock = threading.Lock()
+        self._broadcaster = tf2_ros.TransformBroadcaster()
+        rospy.Subscriber("/core/module_runs", ModuleRuns, self._on_runs, queue_size=1)
+
+    def _on_runs(self, message: ModuleRuns) -> None:
+        runs = runs_of(message)
+        with self._lock:
+            self._runs = runs
+
+    def run(self) -> None:
+        """Publish until the node is shut down."""
+        start_s = rospy.get_time()
+        while not rospy.is_shutdown():
+            now = rospy.Time.now()
+            self._publish(now, self._losses.now(now.to_sec() - start_s))
+            with contextlib.suppress(rospy.ROSInterruptException):
+                self._rate.sleep()
+
+    def _publish(self, now: rospy.Time, lost: FrozenSet[str]) -> None:
+        with self._lock:
+            runs = self._runs
+        self._world.step(now.to_sec(), runs)
+        poses = self._world.poses()
+        team = next((run.team for run in runs if run.running), "")
+        self._broadcaster.sendTransform([
+            self._transform(now, marker, poses[subject])
+            for subject, marker in worn(self._config, team) if subject in poses and subject not in lost
+        ])
+
+    def _transform(self, now: rospy.Time, marker: Marker, subject: Pose3) -> TransformStamped:
+        seen = compose(subject, inverse(marker.transform))
+        message = TransformStamped()
+        message.header.stamp = now
+        message.header.frame_id = self._config.reference_frame
+        message.child_frame_id = marker.frame
+        message.transform.translation = Vector3(seen.x, seen.y, seen.z)
+        message.transform.rotation = Quaternion(*rotation(seen.theta))
+        return message
+
+
+def worn(config: GroundTruthConfig, team: str) -> Iterator[Tuple[str, Marker]]:
+    """Each frame once, with the subject that wears it; a frame that teams share is worn by the team's robot."""
+    by_frame: Dict[str, Tuple[str, Marker]] = {}
+    for owner, subject, marker in config.all_markers():
+        if owner == team or marker.frame not in by_frame:
+            by_frame[marker.frame] = (subject, marker)
+    return iter(by_frame.values())
+
+
+def main() -> None:
+    """Entry point of the node."""
+    explain(__doc__)
+    rospy.init_node("roah_rsbb_dummy_ground_truth")
+    try:
+        node = DummyGroundTruthNode()
+    except (BadParams, ConfigErrors) as error:
+        for line in str(error).splitlines():
+            rospy.logfatal("%s", line)
+        sys.exit(1)
+    node.run()

@@ -1,0 +1,117 @@
+"""What a benchmarking module may say, so that whatever it says can be sent, kept and shown.
+
+Texts for the referee are cut. What would mean something else if it were cut or mended ends the run of that one
+module, with the reason (`Progress.failed`), and hurts no other.
+"""
+
+import json
+import math
+from typing import Tuple
+
+from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, ScoreValue
+from roah_rsbb.core.runs.manual_operations import MAX_ANSWER
+
+# Characters and entries: far more than any benchmark needs, far less than would slow the box down.
+MAX_NAME = 200
+MAX_TEXT = 1000
+MAX_LIST = 100
+MAX_SCORES = 1000
+MAX_JSON = 65536
+# `uint32`, `uint16` and `uint8` on the ROS interface.
+MAX_NUMBER = 2**32 - 1
+MAX_ATTEMPT = 2**16 - 1
+MAX_SWITCHES = 2**8 - 1
+
+
+def checked_state(state: ModulesState) -> ModulesState:
+    """All that a node of modules says."""
+    return ModulesState(
+        clean(state.node, MAX_NAME),
+        tuple(_checked_info(info) for info in state.modules[:MAX_LIST]),
+        tuple(checked(progress) for progress in state.progress[:MAX_LIST]),
+    )
+
+
+def checked(progress: Progress) -> Progress:
+    """What a module says of one run; with `failed` set where it cannot be taken."""
+    problem = progress.failed or _problem_of(progress)
+    request = None if problem or progress.request is None else _cleaned(progress.request)
+    return Progress(
+        clean(progress.run, MAX_NAME), min(max(progress.attempt, 0), MAX_ATTEMPT), request,
+        tuple(_checked_score(score) for score in progress.scores[:MAX_SCORES]),
+        clean(progress.status),
+        _texts(progress.warnings),
+        "" if problem else clean(progress.kept, MAX_JSON),
+        progress.finished, clean(problem),
+    )
+
+
+def clean(text: str, at_most: int = MAX_TEXT) -> str:
+    """A text that has UTF-8 (a lone surrogate has none), and is not longer than that."""
+    whole = text.encode("utf-8", "replace").decode("utf-8")
+    return whole if len(whole) <= at_most else whole[:at_most - 1] + "…"
+
+
+def _texts(texts: Tuple[str, ...]) -> Tuple[str, ...]:
+    return tuple(clean(text) for text in texts[:MAX_LIST])
+
+
+def _checked_info(info: ModuleInfo) -> ModuleInfo:
+    return ModuleInfo(clean(info.benchmark, MAX_NAME), _texts(info.problems), _texts(info.warnings))
+
+
+def _checked_score(score: ScoreValue) -> ScoreValue:
+    return ScoreValue(
+        clean(score.group, MAX_NAME), clean(score.name, MAX_NAME), _json_scalar(score.value),
+        clean(score.unit, MAX_NAME), clean(score.desc),
+    )
+
+
+def _json_scalar(text: str) -> str:
+    """A number, true, false, null or a text, as JSON; whatever else it is becomes a text, no number null."""
+    try:
+        value = json.loads(text, parse_constant=lambda _: None) if len(text) <= MAX_TEXT else text
+    except (ValueError, RecursionError):
+        value = text
+    if isinstance(value, float) and not math.isfinite(value):
+        value = None  # 1e999
+    if isinstance(value, (list, dict)):
+        value = text
+    return json.dumps(clean(value) if isinstance(value, str) else value)
+
+
+def _problem_of(progress: Progress) -> str:
+    """Why what a module says cannot be taken; empty: it can."""
+    if len(progress.kept) > MAX_JSON:
+        return f"it wants {len(progress.kept)} characters kept: at most {MAX_JSON} are"
+    request = progress.request
+    if request is None:
+        return ""
+    if not 1 <= request.number <= MAX_NUMBER:
+        return f"its request has the number {request.number}: they count from 1"
+    for fits, problem in (
+        (len(request.note) <= MAX_JSON, f"its note has {len(request.note)} characters: at most {MAX_JSON} are kept"),
+        (len(request.choices) <= MAX_LIST, f"it offers {len(request.choices)} answers: at most {MAX_LIST} are shown"),
+        (all(len(choice) <= MAX_ANSWER for choice in request.choices),
+         f"it offers an answer of more than {MAX_ANSWER} characters"),
+        (request.pose is None or (len(request.pose) == 3 and all(map(math.isfinite, request.pose))),
+         f"its goal's pose is {request.pose}: x, y and theta are finite numbers"),
+        (math.isfinite(request.timeout) and request.timeout >= 0.0,
+         f"its goal's timeout is {request.timeout} s: a number from 0 on is meant"),
+        (len(request.initial_state) <= MAX_SWITCHES,
+         f"its goal has {len(request.initial_state)} switches: the referee can enter {MAX_SWITCHES}"),
+        (all(0 <= switch <= MAX_NUMBER for switch in request.switches),
+         f"its goal's switches are {request.switches}: they are numbered from 1"),
+    ):
+        if not fits:
+            return f"{problem} (request {request.number})"
+    return ""
+
+
+def _cleaned(request: Request) -> Request:
+    return request._replace(
+        text=clean(request.text),
+        choices=tuple(clean(choice, MAX_ANSWER) for choice in request.choices),
+        goal=clean(request.goal, MAX_JSON),
+        note=clean(request.note, MAX_JSON),
+    )

@@ -1,0 +1,159 @@
+"""Node roah_rsbb_modules: drives the runs of functionality benchmarks (docs/module_protocol.md).
+
+Parameters (private): benchmarks (codes such as "HNF HOPF", so that each may have a process of its own; default: all
+of them), parameters_dir (a YAML file for each benchmark, and ground_truth.yaml). Files may be mended at any time: the
+next start, and the next look for a pose, go by them as they are then.
+"""
+
+import os
+import sys
+import time
+import uuid
+from typing import Dict, List, Optional, Tuple, Type
+
+import rospy
+
+from roah_rsbb.bmbox.framework import registry
+from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME
+from roah_rsbb.bmbox.framework.module import Module
+from roah_rsbb.bmbox.framework.parameters import read_parameters
+from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, RunForModule
+from roah_rsbb.core.refused import did_you_mean
+from roah_rsbb.msg import ModuleRuns
+from roah_rsbb.msg import ModulesState as ModulesStateMsg
+from roah_rsbb.nodes.modules.convert import runs_of, state_message
+from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
+from roah_rsbb.nodes.modules.hosted_module import HostedModule
+from roah_rsbb.nodes.modules.mendable_truth import MendableTruth
+from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.watched_file import WatchedFile
+
+# The core holds a run whose module was not heard for four of these.
+BEAT_S = 0.5
+# Modules watch up to ten times a second: their times are met this closely.
+TICK_S = 0.02
+
+
+class ModulesNode:
+    """The node, from its parameters to its end. Everything but its topics happens in one thread."""
+
+    def __init__(self) -> None:
+        params = Params()
+        self._kinds = _chosen(params.text("benchmarks", "all"))
+        folder = params.path("parameters_dir", os.path.dirname(default_file()))
+        params.done()
+        self._files = {code: _parameter_file(folder, kind) for code, kind in self._kinds.items()}
+        self._truth = MendableTruth(os.path.join(folder, FILE_NAME))
+        self._hosted: Dict[str, HostedModule] = {}  # by the run's identity
+        self._node = str(uuid.uuid4())
+        self._ros = RosLoop()
+        self._infos: Tuple[ModuleInfo, ...] = ()
+        self._said: Optional[ModulesState] = None
+        self._is_ticking = False
+        self._publisher = rospy.Publisher("/modules/state", ModulesStateMsg, queue_size=1, latch=True)
+        rospy.loginfo("Driving %s with the parameters in %s", ", ".join(self._kinds), folder)
+
+    def run(self) -> None:
+        """Run until shut down."""
+        self._beat()
+        rospy.Subscriber("/core/module_runs", ModuleRuns, self._on_runs, queue_size=10, tcp_nodelay=True)
+        self._ros.run()
+        self._ros.close()
+
+    # -- the core -----------------------------------------------------------------------------------
+
+    def _on_runs(self, message: ModuleRuns) -> None:
+        runs = runs_of(message)
+        self._ros.post(lambda: self._take(runs))
+
+    def _take(self, runs: Tuple[RunForModule, ...]) -> None:
+        ours = {run.run: run for run in runs if run.benchmark in self._kinds}
+        for left in self._hosted.keys() - ours.keys():
+            self._hosted.pop(left).close()
+        for identity, run in ours.items():
+            if identity not in self._hosted:
+                self._hosted[identity] = self._host(run.benchmark)
+            self._hosted[identity].on_run(run)
+        self._say_if_changed()
+        self._tick_if_needed()
+
+    def _host(self, code: str) -> HostedModule:
+        return HostedModule(
+            self._kinds[code], self._files[code].content, self._truth, lambda text: rospy.logerr("%s", text)
+        )
+
+    # -- time ---------------------------------------------------------------------------------------
+
+    def _beat(self) -> None:
+        self._ros.loop.call_later(BEAT_S, self._beat)
+        self._infos = tuple(self._info(code, kind) for code, kind in self._kinds.items())
+        self._say(self._state())
+
+    def _tick_if_needed(self) -> None:
+        if not self._is_ticking and any(hosted.watching() for hosted in self._hosted.values()):
+            self._is_ticking = True
+            self._ros.loop.call_later(TICK_S, self._tick)
+
+    def _tick(self) -> None:
+        self._is_ticking = False
+        for hosted in self._hosted.values():
+            hosted.tick(time.time())
+        self._say_if_changed()
+        self._tick_if_needed()
+
+    # -- what is said -------------------------------------------------------------------------------
+
+    def _info(self, code: str, kind: Type[Module]) -> ModuleInfo:
+        self._files[code].look()
+        problems, warnings = self._truth.check(kind.SUBJECTS)
+        return ModuleInfo(code, (*self._files[code].problems, *problems), tuple(warnings))
+
+    def _state(self) -> ModulesState:
+        said = (hosted.progress() for hosted in self._hosted.values())
+        return ModulesState(self._node, self._infos, tuple(progress for progress in said if progress is not None))
+
+    def _say_if_changed(self) -> None:
+        state = self._state()
+        if state != self._said:
+            self._say(state)
+
+    def _say(self, state: ModulesState) -> None:
+        self._said = state
+        try:
+            self._publisher.publish(state_message(state))
+        except rospy.ROSException as error:
+            if not rospy.is_shutdown():
+                rospy.logerr_throttle(1.0, f"{self._publisher.name} could not be published: {error}")
+
+
+def _chosen(words: str) -> Dict[str, Type[Module]]:
+    """The modules that the parameter names; raises BadParams."""
+    there_are = registry.modules(lambda text: rospy.logerr("%s", text))
+    if words == "all":
+        return there_are
+    codes = words.replace(",", " ").split()
+    unknown: List[str] = [f"no module drives {code}{did_you_mean(code, there_are)}" for code in codes
+                          if code not in there_are]
+    if unknown or not codes:
+        raise BadParams(f"parameter {rospy.resolve_name('~benchmarks')}: " + ("; ".join(unknown) or "it is empty"))
+    return {code: there_are[code] for code in codes}
+
+
+def _parameter_file(folder: str, kind: Type[Module]) -> WatchedFile:
+    path = os.path.join(folder, f"{kind.CODE}.yaml")
+    return WatchedFile(path, lambda: read_parameters(path, kind.CODE, kind.PARAMETERS))
+
+
+def main() -> None:
+    """Entry point of the node."""
+    explain(__doc__)
+    rospy.init_node("roah_rsbb_modules", disable_signals=True)
+    try:
+        node = ModulesNode()
+    except BadParams as error:
+        for line in str(error).splitlines():
+            rospy.logfatal("%s", line)
+        sys.exit(1)
+    node.run()

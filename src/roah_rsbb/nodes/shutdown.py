@@ -1,0 +1,29 @@
+"""Nodes roah_rsbb_core_shutdown and roah_rsbb_shutdown: their end is the end of the launch they are in.
+
+Launch files start one as *required*. Its service `roah_rsbb_shutdown` (in the node's namespace) ends it,
+and with it the whole RSBB, or only one client (ROS interface, Core node).
+"""
+
+import threading
+
+import rospy
+from std_srvs.srv import Empty, EmptyResponse
+
+from roah_rsbb.ros.command_line import explain
+
+# The answer must be on its way to the caller before the node is gone.
+ANSWER_S = 0.2
+
+
+def _on_call(_request: object) -> EmptyResponse:
+    rospy.loginfo("roah_rsbb_shutdown was called: ending this launch")
+    threading.Timer(ANSWER_S, rospy.signal_shutdown, ["roah_rsbb_shutdown was called"]).start()
+    return EmptyResponse()
+
+
+def main() -> None:
+    """Entry point of the node."""
+    explain(__doc__)
+    rospy.init_node("roah_rsbb_shutdown")
+    rospy.Service("roah_rsbb_shutdown", Empty, _on_call)
+    rospy.spin()

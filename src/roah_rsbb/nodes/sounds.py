@@ -1,0 +1,63 @@
+"""Node roah_rsbb_sounds: the bell and the end of a run's time are heard.
+
+/devices/bell and /timeout each run a command. Nothing that a player does or does not do is an error here: it is
+one warning.
+
+Parameters (private): bell_ring_command, timeout_ring_command; empty: our own sounds, with aplay.
+"""
+
+import os
+import shlex
+import sys
+
+import rospkg
+import rospy
+from std_msgs.msg import Empty
+
+from roah_rsbb.devices.sounds import Sound
+from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.params import BadParams, Params
+
+# Of package alsa-utils, in Debian and Ubuntu.
+PLAYER = "aplay"
+# Parameter with the command: the topic that rings, the own sound file.
+RINGS = {
+    "bell_ring_command": ("/devices/bell", "bell.wav"),
+    "timeout_ring_command": ("/timeout", "timeout.wav"),
+}
+
+
+def _default_command(file: str) -> str:
+    path = os.path.join(rospkg.RosPack().get_path("roah_rsbb"), "resource", "sounds", file)
+    return f"{PLAYER} -q {shlex.quote(path)}"
+
+
+def _sound(params: Params, name: str) -> Sound:
+    topic, file = RINGS[name]
+    default = _default_command(file)
+    # In a launch file an empty text stands for the default.
+    command = params.text(name, default) if rospy.get_param("~" + name, default) != "" else default
+    try:
+        return Sound(topic, command, lambda text: rospy.logwarn("%s", text))
+    except ValueError as error:
+        where = rospy.resolve_name("~" + name)
+        raise BadParams(f"parameter {where}: found {command!r}, expected a command ({error})") from None
+
+
+def main() -> None:
+    """Entry point of the node."""
+    explain(__doc__)
+    rospy.init_node("roah_rsbb_sounds")
+    params = Params()
+    try:
+        sounds = {name: _sound(params, name) for name in RINGS}
+        params.done()
+    except BadParams as error:
+        for line in str(error).splitlines():
+            rospy.logfatal("%s", line)
+        sys.exit(1)
+    for name, sound in sounds.items():
+        rospy.Subscriber(RINGS[name][0], Empty, lambda _message, ring=sound.ring: ring(), queue_size=10)
+    rospy.spin()
+    for sound in sounds.values():
+        sound.close()

@@ -1,0 +1,289 @@
+"""The ROS side of node roah_rsbb_comm: which topics and services a robot has, and when.
+
+Some are always there, some only in a benchmark, some only in a phase of it (ROS interface, Team's side).
+Advertising asks the ROS master, which takes its time, so all of it is done by a thread of its own, in the
+order in which it was asked for: the box hears of a new state before the robot's own programs do.
+"""
+
+import queue
+import threading
+import time
+import warnings
+from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
+
+import rospy
+from geometry_msgs.msg import Pose2D
+from std_msgs.msg import Empty, UInt32
+from std_msgs.msg import String as StringMsg
+from std_srvs.srv import Empty as EmptySrv
+
+from roah_rsbb.msg import Benchmark, BenchmarkState, DevicesState, GoalHGMF, GoalOMF, TabletState
+from roah_rsbb.protocol import RobotState
+from roah_rsbb.robot import effects as fx
+from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
+from roah_rsbb.robot.link import PERCENTAGES, SWITCHES
+from roah_rsbb.ros.times import ros_wire_time
+from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
+
+# Numbers of the benchmarks in the Benchmark message; HOMF's own has no constant there.
+NUMBERS: Dict[str, int] = {
+    code: getattr(Benchmark, code)
+    for code in ("HGTKMH", "HWV", "HCFGAC", "HOPF", "HNF", "HSUF", "STB", "HPPF", "HPFF", "HGMF")
+}
+NUMBERS["HOMF"] = 11
+
+STATES: Dict[RobotState, int] = {
+    RobotState.STOP: BenchmarkState.STOP,
+    RobotState.PREPARING: BenchmarkState.PREPARE,
+    RobotState.WAITING_GOAL: BenchmarkState.PREPARE,
+    RobotState.EXECUTING: BenchmarkState.EXECUTE,
+    RobotState.RESULT_TX: BenchmarkState.EXECUTE,
+}
+
+GOAL_TYPES = {"HNF": Pose2D, "HGMF": GoalHGMF, "HOMF": GoalOMF, "STB": StringMsg}
+STRING_SERVICES: Dict[str, Tuple[str, ...]] = {
+    "HWV": ("notifications", "activation_event", "visitor"),
+    "HNF": ("notifications",),
+    "HOMF": ("notifications",),
+    "HCFGAC": ("final_command",),
+}
+DEVICES_IN = "HCFGAC"
+# A topic that ends and comes back at once can leave a listener deaf: rospy takes the news of it for the connection
+# that it still has, and which then breaks. So long a topic is gone at least.
+SETTLE_S = 0.5
+# In STB any result will do, but the original box waits for one.
+STB_RESULT = "done"
+
+
+class Owner(NamedTuple):
+    """What the robot's programs can ask for. Each call returns at once or raises with the reason."""
+
+    end_prepare: Callable[[], None]
+    end_execute: Callable[[Result], None]
+    add_string: Callable[[str, str], None]  # field, text
+    set_device: Callable[[str, object], None]  # device, bool or per cent
+    display_map: Callable[[bool], None]
+    messages_saved: Callable[[int], None]
+
+
+class CommInterface:
+    """Topics and services under /roah_rsbb. Methods may be called from any thread and return at once."""
+
+    def __init__(self, owner: Owner) -> None:
+        self._owner = owner
+        self._code: Optional[str] = None
+        self._number = Benchmark.NONE
+        self._state_number: Optional[int] = None
+        self._always = {
+            "benchmark": _topic("benchmark", Benchmark),
+            "bell": _topic("devices/bell", Empty, latch=False),
+            "devices": _topic("devices/state", DevicesState),
+            "call": _topic("tablet/call", Empty, latch=False),
+            "position": _topic("tablet/position", Pose2D, latch=False),
+            "tablet": _topic("tablet/state", TabletState),
+        }
+        self._in_benchmark: List[object] = []  # topics and services that end with the benchmark
+        self._in_phase: List[rospy.Service] = []
+        self._state_topic: Optional[rospy.Publisher] = None
+        self._ended_mono = -SETTLE_S  # when the last benchmark ended
+        self._goal_topic: Optional[rospy.Publisher] = None
+        self._always["benchmark"].publish(self._number)
+        self._jobs: queue.Queue[Optional[Callable[[], None]]] = queue.Queue()
+        self._thread = threading.Thread(target=self._work, name="ROS interface", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Do what was asked for, then end the thread."""
+        self._jobs.put(None)
+        self._thread.join()
+
+    def show(self, effect: fx.Effect, goal: Optional[Goal]) -> None:
+        """Tell the robot's programs; `goal` is the one being executed, if there is one."""
+        if isinstance(effect, fx.BenchmarkIs):
+            self._jobs.put(lambda: self._enter_benchmark(effect.code))
+        elif isinstance(effect, fx.StateIs):
+            self._jobs.put(lambda: self._enter_state(effect.state, goal))
+        elif isinstance(effect, fx.Devices):
+            self._publish("devices", DevicesState(
+                ros_wire_time(effect.bell), effect.switch_1, effect.switch_2, effect.switch_3, effect.dimmer,
+                effect.blinds, effect.door_win_detect,
+            ))
+        elif isinstance(effect, fx.Tablet):
+            self._publish("tablet", TabletState(
+                effect.display_map, ros_wire_time(effect.call_time), ros_wire_time(effect.position_time),
+                effect.position_x, effect.position_y,
+            ))
+        elif isinstance(effect, fx.BellRang):
+            self._publish("bell", Empty())
+        elif isinstance(effect, fx.TabletCalled):
+            self._publish("call", Empty())
+        elif isinstance(effect, fx.PositionSelected):
+            self._publish("position", Pose2D(effect.x, effect.y, 0.0))
+
+    def _publish(self, name: str, message: object) -> None:
+        self._jobs.put(lambda: self._always[name].publish(message))
+
+    # -- in the interface's thread ------------------------------------------------------------------
+
+    def _work(self) -> None:
+        while True:
+            job = self._jobs.get()
+            if job is None:
+                return
+            try:
+                job()
+            except Exception:
+                # The next job may be a stop: the thread must live.
+                if not rospy.is_shutdown():
+                    rospy.logerr("internal error in the ROS interface, please report it", exc_info=True)
+
+    def _enter_benchmark(self, code: Optional[str]) -> None:
+        self._end_phase()
+        for part in self._in_benchmark:
+            _end(part)
+        self._in_benchmark = []
+        self._goal_topic = None
+        if code is not None and code not in NUMBERS:
+            rospy.logerr("the box runs benchmark '%s', which this node does not know: its version of this package is "
+                         "too old, or the box's configuration is wrong", code)
+            code = None
+        self._code = code
+        if code is None:
+            self._end_state_topic()
+            self._announce(Benchmark.NONE)
+            return
+        # Also what came since the benchmark before ended is not of this one; a latched count is received anew.
+        self._owner.messages_saved(0)
+        self._in_benchmark.append(rospy.Subscriber(
+            "/roah_rsbb/messages_saved", UInt32, lambda message: self._owner.messages_saved(message.data)
+        ))
+        if self._state_topic is None:
+            time.sleep(max(0.0, self._ended_mono + SETTLE_S - time.monotonic()))
+            self._state_topic = _state_topic()
+        self._in_benchmark += self._benchmark_services(code)
+        if code in GOAL_TYPES:
+            self._goal_topic = _topic("goal", GOAL_TYPES[code])
+            self._in_benchmark.append(self._goal_topic)
+        self._publish_state(RobotState.STOP)
+        self._announce(NUMBERS[code])
+
+    def _end_state_topic(self) -> None:
+        """It stays from one benchmark to the next, and goes when there is none."""
+        if self._state_topic is not None:
+            _end(self._state_topic)
+            self._state_topic = self._state_number = None
+            self._ended_mono = time.monotonic()
+
+    def _announce(self, number: int) -> None:
+        if number != self._number:
+            self._number = number
+            self._always["benchmark"].publish(number)
+
+    def _enter_state(self, state: RobotState, goal: Optional[Goal]) -> None:
+        self._end_phase()
+        if self._code is None:
+            return
+        if state is RobotState.PREPARING:
+            self._in_phase.append(_service("end_prepare", EmptySrv, lambda _: self._owner.end_prepare()))
+        elif state is RobotState.EXECUTING:
+            self._in_phase.append(self._end_execute_service(self._code))
+            if self._goal_topic is not None and goal is not None:
+                self._publish_goal(goal)
+        self._publish_state(state)
+
+    def _end_phase(self) -> None:
+        for service in self._in_phase:
+            _end(service)
+        self._in_phase = []
+
+    def _publish_state(self, state: RobotState) -> None:
+        if self._state_topic is not None and STATES[state] != self._state_number:
+            self._state_number = STATES[state]
+            self._state_topic.publish(self._state_number)
+
+    def _publish_goal(self, goal: Goal) -> None:
+        if self._code == "HNF" and goal.pose is not None:
+            self._goal_topic.publish(Pose2D(*goal.pose))
+        elif self._code == "HGMF" and goal.pose is not None:
+            self._goal_topic.publish(GoalHGMF(goal.object_id, Pose2D(*goal.pose)))
+        elif self._code == "HOMF":
+            self._goal_topic.publish(GoalOMF(list(goal.initial_state), list(goal.switches)))
+        elif self._code == "STB":
+            self._goal_topic.publish(StringMsg(goal.text or ""))
+
+    def _end_execute_service(self, code: str) -> rospy.Service:
+        end = self._owner.end_execute
+        if code == "HOPF":
+            return _service("end_execute", ResultHOPF, lambda r: end(
+                HopfResult(r.object_class, r.object_name, _pose(r.object_pose))))
+        if code == "HPPF":
+            return _service("end_execute", ResultHPPF, lambda r: end(
+                HppfResult(r.person_name, _pose(r.person_pose))))
+        return _service("end_execute", EmptySrv, lambda _: end(STB_RESULT if code == "STB" else None))
+
+    def _benchmark_services(self, code: str) -> List[rospy.Service]:
+        owner = self._owner
+        services = [
+            _service(field, String, lambda r, field=field: owner.add_string(field, r.data))
+            for field in STRING_SERVICES.get(code, ())
+        ]
+        if code != DEVICES_IN:
+            return services
+        for name in SWITCHES:
+            path = f"devices/{name}"
+            services += [
+                _service(f"{path}/set", Bool, lambda r, name=name: owner.set_device(name, bool(r.data))),
+                _service(f"{path}/on", EmptySrv, lambda _, name=name: owner.set_device(name, True)),
+                _service(f"{path}/off", EmptySrv, lambda _, name=name: owner.set_device(name, False)),
+            ]
+        for name in PERCENTAGES:
+            path = f"devices/{name}"
+            services += [
+                _service(f"{path}/set", Percentage, lambda r, name=name: owner.set_device(name, r.data)),
+                _service(f"{path}/max", EmptySrv, lambda _, name=name: owner.set_device(name, 100)),
+                _service(f"{path}/min", EmptySrv, lambda _, name=name: owner.set_device(name, 0)),
+            ]
+        return [
+            *services,
+            _service("tablet/map", EmptySrv, lambda _: owner.display_map(True)),
+            _service("tablet/buttons", EmptySrv, lambda _: owner.display_map(False)),
+        ]
+
+
+def _topic(name: str, message: type, latch: bool = True) -> rospy.Publisher:
+    return rospy.Publisher(f"/roah_rsbb/{name}", message, queue_size=10, latch=latch)
+
+
+def _state_topic() -> rospy.Publisher:
+    """Publishes before `publish` returns: the last STOP of a benchmark must not be lost with the topic's end.
+
+    A queue's messages would be. Nobody who does not read can hold it up: it takes thousands of such messages to
+    fill a socket.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SyntaxWarning)  # rospy recommends a queue
+        return rospy.Publisher("/roah_rsbb/benchmark/state", BenchmarkState, queue_size=None, latch=True)
+
+
+def _service(name: str, service: type, action: Callable[[object], None]) -> rospy.Service:
+    """A service whose call does something and returns nothing; what the action raises is its error text."""
+
+    def handle(request: object) -> object:
+        try:
+            action(request)
+        except ValueError as error:
+            raise rospy.ServiceException(str(error)) from None
+        return service._response_class()
+
+    return rospy.Service(f"/roah_rsbb/{name}", service, handle)
+
+
+def _end(part: object) -> None:
+    if isinstance(part, rospy.Service):
+        part.shutdown("not in this phase")
+    else:
+        part.unregister()
+
+
+def _pose(pose: Pose2D) -> Pose:
+    return Pose(pose.x, pose.y, pose.theta)

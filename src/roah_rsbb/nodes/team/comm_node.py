@@ -1,0 +1,165 @@
+"""Node roah_rsbb_comm (type comm): what a team runs on its robot (ROS interface, Team's side).
+
+It speaks with the box, of any generation, and offers topics and services to the robot's own programs.
+
+Parameters (private): team_name (must be given), robot_name, rsbb_key (the team's password), rsbb_host (broadcast
+address of the network with the box, or the box's), rsbb_port, bind_host, rsbb_cypher; for tests clock_offset (s), loss
+(share of datagrams).
+"""
+
+import logging
+import random
+import sys
+import time
+from typing import Callable, Optional
+
+import rospy
+from google.protobuf import text_format
+
+from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
+from roah_rsbb.nodes.team.comm_interface import NUMBERS, CommInterface, Owner
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.robot import effects as fx
+from roah_rsbb.robot.machine import IllegalEvent
+from roah_rsbb.robot.runner import SessionRunner
+from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.srv import Override, OverrideResponse
+
+DEFAULT_KEY = "DefaultKey"
+
+# Who sets this logger's level (or that of all, rosout) to Debug sees what is sent. Teams know the name from the
+# node's documentation; it passes on to rosout, which is where a node's log goes to the console and /rosout.
+_sent_log = logging.getLogger("ros.roah_rsbb_comm_ros")
+_sent_log.parent = logging.getLogger("rosout")
+
+
+class CommNode:
+    """The node, from its parameters to its end. Raises BadParams, ValueError or OSError at the start."""
+
+    def __init__(self) -> None:
+        params = Params()
+        if not rospy.has_param("~rsbb_key"):
+            rospy.logerr("Set the parameter rsbb_key to the team's password, as the organisers gave it: until then "
+                         "'%s' is used, which suits no competition", DEFAULT_KEY)
+        labels = [cipher.label for cipher in Cipher if cipher is not Cipher.NONE]
+        team, robot = params.text("team_name"), params.text("robot_name", "Robot")
+        key = params.text("rsbb_key", DEFAULT_KEY)
+        host, port = params.text("rsbb_host", "10.0.0.1"), params.whole("rsbb_port", 6666, 1, 65535)
+        bind_host = params.text("bind_host", "0.0.0.0")
+        cipher = cipher_by_label(params.choice("rsbb_cypher", Cipher.AES_128_CBC.label, labels))
+        # For tests only: a clock that is wrong, a network that loses datagrams.
+        offset = params.number("clock_offset", 0.0, lowest=-1e9, highest=1e9)
+        loss = params.number("loss", 0.0, highest=1.0)
+        params.done()
+
+        self._ros = RosLoop()
+        self._runner = SessionRunner(
+            self._ros.loop, team, key, self._on_effect, lambda text: rospy.logwarn("%s", text), robot=robot,
+            rsbb_host=host, rsbb_port=port, bind_host=bind_host, cipher=cipher,
+            clock=lambda: time.time() + offset, passes=lambda: random.random() >= loss,
+        )
+        self._session = self._runner.session
+        session = self._session
+        self._interface = CommInterface(Owner(
+            end_prepare=lambda: self._ask(session.end_prepare),
+            end_execute=lambda result: self._ask(lambda: session.end_execute(result)),
+            add_string=lambda field, text: self._ask(lambda: session.add_string(field, text)),
+            set_device=lambda name, value: self._ask(lambda: session.set_device(name, value)),
+            display_map=lambda display: self._ask(lambda: session.display_map(display)),
+            messages_saved=lambda count: self._ros.post(lambda: self._set_messages_saved(count)),
+        ))
+        rospy.loginfo("Robot %s of team %s looks for the RSBB on %s:%d", robot, team, host, port)
+
+    def run(self) -> int:
+        """Run until shut down; returns the process's exit status."""
+        self._runner.open()
+        rospy.Service("/roah_rsbb/override", Override, self._on_override)
+        self._ros.run()
+        self._runner.close()
+        self._interface.close()
+        self._ros.close()
+        return 0
+
+    def _ask(self, action: Callable[[], None]) -> None:
+        """Ask the session for something in the loop's thread; what follows is sent at once."""
+
+        def do() -> None:
+            action()
+            self._runner.wake()
+
+        try:
+            self._ros.call(do)
+        except IllegalEvent as error:
+            raise rospy.ServiceException(str(error)) from None
+
+    def _set_messages_saved(self, count: int) -> None:
+        self._session.progress.messages_saved = count
+
+    def _on_effect(self, effect: fx.Effect) -> None:
+        if isinstance(effect, fx.Report):
+            log = rospy.loginfo if effect.over else rospy.logwarn
+            log("%s", effect.text)
+        elif isinstance(effect, fx.Stop):
+            rospy.loginfo("Stop: %s", effect.why)
+        elif isinstance(effect, fx.BenchmarkIs):
+            self._set_messages_saved(0)  # what was saved counts for one benchmark
+        elif isinstance(effect, (fx.SendBeacon, fx.SendState, fx.WouldSendState)):
+            self._debug(effect)
+        self._interface.show(effect, self._session.progress.goal)
+
+    @staticmethod
+    def _debug(effect: fx.Effect) -> None:
+        """What is sent, or would be if the box were not overridden, for who looks at the debug level."""
+        what = "Not sent, because of the override" if isinstance(effect, fx.WouldSendState) else "Sent"
+        _sent_log.debug("%s: %s %s", what, type(effect.message).__name__, _OneLine(effect.message))
+
+    def _on_override(self, request: object) -> OverrideResponse:
+        message = _override_message(request)
+        self._ask(lambda: self._session.override(self._ros.loop.time(), message))
+        return OverrideResponse()
+
+
+class _OneLine:
+    """A message as text, made only if somebody reads it."""
+
+    def __init__(self, message: object) -> None:
+        self._message = message
+
+    def __str__(self) -> str:
+        return text_format.MessageToString(self._message, as_one_line=True, as_utf8=True)
+
+
+def _override_message(request: object) -> Optional[pb.BenchmarkState]:
+    """What the box would have sent; None: back to normal."""
+    if request.benchmark_type == 0:
+        return None
+    codes = {number: code for code, number in NUMBERS.items()}
+    code = codes.get(request.benchmark_type)
+    if code is None:
+        known = ", ".join(f"{number} {code}" for number, code in sorted(codes.items()))
+        raise rospy.ServiceException(f"no benchmark has the number {request.benchmark_type}: there are {known}")
+    if request.benchmark_state not in pb.BenchmarkState.State.values():
+        known = ", ".join(f"{number} {name}" for name, number in pb.BenchmarkState.State.items())
+        raise rospy.ServiceException(f"no benchmark state {request.benchmark_state}: there are {known}")
+    message = pb.BenchmarkState(
+        benchmark_type=code, benchmark_state=request.benchmark_state, initial_state=request.initial_state,
+        switches=request.switches,
+    )
+    message.acknowledgement.sec = request.acknowledgement.secs
+    message.acknowledgement.nsec = request.acknowledgement.nsecs
+    return message
+
+
+def main() -> None:
+    """Entry point of the node."""
+    explain(__doc__)
+    rospy.init_node("roah_rsbb_comm", disable_signals=True)
+    try:
+        status = CommNode().run()
+    except (BadParams, ValueError, OSError) as error:
+        for line in str(error).splitlines():
+            rospy.logfatal("%s", line)
+        status = 1
+    sys.exit(status)

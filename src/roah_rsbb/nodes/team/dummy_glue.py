@@ -1,0 +1,229 @@
+"""Node dummy_robot (type dummy_glue): a robot's own program that only pretends, beside node roah_rsbb_comm.
+
+What a team writes between the comm node and its robot, with the dummy's behaviour in the robot's place: it
+uses nothing but the comm node's topics and services, and may serve as an example of that.
+
+Parameters (private): prepare_duration, execute_duration (s); to misbehave: never_end, crash_in (prepare, execute),
+save_nothing.
+"""
+
+import asyncio
+import concurrent.futures
+import sys
+from typing import Any, Awaitable, Callable, Dict, Optional
+
+import rospy
+from geometry_msgs.msg import Pose2D
+from std_msgs.msg import Empty, UInt32
+from std_msgs.msg import String as StringMsg
+from std_srvs.srv import Empty as EmptySrv
+
+from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
+from roah_rsbb.nodes.team.comm_interface import GOAL_TYPES, NUMBERS
+from roah_rsbb.nodes.team.dummy_log import log_to_ros
+from roah_rsbb.robot.dummy_robot import PHASES, DummyOptions, DummyRobot
+from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
+from roah_rsbb.robot.link import PERCENTAGES
+from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
+
+# The comm node may be starting, and it advertises a service a moment after what it follows from.
+SERVICE_S = 5.0
+
+
+class Services:
+    """The comm node's services, as the actions of `RobotClient`: so one dummy suits both."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+        self._caller = concurrent.futures.ThreadPoolExecutor(1)  # one call after the other, in their order
+        self._saved = 0
+        self._saved_topic = rospy.Publisher("/roah_rsbb/messages_saved", UInt32, queue_size=1, latch=True)
+
+    @property
+    def messages_saved(self) -> int:
+        """How much offline data is recorded."""
+        return self._saved
+
+    @messages_saved.setter
+    def messages_saved(self, count: int) -> None:
+        self._saved = count
+        self._saved_topic.publish(count)
+
+    def notify(self, text: str) -> None:
+        """Online data (HWV, HNF, HOMF)."""
+        self._tell("notifications", String, text)
+
+    def activation_event(self, text: str) -> None:
+        """Online data (HWV)."""
+        self._tell("activation_event", String, text)
+
+    def visitor(self, text: str) -> None:
+        """Online data (HWV)."""
+        self._tell("visitor", String, text)
+
+    def final_command(self, text: str) -> None:
+        """Online data (HCFGAC)."""
+        self._tell("final_command", String, text)
+
+    def set_device(self, name: str, value: Any) -> None:
+        """Home devices (HCFGAC)."""
+        self._tell(f"devices/{name}/set", Percentage if name in PERCENTAGES else Bool, value)
+
+    def display_map(self, display: bool) -> None:
+        """The tablet (HCFGAC)."""
+        self._tell("tablet/map" if display else "tablet/buttons", EmptySrv)
+
+    async def call(self, name: str, kind: type, *arguments: Any) -> None:
+        """Call a service of the comm node, after those before; raises ROSException or ServiceException."""
+
+        def do() -> None:
+            rospy.wait_for_service(f"/roah_rsbb/{name}", SERVICE_S)
+            rospy.ServiceProxy(f"/roah_rsbb/{name}", kind)(*arguments)
+
+        await self._loop.run_in_executor(self._caller, do)
+
+    def _tell(self, name: str, kind: type, *arguments: Any) -> None:
+        """Call a service, and go on meanwhile."""
+        self._loop.create_task(_logged(self.call(name, kind, *arguments), name))
+
+
+class GlueNode:
+    """Follows the comm node's topics, and lets the dummy prepare and execute. Raises BadParams."""
+
+    def __init__(self) -> None:
+        params = Params()
+        usual = DummyOptions()
+        options = DummyOptions(
+            prepare_duration=params.number("prepare_duration", usual.prepare_duration),
+            execute_duration=params.number("execute_duration", usual.execute_duration),
+            never_end=params.flag("never_end", usual.never_end),
+            crash_in=params.choice("crash_in", "", ["", *PHASES]) or None,
+            save_nothing=params.flag("save_nothing", usual.save_nothing),
+        )
+        params.done()
+        self._ros = RosLoop()
+        self._services = Services(self._ros.loop)
+        self._dummy = DummyRobot(options)
+        self._dummy.client = self._services
+        self._codes = {number: code for code, number in NUMBERS.items()}
+        self._code: Optional[str] = None
+        self._phase: Optional[asyncio.Task] = None
+        self._early: Optional[int] = None  # a state that came before its benchmark
+        self._goal: Optional[asyncio.Future] = None  # of the benchmark's next goal
+        self._goal_topic: Optional[rospy.Subscriber] = None
+
+    def run(self) -> int:
+        """Run until shut down; returns the process's exit status."""
+        self._follow("benchmark", Benchmark, lambda message: self._enter(message.benchmark))
+        self._follow("benchmark/state", BenchmarkState, lambda message: self._state(message.benchmark_state))
+        self._follow("devices/bell", Empty, lambda _: self._dummy.on_bell())
+        self._follow("tablet/call", Empty, lambda _: self._dummy.on_tablet_call())
+        self._follow("tablet/position", Pose2D, lambda message: self._dummy.on_tablet_position(message.x, message.y))
+        self._ros.run()
+        self._ros.close()
+        return 0
+
+    def _follow(self, name: str, kind: type, take: Callable[[Any], None]) -> rospy.Subscriber:
+        return rospy.Subscriber(f"/roah_rsbb/{name}", kind, lambda message: self._ros.post(lambda: take(message)))
+
+    # -- in the loop's thread -----------------------------------------------------------------------
+
+    def _enter(self, number: int) -> None:
+        """Another benchmark: its goals come on one topic, whose type is the benchmark's."""
+        self._code = self._codes.get(number)
+        if self._goal_topic is not None:
+            self._goal_topic.unregister()
+            self._goal_topic = None
+        self._goal = None
+        if self._code is None:
+            # Also when the comm node came back after a crash: there was no STOP then.
+            self._end_phase()
+        if self._code in GOAL_TYPES:
+            self._goal = self._ros.loop.create_future()
+            self._goal_topic = self._follow("goal", GOAL_TYPES[self._code], self._take_goal)
+        if self._code is not None and self._early is not None:
+            self._state(self._early)
+
+    def _take_goal(self, message: Any) -> None:
+        if self._goal is not None:
+            if self._goal.done():
+                self._goal = self._ros.loop.create_future()
+            self._goal.set_result(_goal_of(message))
+
+    def _end_phase(self) -> None:
+        if self._phase is not None:
+            self._phase.cancel()
+            self._phase = None
+
+    def _state(self, state: int) -> None:
+        self._end_phase()
+        self._early = None
+        if self._code is None and state in (BenchmarkState.PREPARE, BenchmarkState.EXECUTE):
+            self._early = state  # each topic comes in its own time: the benchmark's is on its way
+        elif state == BenchmarkState.PREPARE:
+            self._phase = self._ros.loop.create_task(_logged(self._prepare(), "preparing"))
+        elif state == BenchmarkState.EXECUTE:
+            self._phase = self._ros.loop.create_task(_logged(self._execute(), "executing"))
+        else:
+            self._dummy.stop("the comm node says STOP")
+
+    async def _prepare(self) -> None:
+        if self._goal is not None:
+            self._goal = self._ros.loop.create_future()  # the next one
+        await self._dummy.prepare(self._code)
+        await self._services.call("end_prepare", EmptySrv)
+
+    async def _execute(self) -> None:
+        goal = None if self._goal is None else await asyncio.shield(self._goal)
+        result = await self._dummy.execute(self._code, goal)
+        await self._end_execute(result)
+
+    async def _end_execute(self, result: Result) -> None:
+        """The service has a type of its own where the benchmark has a result."""
+        call = self._services.call
+        if isinstance(result, HopfResult):
+            await call("end_execute", ResultHOPF, result.object_class, result.object_name, Pose2D(*result.pose))
+        elif isinstance(result, HppfResult):
+            await call("end_execute", ResultHPPF, result.person_name, Pose2D(*result.pose))
+        else:
+            await call("end_execute", EmptySrv)
+
+
+async def _logged(work: Awaitable[None], what: str) -> None:
+    """What fails is told: in a run that ends it is nothing unusual."""
+    try:
+        await work
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        rospy.logwarn("%s: %s", what, error)
+
+
+_GOALS: Dict[type, Callable[[Any], Goal]] = {
+    Pose2D: lambda message: Goal(pose=Pose(message.x, message.y, message.theta)),
+    GoalHGMF: lambda message: Goal(
+        pose=Pose(message.target_pose.x, message.target_pose.y, message.target_pose.theta),
+        object_id=message.object_type,
+    ),
+    GoalOMF: lambda message: Goal(initial_state=tuple(message.initial_state), switches=tuple(message.switches)),
+    StringMsg: lambda message: Goal(text=message.data),
+}
+
+
+def _goal_of(message: Any) -> Goal:
+    return _GOALS[type(message)](message)
+
+
+def main() -> None:
+    """Entry point of the node."""
+    explain(__doc__)
+    rospy.init_node("dummy_robot", disable_signals=True)
+    log_to_ros()
+    try:
+        status = GlueNode().run()
+    except BadParams as error:
+        for line in str(error).splitlines():
+            rospy.logfatal("%s", line)
+        status = 1
+    sys.exit(status)

@@ -1,0 +1,91 @@
+"""Node dummy_robots: dummy robots of different teams on one machine, in one process.
+
+Each has a loopback address of its own. Teams and passwords come from the box's own files, so that no password
+is in a launch file, a parameter or the list of processes.
+
+Parameters (private): robots (how many), rsbb_host, rsbb_port, and the box's files: benchmarks_file, schedule_file,
+passwords_file.
+"""
+
+import asyncio
+import ipaddress
+import sys
+from typing import List
+
+import rospy
+
+from roah_rsbb.nodes.team.dummy_log import log_to_ros
+from roah_rsbb.robot.client import RobotClient
+from roah_rsbb.robot.dummy_robot import dummy_client
+from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config
+from roah_rsbb.rulebook.config import ConfigErrors, load
+
+# The box has 127.0.0.1.
+FIRST_HOST = ipaddress.IPv4Address("127.0.0.2")
+MOST = 200
+
+
+def teams_of(config: Config) -> List[str]:
+    """All teams, each once: first those of the schedule in its order, then those that only have a password."""
+    scheduled = [event.team for zone in config.zones for event in zone.events if event.team != ALL_TEAMS]
+    return list(dict.fromkeys([*scheduled, *config.passwords]))
+
+
+class DummyRobotsNode:
+    """The robots, from the node's parameters to its end. Raises BadParams or ConfigErrors at the start."""
+
+    def __init__(self) -> None:
+        params = Params()
+        count = params.whole("robots", 1, 1, MOST)
+        host, port = params.text("rsbb_host", "127.255.255.255"), params.whole("rsbb_port", 6666, 1, 65535)
+        files = [params.path(f"{name}_file") for name in ("benchmarks", "schedule", "passwords")]
+        params.done()
+        config, _ = load(*files)  # the core tells the warnings
+        teams = teams_of(config)
+        if count > len(teams):
+            rospy.logwarn("%d dummy robots instead of %d: there are no more teams in %s", len(teams), count, files[2])
+        self._status = 0
+        self._ros = RosLoop()
+        for number, team in enumerate(teams[:count]):
+            bind_host = str(FIRST_HOST + number)
+            self._add(team, bind_host, dummy_client(
+                team, config.passwords[team], rsbb_host=host, rsbb_port=port, bind_host=bind_host,
+                name_in_log=team if count > 1 else "",
+            ))
+
+    def run(self) -> int:
+        """Run until shut down, or until one of them cannot go on; returns the process's exit status."""
+        self._ros.run()
+        self._ros.close()
+        return self._status
+
+    def _add(self, team: str, bind_host: str, client: RobotClient) -> None:
+        rospy.loginfo("A dummy robot of team %s at %s", team, bind_host)
+        self._ros.loop.create_task(client.run()).add_done_callback(lambda task: self._ended(team, task))
+
+    def _ended(self, team: str, task: asyncio.Task) -> None:
+        error = None if task.cancelled() else task.exception()
+        if error is not None:
+            rospy.logfatal("the dummy robot of team %s ended: %s", team, error)
+            self._status = 1
+            self._ros.stop("a dummy robot ended")
+
+
+def main() -> None:
+    """Entry point of the node."""
+    explain(__doc__)
+    rospy.init_node("dummy_robots", disable_signals=True)
+    log_to_ros()
+    try:
+        status = DummyRobotsNode().run()
+    except BadParams as error:
+        for line in str(error).splitlines():
+            rospy.logfatal("%s", line)
+        status = 1
+    except ConfigErrors:
+        rospy.logfatal("no dummy robots: the core tells what is wrong with its files")
+        status = 1
+    sys.exit(status)

@@ -1,0 +1,162 @@
+"""Manual operations during `referee run`: completed by itself, or as the referee types; else others do them."""
+
+import queue
+import sys
+import threading
+from typing import Callable, List, Optional
+
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.referee.exits import NoCore
+from roah_rsbb.referee.state import Operation, Zone
+from roah_rsbb.referee.words import BadWord, answer_of, switches_of
+
+# The same thing asked for again and again (a pose that cannot be had) is waited for a little, and not for ever.
+AGAIN_S = 1.0
+MAX_IN_A_ROW = 10
+
+Note = Callable[[str], None]
+
+
+class GivenUp(Exception):
+    """What is asked for cannot be done without a human referee."""
+
+
+class Automatic:
+    """Completes each manual operation with its usual answer, and confirms switches as they are."""
+
+    def __init__(self, link, note: Note) -> None:
+        self._link = link
+        self._note = note
+        self._done = 0  # number of the last operation
+        self._text = ""  # of the last operation
+        self._in_a_row = 0
+        self._not_before = 0.0
+
+    def look(self, zone: Zone) -> None:
+        """Do what is asked for in a running zone; raises `GivenUp`."""
+        operation = zone.operation
+        if operation is not None and operation.number != self._done:
+            self._complete(zone, operation)
+        if zone.switches is not None and zone.switches.to_confirm:
+            _ignoring_others(lambda: self._link.confirm_switches(zone.zone))
+
+    def _complete(self, zone: Zone, operation: Operation) -> None:
+        again = operation.text == self._text
+        if again and self._link.now() < self._not_before:
+            return
+        if again and self._in_a_row >= MAX_IN_A_ROW:
+            raise GivenUp(f"asked {self._in_a_row} times in a row: {operation.text}")
+        if not _ignoring_others(lambda: self._link.complete_operation(zone.zone, operation.number, "")):
+            return
+        self._note(f"completed without a human referee: {operation.text}")
+        self._in_a_row = self._in_a_row + 1 if again else 1
+        self._done, self._text, self._not_before = operation.number, operation.text, self._link.now() + AGAIN_S
+
+
+class Typed:
+    """Asks in the terminal. `lines` gives what was typed since it was called last, without waiting.
+
+    A script may write its answers ahead of the questions (`ahead`); what a human typed before a question is none.
+    """
+
+    def __init__(self, link, note: Note, lines: Callable[[], List[str]], ahead: bool) -> None:
+        self._link = link
+        self._note = note
+        self._lines = lines
+        self._ahead = ahead
+        self._asked: Optional[object] = None
+        self._done: Optional[object] = None  # it is shown for a moment longer
+        self._typed: List[str] = []
+
+    def look(self, zone: Zone) -> None:
+        """Ask what is asked for in a running zone, and pass on what was typed."""
+        self._typed += self._lines()
+        asked = _asked(zone)
+        if asked != self._done:
+            self._done = None
+        if asked is None or self._done is not None:
+            self._asked = None
+        elif asked != self._asked:
+            self._asked = asked
+            self._note(_prompt(zone.operation))
+        elif self._typed:
+            self._take(zone, asked, self._typed.pop(0))
+            return
+        if not self._ahead:
+            self._typed.clear()
+
+    def _take(self, zone: Zone, asked: object, line: str) -> None:
+        try:
+            if zone.operation is not None:
+                answer = answer_of(line, zone.operation)
+                self._link.complete_operation(zone.zone, zone.operation.number, answer)
+                self._done = asked
+            elif self._enter_switches(zone, line):
+                self._done = asked
+        except (BadWord, Refused, NoCore) as error:
+            self._note(f"not done: {error}")
+            self._asked = None  # ask again
+
+    def _enter_switches(self, zone: Zone, line: str) -> bool:
+        """Whether that was all."""
+        entered = switches_of(line)
+        for switch in entered.pressed:
+            self._link.press_switch(zone.zone, switch)
+        if entered.damaged is not None:
+            self._link.set_damaged(zone.zone, entered.damaged)
+        if entered.confirmed:
+            self._link.confirm_switches(zone.zone)
+        return entered.confirmed
+
+
+def _asked(zone: Zone) -> Optional[object]:
+    """What the referee is asked now, as something to know it by."""
+    if zone.operation is not None:
+        return zone.operation
+    return "switches" if zone.switches is not None and zone.switches.to_confirm else None
+
+
+def _prompt(operation: Optional[Operation]) -> str:
+    if operation is None:
+        return ("type the numbers of the switches that changed (2 3), or how many were damaged (damaged 1), "
+                "and an empty line when all is entered")
+    if operation.choices:
+        text = f"type {', '.join(operation.choices)}, or the beginning of one (Enter: {operation.choices[0]})"
+        return f"{text}, or another answer" if operation.asks_text else text
+    return "type the answer (Enter: none)" if operation.asks_text else "press Enter when it is done"
+
+
+def _ignoring_others(job: Callable[[], None]) -> bool:
+    """Whether it was done: another referee may be quicker, and a core that is gone comes back with its question."""
+    try:
+        job()
+    except (Refused, NoCore):
+        return False
+    return True
+
+
+class Keyboard:
+    """Lines of standard input, read in the background."""
+
+    def __init__(self, note: Note) -> None:
+        self._note = note
+        self._read: queue.Queue = queue.Queue()
+        threading.Thread(target=self._work, name="keyboard", daemon=True).start()
+
+    def lines(self) -> List[str]:
+        """What was typed since the last call."""
+        found: List[str] = []
+        while True:
+            try:
+                line = self._read.get_nowait()
+            except queue.Empty:
+                return found
+            if line is None:
+                self._note("no more input: manual operations are left to other referees")
+            else:
+                found.append(line)
+
+    def _work(self) -> None:
+        for line in sys.stdin:
+            self._read.put(line.strip())
+        self._read.put(None)

@@ -1,0 +1,229 @@
+"""The command line of the terminal's referee."""
+
+import argparse
+import math
+from typing import Callable, List, TypeVar
+
+from roah_rsbb.referee.run import Operations
+from roah_rsbb.referee.words import BadWord, byte_of, event_wanted, score_wanted
+
+T = TypeVar("T")
+
+PROG = "referee"
+WAIT_S = 60.0
+
+_EXITS = """exit status:
+  0    done; for 'run': the robot completed the run
+  1    the core refused, with every reason; for 'run': connect or start was not possible
+       within --wait, or a score could not be set
+  2    wrong usage: an unknown command, zone, scoring item, value or event
+  3    no ROS master, no core, or it fell silent for good
+  4    the run did not complete: timeout, stop, no messages saved, disconnected, lost
+  130  interrupted (Ctrl-C); 'run' stops its run first. A terminal that is closed
+       (SIGHUP) leaves the run as it is
+"""
+_ZONE = "name of the zone, or a beginning of it that no other zone has; in any case of letters"
+
+_RUN = "a run that is over: 'last', or a part of its name ('runs' has them)"
+
+_COMMANDS = {
+    "connect": "connect the robot of the zone's event, and open the run",
+    "start": "start the run, or start it again after a stop",
+    "stop": "stop the run; once it is over: leave it, as disconnect does",
+    "disconnect": "end the connection to the robot; after a completed run the zone moves on",
+    "previous": "go to the previous event of the zone's schedule",
+    "next": "go to the next event of the zone's schedule",
+}
+
+
+def _formatter(prog: str) -> argparse.HelpFormatter:
+    return argparse.RawDescriptionHelpFormatter(prog, max_help_position=20, width=100)
+
+
+def parser() -> argparse.ArgumentParser:
+    """All commands with their help."""
+    top = argparse.ArgumentParser(
+        prog=PROG, formatter_class=_formatter,
+        description="The referee in a terminal: for ssh, for scripts, and beside the panels.\n"
+                    "'referee COMMAND --help' shows a command's options and examples.",
+        epilog=_EXITS + "\nWith --json every command prints JSON: see docs/referee.md for its fields.\n"
+                        "Colour is used on a terminal only, and never where NO_COLOR is set.",
+    )
+    top.add_argument("--json", action="store_true", help="print JSON; watch and run: one object a line")
+    commands = top.add_subparsers(dest="command", metavar="COMMAND")
+    _status(commands)
+    _watch(commands)
+    for name, text in _COMMANDS.items():
+        one = _add(commands, name, text, [f"{PROG} {name} 'Home A'"])
+        one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    _score(commands)
+    _sheets(commands)
+    _done(commands)
+    _switches(commands)
+    _run(commands)
+    return top
+
+
+def _add(commands, name: str, text: str, examples: List[str]) -> argparse.ArgumentParser:
+    one = commands.add_parser(
+        name, help=text, description=text[0].upper() + text[1:] + ".",
+        formatter_class=_formatter,
+        epilog="examples:\n" + "\n".join(f"  {example}" for example in examples) + "\n\n" + _EXITS,
+    )
+    # SUPPRESS: where it is not given here, what was said before the command stays.
+    one.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
+    return one
+
+
+def _status(commands) -> None:
+    one = _add(
+        commands, "status", "all zones at a glance, active robots, warnings",
+        [f"{PROG} status", f"{PROG} status 'Home A'    (in full: reasons, score sheet, online data)",
+         f"{PROG} status --json | jq '.zones[].phase'"],
+    )
+    one.add_argument("zone", metavar="ZONE", nargs="?", help="show only this zone, in full; " + _ZONE)
+
+
+def _watch(commands) -> None:
+    one = _add(
+        commands, "watch", "follow what happens, a line each with its UTC time, until Ctrl-C",
+        [f"{PROG} watch", f"{PROG} watch --zone 'Home A'", f"{PROG} watch --json >> competition.jsonl"],
+    )
+    one.add_argument("--zone", metavar="ZONE", help="only this zone, its team's robots and the whole box; " + _ZONE)
+
+
+def _score(commands) -> None:
+    one = _add(
+        commands, "score", "show the score sheet of the run in a zone, or set an item",
+        [f"{PROG} score 'Home A'", f"{PROG} score 'Home A' 3 +1", f"{PROG} score 'Home A' 'door' yes",
+         f"{PROG} score 'Home A' 4 not-attempted", f"{PROG} score 'Home A' 3 2 --note 'the vase, twice' --referee Anna",
+         f"{PROG} score 'Home A' 3 1 --run last    (a correction)"],
+    )
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument("item", metavar="ITEM", nargs="?", help="an item's number, or a part of its text of its own")
+    one.add_argument("value", metavar="VALUE", nargs="?",
+                     help="a number, yes or no, +N or -N to count on from now, or not-attempted")
+    _say(one, "beside the value")
+    _of_run(one)
+
+
+def _say(one: argparse.ArgumentParser, where: str) -> None:
+    one.add_argument("--note", metavar="TEXT", default="", help=f"stands {where} in the history")
+    one.add_argument("--referee", metavar="NAME", default="", help="who says so; without it: this program")
+
+
+def _of_run(one: argparse.ArgumentParser) -> None:
+    one.add_argument("--run", metavar="RUN", help=_RUN + "; without it: the one that is connected")
+
+
+def _sheets(commands) -> None:
+    one = _add(commands, "runs", "list the runs that are connected or over, with their scores",
+               [f"{PROG} runs", f"{PROG} runs 'Home A'"])
+    one.add_argument("zone", metavar="ZONE", nargs="?", help="only those of this zone; " + _ZONE)
+    one = _add(commands, "sheet", "show a score sheet with its history, and why the run ended",
+               [f"{PROG} sheet 'Home A'", f"{PROG} sheet 'Home A' --run last"])
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    _of_run(one)
+    one = _add(commands, "withdraw", "let an entry of the history count no more",
+               [f"{PROG} withdraw 'Home A' 3 --note 'another robot'"])
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument("entry", metavar="ENTRY", type=_counted, help="its number ('sheet' has it)")
+    _say(one, "beside the withdrawal")
+    _of_run(one)
+    one = _add(commands, "reason", "say why a run was stopped, at any time until it is signed off",
+               [f"{PROG} reason 'Home A' 'fire alarm'", f"{PROG} reason 'Home A' 'hit the vase' --run last --end 1"])
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument("text", metavar="TEXT", help="the reason; it replaces the one before")
+    one.add_argument("--end", metavar="N", type=_counted, default=0, help="which end ('sheet' has them); else the last")
+    one.add_argument("--referee", metavar="NAME", default="", help="who says so; without it: this program")
+    _of_run(one)
+    one = _add(commands, "sign-off", "sign the score sheet of a run that is over off: it is final then",
+               [f"{PROG} sign-off 'Home A' --run last --referee Anna"])
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument("--run", metavar="RUN", required=True, help=_RUN)
+    one.add_argument("--referee", metavar="NAME", default="", help="who signs; without it: this program")
+
+
+def _counted(word: str) -> int:
+    if not word.isdecimal() or not 1 <= int(word) < 2**32:
+        raise argparse.ArgumentTypeError(f"'{word}' is no number from 1 on")
+    return int(word)
+
+
+def _done(commands) -> None:
+    one = _add(
+        commands, "done", "say that a manual operation is done, and answer it",
+        [f"{PROG} done 'Home A'", f"{PROG} done 'Home A' skip", f"{PROG} done 'Home A' --operation 3"],
+    )
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument("answer", metavar="ANSWER", nargs="?", default="",
+                     help="one of those to choose from, or a beginning of it; without it: the first one")
+    one.add_argument("--operation", metavar="N", type=int, help="only if it is still this one ('status --json' has it)")
+
+
+def _switches(commands) -> None:
+    one = _add(
+        commands, "switches", "HOMF: show the switches, or enter what changed",
+        [f"{PROG} switches 'Home A'", f"{PROG} switches 'Home A' --press 2 --press 3",
+         f"{PROG} switches 'Home A' --damaged 1 --confirm"],
+    )
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument("--press", metavar="N", action="append", default=[], type=_type("0 to 255", _byte),
+                     help="this switch changed; may be repeated, the order counts")
+    one.add_argument("--damaged", metavar="N", type=_type("0 to 255", _byte), help="so many were damaged")
+    one.add_argument("--confirm", action="store_true", help="all is entered: the run goes on")
+
+
+def _run(commands) -> None:
+    one = _add(
+        commands, "run", "take a robot through a whole run: connect, start, score sheet, disconnect",
+        [f"{PROG} run 'Home A'", f"{PROG} run 'Home A' --event HWV/1/2 --wait 300",
+         f"{PROG} run 'Home A' --score door=yes --score furniture=2 --keep",
+         f"{PROG} run 'Home A' --event HNF --operations typed"],
+    )
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument(
+        "--wait", metavar="SECONDS", type=_seconds, default=WAIT_S,
+        help="how long to wait for the core, then for connect and for start to be possible (default %(default)g)",
+    )
+    one.add_argument(
+        "--event", "--benchmark", metavar="CODE[/ROUND[/RUN]]",
+        type=_type("CODE, CODE/ROUND or CODE/ROUND/RUN", event_wanted),
+        help="move the zone to this event first: the next such one, else the last one before",
+    )
+    one.add_argument(
+        "--score", metavar="ITEM=VALUE", action="append", default=[], type=_type("ITEM=VALUE", score_wanted),
+        help="set a scoring item once the run is started; may be repeated",
+    )
+    one.add_argument("--keep", action="store_true", help="stay connected at the end")
+    one.add_argument(
+        "--operations", choices=[who.value for who in Operations], default=Operations.OTHERS.value,
+        help="who does manual operations: others, at a panel or with 'done' (default); automatic: each is completed "
+             "at once, with its first answer; typed: asked for here, on standard input",
+    )
+
+
+def _type(form: str, read: Callable[[str], T]) -> Callable[[str], T]:
+    """A converter for argparse that says what form was expected."""
+
+    def convert(text: str) -> T:
+        try:
+            return read(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"'{text}' is not of the form {form}") from None
+
+    return convert
+
+
+def _byte(text: str) -> int:
+    try:
+        return byte_of(text)
+    except BadWord as bad:
+        raise ValueError(str(bad)) from None
+
+
+def _seconds(text: str) -> float:
+    seconds = float(text)
+    if not math.isfinite(seconds) or seconds < 0:
+        raise argparse.ArgumentTypeError(f"'{text}' is no number of seconds")
+    return seconds

@@ -1,0 +1,297 @@
+"""The terminal referee's connection to the core: what the core publishes comes in, commands go out.
+
+rospy waits for ever for a master, a service or a core that does not answer. Here whatever may wait runs in
+a thread of its own with a limit, and what does not answer is named with its remedy.
+"""
+
+import queue
+import threading
+import time
+from typing import Any, Callable, List, Optional
+
+import rosgraph
+import rospy
+
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunSheet, Score
+from roah_rsbb.referee.exits import NoCore
+from roah_rsbb.referee.sheets import RunLine, run_of
+from roah_rsbb.referee.state import Box, Item, box_of
+from roah_rsbb.ros import refusals
+from roah_rsbb.ros.feed import Feed
+from roah_rsbb.srv import (
+    GetRunSheet,
+    ManualOperationAnswer,
+    ScoreMark,
+    ScoreWithdraw,
+    SignOff,
+    StopReason,
+    Zone,
+    ZoneScore,
+    ZoneUInt8,
+)
+
+GUI_TOPIC, DETAILS_TOPIC, RESULTS_TOPIC = "/core/to_gui", "/core/details", "/core/results"
+
+# So often it is looked whether a message came. The core publishes every 100 ms.
+POLL_S = 0.02
+# Limits for answers: of the master, of the core with its first messages, of a service, at the end.
+MASTER_S, CORE_S, ANSWER_S, CLOSE_S = 2.0, 2.0, 6.0, 1.5
+# A master that is not there yet is asked again after this long.
+AGAIN_S = 0.2
+# A first message older than this may be the latched one of a core that hangs: wait for a second one.
+FRESH_S = 1.0
+# So often a silent core is subscribed to anew: nothing else finds it again after the master was restarted.
+RENEW_S = 5.0
+# After a command so many messages must come in: the first may have been under way during the command.
+SETTLED = 2
+SETTLE_S = 2.0
+
+START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
+
+
+class Link:
+    """One connection. Use it from the main thread; `open` it before anything else and `close` it at the end."""
+
+    def __init__(self) -> None:
+        self._feed: Optional[Feed] = None
+        self._gui: Optional[CoreToGui] = None
+        self._details: Optional[CoreDetails] = None
+        self._heard = self._renewed = time.monotonic()
+        self._count = 0  # CoreToGui messages so far
+        self.box: Optional[Box] = None
+
+    def open(self, wait_s: float = 0.0) -> Box:
+        """Connect; raises `NoCore` in 2 to 3 s, or after `wait_s` if master and core may have to start first."""
+        deadline = self.now() + wait_s
+        while True:
+            problem = _master_problem() or _core_problem()
+            if not problem:
+                break
+            if self.now() + AGAIN_S > deadline:
+                raise NoCore(problem)
+            time.sleep(AGAIN_S)  # nobody tells us when a master is there
+        deadline = max(deadline, self.now() + CORE_S)
+        try:
+            _limited(MASTER_S, _init_node)
+        except _Late:
+            raise NoCore(f"the ROS master at {_master_uri()} does not answer any more") from None
+        self._feed = Feed({GUI_TOPIC: CoreToGui, DETAILS_TOPIC: CoreDetails})
+        self._feed.start()
+        while not self._is_current():
+            left = deadline - self.now()
+            if left <= 0:
+                raise NoCore(self._why_silent())
+            self.next(left)
+        assert self.box is not None, "it is current"
+        return self.box
+
+    def close(self) -> None:
+        """Leave the ROS network, without waiting for a master that is gone."""
+        if self._feed is None:
+            return
+        # The hook is the last one: then all is unregistered, and only threads are waited for.
+        unregistered = threading.Event()
+        rospy.core.add_shutdown_hook(lambda _reason: unregistered.set())
+        threading.Thread(target=rospy.signal_shutdown, args=["the referee leaves"], daemon=True).start()
+        unregistered.wait(CLOSE_S)
+
+    # -- listening ----------------------------------------------------------------------------------
+
+    @staticmethod
+    def now() -> float:
+        """Monotonic seconds."""
+        return time.monotonic()
+
+    @property
+    def silence_s(self) -> float:
+        """For how long the core was not heard."""
+        return self.now() - self._heard
+
+    def next(self, limit_s: float) -> Optional[Box]:
+        """The next snapshot; None if nothing came for `limit_s`."""
+        deadline = self.now() + limit_s
+        while True:
+            if self._take():
+                return self.box
+            left = deadline - self.now()
+            if left <= 0:
+                return None
+            time.sleep(min(POLL_S, left))
+
+    def settle(self, with_details: bool = False) -> Box:
+        """The first snapshot that surely shows what a command did; raises `NoCore` if none comes.
+
+        `with_details`: it changed what CoreDetails tells. That is a topic of its own, and may come later; without a
+        change it comes once a second.
+        """
+        count, details, deadline = self._count, self._details, self.now() + SETTLE_S
+        while self._count < count + SETTLED or (with_details and self._details is details):
+            if self.next(max(0.0, deadline - self.now())) is None:
+                raise NoCore(self._why_silent())
+        assert self.box is not None, "messages came"
+        return self.box
+
+    def _take(self) -> bool:
+        """Take new messages; whether they gave a new snapshot."""
+        now = self.now()
+        gui, details = self._feed.take(GUI_TOPIC), self._feed.take(DETAILS_TOPIC)
+        # The same clock again is the latched message, sent anew to a new subscription by a core that may hang.
+        is_news = gui is not None and (self._gui is None or gui.message.clock != self._gui.clock)
+        if is_news:
+            self._gui, self._heard, self._count = gui.message, gui.mono, self._count + 1
+        elif self.silence_s > RENEW_S and now - self._renewed > RENEW_S:
+            self._renewed = now
+            self._feed.renew()
+        if details is not None:
+            self._details = details.message
+        if self._gui is None or self._details is None or not (is_news or details):
+            return False
+        if self._gui.clock < self._details.clock:
+            return False  # the other half of the same moment is still under way
+        box = box_of(self._gui, self._details)
+        self.box = box or self.box
+        return box is not None
+
+    def _is_current(self) -> bool:
+        if self.box is None:
+            return False
+        return self._count > 1 or abs(time.time() - self.box.clock_utc_s) < FRESH_S
+
+    def _why_silent(self) -> str:
+        problem = _core_problem()
+        if problem:
+            return problem
+        if self._gui is not None and self._details is None:
+            return f"the core publishes {GUI_TOPIC} but not {DETAILS_TOPIC}: is it of another version?"
+        return ("the core is known to the ROS master, but silent: it hangs or has died (restart it), or its "
+                "computer cannot be reached by its name (set ROS_IP on both computers)")
+
+    # -- commands -----------------------------------------------------------------------------------
+
+    def command(self, command: str, zone: str) -> None:
+        """Give a command to a zone; raises `Refused` with the core's reasons, or `NoCore`."""
+        self._call(f"/core/{command}", Zone, zone)
+
+    def set_score(self, zone: str, group: str, item: str, value: int) -> None:
+        """Set a scoring item; raises as `command` does."""
+        self._call("/core/set_score", ZoneScore, zone, Score(group, item, value))
+
+    def mark(
+        self, zone: str, identity: str, item: Item, value: int, not_attempted: bool, note: str, referee: str
+    ) -> None:
+        """Set an item with words, of the run of that identity; empty: the connected one. Raises as `command` does."""
+        self._call(
+            "/core/score", ScoreMark, zone, identity, item.group, item.item, value, not_attempted, note, referee
+        )
+
+    def withdraw(self, zone: str, identity: str, entry: int, note: str, referee: str) -> None:
+        """Withdraw an entry of the score sheet; see `mark`."""
+        self._call("/core/score/withdraw", ScoreWithdraw, zone, identity, entry, note, referee)
+
+    def give_reason(self, zone: str, identity: str, end: int, reason: str, referee: str) -> None:
+        """Say why the run was stopped; `end` counts from 1, 0: the last one. See `mark`."""
+        self._call("/core/stop_reason", StopReason, zone, identity, end, reason, referee)
+
+    def sign_off(self, zone: str, identity: str, referee: str) -> None:
+        """Sign a score sheet off; see `mark`."""
+        self._call("/core/sign_off", SignOff, zone, identity, referee)
+
+    def run_sheet(self, zone: str, identity: str) -> RunSheet:
+        """A run's score sheet; see `mark`."""
+        return self._call("/core/run_sheet", GetRunSheet, zone, identity).sheet
+
+    def runs(self) -> List[RunLine]:
+        """All runs that the core knows; raises `NoCore`."""
+        try:
+            results = rospy.wait_for_message(RESULTS_TOPIC, Results, CORE_S)
+        except rospy.ROSException as error:
+            raise NoCore(f"{RESULTS_TOPIC} was not heard ({error}): {self._why_silent()}") from None
+        return [run_of(summary) for summary in results.runs]
+
+    def complete_operation(self, zone: str, operation: int, answer: str) -> None:
+        """Complete a manual operation; its number, or 0 for the one that is asked for now. Raises as `command` does."""
+        self._call("/core/manual_operation_answer", ManualOperationAnswer, zone, operation, answer)
+
+    def press_switch(self, zone: str, switch: int) -> None:
+        """HOMF: a switch changed; raises as `command` does."""
+        self._call("/core/omf_switches/button", ZoneUInt8, zone, switch)
+
+    def set_damaged(self, zone: str, damaged: int) -> None:
+        """HOMF: so many switches were damaged; raises as `command` does."""
+        self._call("/core/omf_switches/damaged", ZoneUInt8, zone, damaged)
+
+    def confirm_switches(self, zone: str) -> None:
+        """HOMF: all was entered; raises as `command` does."""
+        self._call("/core/omf_switches/complete", Zone, zone)
+
+    def _call(self, name: str, kind: type, *request: object) -> Any:
+        try:
+            return _limited(ANSWER_S, lambda: rospy.ServiceProxy(name, kind)(*request))
+        except _Late:
+            raise NoCore(f"{name} did not answer within {ANSWER_S:.0f} s: the core hangs, restart it") from None
+        except rospy.ServiceException as error:
+            if refusals.was_answered(str(error)):
+                raise Refused(refusals.reasons(str(error))) from None
+            raise NoCore(f"{name} could not be called ({error}): {self._why_silent()}") from None
+        except (rospy.ROSException, OSError) as error:
+            raise NoCore(f"{name} could not be called ({error}): {self._why_silent()}") from None
+
+
+# -- limits ---------------------------------------------------------------------------------------
+
+
+class _Late(Exception):
+    """A job took longer than it may."""
+
+
+def _limited(limit_s: float, job: Callable[[], Any]) -> Any:
+    """What `job` returns or raises, or `_Late` after `limit_s`; the job is left alone then."""
+    done: queue.Queue = queue.Queue()
+
+    def work() -> None:
+        try:
+            done.put((job(), None))
+        except Exception as error:
+            done.put((None, error))
+
+    threading.Thread(target=work, daemon=True).start()
+    try:
+        result, error = done.get(timeout=limit_s)
+    except queue.Empty:
+        raise _Late from None
+    if error is not None:
+        raise error
+    return result
+
+
+def _master_uri() -> str:
+    return rosgraph.rosenv.get_master_uri() or "(ROS_MASTER_URI is not set)"
+
+
+def _master_problem() -> str:
+    """Why there is no ROS master to talk to; empty: there is one."""
+    try:
+        _limited(MASTER_S, rosgraph.Master("/referee").getPid)
+    except _Late:
+        why = "does not answer"
+    except Exception as error:  # a wrong URI raises in many ways
+        why = f"cannot be reached ({error})"
+    else:
+        return ""
+    return f"ROS master at {_master_uri()} {why}: {START}, or set ROS_MASTER_URI to the box's computer"
+
+
+def _core_problem() -> str:
+    """Why there is no core to listen to; empty: the master knows one."""
+    uri = _master_uri()
+    try:
+        publishers = dict(_limited(MASTER_S, rosgraph.Master("/referee").getSystemState)[0])
+    except Exception:  # whatever it is, the master cannot tell us more
+        return f"the ROS master at {uri} does not answer any more: {START}"
+    return "" if GUI_TOPIC in publishers else f"no core at the ROS master {uri}: {START}"
+
+
+def _init_node() -> None:
+    """No signal handlers (Ctrl-C stops a run first), no /rosout, no simulated time: as few traces as can be."""
+    rospy.init_node("referee", anonymous=True, disable_rosout=True, disable_rostime=True, disable_signals=True)

@@ -1,0 +1,283 @@
+"""How the terminal's referee writes things. Pure text: no ROS, no terminal.
+
+Colour is never the only sign: whatever is coloured also says it in words. What came from robots or from
+configuration files is made harmless (`plain`), so that it cannot send commands to the terminal.
+"""
+
+import json
+import re
+from typing import Callable, Dict, List
+
+from roah_rsbb.core.clock import clock_text
+from roah_rsbb.core.link.skew import skew_text
+from roah_rsbb.referee.changes import Change
+from roah_rsbb.referee.state import (
+    CONNECTED,
+    ENDED,
+    IDLE,
+    RUNNING,
+    Box,
+    Event,
+    Item,
+    ModuleScore,
+    Operation,
+    Switches,
+    Zone,
+    lines_of,
+)
+from roah_rsbb.wording import module_scores, panel_texts
+
+# SGR codes (ECMA-48).
+BOLD, RED, GREEN, YELLOW, CYAN = "1", "1;31", "1;32", "1;33", "1;36"
+_PHASE_COLOURS = {RUNNING: GREEN, CONNECTED: CYAN, ENDED: YELLOW}
+# The core's lines in a log begin with their own time, which is truer than that of their publication.
+_CLOCK = re.compile(r"(\d\d:\d\d:\d\dZ )?(.*)", re.DOTALL)
+# A longer text as a module's score sets the others' column no further in, characters.
+_WIDEST = 20
+# A zone's lines are set in from its name.
+_IN = "    "
+
+Paint = Callable[[str, str], str]
+
+
+def plain(text: str) -> str:
+    """Text of others with everything that is not printable written out, e.g. ``\\x1b``."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
+def no_colour(_code: str, text: str) -> str:
+    """Text as it is."""
+    return text
+
+
+def colour(code: str, text: str) -> str:
+    """Text in a colour of the terminal's."""
+    return f"\x1b[{code}m{text}\x1b[0m"
+
+
+# -- snapshots ------------------------------------------------------------------------------------
+
+
+def status(box: Box, paint: Paint) -> List[str]:
+    """All zones at a glance, the active robots, and what is the matter with the box."""
+    lines = [
+        f"{paint(BOLD, 'RSBB')} at {plain(box.host)}:{plain(box.port)}, {clock_text(box.clock_utc_s)}: "
+        + plain(box.status)
+    ]
+    lines += [paint(RED, f"WARNING: {plain(text)}") for text in box.warnings]
+    lines += ["", "Active robots:" if box.robots else "Active robots: none"]
+    lines += [
+        f"{_IN}{plain(r.team)} {plain(r.robot)}: skew {skew_text(r.skew_s)}, heard {panel_texts.ago(r.age_s)}"
+        for r in box.robots
+    ]
+    for zone in box.zones:
+        lines += ["", *zone_lines(zone, box.clock_utc_s, paint)]
+    return lines
+
+
+def zone_lines(zone: Zone, clock_utc_s: float, paint: Paint) -> List[str]:
+    """A zone in a few lines."""
+    event = zone.event
+    lines = [
+        f"{paint(BOLD, plain(zone.zone))}: {_phase(zone, paint)}",
+        f"{_IN}{plain(event.name)}: {plain(event.desc)}",
+        f"{_IN}{_which(event)}, scheduled {panel_texts.scheduled(event.scheduled_utc_s, clock_utc_s)} UTC",
+    ]
+    lines += [
+        _IN + (paint(RED, plain(text)) if text.startswith("WARNING") else plain(text)) for text in zone.state
+    ]
+    if zone.robot and zone.all_robots is None:
+        lines.append(_IN + _robot(zone, clock_utc_s))
+    if zone.operation is not None:
+        lines.append(_IN + paint(YELLOW, to_do(zone.operation)))
+    if zone.switches is not None:
+        lines.append(_IN + switches_line(zone.switches, paint))
+    allowed = [command for command, reasons in zone.off.items() if not reasons]
+    return [*lines, f"{_IN}allowed now: {', '.join(allowed) or 'nothing'}"]
+
+
+def zone_report(zone: Zone, clock_utc_s: float, paint: Paint) -> List[str]:
+    """A zone in full: also why each command is refused, its score sheet and its online data."""
+    lines = zone_lines(zone, clock_utc_s, paint)
+    for command, reasons in zone.off.items():
+        lines += [f"{_IN}no {command}: {plain(reason)}" for reason in reasons]
+    if zone.all_robots is not None:
+        lines += [f"{_IN}robot {plain(robot)}" for robot in zone.all_robots.robots]
+    if zone.log_file:
+        lines.append(f"{_IN}log: {plain(zone.log_file)}")
+    if zone.score or zone.module_score:
+        lines += ["", *score_sheet(zone, paint)]
+    if zone.online_data:
+        lines += ["", "Online data:", *(_IN + plain(line) for line in lines_of(zone.online_data))]
+    return lines
+
+
+def to_do(operation: Operation) -> str:
+    """What the referee is asked to do, and how it is answered."""
+    text = f"TO DO by the referee: {plain(operation.text)}"
+    if operation.choices:
+        text += f" ({' / '.join(plain(choice) for choice in operation.choices)})"
+    return f"{text} (an answer may be typed)" if operation.asks_text else text
+
+
+def switches_line(switches: Switches, paint: Paint) -> str:
+    """HOMF: what was entered, and whether it is to be confirmed."""
+    on = ", ".join(map(str, switches.on)) or "none"
+    text = f"switches that are on: {on}; damaged: {switches.damaged}"
+    return f"{text}; {paint(YELLOW, 'TO DO by the referee: enter what changed, and confirm')}" if switches.to_confirm \
+        else text
+
+
+def score_sheet(zone: Zone, paint: Paint) -> List[str]:
+    """All scoring items with their numbers and values, group by group; then what a benchmarking module scored."""
+    lines = [f"Score sheet: {_which(zone.event)}"]
+    group = None
+    for item in zone.score:
+        if item.group != group:
+            group = item.group
+            lines.append(f"{_IN}{plain(group)}")
+        value = f"{standing_text(item.type, item.value, item.not_attempted):>5}"
+        shown = paint(BOLD, value) if item.value or item.not_attempted else value
+        lines.append(f"{_IN}{item.number:4}  {shown}  {plain(item.item)}")
+    if not zone.score:
+        lines.append(f"{_IN}no scoring items for the referee")
+    return lines + _module_sheet(zone, paint)
+
+
+def _module_sheet(zone: Zone, paint: Paint) -> List[str]:
+    lines = ["Score of the benchmarking module"] if zone.module_score else []
+    for title, group in module_scores.by_group(map(_score_in_json, zone.module_score)):
+        lines.append(f"{_IN}{plain(title)}")
+        width = min(max(len(plain(line.value)) for line in group), _WIDEST)
+        lines += [f"{_IN}{_IN}{paint(BOLD, plain(line.value).rjust(width))}  {plain(line.name)}" for line in group]
+    return lines
+
+
+def _score_in_json(score: ModuleScore) -> ModuleScore:
+    """As it is on the ROS interface."""
+    return score._replace(value=json.dumps(score.value))
+
+
+def item_line(item: Item) -> str:
+    """A scoring item and its value in one line."""
+    return f"{plain(item.group)}: {plain(item.item)}: {standing_text(item.type, item.value, item.not_attempted)}"
+
+
+def standing_text(kind: str, value: int, not_attempted: bool) -> str:
+    """How a scoring item stands."""
+    if not_attempted:
+        return "not attempted"
+    return ("yes" if value else "no") if kind == "bool" else str(value)
+
+
+def _which(event: Event) -> str:
+    return f"{plain(event.code)}, team {plain(event.team)}, round {event.round}, run {event.run}"
+
+
+def _phase(zone: Zone, paint: Paint) -> str:
+    word = zone.phase.upper() + (f" ({zone.end_reason.replace('_', ' ')})" if zone.end_reason else "")
+    left = panel_texts.countdown(zone.timer_s)
+    after = {IDLE: f"{left} to run", RUNNING: f"{left} left", ENDED: f"{left} left after the end"}
+    return f"{paint(_PHASE_COLOURS.get(zone.phase, BOLD), word)}, {after.get(zone.phase, f'{left} to run')}"
+
+
+def _robot(zone: Zone, clock_utc_s: float) -> str:
+    skew = "not known" if zone.skew_s is None else skew_text(zone.skew_s)
+    heard = "never heard on its private channel"
+    if zone.last_message_utc_s is not None:
+        heard = f"heard {panel_texts.ago(clock_utc_s - zone.last_message_utc_s)}"
+    state = plain(zone.robot_state) or "no state yet"
+    return f"robot {plain(zone.robot)}: {state}, skew {skew}, {heard} (UDP port {zone.port})"
+
+
+# -- changes --------------------------------------------------------------------------------------
+
+
+def change_line(change: Change, paint: Paint) -> str:
+    """A change in one line, with its time; empty where the core's log says it already."""
+    text = _WRITERS[change.kind](change.facts, paint)
+    if not text:
+        return ""
+    clock, text = _CLOCK.match(text).groups()
+    where = f"{plain(change.zone)}: " if change.zone else ""
+    return f"{clock or clock_text(change.utc_s) + ' '}{where}{text}"
+
+
+def _core(facts: Dict, paint: Paint) -> str:
+    return {
+        "silent": paint(RED, "core SILENT: what was shown is old; waiting for it"),
+        "back": paint(GREEN, "core is back"),
+        "restarted": paint(YELLOW, "core was RESTARTED"),
+    }[facts["what"]]
+
+
+def _warning(facts: Dict, paint: Paint) -> str:
+    text = plain(facts["text"])
+    return f"over: {text}" if facts["over"] else paint(RED, f"WARNING: {text}")
+
+
+def _robot_change(facts: Dict, paint: Paint) -> str:
+    name = f"robot {plain(facts['team'])} {plain(facts['robot'])}"
+    if facts["what"] == "came":
+        return f"{name} is active, skew {skew_text(facts['skew_s'])}"
+    return paint(YELLOW, f"{name} is GONE: not heard any more")
+
+
+def _event(facts: Dict, paint: Paint) -> str:
+    return f"now at {_which(Event(**facts))}"
+
+
+def _state(facts: Dict, paint: Paint) -> str:
+    parts = []
+    if "phase" in facts["changed"]:
+        phase = facts["phase"]
+        why = f" ({facts['end_reason'].replace('_', ' ')})" if facts["end_reason"] else ""
+        whom = f" to {plain(facts['robot'])} on UDP port {facts['port']}" if phase == CONNECTED else ""
+        parts.append(paint(_PHASE_COLOURS.get(phase, BOLD), phase.upper() + why) + whom)
+    if "robot_state" in facts["changed"] and facts["robot_state"]:
+        parts.append(f"robot is in {plain(facts['robot_state'])}")
+    return ", ".join(parts)
+
+
+def _score(facts: Dict, paint: Paint) -> str:
+    old = standing_text(facts["type"], facts["old"], facts["old_not_attempted"])
+    new = standing_text(facts["type"], facts["value"], facts["not_attempted"])
+    return f"score: {plain(facts['group'])}: {plain(facts['item'])}: {old} -> {paint(BOLD, new)}"
+
+
+def _online_data(facts: Dict, paint: Paint) -> str:
+    clock, text = _CLOCK.match(facts["text"]).groups()
+    return f"{clock or ''}{paint(CYAN, 'online data')}: {plain(text)}"
+
+
+def _manual_operation(facts: Dict, paint: Paint) -> str:
+    if not facts["operation"]:
+        return "manual operation over"
+    return paint(YELLOW, to_do(Operation(facts["operation"], facts["text"], facts["choices"], facts["asks_text"])))
+
+
+def _module_score(facts: Dict, paint: Paint) -> str:
+    """Only its first value is told: some change twice a second, and the sheet has the last one."""
+    if facts["value"] is None or not (facts["old"] is None or isinstance(facts["old"], (bool, str))):
+        return ""
+    score = ModuleScore(*(facts[name] for name in ModuleScore._fields))
+    line = module_scores.readable(_score_in_json(score))
+    where = f"{plain(score.group)}: " if score.group else ""
+    return f"module's score: {where}{plain(line.name)}: {paint(BOLD, plain(line.value))}"
+
+
+_WRITERS: Dict[str, Callable[[Dict, Paint], str]] = {
+    "core": _core,
+    "warning": _warning,
+    "robot": _robot_change,
+    "event": _event,
+    "state": _state,
+    "score": _score,
+    "manual_operation": _manual_operation,
+    "switches": lambda facts, paint: switches_line(Switches(**facts), paint),
+    "module_score": _module_score,
+    "module_status": lambda facts, paint: f"module: {plain(facts['text'])}",
+    "log": lambda facts, paint: plain(facts["text"]),
+    "online_data": _online_data,
+    "note": lambda facts, paint: plain(facts["text"]),
+}

@@ -1,0 +1,154 @@
+"""What a referee types: names of zones, scoring items, values, events of the schedule."""
+
+from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
+
+from roah_rsbb.core.refused import did_you_mean
+from roah_rsbb.core.runs.manual_operations import MAX_DAMAGED
+from roah_rsbb.core.scoring.sheet import MAX_VALUE, ScoreSheet
+from roah_rsbb.referee.state import Event, Item, Operation
+from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
+
+T = TypeVar("T")
+
+# Words for the value of a yes-or-no item.
+WORDS = {"yes": 1, "true": 1, "no": 0, "false": 0}
+
+
+class BadWord(Exception):
+    """A word that means nothing here, or more than one thing; the text lists what there is."""
+
+
+class SwitchesEntered(NamedTuple):
+    """HOMF: what the referee says of the switches."""
+
+    pressed: Tuple[int, ...] = ()  # numbers of those that changed, in order
+    damaged: Optional[int] = None
+    confirmed: bool = False
+
+
+class EventWanted(NamedTuple):
+    """An event as `run --event` names it; None: any."""
+
+    code: str
+    round: Optional[int] = None
+    run: Optional[int] = None
+
+    def fits(self, event: Event) -> bool:
+        """Whether this event is meant."""
+        return event.code.lower() == self.code.lower() and all(
+            wanted in (None, number) for wanted, number in ((self.round, event.round), (self.run, event.run))
+        )
+
+    def __str__(self) -> str:
+        return "/".join(str(part) for part in self if part is not None)
+
+
+def pick_zone(word: str, names: Sequence[str]) -> str:
+    """The zone meant by `word`: its name or a beginning of it that no other has, in any case of letters."""
+    found = _found(word, names, str, str.startswith)
+    if len(found) == 1:
+        return found[0]
+    there_are = "the zones are " + _quoted(names)
+    if not found:
+        near = did_you_mean(word, names)
+        raise BadWord(f"no zone '{word}'{near}" + (f" ({there_are})" if "did you mean" in near else ""))
+    raise BadWord(f"'{word}' is the beginning of {len(found)} zones: {_quoted(found)}")
+
+
+def pick_item(word: str, items: Sequence[Item]) -> Item:
+    """The scoring item meant by `word`: its number, or a part of its description that no other has."""
+    if not items:
+        raise BadWord("there are no scoring items: the benchmark has none for the referee")
+    if word.isdecimal() and 1 <= int(word) <= len(items):
+        return items[int(word) - 1]
+    found = _found(word, items, lambda item: item.item, str.__contains__)
+    if len(found) == 1:
+        return found[0]
+    listed = "\n".join(f"  {item.number:2}  {item.group}: {item.item}" for item in found or items)
+    if not found:
+        raise BadWord(f"no scoring item '{word}'; there are\n{listed}")
+    raise BadWord(f"'{word}' is in {len(found)} scoring items: give the number, or more of the text\n{listed}")
+
+
+def value_of(text: str, item: Item) -> int:
+    """The value that `text` gives an item: a number, yes or no, or +N and -N from its present value.
+
+    Raises `BadWord`, or as the core itself would, `Refused`.
+    """
+    value = WORDS.get(text.lower()) if item.type == "bool" else None
+    if value is None:
+        try:
+            value = int(text)
+        except ValueError:
+            kind = "0, 1, yes or no" if item.type == "bool" else "a whole number such as 2, +1 or -1"
+            raise BadWord(f"'{text}' is no value for '{item.item}': give {kind}") from None
+        if text.startswith(("+", "-")):
+            value += item.value
+    if value > MAX_VALUE:
+        raise BadWord(f"'{text}' is too much for '{item.item}': the most is {MAX_VALUE}")
+    sheet = ScoreSheet((ScoringItem(item.group, item.item, ScoreKind[item.type.upper()]),))
+    sheet.check(item.group, item.item, value)
+    return value
+
+
+def answer_of(text: str, operation: Operation) -> str:
+    """The answer meant by `text`: one of the choices or a beginning of it, or what was typed where that is asked for.
+
+    Empty: the usual answer. Raises `BadWord`.
+    """
+    text = text.strip()
+    found = _found(text, operation.choices, str, str.startswith) if text else [""]
+    if len(found) == 1:
+        return found[0]
+    if operation.asks_text:
+        return text
+    if not operation.choices:
+        raise BadWord(f"'{operation.text}' takes no answer: complete it without one")
+    raise BadWord(f"'{text}' is no answer to '{operation.text}': there are {_quoted(operation.choices)}")
+
+
+def switches_of(text: str) -> SwitchesEntered:
+    """`2 3`: these switches changed; `damaged 1`; an empty line confirms all. Raises `BadWord`."""
+    words = text.split()
+    if not words:
+        return SwitchesEntered(confirmed=True)
+    damaged = words[0].lower() == "damaged" and len(words) == 2
+    numbers = [byte_of(word) for word in (words[1:] if damaged else words)]
+    return SwitchesEntered(damaged=numbers[0]) if damaged else SwitchesEntered(tuple(numbers))
+
+
+def byte_of(word: str) -> int:
+    """A number that fits the core's services for switches; raises `BadWord`."""
+    if not word.isdecimal() or int(word) > MAX_DAMAGED:
+        raise BadWord(f"'{word}' is no number from 0 to {MAX_DAMAGED}")
+    return int(word)
+
+
+def event_wanted(text: str) -> EventWanted:
+    """`CODE`, `CODE/ROUND` or `CODE/ROUND/RUN`; ValueError if it is none of these."""
+    code, *numbers = text.split("/")
+    if not code or len(numbers) > 2:
+        raise ValueError(text)
+    return EventWanted(code, *(int(number) for number in numbers))
+
+
+def score_wanted(text: str) -> Tuple[str, str]:
+    """`ITEM=VALUE` as its two words; ValueError if one is missing."""
+    item, equals, value = text.rpartition("=")
+    if not equals or not item.strip() or not value.strip():
+        raise ValueError(text)
+    return item.strip(), value.strip()
+
+
+def _found(word: str, things: Sequence[T], name: Callable[[T], str], fits: Callable[[str, str], bool]) -> List[T]:
+    """Things whose name is `word`, else those whose name fits it; letters of any case are the same."""
+    exact = [thing for thing in things if name(thing) == word]
+    if exact:
+        return exact
+    low = word.casefold()
+    same = [thing for thing in things if name(thing).casefold() == low]
+    return same or [thing for thing in things if low and fits(name(thing).casefold(), low)]
+
+
+def _quoted(names: Sequence[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)

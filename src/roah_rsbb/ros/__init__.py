@@ -1,0 +1,1 @@
+"""What all nodes share: parameters, the loop, times, refused calls, the command line."""

@@ -1,0 +1,1 @@
+"""Programs with windows: the list of panels, rqt plugins, our own window."""

@@ -1,0 +1,55 @@
+"""One panel alone in a window of its own: `rosrun roah_rsbb roah_rsbb_scoring`, and so for each panel.
+
+It shows the zone of the namespace that it is started in (`__ns:=`), as all panels of a client do.
+"""
+
+import re
+import sys
+from typing import Type
+
+import rospy
+from python_qt_binding.QtCore import QSettings
+
+from roah_rsbb.ros.command_line import explain_panel
+from roah_rsbb.rqt.app import application, display
+from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.panel_settings import PanelSettings
+from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.widgets import basic
+
+# Size at its first start, in units of the desktop's font.
+WIDE_EMS, HIGH_EMS = 40, 40
+
+
+def name_of(kind: Type[Panel]) -> str:
+    """The name of a panel's program and node: roah_rsbb_omf_switches of OmfSwitchesPanel."""
+    words = re.findall("[A-Z][a-z]*", kind.__name__)[:-1]
+    return "_".join(["roah_rsbb", *(word.lower() for word in words)])
+
+
+def main(kind: Type[Panel]) -> None:
+    """Show the panel until it is closed or ROS ends."""
+    explain_panel(sys.modules[kind.__module__].__doc__)
+    if not display.has_display():
+        sys.exit(display.NO_DISPLAY)
+    name = name_of(kind)
+    application.init_node(name)
+    app = application.make_application(sys.argv[:1])
+    settings = QSettings("roah_rsbb", name)
+    kept = PanelSettings(settings, kind.__name__)
+    panel = kind(Client.acquire())
+    panel.setWindowTitle(f"{kind.TITLE} – RoAH RSBB")
+    panel.resize(round(WIDE_EMS * basic.em()), round(HIGH_EMS * basic.em()))
+    geometry = settings.value("geometry")
+    if geometry is not None:
+        panel.restoreGeometry(geometry)
+    panel.restore_settings(kept)
+    panel.show()
+    code = application.run(app)
+    settings.setValue("geometry", panel.saveGeometry())
+    panel.save_settings(kept)
+    settings.sync()
+    panel.shutdown()
+    Client.release()
+    rospy.signal_shutdown("panel closed")
+    sys.exit(code)

@@ -1,0 +1,114 @@
+"""Our own window with all panels, for machines without rqt: `rosrun roah_rsbb roah_rsbb_window`."""
+
+import argparse
+import sys
+from typing import Dict
+
+import rospy
+from python_qt_binding.QtCore import QSettings, Qt
+from python_qt_binding.QtWidgets import QApplication, QDockWidget, QMainWindow
+
+from roah_rsbb.rqt.app import application, display
+from roah_rsbb.rqt.app.panel_list import PANELS
+from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.panel_settings import PanelSettings
+from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
+from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.widgets import basic
+
+# Raise it when the set of panels changes: an older layout would hide the new ones.
+LAYOUT_VERSION = 4
+# At its first start the window takes this share of the screen's width and height.
+MOST_OF_SCREEN = 0.95
+
+
+class Window(QMainWindow):
+    """All panels, as docks that can be moved, stacked and closed; the layout is kept."""
+
+    def __init__(self, settings: QSettings, of_launch: bool = False) -> None:
+        """`of_launch`: closing the window is *exit*, with its question; else it just closes."""
+        super().__init__()
+        self._settings = settings
+        self._of_launch = of_launch
+        self.setWindowTitle("RoAH RSBB – referee")
+        self.setObjectName("RoahRsbbWindow")
+        client = Client.acquire()
+        self.panels: Dict[str, Panel] = {}
+        self.docks: Dict[str, QDockWidget] = {}
+        for kind in PANELS:
+            panel = kind(client)
+            dock = QDockWidget(panel.TITLE, self, objectName=panel.objectName())
+            dock.setWidget(panel)
+            self.panels[panel.objectName()] = panel
+            self.docks[panel.objectName()] = dock
+        self._lay_out()
+        menu = self.menuBar().addMenu("&Panels")
+        for dock in self.docks.values():
+            menu.addAction(dock.toggleViewAction())
+        self._restore()
+
+    def shutdown(self) -> None:
+        """Keep the layout and the panels' settings; end the panels."""
+        self._settings.setValue("geometry", self.saveGeometry())
+        self._settings.setValue("layout", self.saveState(LAYOUT_VERSION))
+        for name, panel in self.panels.items():
+            panel.save_settings(PanelSettings(self._settings, name))
+            panel.shutdown()
+        self._settings.sync()
+        Client.release()
+
+    def closeEvent(self, event) -> None:
+        if self._of_launch:
+            event.ignore()
+            status = self.panels[CoreStatusPanel.__name__]
+            self.docks[CoreStatusPanel.__name__].show()
+            self.docks[CoreStatusPanel.__name__].raise_()
+            status.ask_exit()
+        else:
+            event.accept()
+
+    def _lay_out(self) -> None:
+        """Commands at the left, what the referee marks and reads at the right."""
+        d = self.docks
+        self.setDockNestingEnabled(True)
+        self.addDockWidget(Qt.LeftDockWidgetArea, d["BenchmarkControlPanel"])
+        self.addDockWidget(Qt.RightDockWidgetArea, d["ScoringPanel"])
+        self.splitDockWidget(d["ScoringPanel"], d["OverviewPanel"], Qt.Vertical)
+        self.splitDockWidget(d["OverviewPanel"], d["LogDisplayPanel"], Qt.Horizontal)
+        for name in ("ManualOperation", "OmfSwitches", "Results", "Devices", "TabletStatus", "CoreStatus"):
+            self.tabifyDockWidget(d["ScoringPanel"], d[f"{name}Panel"])
+        for name in ("OnlineDataPanel", "ActiveRobotsPanel"):
+            self.tabifyDockWidget(d["LogDisplayPanel"], d[name])
+        d["ScoringPanel"].raise_()
+        d["LogDisplayPanel"].raise_()
+        unit = round(basic.em())
+        self.resize(QApplication.primaryScreen().availableSize() * MOST_OF_SCREEN)
+        self.resizeDocks([d["BenchmarkControlPanel"], d["ScoringPanel"]], [36 * unit, 44 * unit], Qt.Horizontal)
+        self.resizeDocks([d["OverviewPanel"], d["LogDisplayPanel"]], [25 * unit, 19 * unit], Qt.Horizontal)
+        self.resizeDocks([d["ScoringPanel"], d["OverviewPanel"]], [22 * unit, 20 * unit], Qt.Vertical)
+
+    def _restore(self) -> None:
+        geometry, layout = self._settings.value("geometry"), self._settings.value("layout")
+        if geometry is not None:
+            self.restoreGeometry(geometry)
+        if layout is not None:
+            self.restoreState(layout, LAYOUT_VERSION)
+        for name, panel in self.panels.items():
+            panel.restore_settings(PanelSettings(self._settings, name))
+
+
+def main() -> None:
+    """Open the window; ends with it."""
+    parser = argparse.ArgumentParser(description="The referee's window of the RSBB.")
+    parser.add_argument("--of-launch", action="store_true", help="closing it asks, and ends what was launched")
+    arguments = parser.parse_args(rospy.myargv()[1:])
+    if not display.has_display():
+        sys.exit(display.NO_DISPLAY)
+    application.init_node("roah_rsbb_window")
+    app = application.make_application(sys.argv[:1])
+    window = Window(QSettings("roah_rsbb", "roah_rsbb_window"), arguments.of_launch)
+    window.show()
+    code = application.run(app)
+    window.shutdown()
+    rospy.signal_shutdown("window closed")
+    sys.exit(code)

@@ -1,0 +1,195 @@
+"""What the core and the devices published last, for all panels of a process (architecture, rule 6)."""
+
+import time
+from typing import List, Optional
+
+from python_qt_binding.QtCore import QObject, QTimer, Signal
+
+from roah_rsbb.msg import (
+    CoreDetails,
+    CoreToGui,
+    DevicesState,
+    DevicesStatus,
+    Results,
+    RunSummary,
+    ZoneDetails,
+    ZoneState,
+)
+from roah_rsbb.rqt.model.box_clock import BoxClock
+
+GUI_TOPIC = "/core/to_gui"
+DETAILS_TOPIC = "/core/details"
+RESULTS_TOPIC = "/core/results"
+DEVICES_TOPIC = "/devices/state"
+DEVICES_STATUS_TOPIC = "/devices/status"
+TOPICS = {
+    GUI_TOPIC: CoreToGui,
+    DETAILS_TOPIC: CoreDetails,
+    RESULTS_TOPIC: Results,
+    DEVICES_TOPIC: DevicesState,
+    DEVICES_STATUS_TOPIC: DevicesStatus,
+}
+
+TICK_MS = 100
+# The core publishes ten times a second. After this long without a message what is shown is marked as
+# old; with the tick, that is within a second.
+SILENT_S = 0.7
+# Details come at least once a second.
+DETAILS_SILENT_S = 2.5
+# So often a silent core is subscribed to anew.
+RENEW_S = 5.0
+# While nothing arrives, panels are redrawn this often: they say for how long.
+SILENT_REDRAW_S = 0.5
+
+
+class Model(QObject):
+    """The newest messages, how old they are, and which zone is shown.
+
+    `feed` and `zone_parameter` are those of `roah_rsbb.ros.feed` and `…zone_parameter`, or something
+    that behaves like them.
+    """
+
+    updated = Signal()
+
+    def __init__(self, feed, zone_parameter, parent: Optional[QObject] = None) -> None:
+        super().__init__(parent)
+        self._feed = feed
+        self._zone_parameter = zone_parameter
+        self._heard: Optional[float] = None
+        self._details_heard = 0.0
+        self._started = self._renewed = self._emitted = time.monotonic()
+        self._shown: tuple = ()
+        self._timer = QTimer(self)
+        self._timer.timeout.connect(self._tick)
+        self.gui: Optional[CoreToGui] = None
+        self.details: Optional[CoreDetails] = None
+        self.results: Optional[Results] = None
+        self.devices: Optional[DevicesState] = None
+        self.devices_status: Optional[DevicesStatus] = None
+        self.box_clock = BoxClock()
+
+    def start(self) -> None:
+        """Begin to listen."""
+        self._feed.start()
+        self._zone_parameter.start()
+        self._timer.start(TICK_MS)
+
+    def stop(self) -> None:
+        """End all that `start` began."""
+        self._timer.stop()
+        self._feed.stop()
+        self._zone_parameter.stop()
+
+    # -- what panels ask ----------------------------------------------------------------------------
+
+    @property
+    def silence_s(self) -> Optional[float]:
+        """For how long the core was not heard; None: never heard."""
+        return None if self._heard is None else time.monotonic() - self._heard
+
+    @property
+    def is_old(self) -> bool:
+        """Whether what is shown cannot be trusted any more."""
+        silence = self.silence_s
+        return silence is None or silence > SILENT_S
+
+    @property
+    def clock_s(self) -> float:
+        """The box's clock in the newest message, UTC seconds; 0.0 before the first one."""
+        return 0.0 if self.gui is None else self.gui.clock.to_sec()
+
+    def box_time(self) -> float:
+        """What the box's clock shows now, by our estimate; UTC seconds."""
+        return self.box_clock.now(time.monotonic())
+
+    @property
+    def zone_name(self) -> str:
+        """The zone that this client shows: the chosen one, or the first if none was chosen."""
+        chosen = self._zone_parameter.value
+        if not chosen and self.gui is not None and self.gui.zones:
+            return self.gui.zones[0].zone
+        return chosen
+
+    @property
+    def zone(self) -> Optional[ZoneState]:
+        """The state of that zone; None: nothing was heard yet, or the schedule has no such zone."""
+        zones = () if self.gui is None else self.gui.zones
+        return next((z for z in zones if z.zone == self.zone_name), None)
+
+    @property
+    def zone_details(self) -> Optional[ZoneDetails]:
+        """The details of that zone; None: not known."""
+        return self.details_of(self.zone_name)
+
+    def details_of(self, zone_name: str) -> Optional[ZoneDetails]:
+        """The details of a zone; None: not known, or too old to go with its state. Of a core that is silent both are
+        equally old: what it said last is still worth more than nothing."""
+        if self.details is None or (self._heard or 0.0) - self._details_heard > DETAILS_SILENT_S:
+            return None
+        return next((z for z in self.details.zones if z.zone == zone_name), None)
+
+    def runs_of(self, zone_name: str) -> List[RunSummary]:
+        """The runs of a zone: the one that is connected, then those that are over, the last one first."""
+        runs = () if self.results is None else self.results.runs
+        return [run for run in runs if run.zone == zone_name]
+
+    @property
+    def has_devices(self) -> bool:
+        """Whether the node of the home devices is there: its topics are published on change only."""
+        return self.devices is not None and self._feed.has_publisher(DEVICES_TOPIC)
+
+    def choose_zone(self, zone_name: str) -> None:
+        """Show another zone, in all panels of this client."""
+        self._zone_parameter.choose(zone_name)
+        self._emit(time.monotonic())
+
+    # -- listening ----------------------------------------------------------------------------------
+
+    def _tick(self) -> None:
+        now = time.monotonic()
+        news = self._take_gui() | self._take_details() | self._take_results() | self._take_devices()
+        old = self.is_old
+        if old and now - max(self._heard or self._started, self._renewed) > RENEW_S:
+            self._renewed = now
+            self._feed.renew()
+        shown = (old, self.zone_name, self.has_devices)
+        if news or shown != self._shown or (old and now - self._emitted >= SILENT_REDRAW_S):
+            self._shown = shown
+            self._emit(now)
+
+    def _take_gui(self) -> bool:
+        received = self._feed.take(GUI_TOPIC)
+        # The same clock again is the latched message, sent anew to a new subscription by a core that
+        # may hang: no sign of life.
+        if received is None or (self.gui is not None and received.message.clock == self.gui.clock):
+            return False
+        self.gui = received.message
+        self._heard = received.mono
+        self.box_clock.sample(received.mono, self.clock_s)
+        return True
+
+    def _take_details(self) -> bool:
+        received = self._feed.take(DETAILS_TOPIC)
+        if received is None or (self.details is not None and received.message.clock == self.details.clock):
+            return False
+        self.details = received.message
+        self._details_heard = received.mono
+        return True
+
+    def _take_results(self) -> bool:
+        received = self._feed.take(RESULTS_TOPIC)
+        if received is not None:
+            self.results = received.message
+        return received is not None
+
+    def _take_devices(self) -> bool:
+        state, status = self._feed.take(DEVICES_TOPIC), self._feed.take(DEVICES_STATUS_TOPIC)
+        if state is not None:
+            self.devices = state.message
+        if status is not None:
+            self.devices_status = status.message
+        return state is not None or status is not None
+
+    def _emit(self, now: float) -> None:
+        self._emitted = now
+        self.updated.emit()

@@ -1,0 +1,99 @@
+"""Active Robots: every robot that the box hears (manual, section 5.6)."""
+
+from typing import List, Tuple
+
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTableWidgetItem
+
+from roah_rsbb.msg import RobotInfo
+from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.widgets import basic, link_quality
+from roah_rsbb.wording import panel_texts
+
+COLUMNS = ("Team", "Robot", "Link", "Clock skew", "Run in zone", "Last heard")
+NO_RUN = "–"
+TIPS = {
+    "Link": f"The robot's longest silence of the last {link_quality.WINDOW_S:.0f} s: it sends each second",
+    "Clock skew": "Robot's clock minus the box's: + is ahead, − is behind",
+}
+
+
+class ActiveRobotsPanel(Panel):
+    """A table, a line a robot."""
+
+    TITLE = "Active Robots"
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self.table = basic.enlarged(QTableWidget(0, len(COLUMNS)), 1.1)
+        self.table.setHorizontalHeaderLabels(COLUMNS)
+        for column, text in TIPS.items():
+            self.table.horizontalHeaderItem(COLUMNS.index(column)).setToolTip(basic.tip(text))
+        self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeToContents)
+        self.table.horizontalHeader().setStretchLastSection(True)
+        self.table.verticalHeader().hide()
+        self.table.verticalHeader().setSectionResizeMode(QHeaderView.ResizeToContents)
+        self.table.setEditTriggers(QAbstractItemView.NoEditTriggers)
+        self.table.setSelectionMode(QAbstractItemView.NoSelection)
+        self.table.setFocusPolicy(Qt.NoFocus)
+        self.body.addWidget(self.table, 1)
+        self._links = link_quality.LinkQuality()
+        # Also while the panel cannot be seen: a link is judged by what was.
+        self.model.updated.connect(self._observe)
+
+    def shutdown(self) -> None:
+        self.model.updated.disconnect(self._observe)
+        super().shutdown()
+
+    def _observe(self) -> None:
+        if self.model.gui is not None:
+            heard = {(r.team, r.robot): r.beacon.to_sec() for r in self.model.gui.active_robots}
+            self._links.observe(self.model.clock_s, heard)
+
+    def show_model(self) -> None:
+        gui = self.model.gui
+        robots = gui.active_robots if gui else []
+        self.table.setEnabled(not self.model.is_old)
+        self._show_lines([self._line(robot) for robot in robots] or [self._nobody()])
+
+    def where(self) -> str:
+        return "The whole box"
+
+    def _nobody(self) -> Tuple[str, ...]:
+        text = "No robot is heard" if self.model.gui else "Waiting for the core"
+        return (text, *("" for _ in COLUMNS[1:]))
+
+    def _zone_of(self, robot: RobotInfo) -> str:
+        """The zone of the run that the robot is in."""
+        gui, details = self.model.gui, self.model.details
+        if gui is None or details is None:
+            return NO_RUN
+        teams = {z.zone: z.team for z in gui.zones}
+        name = f"{robot.robot} of team {robot.team}: "
+        for zone in details.zones:
+            # Where all robots run at once, each has a line.
+            is_alone_in_it = (teams.get(zone.zone), zone.robot) == (robot.team, robot.robot)
+            if is_alone_in_it or any(line.startswith(name) for line in zone.robots):
+                return zone.zone
+        return NO_RUN
+
+    def _line(self, robot: RobotInfo) -> Tuple[str, ...]:
+        return (
+            robot.team,
+            robot.robot,
+            link_quality.text(self._links.longest_silence_s((robot.team, robot.robot))),
+            panel_texts.skew(robot.skew.to_sec()),
+            self._zone_of(robot),
+            panel_texts.ago(self.model.clock_s - robot.beacon.to_sec()),
+        )
+
+    def _show_lines(self, lines: List[Tuple[str, ...]]) -> None:
+        self.table.setRowCount(len(lines))
+        for row, line in enumerate(lines):
+            for column, text in enumerate(line):
+                item = self.table.item(row, column)
+                if item is None:
+                    item = QTableWidgetItem()
+                    self.table.setItem(row, column, item)
+                if item.text() != text:
+                    item.setText(text)

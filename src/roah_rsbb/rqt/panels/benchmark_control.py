@@ -1,0 +1,255 @@
+"""Benchmark Control: which event a zone is at, how its run goes, and the commands (manual, section 5.1).
+
+Keys: F5 twice starts, Esc twice stops, in whatever panel of the process the focus is.
+"""
+
+from typing import Dict, NamedTuple, Optional
+
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtWidgets import QComboBox, QGridLayout, QLabel, QSizePolicy
+
+from roah_rsbb.msg import ZoneDetails, ZoneState
+from roah_rsbb.rqt.model.stops import stop_run
+from roah_rsbb.rqt.panels import phases
+from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
+from roah_rsbb.rqt.panels.todo import WARNING
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.shortcuts import TwiceKey
+from roah_rsbb.rqt.widgets.stop_reason import StopReasonLine
+from roah_rsbb.srv import Zone
+from roah_rsbb.wording import panel_texts
+
+
+class _Command(NamedTuple):
+    """A command of the zone: its names in services, button and message fields."""
+
+    service: str
+    label: str
+    explanation: str
+    field: str  # <field>_enabled in ZoneState, <field>_off in ZoneDetails
+
+
+COMMANDS = {
+    c.service: c
+    for c in (
+        _Command("previous", "◀ Previous", "Go to the zone's previous event", "prev"),
+        _Command("next", "Next ▶", "Go to the zone's next event", "next"),
+        _Command("connect", "Connect", "Open the private channel to the team's robot", "connect"),
+        _Command("start", "▶ START", "Start the benchmark (keys: F5 twice)", "start"),
+        _Command("stop", "■ STOP", "Stop the benchmark (keys: Esc twice)", "stop"),
+        _Command("disconnect", "Disconnect", "Leave the run and close the channel", "disconnect"),
+    )
+}
+STOP_LEAVES = "■ Stop: leave"
+STOP_LEAVES_TIP = "Leave the run, as Disconnect does (keys: Esc twice)"
+NO_ZONE = "This zone is not in the schedule: choose one above"
+SILENT = "The core is silent: what is shown is old"
+
+# (phase, command) that usually follows: it stands out, once it is possible.
+NEXT_STEP = {
+    ("idle", "connect"): basic.READY,
+    ("connected", "start"): basic.RUNNING,
+    ("running", "stop"): basic.ALARM,
+    ("ended", "disconnect"): basic.READY,
+}
+
+
+def _leaves(details: Optional[ZoneDetails]) -> bool:
+    """Whether *stop* leaves the run, as there is nothing to stop in it."""
+    return details is not None and details.robot != "" and details.phase != "running"
+
+
+class _ZoneBox(QComboBox):
+    """The zone selector. The wheel must not change the zone of a referee who only scrolls."""
+
+    def wheelEvent(self, event) -> None:
+        event.ignore()
+
+
+class BenchmarkControlPanel(Panel):
+    """Zone selector, event, countdown, state and the six commands."""
+
+    TITLE = "Benchmark Control"
+    WHERE_FACTOR = 1.4
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self._zones = _ZoneBox()
+        self._event: Dict[str, QLabel] = {}
+        self._phase = basic.Badge(1.8)
+        self._what_counts = QLabel(alignment=Qt.AlignCenter)
+        self._countdown = basic.FittedText(lines_high=3.0)
+        self.state = basic.Notices(1.3)
+        self._answer = Answer()
+        self.reason = StopReasonLine(self, self._answer)
+        self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
+        self._lay_out()
+        self._zones.activated.connect(lambda index: self.model.choose_zone(self._zones.itemText(index)))
+        self._keys = [self._key("F5", "start"), self._key("Esc", "stop")]
+
+    # -- layout -------------------------------------------------------------------------------------
+
+    def _lay_out(self) -> None:
+        basic.enlarged(self._zones, 1.5, bold=True)
+        self._zones.setFocusPolicy(Qt.TabFocus)
+        self.body.addWidget(self._zones)
+        self.body.addLayout(self._event_grid())
+        self.body.addWidget(self._phase)
+        self.body.addWidget(self._what_counts)
+        self.body.addWidget(self._countdown, 3)
+        self.state.setMinimumHeight(round(3.5 * basic.em()))
+        self.body.addWidget(self.state, 2)
+        commands = QGridLayout()
+        for column, names in enumerate((("connect", "disconnect"), ("start",), ("stop",))):
+            for row, name in enumerate(names):
+                commands.addWidget(self.buttons[name], row, column, 2 // len(names), 1)
+        for column, share in enumerate((4, 5, 5)):
+            commands.setColumnStretch(column, share)
+        for name in ("start", "stop"):
+            button = basic.enlarged(self.buttons[name], 1.9, bold=True)
+            button.setSizePolicy(QSizePolicy.Preferred, QSizePolicy.Expanding)
+        # Its text changes, its size must not: nothing may move under the referee's hand.
+        self.buttons["stop"].setText(STOP_LEAVES)
+        self.buttons["stop"].setMinimumWidth(self.buttons["stop"].sizeHint().width())
+        self.body.addWidget(self._answer)
+        self.body.addWidget(self.reason)
+        self.body.addLayout(commands)
+
+    def _event_grid(self) -> QGridLayout:
+        grid = QGridLayout()
+        for row, (name, factor) in enumerate((("name", 1.3), ("team", 1.8), ("facts", 1.1))):
+            label = basic.enlarged(QLabel(wordWrap=True), factor, bold=name != "facts")
+            label.setTextFormat(Qt.PlainText)
+            label.setMinimumWidth(1)
+            grid.addWidget(label, row, 0, 1, 2 if name == "facts" else 1)
+            self._event[name] = label
+        grid.addWidget(self.buttons["previous"], 0, 1)
+        grid.addWidget(self.buttons["next"], 1, 1)
+        grid.setColumnStretch(0, 1)
+        return grid
+
+    def _button(self, command: _Command) -> basic.CommandButton:
+        factor = 1.0 if command.field in ("prev", "next") else 1.3
+        button = basic.CommandButton(command.label, command.explanation, factor)
+        button.clicked.connect(lambda: self._press(command.service))
+        return button
+
+    def _key(self, key: str, service: str) -> TwiceKey:
+        def what():
+            zone = self.model.zone_name
+            return (service, zone), f"{COMMANDS[service].label} {zone}"
+
+        return TwiceKey(self, key, self.buttons[service], self._answer, what, lambda: self._press(service))
+
+    # -- showing ------------------------------------------------------------------------------------
+
+    def show_model(self) -> None:
+        self._show_zones()
+        zone = self.model.zone
+        details = self.model.zone_details
+        if zone is None:
+            self._show_no_zone()
+        else:
+            self._show_event(zone)
+            self._show_run(zone, details)
+        for command in COMMANDS.values():
+            self._show_button(command, zone, details)
+        self.reason.show_run(details)
+        for key in self._keys:
+            key.forget()
+
+    def where(self) -> str:
+        return f"{panel_texts.time_of_day(self.model.clock_s)} UTC" if self.model.gui else ""
+
+    def _show_zones(self) -> None:
+        names = [z.zone for z in self.model.gui.zones] if self.model.gui else []
+        if [self._zones.itemText(i) for i in range(self._zones.count())] != names:
+            self._zones.clear()
+            self._zones.addItems(names)
+        if not self._zones.view().isVisible():
+            self._zones.setCurrentIndex(self._zones.findText(self.model.zone_name))
+
+    def _show_no_zone(self) -> None:
+        for label in self._event.values():
+            label.setText("")
+        heard = self.model.gui is not None
+        self._phase.show_text("NO SUCH ZONE" if heard else "NO CORE", basic.IDLE)
+        self._what_counts.setText("")
+        self._countdown.setText("–:––")
+        self._show_state(f"{NO_ZONE} ({self.model.zone_name})" if heard else "Waiting for the core")
+
+    def _show_event(self, zone: ZoneState) -> None:
+        self._event["name"].setText(f"{zone.code}  {zone.desc}")
+        self._event["team"].setText(zone.team)
+        when = panel_texts.scheduled(zone.schedule.to_sec(), self.model.clock_s)
+        self._event["facts"].setText(
+            f"{zone.name} · round {zone.round}, run {zone.run} · scheduled {when} UTC · "
+            f"limit {panel_texts.countdown(zone.timeout.to_sec())}"
+        )
+
+    def _show_run(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
+        phase = phases.shown(details)
+        text = f"{phase.text}  ·  {details.robot}" if details and details.robot else phase.text
+        self._phase.show_text(text, basic.IDLE if self.model.is_old else phase.tone)
+        self._what_counts.setText(phase.counts)
+        left = panel_texts.countdown(zone.timer.to_sec())
+        # Brackets and grey: nobody must take an old countdown for the present one.
+        self._countdown.setText(f"({left})" if self.model.is_old else left)
+        self._countdown.setEnabled(not self.model.is_old)
+        self._show_state(zone.state)
+
+    def _show_state(self, state: str) -> None:
+        """The box's warnings, which concern every referee, then the zone's lines."""
+        of_box = list(self.model.details.warnings) if self.model.details else []
+        lines = [line for line in state.splitlines() if line]
+        self.state.show_lines(
+            [(w, True) for w in of_box]
+            + [(line[len(WARNING):] if line.startswith(WARNING) else line, line.startswith(WARNING)) for line in lines]
+        )
+
+    def _show_button(self, command: _Command, zone: Optional[ZoneState], details: Optional[ZoneDetails]) -> None:
+        button = self.buttons[command.service]
+        running = details is not None and details.phase == "running"
+        if command.service == "stop":
+            button.setText(STOP_LEAVES if _leaves(details) else command.label)
+        if zone is None:
+            button.allow(False, [NO_ZONE if self.model.gui else "The core was not heard yet"])
+            return
+        allowed = getattr(zone, f"{command.field}_enabled")
+        if self.model.is_old:
+            # A run that may still go on can be stopped, if the command only gets through.
+            button.allow(allowed and command.service == "stop", [SILENT], basic.ALARM if running else None)
+            return
+        reasons = getattr(details, f"{command.field}_off") if details else ()
+        tone = NEXT_STEP.get((details.phase if details else "", command.service))
+        leaves = STOP_LEAVES_TIP if command.service == "stop" and not running else ""
+        button.allow(allowed, reasons, tone, leaves)
+
+    # -- commands -----------------------------------------------------------------------------------
+
+    def _press(self, service: str) -> None:
+        """A button was clicked, or its key pressed twice."""
+        zone, details = self.model.zone_name, self.model.zone_details
+        if service == "disconnect" and details is not None and details.phase == "running":
+            ask(self, "The run is going on: disconnect?",
+                f"This ends the run of {details.robot} in zone {zone}, and it cannot be started again.",
+                "Disconnect", lambda: self._send(service, zone))
+        else:
+            self._send(service, zone)
+
+    def _send(self, service: str, zone: str) -> None:
+        what = f"{service.capitalize()} in {zone}"
+        button = self.buttons[service]
+        button.hold()
+        self._answer.say(f"{what} …")
+
+        def done(outcome) -> None:
+            self._answer.show_outcome(what, outcome)
+            if outcome.error:
+                button.let_go()
+
+        details = self.model.details_of(zone)
+        if service == "stop" and not _leaves(details):
+            stop_run(self, zone, details, done)
+        else:
+            self.client.calls.service(self, f"/core/{service}", Zone, (zone,), done)

@@ -1,0 +1,113 @@
+"""Core Status: what the box is doing, and the exit button (manual, section 5.2).
+
+What *exit* ends depends on the launch file: a client's own shutdown node ends that client, unless the
+client was started together with the core (`exit_ends_rsbb`); without a client the core's own node, in
+the root namespace, ends the whole RSBB.
+"""
+
+from typing import Dict
+
+import rospy
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtWidgets import QGridLayout, QLabel
+from std_srvs.srv import Empty
+
+from roah_rsbb.rqt.model.calls import Outcome
+from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
+from roah_rsbb.rqt.widgets import basic
+
+SHUTDOWN = "roah_rsbb_shutdown"
+ENDS_RSBB = "exit_ends_rsbb"
+
+FIELDS = {
+    "addr": "Broadcast to",
+    "port": "UDP port",
+    "robots": "Robots",
+    "runs": "Running",
+}
+
+
+class CoreStatusPanel(Panel):
+    """Status, address, port, number of robots and runs; exit."""
+
+    TITLE = "Core Status"
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self.notices = basic.Notices(1.3)
+        self.notices.setMinimumHeight(round(3 * basic.em()))
+        self.body.addWidget(self.notices, 1)
+        grid = QGridLayout()
+        self._values: Dict[str, QLabel] = {}
+        for number, (name, label) in enumerate(FIELDS.items()):
+            value = QLabel()
+            value.setTextFormat(Qt.PlainText)
+            value.setTextInteractionFlags(Qt.TextSelectableByMouse)
+            self._values[name] = basic.enlarged(value, 1.1)
+            row, column = divmod(number, 2)
+            grid.addWidget(QLabel(label), row, 2 * column)
+            grid.addWidget(value, row, 2 * column + 1)
+            grid.setColumnStretch(2 * column + 1, 1)
+        self.body.addLayout(grid)
+        self._answer = Answer(reserved=False)
+        self.body.addWidget(self._answer)
+        self.exit = basic.CommandButton("Exit …", "End this client or the whole RSBB; you are asked before", 1.0)
+        self.exit.allow(True)
+        self.exit.clicked.connect(self.ask_exit)
+        self.body.addWidget(self.exit)
+
+    def show_model(self) -> None:
+        gui, details = self.model.gui, self.model.details
+        if gui is None:
+            self.notices.show_lines([("Waiting for the core", False)])
+            return
+        warnings = list(details.warnings) if details else []
+        # The status may be nothing but these warnings in one line.
+        status = [] if warnings and gui.status == "; ".join(warnings) else [(gui.status, gui.status != "OK")]
+        self.notices.show_lines(status + [(w, True) for w in warnings])
+        phases = [d.phase for d in details.zones] if details else []
+        values = {
+            "addr": gui.addr,
+            "port": gui.port,
+            "robots": str(len(gui.active_robots)),
+            "runs": f"{phases.count('running')} of {len(gui.zones)} zones",
+        }
+        for name, value in values.items():
+            self._values[name].setText(value)
+            self._values[name].setEnabled(not self.model.is_old)
+
+    def where(self) -> str:
+        return "The whole box"
+
+    # -- exit ---------------------------------------------------------------------------------------
+
+    def ask_exit(self) -> None:
+        """Find out what *exit* would end, and ask."""
+        self.exit.hold()
+        service = rospy.resolve_name(SHUTDOWN)
+        at_root = service == f"/{SHUTDOWN}"
+        self.client.calls.run(
+            self, "exit", lambda: at_root or bool(rospy.get_param(ENDS_RSBB, False)),
+            lambda outcome: self._ask(outcome, service),
+        )
+
+    def _ask(self, found: Outcome, service: str) -> None:
+        if found.error:
+            self._answer.show_outcome("Exit", found)
+            return
+        details = self.model.details
+        runs = [f"{d.zone} ({d.robot})" for d in details.zones if d.phase == "running"] if details else []
+        going_on = f"\n\nRuns are going on: {', '.join(runs)}" if runs else ""
+        if found.result:
+            question, yes = "End the whole RSBB?", "End the RSBB"
+            text = f"The core and everything that was started with it ends, for all referees.{going_on}"
+        else:
+            question, yes = "End this client?", "End this client"
+            text = f"Only this referee's client ends. The core and its runs go on.{going_on}"
+        ask(self, question, text, yes, lambda: self._exit(service))
+
+    def _exit(self, service: str) -> None:
+        self._answer.say("Exit …")
+        self.client.calls.service(
+            self, service, Empty, (), lambda outcome: self._answer.show_outcome("Exit", outcome)
+        )

@@ -1,0 +1,143 @@
+"""Devices: what is held of the home devices, and the referee's hand on each of them (ROS interface, Devices node).
+
+They are no part of the core: the panel shows what their own node publishes, and works while the core is silent.
+"""
+
+import time
+from functools import partial
+from typing import Callable, Dict
+
+from python_qt_binding.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QVBoxLayout, QWidget
+from std_srvs.srv import Empty
+
+from roah_rsbb.rqt.model.calls import Outcome
+from roah_rsbb.rqt.model.edits import Edits
+from roah_rsbb.rqt.panels.device_rows import DeviceRow, PercentageRow, TwoStateRow
+from roah_rsbb.rqt.panels.panel import Answer, Panel
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.srv import Bool, Percentage
+from roah_rsbb.wording import panel_texts
+
+SWITCHES = {"switch_1": "Switch 1", "switch_2": "Switch 2", "switch_3": "Switch 3"}
+PERCENTAGES = {"dimmer": "Dimmer", "blinds": "Blinds"}
+DOOR = "door_win_detect"
+
+NO_NODE = "The devices node is not running: is roah_rsbb.launch started with devices:=true?"
+AWAY = "NOT CONNECTED: what is set here takes effect as soon as the controller is reached"
+# States have no time of their own: for this long after the answer to a change an older one may still come.
+LATE_S = 1.0
+# For this long a ring stands out.
+RINGS_S = 5.0
+
+
+class DevicesPanel(Panel):
+    """A line for each device; above them whether they can be reached."""
+
+    TITLE = "Devices"
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self._edits = Edits(LATE_S)
+        self.connection = basic.Badge(1.2)
+        self.reason = basic.enlarged(QLabel(wordWrap=True), 1.1)
+        self.body.addWidget(self.connection)
+        self.body.addWidget(self.reason)
+        self.rows: Dict[str, DeviceRow] = {}
+        inside = QWidget()
+        self._lines = QVBoxLayout(inside)
+        self._lines.setContentsMargins(0, 0, 0, 0)
+        for device, name in SWITCHES.items():
+            self._add(device, TwoStateRow(name, self._changer(device, f"{device}/set", Bool), ("off", "ON")))
+        for device, name in PERCENTAGES.items():
+            self._add(device, PercentageRow(name, self._changer(device, f"{device}/set", Percentage)))
+        self._add(DOOR, TwoStateRow("Door", self._changer(DOOR, f"{DOOR}/mock", Bool), ("closed", "OPEN")))
+        self._lines.addLayout(self._bell_line())
+        self._lines.addStretch(1)
+        area = QScrollArea(widgetResizable=True)
+        area.setFrameShape(QFrame.NoFrame)
+        area.setWidget(inside)
+        self.body.addWidget(area, 1)
+        self._answer = Answer(reserved=False)
+        self.body.addWidget(self._answer)
+
+    def _add(self, device: str, row: DeviceRow) -> None:
+        self.rows[device] = row
+        self._lines.addWidget(row)
+
+    def _changer(self, device: str, service: str, kind: type) -> Callable[[int], None]:
+        return partial(self._change, device, f"/devices/{service}", kind)
+
+    def _bell_line(self) -> QHBoxLayout:
+        line = QHBoxLayout()
+        title = basic.enlarged(QLabel("Bell"), 1.3, bold=True)
+        title.setMinimumWidth(self.rows[DOOR].line.itemAt(0).widget().minimumWidth())
+        self.bell = basic.Badge(1.3)
+        self.ring = basic.CommandButton("♪ Ring", "Ring as the bell would", 1.2)
+        self.ring.clicked.connect(self._ring)
+        line.addWidget(title)
+        line.addWidget(self.bell, 1)
+        line.addWidget(self.ring)
+        return line
+
+    # -- showing ------------------------------------------------------------------------------------
+
+    def where(self) -> str:
+        return "Home devices"
+
+    def show_model(self) -> None:
+        state, there = self.model.devices, self.model.has_devices
+        off = [] if there else [NO_NODE]
+        self._show_connection(there)
+        now = time.monotonic()
+        for device, row in self.rows.items():
+            published = 0 if state is None else int(getattr(state, device))
+            row.show_value(self._edits.value(device, published, now), self._edits.is_waiting(device), off)
+        self.ring.allow(there, off)
+        self._show_bell(0.0 if state is None else state.bell.to_sec())
+
+    def _show_connection(self, there: bool) -> None:
+        status = self.model.devices_status
+        if not there:
+            self.connection.show_text("✘ NO DEVICES NODE", basic.ALARM)
+            self.reason.setText(NO_NODE)
+        elif status is None or not status.connected:
+            self.connection.show_text("⚠ NOT CONNECTED", basic.OLD)
+            self.reason.setText(f"{'' if status is None else status.text}\n{AWAY}".strip())
+        else:
+            self.connection.show_text("● connected", basic.RUNNING)
+            self.reason.setText(status.text)
+
+    def _show_bell(self, rang_s: float) -> None:
+        now = self.model.box_time() or time.time()
+        rings = rang_s and now - rang_s < RINGS_S
+        text = f"Last ring: {panel_texts.moment(rang_s, now)}"
+        self.bell.show_text(f"♪ RINGS  ·  {text}" if rings else text, basic.OLD if rings else basic.OFF)
+
+    # -- operating ----------------------------------------------------------------------------------
+
+    def _change(self, device: str, service: str, kind: type, value: int) -> None:
+        """The referee wants another value."""
+        send = self._edits.wish(device, value)
+        if send is not None:
+            self._send(device, service, kind, send)
+        self.show_model()
+
+    def _send(self, device: str, service: str, kind: type, value: int) -> None:
+        self.client.calls.service(self, service, kind, (value,), partial(self._answered, device, service, kind, value))
+
+    def _answered(self, device: str, service: str, kind: type, value: int, outcome: Outcome) -> None:
+        what = f"{self.rows[device].name}: {value}{' %' if kind is Percentage else ''}"
+        self._answer.show_outcome(what, outcome)
+        if outcome.error:
+            self._edits.failed(device)
+        else:
+            following = self._edits.carried_out(device, time.monotonic())
+            if following is not None:
+                self._send(device, service, kind, following)
+        self.show_model()
+
+    def _ring(self) -> None:
+        self.ring.hold()
+        self.client.calls.service(
+            self, "/devices/bell/mock", Empty, (), lambda outcome: self._answer.show_outcome("Bell", outcome)
+        )

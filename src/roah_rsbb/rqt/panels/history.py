@@ -1,0 +1,129 @@
+"""The history of a run's score sheet: who changed what when, and withdrawing one entry."""
+
+from typing import Optional
+
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtWidgets import QDialog, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
+
+from roah_rsbb.msg import RunSheet, RunSummary, ScoreChange
+from roah_rsbb.rqt.model.calls import Outcome
+from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.run_sheets import RunSheets
+from roah_rsbb.rqt.panels.panel import Answer
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.rows import Row, Rows
+from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog
+from roah_rsbb.srv import ScoreWithdraw
+from roah_rsbb.wording import panel_texts, sheet_texts
+
+WIDE_EMS, HIGH_EMS = 56, 24
+SILENT = "The core is silent: nothing can be changed now"
+
+
+def why_fixed(summary: Optional[RunSummary], is_old: bool) -> str:
+    """Why nothing of a run's sheet can be changed now; empty: it can. `is_old`: the core is silent."""
+    if summary is not None and summary.signed.to_sec():
+        return f"It was signed off by {summary.signed_by}: it is final"
+    return SILENT if is_old else ""
+
+
+class History(QWidget):
+    """The entries of one sheet, the newest first."""
+
+    def __init__(self, client: Client, owner: object, answer: Answer, parent: Optional[QWidget] = None) -> None:
+        """`owner`: whose calls its calls are; `answer`: where their outcome is shown."""
+        super().__init__(parent)
+        self._client = client
+        self._owner = owner
+        self._answer = answer
+        self._summary: Optional[RunSummary] = None
+        self._sheet: Optional[RunSheet] = None
+        self._why_off = ""
+        self.rows = Rows(("#", "UTC", "Who", "Item", "Change", "Notes"), stretched=(3, 5))
+        self.withdraw = basic.enlarged(QPushButton("Withdraw entry …"), 1.1, bold=True)
+        self.withdraw.setFocusPolicy(Qt.TabFocus)
+        self.withdraw.clicked.connect(self._ask)
+        self.rows.itemSelectionChanged.connect(self._show_button)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self.rows, 1)
+        column.addWidget(self.withdraw, 0, Qt.AlignLeft)
+
+    def show_sheet(self, summary: Optional[RunSummary], sheet: Optional[RunSheet], why_off: str) -> None:
+        """Show the history of a run; `why_off`: why nothing can be withdrawn, empty: it can."""
+        self._summary, self._sheet, self._why_off = summary, sheet, why_off
+        kinds = {} if sheet is None else {(item.group, item.desc): item.type for item in sheet.items}
+        self.rows.show_rows([] if sheet is None else [
+            Row(entry.number, (
+                str(entry.number), panel_texts.time_of_day(entry.time.to_sec()), entry.who, entry.desc,
+                sheet_texts.change(entry, kinds.get((entry.group, entry.desc), 1)), sheet_texts.entry_notes(entry),
+            ), bold=entry.correction, off=bool(entry.withdrawn.to_sec()))
+            for entry in reversed(sheet.history)
+        ])
+        self._show_button()
+
+    def _chosen(self) -> Optional[ScoreChange]:
+        history = [] if self._sheet is None else self._sheet.history
+        return next((entry for entry in history if entry.number == self.rows.chosen), None)
+
+    def _show_button(self) -> None:
+        entry, why_off = self._chosen(), self._why_off
+        if not why_off and entry is None:
+            why_off = "Choose an entry above"
+        elif not why_off and entry.withdrawn.to_sec():
+            why_off = "It is withdrawn already"
+        self.withdraw.setEnabled(not why_off)
+        self.withdraw.setToolTip(basic.tip(why_off))
+
+    def _ask(self) -> None:
+        summary, entry = self._summary, self._chosen()
+        if summary is None or entry is None:
+            return
+        what = f"Withdraw entry {entry.number}"
+        text = f"{entry.desc}\n{entry.who}, {panel_texts.time_of_day(entry.time.to_sec())} UTC"
+
+        def send(note: str) -> None:
+            self._answer.say(f"{what} …")
+            self._client.calls.service(
+                self._owner, "/core/score/withdraw", ScoreWithdraw,
+                (summary.zone, summary.identity, entry.number, note, self._client.referee.name), done,
+            )
+
+        def done(outcome: Outcome) -> None:
+            self._answer.show_outcome(what, outcome)
+
+        NoteDialog(self, f"{what}?", text, "Why", "Withdraw", send).open()
+
+
+class HistoryDialog(QDialog):
+    """The history of one run, in a window that may stay open."""
+
+    def __init__(self, parent: QWidget, client: Client, zone: str, identity: str) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WA_DeleteOnClose)
+        self.setWindowTitle(f"History of the score sheet – {zone}")
+        self.resize(round(WIDE_EMS * basic.em()), round(HIGH_EMS * basic.em()))
+        self._client = client
+        self._zone = zone
+        self._identity = identity
+        self._sheets = RunSheets(self, client.calls, self._on_update)
+        answer = Answer(reserved=False)
+        self.history = History(client, self, answer)
+        column = QVBoxLayout(self)
+        column.addWidget(self.history, 1)
+        last = QHBoxLayout()
+        last.addWidget(answer, 1)
+        column.addLayout(last)
+        client.model.updated.connect(self._on_update)
+        self.finished.connect(lambda _: self._end())
+        self._on_update()
+
+    def _end(self) -> None:
+        self._client.model.updated.disconnect(self._on_update)
+        self._client.calls.forget(self)
+
+    def _on_update(self) -> None:
+        runs = self._client.model.runs_of(self._zone)
+        summary = next((run for run in runs if run.identity == self._identity), None)
+        sheet = None if summary is None else self._sheets.sheet(summary)
+        self.history.show_sheet(summary, sheet, why_fixed(summary, self._client.model.is_old))

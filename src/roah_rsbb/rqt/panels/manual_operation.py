@@ -1,0 +1,158 @@
+"""Manual Operation: what a benchmarking module asks the referee to do (manual, section 5.5)."""
+
+from typing import List, Optional, Tuple
+
+from python_qt_binding.QtCore import Qt, QTimer
+from python_qt_binding.QtWidgets import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea
+
+from roah_rsbb.msg import ZoneDetails
+from roah_rsbb.rqt.panels.panel import Answer, Panel
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.srv import ManualOperationAnswer
+
+NOTHING = "Nothing to do by hand now."
+SWITCHES = "The robot has finished: enter in the panel OMF Switches what it changed, and confirm there."
+COMPLETE = "✔ Manual operation complete"
+COMPLETE_WITH = "✔ Complete with this answer"
+SILENT = "The core is silent: what is shown is old"
+# A new request flashes so often, each time so long, milliseconds.
+FLASHES = 8
+FLASH_MS = 350
+
+# What makes a request a new one: zone, run and number.
+Request = Tuple[str, int, int]
+
+
+class ManualOperationPanel(Panel):
+    """The request in large letters, its answers, and *complete*. A new request flashes and beeps."""
+
+    TITLE = "Manual Operation"
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self._request: Optional[Request] = None
+        self._choices: Tuple[str, ...] = ()
+        self._flashes_left = 0
+        self._flash = QTimer(self, interval=FLASH_MS)
+        self._flash.timeout.connect(self._on_flash)
+        self.text = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.8, bold=True)
+        self.text.setTextFormat(Qt.PlainText)
+        self.text.setMargin(round(0.5 * basic.em()))
+        area = QScrollArea(widgetResizable=True)
+        area.setWidget(self.text)
+        self.body.addWidget(area, 1)
+        self.typed = basic.enlarged(QLineEdit(placeholderText="The answer, if there is one"), 1.3)
+        self.typed.setMaxLength(1000)
+        self.typed.returnPressed.connect(self._on_return)
+        self.typed.hide()
+        self.body.addWidget(self.typed)
+        self._answer = Answer(reserved=False)
+        self.body.addWidget(self._answer)
+        self._line = QHBoxLayout()
+        self.body.addLayout(self._line)
+        self.buttons: List[basic.CommandButton] = []
+        self._build(())
+
+    # -- showing ------------------------------------------------------------------------------------
+
+    def show_model(self) -> None:
+        zone, details = self.model.zone, self.model.zone_details
+        request = None
+        if zone is not None and details is not None and details.operation and zone.manual_operation:
+            request = (zone.zone, details.port, details.operation)
+        if request != self._request:
+            self._show_another(request, details)
+        waits_for_switches = zone is not None and zone.omf_complete
+        self.text.setText(zone.manual_operation if request else SWITCHES if waits_for_switches else NOTHING)
+        self.text.setEnabled(not self.model.is_old and (request is not None or waits_for_switches))
+        self._show_tone()
+        can_answer = request is not None and not self.model.is_old
+        self.typed.setEnabled(can_answer)
+        for number, button in enumerate(self.buttons):
+            off = SILENT if self.model.is_old else NOTHING
+            button.allow(can_answer, [off], basic.READY if number == 0 else None)
+
+    def _show_another(self, request: Optional[Request], details: Optional[ZoneDetails]) -> None:
+        """Another request, or none any more."""
+        self._request = request
+        self._answer.clear_answer()
+        self.typed.clear()
+        self.typed.setVisible(request is not None and details.operation_asks_text)
+        self._build(tuple(details.operation_choices) if request is not None else ())
+        self._flashes_left = FLASHES if request is not None else 0
+        if request is not None:
+            for button in self.buttons:
+                button.hold()  # a click that was meant for the request before must not answer this one
+            QApplication.beep()
+            self._flash.start()
+            self._raise()
+
+    def _raise(self) -> None:
+        """Where it shares its place with other panels, it comes to the front."""
+        parent = self.parentWidget()
+        if parent is not None and hasattr(parent, "raise_"):
+            parent.raise_()
+
+    def _build(self, choices: Tuple[str, ...]) -> None:
+        """A button for each answer; without choices, one that completes the operation."""
+        if self.buttons and choices == self._choices:
+            self._name_button()
+            return
+        self._choices = choices
+        for button in self.buttons:
+            self._line.removeWidget(button)
+            button.hide()
+            button.deleteLater()
+        self.buttons = []
+        for choice in choices or ("",):
+            button = basic.CommandButton(choice or COMPLETE, "Say that it is done, and go on", 1.5)
+            button.clicked.connect(lambda _=False, choice=choice: self._complete(choice))
+            self._line.addWidget(button)
+            self.buttons.append(button)
+        self._name_button()
+
+    def _name_button(self) -> None:
+        if not self._choices:
+            self.buttons[0].setText(COMPLETE_WITH if self.typed.isVisibleTo(self) else COMPLETE)
+
+    def _on_flash(self) -> None:
+        self._flashes_left = max(0, self._flashes_left - 1)
+        if not self._flashes_left:
+            self._flash.stop()
+        self._show_tone()
+
+    def _show_tone(self) -> None:
+        """Flashing is dark and light in turn; a request that waits stays marked."""
+        if self._request is None or self.model.is_old:
+            basic.set_style(self.text, "")
+            return
+        tone = basic.ALARM if self._flashes_left % 2 else basic.OLD
+        basic.set_style(self.text, f"background: {tone.background}; color: {tone.text};")
+
+    # -- answering ----------------------------------------------------------------------------------
+
+    def _on_return(self) -> None:
+        if not self._choices and self.buttons[0].is_on():
+            self._complete("")
+
+    def _complete(self, choice: str) -> None:
+        """The referee did it; `choice`: which answer, empty where there are none to choose from."""
+        if self._request is None:
+            return
+        zone, _, operation = self._request
+        answer = choice or self.typed.text().strip()
+        for button in self.buttons:
+            button.hold()
+        self._answer.say("Manual operation complete …")
+        request = self._request
+        self.client.calls.service(
+            self, "/core/manual_operation_answer", ManualOperationAnswer, (zone, operation, answer),
+            lambda outcome: self._answered(request, outcome),
+        )
+
+    def _answered(self, request: Request, outcome) -> None:
+        if request == self._request or outcome.error:
+            self._answer.show_outcome("Manual operation complete", outcome)
+        if outcome.error:
+            for button in self.buttons:
+                button.let_go()

@@ -1,0 +1,108 @@
+"""OMF Switches: in HOMF the referee enters which switches changed and how many were damaged (ROS interface)."""
+
+from typing import List
+
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtWidgets import QGridLayout, QHBoxLayout, QLabel
+
+from roah_rsbb.msg import ZoneState
+from roah_rsbb.rqt.panels.panel import Answer, Panel
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.srv import Zone, ZoneUInt8
+
+NO_SWITCHES = "Only HOMF has switches, from the robot's first goal on."
+EXECUTING = "The robot has not finished: confirm when it has"
+SILENT = "The core is silent: what is shown is old"
+# Switches of the test bed's panel, as the original shows them.
+COUNT = 10
+COLUMNS = 5
+MAX_DAMAGED = 255
+
+
+class OmfSwitchesPanel(Panel):
+    """A button for each switch, the number of damaged ones, and *complete*."""
+
+    TITLE = "OMF Switches"
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self.hint = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.2)
+        self.body.addWidget(self.hint)
+        grid = QGridLayout()
+        self.switches: List[basic.CommandButton] = [self._switch(number) for number in range(1, COUNT + 1)]
+        for index, button in enumerate(self.switches):
+            grid.addWidget(button, *divmod(index, COLUMNS))
+        self.body.addLayout(grid)
+        self.body.addLayout(self._damaged_line())
+        self._answer = Answer(reserved=False)
+        self.body.addWidget(self._answer)
+        self.complete = basic.CommandButton("✔ All entered: confirm", "Say that what is entered is right", 1.5)
+        self.complete.clicked.connect(self._confirm)
+        self.body.addWidget(self.complete)
+        self.body.addStretch(1)
+
+    def _switch(self, number: int) -> basic.CommandButton:
+        button = basic.CommandButton(str(number), f"Switch {number} was pressed by the robot", 1.4)
+        button.clicked.connect(lambda: self._press(number))
+        return button
+
+    def _damaged_line(self) -> QHBoxLayout:
+        line = QHBoxLayout()
+        line.addWidget(basic.enlarged(QLabel("Damaged switches"), 1.2), 1)
+        self.less = basic.CommandButton("−", "One damaged switch less", 1.3)
+        self.damaged = basic.enlarged(QLabel("0", alignment=Qt.AlignCenter), 1.6, bold=True)
+        self.damaged.setMinimumWidth(round(3 * basic.em()))
+        self.more = basic.CommandButton("+", "One more damaged switch", 1.3)
+        self.less.clicked.connect(lambda: self._damage(-1))
+        self.more.clicked.connect(lambda: self._damage(1))
+        for widget in (self.less, self.damaged, self.more):
+            line.addWidget(widget)
+        return line
+
+    # -- showing ------------------------------------------------------------------------------------
+
+    def show_model(self) -> None:
+        zone = self.model.zone
+        there = zone is not None and zone.omf
+        can = there and not self.model.is_old
+        off = [SILENT] if self.model.is_old else [NO_SWITCHES]
+        self.hint.setText("" if there else NO_SWITCHES)
+        self.hint.setVisible(not there)
+        on = set(_numbers(zone)) if there else set()
+        for number, button in enumerate(self.switches, 1):
+            button.setText(f"{number}\n{'ON' if number in on else 'off'}")
+            button.allow(can, off, basic.RUNNING if number in on else None)
+        self.damaged.setText(str(zone.omf_damaged) if there else "0")
+        self.less.allow(can and zone.omf_damaged > 0, off if not can else ["No switch is damaged"])
+        self.more.allow(can and zone.omf_damaged < MAX_DAMAGED, off)
+        waits = can and zone.omf_complete
+        self.complete.allow(waits, off if not can else [EXECUTING], basic.READY)
+
+    # -- entering -----------------------------------------------------------------------------------
+
+    def _press(self, number: int) -> None:
+        self._call("button", ZoneUInt8, (self.model.zone_name, number), f"Switch {number}", self.switches[number - 1])
+
+    def _damage(self, by: int) -> None:
+        zone = self.model.zone
+        if zone is not None:
+            damaged = min(MAX_DAMAGED, max(0, zone.omf_damaged + by))
+            button = self.more if by > 0 else self.less
+            self._call("damaged", ZoneUInt8, (zone.zone, damaged), f"{damaged} damaged", button)
+
+    def _confirm(self) -> None:
+        self._call("complete", Zone, (self.model.zone_name,), "Switches confirmed", self.complete)
+
+    def _call(self, name: str, kind: type, request: tuple, what: str, button: basic.CommandButton) -> None:
+        button.hold()
+
+        def done(outcome) -> None:
+            self._answer.show_outcome(what, outcome)
+            button.let_go()
+
+        self.client.calls.service(self, f"/core/omf_switches/{name}", kind, request, done)
+
+
+def _numbers(zone: ZoneState) -> List[int]:
+    """Switches that are on; rospy gives a uint8[] as bytes."""
+    return list(zone.omf_switches)

@@ -1,0 +1,14 @@
+"""Online Data: what the robot reports while it runs (manual, section 5.7)."""
+
+from roah_rsbb.msg import ZoneState
+from roah_rsbb.rqt.panels.text_panel import TextPanel
+
+
+class OnlineDataPanel(TextPanel):
+    """Notifications, activation events, visitors and commands of the zone's robot."""
+
+    TITLE = "Online Data"
+    NOTHING = "No online data from the robot yet"
+
+    def text_of(self, zone: ZoneState) -> str:
+        return zone.online_data

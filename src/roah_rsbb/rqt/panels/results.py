@@ -1,0 +1,240 @@
+"""Results: the runs of the zone, their score sheets with history, corrections and the sign-off."""
+
+from typing import List, Optional, Tuple
+
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSplitter, QTabWidget, QVBoxLayout, QWidget
+
+from roah_rsbb.msg import RunSheet, RunSummary, ScoreItem
+from roah_rsbb.rqt.model.run_sheets import RunSheets
+from roah_rsbb.rqt.panels.history import History, why_fixed
+from roah_rsbb.rqt.panels.panel import Answer, ask
+from roah_rsbb.rqt.panels.referee_panel import RefereePanel
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.rows import Row, Rows
+from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog
+from roah_rsbb.srv import ScoreMark, SignOff, StopReason
+from roah_rsbb.wording import panel_texts, sheet_texts
+from roah_rsbb.wording.module_scores import by_group
+
+NO_RUNS = "No run of this zone is over, and none is connected."
+CHOOSE = "Choose a run above"
+FETCHING = "Fetching the score sheet …"
+SIGN_OFF = "Sign off …"
+
+
+class ResultsPanel(RefereePanel):
+    """A list of the zone's runs; below, what there is of the chosen one."""
+
+    TITLE = "Results"
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self._sheets = RunSheets(self, client.calls, self._on_update)
+        self._zone = ""
+        self.runs = Rows(("UTC", "Team", "Run", "End", "Score", "Sheet"), stretched=(4,), wrapped=False)
+        self.items = Rows(("Group", "Item", "Value", ""), stretched=(1,))
+        self.stops = Rows(("#", "UTC", "Who", "End", "Reason"), stretched=(3, 4))
+        self.what = basic.enlarged(QLabel(wordWrap=True), 1.2, bold=True)
+        self.what.setTextFormat(Qt.PlainText)
+        self.correct = self._button("Change …", self._ask_score)
+        self.give_reason = self._button("Reason …", self._ask_reason)
+        self.sign = self._button(SIGN_OFF, self._ask_sign_off)
+        self._answer = Answer(reserved=False)
+        self.history = History(client, self, self._answer)
+        self._lay_out()
+        for rows in (self.runs, self.items, self.stops):
+            rows.itemSelectionChanged.connect(self._on_update)
+        self.items.itemDoubleClicked.connect(lambda *_: self.correct.click())
+
+    def _lay_out(self) -> None:
+        self.tabs = QTabWidget()
+        self.tabs.setFocusPolicy(Qt.TabFocus)
+        self.tabs.addTab(_page(self.items, self.correct), "Score sheet")
+        self.tabs.addTab(self.history, "History")
+        self.tabs.addTab(_page(self.stops, self.give_reason), "Ends")
+        below = QWidget()
+        column = QVBoxLayout(below)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self.what)
+        column.addWidget(self.tabs, 1)
+        self._split = QSplitter(Qt.Vertical)
+        self._split.setChildrenCollapsible(False)
+        self._split.addWidget(self.runs)
+        self._split.addWidget(below)
+        self._split.setStretchFactor(0, 2)
+        self._split.setStretchFactor(1, 3)
+        self.body.addWidget(self._split, 1)
+        self.body.addWidget(self._answer)
+        last = QHBoxLayout()
+        last.addWidget(self.referee, 1)
+        last.addWidget(self.sign)
+        self.body.addLayout(last)
+
+    def _button(self, text: str, pressed) -> QPushButton:
+        button = basic.enlarged(QPushButton(text), 1.1, bold=True)
+        button.setFocusPolicy(Qt.TabFocus)
+        button.clicked.connect(pressed)
+        return button
+
+    # -- showing ------------------------------------------------------------------------------------
+
+    def show_model(self) -> None:
+        zone = self.model.zone_name
+        runs = self.model.runs_of(zone)
+        if zone != self._zone:
+            self._zone = zone
+            self._answer.clear_answer()
+        self.runs.show_rows([_run_row(run) for run in runs] or [Row(None, ("", NO_RUNS, "", "", "", ""))])
+        if self.runs.chosen is None and runs:
+            self.runs.blockSignals(True)
+            self.runs.choose(runs[0].identity)
+            self.runs.blockSignals(False)
+        summary = self._summary()
+        sheet = None if summary is None else self._sheets.sheet(summary)
+        self._show_sheet(summary, sheet)
+        self._show_buttons(summary, sheet)
+
+    def where(self) -> str:
+        return self.model.zone_name
+
+    def _summary(self) -> Optional[RunSummary]:
+        """The chosen run."""
+        return next((run for run in self.model.runs_of(self._zone) if run.identity == self.runs.chosen), None)
+
+    def _sheet(self) -> Optional[RunSheet]:
+        summary = self._summary()
+        return None if summary is None else self._sheets.sheet(summary)
+
+    def _show_sheet(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> None:
+        self.what.setText(self._what(summary, sheet))
+        self.items.show_rows([] if sheet is None else _item_rows(sheet))
+        self.history.show_sheet(summary, sheet, self._why_off(summary, sheet))
+        self.stops.show_rows([] if sheet is None else [
+            Row(number, (
+                str(number), panel_texts.time_of_day(stop.time.to_sec()), stop.who or "–", stop.desc,
+                sheet_texts.stop_reason(stop),
+            ))
+            for number, stop in enumerate(sheet.stops, 1)
+        ])
+        for index, (name, rows) in enumerate((("History", self.history.rows), ("Ends", self.stops)), 1):
+            self.tabs.setTabText(index, f"{name} ({len(rows.texts())})")
+
+    def _what(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> str:
+        if summary is None:
+            return CHOOSE if self.model.runs_of(self._zone) else ""
+        if sheet is None:
+            return self._sheets.error or FETCHING
+        run = f"{summary.team}  ·  {summary.code}, round {summary.round}, run {summary.run}"
+        took = f"  ·  {panel_texts.countdown(sheet.elapsed.to_sec())} min" if summary.end_reason else ""
+        state = f"{sheet_texts.state(summary)} {sheet_texts.signature(summary)}"
+        return f"{run}  ·  {sheet_texts.end(summary)}{took}  ·  {', '.join(sheet.robots)}\n{state}"
+
+    # -- what may be done ---------------------------------------------------------------------------
+
+    def _show_buttons(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> None:
+        general = self._why_off(summary, sheet)
+        item = self._chosen_item(sheet)
+        over = summary is not None and summary.closed.to_sec()
+        _allow(self.correct, general or ("" if item is not None else "Choose an item above"))
+        _allow(self.give_reason, general or ("" if sheet and sheet.stops else "The run was not stopped yet"))
+        _allow(self.sign, general or ("" if over else "The run is still connected: disconnect it first"))
+        self.correct.setText("Correct …" if over else "Change …")
+
+    def _why_off(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> str:
+        if summary is None or sheet is None:
+            return CHOOSE
+        return why_fixed(summary, self.model.is_old)
+
+    def _chosen_item(self, sheet: Optional[RunSheet]) -> Optional[ScoreItem]:
+        items = [] if sheet is None else sheet.items
+        return next((item for item in items if (item.group, item.desc) == self.items.chosen), None)
+
+    # -- doing it -----------------------------------------------------------------------------------
+
+    def _ask_score(self) -> None:
+        summary, item = self._summary(), self._chosen_item(self._sheet())
+        if summary is None or item is None:
+            return
+        title = f"{summary.team}, {sheet_texts.event(summary)}"
+        ScoreDialog(
+            self, title, item.desc, item.type, item.value, item.not_attempted,
+            lambda value, not_attempted, note: self._send(
+                summary, item.desc, "score", ScoreMark, (item.group, item.desc, value, not_attempted, note)
+            ),
+        ).open()
+
+    def _ask_reason(self) -> None:
+        summary, sheet = self._summary(), self._sheet()
+        if summary is None or sheet is None or not sheet.stops:
+            return
+        number = self.stops.chosen or len(sheet.stops)
+        stop = sheet.stops[number - 1]
+        dialog = NoteDialog(
+            self, "Reason", f"{panel_texts.time_of_day(stop.time.to_sec())}: {stop.desc}", "Why", "Keep",
+            lambda reason: self._send(
+                summary, f"Reason of end {number}", "stop_reason", StopReason, (number, reason)
+            ),
+        )
+        dialog.note.setText(stop.reason)
+        dialog.open()
+
+    def _ask_sign_off(self) -> None:
+        summary = self._summary()
+        if summary is None:
+            return
+        name = self.client.referee.name or "this client (no name was typed)"
+        ask(
+            self, f"Sign off {summary.team}, {sheet_texts.event(summary)}?",
+            f"{summary.score or 'no score'}\n\nSigned by {name}. Nothing can be corrected afterwards.", "Sign off",
+            lambda: self._send(summary, "Sign off", "sign_off", SignOff, ()),
+        )
+
+    def _send(self, summary: RunSummary, what: str, service: str, kind: type, request: Tuple) -> None:
+        what = f"{summary.team}, {sheet_texts.event(summary)}: {what}"
+        self._answer.say(f"{what} …")
+        self.client.calls.service(
+            self, f"/core/{service}", kind, (summary.zone, summary.identity, *request, self.client.referee.name),
+            lambda outcome: self._answer.show_outcome(what, outcome),
+        )
+
+
+def _page(rows: Rows, button: QPushButton) -> QWidget:
+    page = QWidget()
+    column = QVBoxLayout(page)
+    column.setContentsMargins(0, 0, 0, 0)
+    column.addWidget(rows, 1)
+    column.addWidget(button, 0, Qt.AlignLeft)
+    return page
+
+
+def _allow(button: QPushButton, why_off: str) -> None:
+    button.setEnabled(not why_off)
+    button.setToolTip(basic.tip(why_off))
+
+
+def _run_row(run: RunSummary) -> Row:
+    closed = run.closed.to_sec()
+    return Row(run.identity, (
+        panel_texts.time_of_day(closed)[:5] if closed else "now", run.team,
+        sheet_texts.event(run), sheet_texts.end(run),
+        run.score, sheet_texts.state(run),
+    ), bold=not run.signed.to_sec())
+
+
+def _item_rows(sheet: RunSheet) -> List[Row]:
+    """The referee's items, then what a module scored, which cannot be changed here."""
+    rows: List[Row] = []
+    group = None
+    for item in sheet.items:
+        name, group = ("" if item.group == group else item.group), item.group
+        value = sheet_texts.standing(item.value, item.not_attempted, item.type)
+        rows.append(Row((item.group, item.desc), (
+            name, item.desc, value, "✎ corrected" if item.corrected else ""
+        ), bold=bool(item.value or item.not_attempted or item.corrected)))
+    for name, lines in by_group(sheet.module_scores):
+        rows += [
+            Row(None, (f"Module: {name}" if index == 0 else "", line.name, line.value, ""))
+            for index, line in enumerate(lines)
+        ]
+    return rows

@@ -1,0 +1,300 @@
+"""Scoring: what the referee scores, and what the benchmarking module did (manual, section 5.4)."""
+
+import html
+from functools import partial
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtWidgets import (
+    QFrame,
+    QGroupBox,
+    QHBoxLayout,
+    QLabel,
+    QMenu,
+    QPushButton,
+    QScrollArea,
+    QStackedLayout,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from roah_rsbb.msg import ModuleScore, ZoneDetails, ZoneScoreGroup, ZoneState
+from roah_rsbb.rqt.model.calls import Outcome
+from roah_rsbb.rqt.model.edits import Edits
+from roah_rsbb.rqt.panels.history import HistoryDialog
+from roah_rsbb.rqt.panels.panel import Answer
+from roah_rsbb.rqt.panels.referee_panel import RefereePanel
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
+from roah_rsbb.srv import ScoreMark
+from roah_rsbb.wording.module_scores import by_group
+
+NO_RUN = "Scoring begins when a robot is connected."
+NO_ITEMS = "This benchmark has nothing for the referee to score."
+SILENT = "The core is silent: nothing can be scored now"
+# Stands for the value of an item that the robot did not try.
+NOT_ATTEMPTED = -1
+
+Item = Tuple[str, str]  # group and description: an item's name on the ROS interface
+
+
+class _Shape(NamedTuple):
+    """An item without its value."""
+
+    group: str
+    desc: str
+    kind: int
+
+
+_BOOL_TEXTS = {0: "No", NOT_ATTEMPTED: "Not attempted"}
+
+
+class ScoreRow(QWidget):
+    """One item: its text, and what changes its value, which may be `NOT_ATTEMPTED`."""
+
+    def __init__(self, shape: _Shape, change: Callable[[int], None], ask: Callable[[], None]) -> None:
+        """`change(value)`: the referee wants that; `ask()`: with a note."""
+        super().__init__()
+        self._change = change
+        self._value = 0
+        self._is_bool = shape.kind == ZoneScoreGroup.SCORING_BOOL
+        self._text = basic.enlarged(QLabel(shape.desc, wordWrap=True), 1.2)
+        self._text.setTextFormat(Qt.PlainText)
+        line = QHBoxLayout(self)
+        line.setContentsMargins(0, 0, 0, 0)
+        line.addWidget(self._text, 1)
+        if self._is_bool:
+            self.toggle = self._button("", lambda: self._change(0 if self._value == 1 else 1), 7)
+            self.toggle.setCheckable(True)
+            self._buttons = [self.toggle]
+        else:
+            self.less = self._button("−", lambda: self._change(max(0, self._value - 1)), 3)
+            self.number = basic.enlarged(QLabel("0", alignment=Qt.AlignCenter), 1.6, bold=True)
+            self.number.setMinimumWidth(round(3 * basic.em()))
+            self.more = self._button("+", lambda: self._change(max(0, self._value) + 1), 3)
+            self._buttons = [self.less, self.more]
+        for widget in self._buttons if self._is_bool else (self.less, self.number, self.more):
+            line.addWidget(widget)
+        self.more_menu = QMenu(self)
+        self.not_attempted = self.more_menu.addAction("Not attempted")
+        self.not_attempted.setCheckable(True)
+        self.not_attempted.triggered.connect(lambda on: self._change(NOT_ATTEMPTED if on else 0))
+        self.with_note = self.more_menu.addAction("With a note …", ask)
+        self.menu_button = basic.enlarged(QToolButton(), 1.3, bold=True)
+        self.menu_button.setText("⋯")
+        self.menu_button.setFocusPolicy(Qt.TabFocus)
+        self.menu_button.setPopupMode(QToolButton.InstantPopup)
+        self.menu_button.setMenu(self.more_menu)
+        basic.set_style(self.menu_button, "QToolButton::menu-indicator { image: none; }")
+        self.menu_button.setMinimumHeight(round(2 * basic.em()))
+        line.addWidget(self.menu_button)
+        self._buttons.append(self.menu_button)
+
+    @property
+    def value(self) -> int:
+        """What is shown."""
+        return self._value
+
+    def show_value(self, value: int, waiting: bool, enabled: bool) -> None:
+        """Show `value`; `waiting`: the core has not confirmed it yet."""
+        self._value = value
+        mark = " …" if waiting else ""
+        self.not_attempted.setChecked(value == NOT_ATTEMPTED)
+        if self._is_bool:
+            self.toggle.setChecked(value == 1)
+            self.toggle.setText(f"{_BOOL_TEXTS.get(value, '✔ Yes')}{mark}")
+            tone = basic.RUNNING
+            style = f"background: {tone.background}; color: {tone.text};" if value > 0 and enabled else ""
+            basic.set_style(self.toggle, f"QPushButton {{ {style} }}" if style else "")
+        else:
+            self.number.setText(f"{'n/a' if value == NOT_ATTEMPTED else value}{mark}")
+            self.number.setToolTip("Not attempted" if value == NOT_ATTEMPTED else "")
+        for button in self._buttons:
+            button.setEnabled(enabled)
+            button.setToolTip("" if enabled else SILENT)
+        if enabled:
+            self.menu_button.setToolTip("Not attempted; a note")
+        if not self._is_bool:
+            self.less.setEnabled(enabled and value > 0)
+
+    def _button(self, text: str, pressed: Callable[[], None], width: float) -> QPushButton:
+        button = basic.enlarged(QPushButton(text), 1.3, bold=True)
+        button.setFocusPolicy(Qt.TabFocus)
+        button.setMinimumSize(round(width * basic.em()), round(2 * basic.em()))
+        button.clicked.connect(pressed)
+        return button
+
+
+class ModuleScores(QScrollArea):
+    """What the benchmarking module scored so far, to read only. Without a score it is not there."""
+
+    def __init__(self) -> None:
+        super().__init__(widgetResizable=True)
+        self.setFrameShape(QFrame.NoFrame)
+        self.text = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignTop), 1.2)
+        self.text.setTextFormat(Qt.RichText)
+        self.text.setTextInteractionFlags(Qt.TextSelectableByMouse)
+        self.setWidget(self.text)
+        self.hide()
+
+    def show_scores(self, scores: Sequence[ModuleScore], is_old: bool) -> None:
+        """Show these lines; they grow while the run goes on."""
+        self.setVisible(bool(scores))
+        self.text.setEnabled(not is_old)
+        shown = _scores_html(scores)
+        if shown != self.text.text():
+            self.text.setText(shown)
+
+
+class ScoringPanel(RefereePanel):
+    """All items of the run, in their groups."""
+
+    TITLE = "Scoring"
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self._sheet: tuple = ()  # which run's sheet is shown
+        self._edits = Edits()
+        self._clock_steps = 0
+        self.rows: Dict[Item, ScoreRow] = {}
+        self._nothing = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.3)
+        self._area = QScrollArea(widgetResizable=True)
+        self._area.setFrameShape(QFrame.NoFrame)
+        self._stack = QStackedLayout()
+        self._stack.addWidget(self._nothing)
+        self._stack.addWidget(self._area)
+        self.body.addLayout(self._stack, 2)
+        self.module_scores = ModuleScores()
+        self.body.addWidget(self.module_scores, 1)
+        self._answer = Answer(reserved=False)
+        self.body.addWidget(self._answer)
+        self.history = QPushButton("History …")
+        self.history.setFocusPolicy(Qt.TabFocus)
+        self.history.clicked.connect(self._show_history)
+        last = QHBoxLayout()
+        last.addWidget(self.referee, 1)
+        last.addWidget(self.history)
+        self.body.addLayout(last)
+
+    # -- showing ------------------------------------------------------------------------------------
+
+    def show_model(self) -> None:
+        zone = self.model.zone
+        shapes = [] if zone is None else _shapes(zone)
+        sheet = () if zone is None else (zone.zone, zone.code, zone.team, zone.round, zone.run, tuple(shapes))
+        if sheet != self._sheet or self._clock_steps != self.model.box_clock.steps_back:
+            self._clock_steps = self.model.box_clock.steps_back
+            self._edits.clear()
+        if sheet != self._sheet:
+            self._sheet = sheet
+            self._build(shapes)
+            self._answer.clear_answer()
+        details = self.model.zone_details
+        self.module_scores.show_scores(() if details is None else details.module_scores, self.model.is_old)
+        if not shapes:
+            connected = details is not None and details.robot != ""
+            self._nothing.setText(NO_ITEMS if connected else NO_RUN)
+        elif zone is not None:
+            self._show_values(zone, details)
+        self.history.setEnabled(bool(shapes) and details is not None and bool(details.identity))
+
+    def _show_values(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
+        marks = iter(() if details is None else details.not_attempted)
+        for group in zone.scoring:
+            for desc, published in zip(group.descriptions, group.current_values):
+                item = (group.group_name, desc)
+                published = NOT_ATTEMPTED if next(marks, False) else published
+                value = self._edits.value(item, published, self.model.clock_s)
+                if item in self.rows:
+                    self.rows[item].show_value(value, self._edits.is_waiting(item), not self.model.is_old)
+
+    def _build(self, shapes: List[_Shape]) -> None:
+        """Lay out the rows of another sheet."""
+        self.rows = {}
+        inside = QWidget()
+        column = QVBoxLayout(inside)
+        boxes: Dict[str, QVBoxLayout] = {}
+        for shape in shapes:
+            if shape.group not in boxes:
+                box = basic.enlarged(QGroupBox(shape.group), 1.1, bold=True)
+                boxes[shape.group] = QVBoxLayout(box)
+                column.addWidget(box)
+            item = (shape.group, shape.desc)
+            self.rows[item] = ScoreRow(shape, partial(self._change, item), partial(self._ask, shape))
+            boxes[shape.group].addWidget(self.rows[item])
+        column.addStretch(1)
+        self._area.setWidget(inside)
+        self._stack.setCurrentIndex(1 if shapes else 0)
+
+    # -- changing -----------------------------------------------------------------------------------
+
+    def _change(self, item: Item, value: int) -> None:
+        """The referee wants another value."""
+        send = self._edits.wish(item, value)
+        if send is not None:
+            self._send(item, send)
+        self.show_model()
+
+    def _send(self, item: Item, value: int, note: str = "") -> None:
+        sheet, (group, desc) = self._sheet, item
+        details = self.model.zone_details
+        not_attempted = value == NOT_ATTEMPTED
+        request = (group, desc, 0 if not_attempted else value, not_attempted, note, self.client.referee.name)
+        self.client.calls.service(
+            self, "/core/score", ScoreMark, (sheet[0], "" if details is None else details.identity, *request),
+            lambda outcome: self._answered(sheet, item, value, outcome),
+        )
+
+    def _ask(self, shape: _Shape) -> None:
+        """The referee wants to say more than a value."""
+        sheet, item = self._sheet, (shape.group, shape.desc)
+        shown = self.rows[item].value
+
+        def then(value: int, not_attempted: bool, note: str) -> None:
+            if sheet == self._sheet:
+                self._send(item, NOT_ATTEMPTED if not_attempted else value, note)
+
+        ScoreDialog(
+            self, self.where(), shape.desc, shape.kind, max(0, shown), shown == NOT_ATTEMPTED, then
+        ).open()
+
+    def _show_history(self) -> None:
+        """The history of the run that is scored now."""
+        details = self.model.zone_details
+        if details is not None and details.identity:
+            HistoryDialog(self, self.client, details.zone, details.identity).show()
+
+    def _answered(self, sheet: tuple, item: Item, value: int, outcome: Outcome) -> None:
+        what = f"{sheet[0]}: {item[1]} = {'not attempted' if value == NOT_ATTEMPTED else value}"
+        if outcome.error:
+            self._answer.show_outcome(what, outcome)
+        if sheet != self._sheet:
+            return
+        if outcome.error:
+            self._edits.failed(item)
+        else:
+            self._answer.clear_answer()
+            following = self._edits.carried_out(item, self.model.box_time())
+            if following is not None:
+                self._send(item, following)
+        self.show_model()
+
+
+def _scores_html(scores: Sequence[ModuleScore]) -> str:
+    rows = []
+    for group, lines in by_group(scores):
+        rows.append(f'<tr><td colspan="2"><b>{html.escape(group)}</b></td></tr>')
+        rows += [
+            f"<tr><td>{html.escape(line.name)}&nbsp;&nbsp;</td><td><b>{html.escape(line.value)}</b></td></tr>"
+            for line in lines
+        ]
+    return f"<p>Score of the benchmarking module</p><table>{''.join(rows)}</table>" if rows else ""
+
+
+def _shapes(zone: ZoneState) -> List[_Shape]:
+    return [
+        _Shape(group.group_name, desc, kind)
+        for group in zone.scoring
+        for desc, kind in zip(group.descriptions, group.types)
+    ]

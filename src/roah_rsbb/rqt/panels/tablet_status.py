@@ -1,0 +1,62 @@
+"""Tablet Status: what the tablet last said (manual, section 5.3)."""
+
+from typing import Dict
+
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtWidgets import QFormLayout, QLabel
+
+from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.wording import panel_texts
+
+# The tablet sends a beacon each second; after this long without one it is not there any more.
+TABLET_SILENT_S = 5.0
+
+FIELDS = {
+    "heard": "Last heard",
+    "display": "Display",
+    "call": "Last call",
+    "position": "Position",
+    "position_time": "Position of",
+}
+
+
+class TabletStatusPanel(Panel):
+    """Display, call and position of the tablet."""
+
+    TITLE = "Tablet Status"
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        form = QFormLayout()
+        form.setRowWrapPolicy(QFormLayout.WrapLongRows)
+        self._values: Dict[str, QLabel] = {}
+        for name, label in FIELDS.items():
+            value = basic.enlarged(QLabel(wordWrap=True), 1.2)
+            value.setTextFormat(Qt.PlainText)
+            self._values[name] = value
+            form.addRow(label, value)
+        self.body.addLayout(form)
+        self.body.addStretch(1)
+
+    def where(self) -> str:
+        return "The whole box"
+
+    def show_model(self) -> None:
+        gui = self.model.gui
+        if gui is None:
+            self._values["heard"].setText("Waiting for the core")
+            return
+        now, beacon = self.model.clock_s, gui.tablet_last_beacon.to_sec()
+        silent = "  ⚠ silent" if beacon and now - beacon > TABLET_SILENT_S else ""
+        placed = gui.tablet_position_time.to_sec()
+        values = {
+            "heard": f"{panel_texts.moment(beacon, now)}{silent}",
+            "display": "Map" if gui.tablet_display_map else "Call button",
+            "call": panel_texts.moment(gui.tablet_call_time.to_sec(), now),
+            "position": f"x {gui.tablet_position_x:.2f} m, y {gui.tablet_position_y:.2f} m" if placed else "none",
+            "position_time": panel_texts.moment(placed, now),
+        }
+        for name, value in values.items():
+            self._values[name].setText(value)
+            self._values[name].setEnabled(not self.model.is_old)

@@ -1,0 +1,74 @@
+"""A text that grows at its end: what Online Data and Log Display share."""
+
+from python_qt_binding.QtGui import QFontDatabase, QTextCursor
+from python_qt_binding.QtWidgets import QCheckBox, QPlainTextEdit
+
+from roah_rsbb.msg import ZoneState
+from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.widgets.tail import added
+from roah_rsbb.rqt.widgets.text_search import TextSearch
+
+# The core publishes only the last characters; the panel keeps what it saw since it was opened.
+MAX_LINES = 5000
+
+
+class TextPanel(Panel):
+    """Shows a text of the zone, and follows its end unless the referee holds it."""
+
+    NOTHING = ""
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self._source: tuple = ()
+        self._published = ""
+        self.view = QPlainTextEdit(readOnly=True)
+        self.view.setPlaceholderText(self.NOTHING)
+        self.view.setMaximumBlockCount(MAX_LINES)
+        font = QFontDatabase.systemFont(QFontDatabase.FixedFont)
+        self.view.setFont(font)
+        self.follow = QCheckBox("Follow the end")
+        self.follow.setChecked(True)
+        self.follow.toggled.connect(self._to_end)
+        self.search = TextSearch(self.view, self)
+        # What was searched for must not be scrolled away by what comes.
+        self.search.jumped.connect(lambda: self.follow.setChecked(False))
+        self.body.addWidget(self.view, 1)
+        self.body.addWidget(self.search)
+        self.body.addWidget(self.follow)
+
+    def text_of(self, zone: ZoneState) -> str:
+        """The text that this panel shows."""
+        raise NotImplementedError
+
+    def show_model(self) -> None:
+        zone = self.model.zone
+        source = () if zone is None else (zone.zone, zone.code, zone.team, zone.round, zone.run)
+        published = "" if zone is None else self.text_of(zone)
+        more = added(self._published, published) if source == self._source else None
+        self._source, self._published = source, published
+        if more is None:
+            self.view.setPlainText(published)
+            self._to_end()
+        elif more:
+            self._append(more)
+
+    def save_settings(self, settings) -> None:
+        settings.set_value("follow", self.follow.isChecked())
+
+    def restore_settings(self, settings) -> None:
+        # Settings files hold texts.
+        self.follow.setChecked(str(settings.value("follow", True)).lower() == "true")
+
+    def _append(self, text: str) -> None:
+        """Add at the end without moving what the referee looks at, or has selected."""
+        bar = self.view.verticalScrollBar()
+        at = bar.value()
+        cursor = QTextCursor(self.view.document())
+        cursor.movePosition(QTextCursor.End)
+        cursor.insertText(text)
+        bar.setValue(bar.maximum() if self.follow.isChecked() else at)
+
+    def _to_end(self) -> None:
+        if self.follow.isChecked():
+            bar = self.view.verticalScrollBar()
+            bar.setValue(bar.maximum())

@@ -1,0 +1,133 @@
+"""What the public display says, in words: made from PublicDetails (ROS interface, new), for one moment.
+
+Works on anything with the fields of PublicDetails: no ROS, no Qt is needed. Times of day are local, those of the
+computer that shows them: the public reads them beside the clock on the wall.
+"""
+
+import time
+from typing import NamedTuple, Optional, Tuple
+
+from roah_rsbb.wording import module_scores, panel_texts
+from roah_rsbb.wording.sheet_sums import Group, sums_text
+
+ALL_TEAMS = "ALL"
+WAITING = "Waiting for the referee box"
+OUTCOMES = {
+    "completed": "✓ completed",
+    "stopped": "■ stopped",
+    "timeout": "■ time is up",
+    "no_messages_saved": "■ no data saved",
+    "module_failed": "■ interrupted",
+}
+
+
+class Card(NamedTuple):
+    """A run."""
+
+    phase: str  # connected, running or ended
+    team: str
+    benchmark: str
+    place: str  # zone, round and run, teams
+    big: str  # what is read first: the countdown
+    word: str  # what the run is doing; colour is never the only sign
+
+
+class Line(NamedTuple):
+    """An event that follows, or a result."""
+
+    time: str
+    team: str
+    benchmark: str
+    last: str  # of an event its zone, of a result how the run ended
+    scores: str = ""
+
+
+class Content(NamedTuple):
+    """All that is on the screen."""
+
+    date: str
+    clock: str
+    trouble: str  # why what is shown may not be true; empty: it is
+    cards: Tuple[Card, ...]
+    following: Tuple[Line, ...]
+    results: Tuple[Line, ...]
+    is_known: bool = True  # False: the core was never heard
+
+
+NOTHING = Content("", "", "", (), (), (), is_known=False)
+
+
+def content(details: Optional[object], utc_s: float, is_old: bool) -> Content:
+    """What to show at `utc_s`, the box's UTC seconds; None: the core was never heard.
+
+    While the core is silent (`is_old`) everything stands as it was: `utc_s` is when it was last heard.
+    """
+    if details is None:
+        return NOTHING
+    many_zones = len({event.zone for event in _events(details)}) > 1
+    clock = _local("%H:%M:%S", utc_s)
+    return Content(
+        date=_local("%A, %d %B %Y", utc_s).replace(", 0", ", "),
+        clock=clock,
+        trouble=f"No signal since {clock}: what is shown is old" if is_old else "",
+        cards=tuple(_card(run, utc_s, many_zones) for run in details.runs),
+        following=tuple(_following(event, utc_s, many_zones) for event in details.following),
+        results=tuple(_result(result, utc_s) for result in details.finished),
+    )
+
+
+def _events(details) -> list:
+    return [run.event for run in details.runs] + list(details.following)
+
+
+def _card(run, utc_s: float, many_zones: bool) -> Card:
+    event = run.event
+    parts = ([event.zone] if many_zones else []) + [_turn(event)]
+    if event.team == ALL_TEAMS:
+        parts.append(", ".join(run.teams))
+    left = run.ends.to_sec() - utc_s if run.counting else run.left.to_sec()
+    big, word = panel_texts.countdown(left), "getting ready"
+    if run.phase == "running":
+        big, word = (f"▶ {big}", "running") if run.counting else (f"‖ {big}", "time stands still")
+    elif run.phase == "ended":
+        big, word = "ended", OUTCOMES.get(run.end_reason, "")
+    return Card(run.phase, _team(event.team), event.benchmark, " · ".join(parts), big, word)
+
+
+def _following(event, utc_s: float, many_zones: bool) -> Line:
+    return Line(_when(event.scheduled, utc_s), _team(event.team), event.benchmark, event.zone if many_zones else "")
+
+
+def _result(result, utc_s: float) -> Line:
+    event = result.event
+    groups = [
+        Group(group.group_name, group.current_values, not_attempted)
+        for group, not_attempted in zip(result.scoring, result.not_attempted)
+    ]
+    sums = [sums_text(groups)] if groups else []
+    lines = [module_scores.readable(score) for score in result.module_scores]
+    return Line(
+        _when(result.disconnected, utc_s), _team(event.team), event.benchmark,
+        OUTCOMES.get(result.end_reason, result.end_reason),
+        " · ".join([f"{line.name} {line.value}" for line in lines] + sums),
+    )
+
+
+def _team(team: str) -> str:
+    return "All teams" if team == ALL_TEAMS else team
+
+
+def _turn(event) -> str:
+    return f"round {event.round}, run {event.run}"
+
+
+def _when(moment, utc_s: float) -> str:
+    pattern = "%Y-%m-%d %H:%M:%S"
+    return panel_texts.short_time(_local(pattern, moment.to_sec()), _local(pattern, utc_s))
+
+
+def _local(pattern: str, utc_s: float) -> str:
+    try:
+        return time.strftime(pattern, time.localtime(utc_s))
+    except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop the display
+        return "?"

@@ -1,0 +1,191 @@
+"""The public display: the clock, what is running with its countdown, what comes next, and results.
+
+It has no controls. Colours are dim, for a hall in the evening; none of them is the only sign of anything.
+"""
+
+import time
+from typing import List, NamedTuple, Optional, Sequence, Tuple
+
+from python_qt_binding.QtCore import QRectF, Qt
+from python_qt_binding.QtGui import QColor, QPainter
+from python_qt_binding.QtWidgets import QWidget
+
+from roah_rsbb.rqt.model.box_clock import BoxClock
+from roah_rsbb.rqt.public import content, layout
+from roah_rsbb.rqt.public.content import Card, Content, Line
+from roah_rsbb.rqt.public.layout import Rect, Screen
+from roah_rsbb.rqt.public.painter import Writer, Written, width
+
+TOPIC = "/core/public_details"
+# The core publishes twice a second; its clock is in every message. A message that is the same again may come
+# from a core that hangs (latched, to a new subscription): it is no sign of life.
+SILENT_S = 2.0
+PAGE_S = 8.0
+# Letters fill this share of the height of a row.
+LETTERS = 0.64
+
+BACKGROUND = QColor("#0b1220")
+TEXT = QColor("#e8ecf4")
+FAINT = QColor("#9fb0c8")
+RUNNING = QColor("#f2c94c")
+CARD_BACKGROUND = QColor("#1b2a44")
+OLD_BACKGROUND = QColor("#7a1020")
+
+
+class _Look(NamedTuple):
+    """Colours of a card."""
+
+    stripe: QColor
+    team: QColor
+    big: QColor
+
+
+LOOKS = {
+    "connected": _Look(FAINT, TEXT, FAINT),
+    "running": _Look(RUNNING, TEXT, RUNNING),
+    "ended": _Look(CARD_BACKGROUND.lighter(150), FAINT, TEXT),
+}
+OLD_LOOK = _Look(CARD_BACKGROUND, FAINT, FAINT)
+
+
+class PublicDisplay(QWidget):
+    """A full screen without controls. `feed` is a `roah_rsbb.ros.feed.Feed` of TOPIC."""
+
+    def __init__(self, feed, page_s: float = PAGE_S, parent: Optional[QWidget] = None) -> None:
+        """`page_s`: for so many seconds each page is shown where there are several."""
+        super().__init__(parent)
+        self.setWindowTitle("RoAH RSBB – public display")
+        self.setCursor(Qt.BlankCursor)
+        self.setFocusPolicy(Qt.NoFocus)
+        self.written: List[Written] = []  # what is on the screen
+        self.content: Content = content.NOTHING
+        self._feed = feed
+        self._page_s = page_s
+        self._page = 0
+        self._details = None
+        self._clock = BoxClock()
+        self._heard: Optional[float] = None
+
+    def look(self) -> None:
+        """Take what the core published, and show the moment; call it several times a second."""
+        received = self._feed.take(TOPIC)
+        if received is not None and received.message != self._details:
+            self._details, self._heard = received.message, received.mono
+            self._clock.sample(received.mono, received.message.clock.to_sec())
+        is_old, now = self.is_old, time.monotonic()
+        utc_s = self._details.clock.to_sec() if is_old and self._details else self._clock.now(now)
+        shown = (content.content(self._details, utc_s, is_old), int(now / self._page_s))
+        if shown != (self.content, self._page):
+            self.content, self._page = shown
+            self.update()
+
+    @property
+    def is_old(self) -> bool:
+        """Whether the core has been silent for too long."""
+        return self._heard is None or time.monotonic() - self._heard > SILENT_S
+
+    # -- painting -----------------------------------------------------------------------------------
+
+    def paintEvent(self, event) -> None:
+        painter = QPainter(self)
+        painter.setRenderHints(QPainter.TextAntialiasing | QPainter.Antialiasing)
+        painter.fillRect(self.rect(), BACKGROUND)
+        writer = Writer(painter)
+        screen = Screen(self.width(), self.height())
+        if self.content.is_known:
+            self._paint_all(painter, writer, screen)
+        else:
+            middle = Rect(screen.edge, 0.4 * screen.height, screen.width - 2 * screen.edge, 0.2 * screen.height)
+            writer.write(middle, content.WAITING, FAINT, 0.4, Qt.AlignHCenter)
+        self.written = writer.written
+
+    def _paint_all(self, painter: QPainter, writer: Writer, screen: Screen) -> None:
+        shown = layout.pages(self.content.cards, layout.CARDS_ON_A_PAGE)
+        number = self._page % len(shown)
+        self._paint_head(painter, writer, screen, _page_mark("Runs", number, len(shown)))
+        places = screen.cards(len(shown[number]))
+        for card, place in zip(shown[number], places):
+            self._paint_card(painter, writer, card, place)
+        if not self.content.cards:
+            writer.write(places[0], "Nothing is running at the moment", TEXT)
+        self._paint_below(writer, screen, screen.below(places))
+
+    def _paint_head(self, painter: QPainter, writer: Writer, screen: Screen, page: str) -> None:
+        head = screen.head()
+        if self.content.trouble:
+            painter.fillRect(QRectF(0, 0, screen.width, head.h - screen.edge / 2), OLD_BACKGROUND)
+            writer.write(head._replace(h=head.h - screen.edge / 2), self.content.trouble, TEXT, 0.5, Qt.AlignHCenter)
+            return
+        date, middle, clock = head.columns(screen.edge, 0.5 * head.w, 0.2 * head.w)
+        writer.write(date, self.content.date, FAINT, 0.4)
+        writer.write(middle, page, FAINT, 0.4, Qt.AlignHCenter)
+        writer.write(clock, self.content.clock, TEXT, 0.7, Qt.AlignRight)
+
+    def _paint_card(self, painter: QPainter, writer: Writer, card: Card, place: Rect) -> None:
+        look = OLD_LOOK if self.content.trouble else LOOKS.get(card.phase, OLD_LOOK)
+        edge = 0.12 * place.h
+        painter.setPen(Qt.NoPen)
+        painter.setBrush(CARD_BACKGROUND)
+        painter.drawRoundedRect(QRectF(*place), edge / 2, edge / 2)
+        painter.setBrush(look.stripe)
+        painter.drawRoundedRect(QRectF(place.x, place.y, edge, place.h), edge / 2, edge / 2)
+        inside = Rect(place.x + 2 * edge, place.y + edge / 3, place.w - 3 * edge, place.h - 2 * edge / 3)
+        parts = layout.card_parts(place, inside, Screen(self.width(), self.height()))
+        writer.write(parts.team, card.team, look.team, bold=True)
+        writer.write(parts.benchmark, card.benchmark, look.team)
+        writer.write(parts.place, card.place, FAINT)
+        writer.write(parts.big, card.big, look.big, 0.8, Qt.AlignRight, bold=True)
+        writer.write(parts.word, card.word, look.big, side=Qt.AlignRight)
+
+    def _paint_below(self, writer: Writer, screen: Screen, area: Rect) -> None:
+        """What comes next, and in turns with it the pages of results."""
+        sections = [("Next", self.content.following[:layout.rows_that_fit(area, screen.unit, False)])]
+        if self.content.results:
+            fit = layout.rows_that_fit(area, screen.unit, _have_scores(self.content.results))
+            parts = layout.pages(self.content.results, fit)
+            sections += [(_page_mark("Results", i, len(parts)) or "Results", part) for i, part in enumerate(parts)]
+        title, lines = sections[self._page % len(sections)]
+        unit = screen.unit
+        writer.write(area._replace(h=layout.TITLE * unit), title, FAINT, 0.72)
+        rest = Rect(area.x, area.y + layout.TITLE * unit, area.w, area.h - layout.TITLE * unit)
+        if lines:
+            self._paint_lines(writer, lines, rest, unit)
+        else:
+            writer.write(rest._replace(h=layout.ROW * unit), "The schedule is done", TEXT, LETTERS)
+
+    def _paint_lines(self, writer: Writer, lines: Sequence[Line], area: Rect, unit: float) -> None:
+        letters, gap = LETTERS * layout.ROW * unit, 0.03 * unit
+        times, teams, lasts = _columns(lines, letters, area.w)
+        rest = max(0.0, area.w - times - teams - lasts - 3 * gap)
+        with_scores = _have_scores(lines)
+        colour = FAINT if self.content.trouble else TEXT
+        top = area.y
+        for line in lines:
+            row = Rect(area.x, top, area.w, layout.ROW * unit)
+            when, team, benchmark, last = row.columns(gap, times, teams, rest)
+            writer.write(when, line.time, FAINT, LETTERS)
+            writer.write(team, line.team, colour, LETTERS, bold=True)
+            writer.write(benchmark, line.benchmark, colour, LETTERS)
+            writer.write(last, line.last, FAINT, LETTERS, Qt.AlignRight)
+            top = row.bottom
+            if with_scores:
+                scores = Rect(team.x, top, row.right - team.x, layout.SCORES_ROW * unit)
+                writer.write(scores, line.scores, FAINT, 0.72)
+                top = scores.bottom
+
+
+def _columns(lines: Sequence[Line], letters: float, wide: float) -> Tuple[float, float, float]:
+    """Widths of time, team and last: as much as they need, up to a share of the row."""
+    times = max(width(line.time, letters) for line in lines)
+    teams = max(width(line.team, letters, bold=True) for line in lines)
+    lasts = max(width(line.last, letters) for line in lines)
+    return min(1.02 * times, 0.2 * wide), min(1.02 * teams, 0.3 * wide), min(1.02 * lasts, 0.22 * wide)
+
+
+def _have_scores(lines: Sequence[Line]) -> bool:
+    return any(line.scores for line in lines)
+
+
+def _page_mark(title: str, number: int, count: int) -> str:
+    """Which page of several is shown; empty where there is one."""
+    return f"{title} {number + 1}/{count}" if count > 1 else ""

@@ -1,0 +1,32 @@
+"""The levels of a log's lines: the word is in the line (the core writes it), the colour makes it stand out."""
+
+import re
+
+from python_qt_binding.QtGui import QColor, QSyntaxHighlighter, QTextCharFormat, QTextDocument
+
+from roah_rsbb.rqt.widgets import basic
+
+# A time, then the level of what is no plain information.
+LINE = re.compile(r"^\S+ (WARNING|ERROR): ")
+TONES = {"WARNING": basic.OLD, "ERROR": basic.ALARM}
+
+
+class LevelColours(QSyntaxHighlighter):
+    """Colours the lines of a document, also those that come later."""
+
+    def __init__(self, document: QTextDocument) -> None:
+        super().__init__(document)
+        self._looks = {level: _look(tone) for level, tone in TONES.items()}
+
+    def highlightBlock(self, text: str) -> None:
+        match = LINE.match(text)
+        if match:
+            self.setFormat(0, len(text), self._looks[match.group(1)])
+
+
+def _look(tone: basic.Tone) -> QTextCharFormat:
+    look = QTextCharFormat()
+    look.setBackground(QColor(tone.background))
+    look.setForeground(QColor(tone.text))
+    look.setFontWeight(75)
+    return look

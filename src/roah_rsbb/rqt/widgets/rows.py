@@ -1,0 +1,90 @@
+"""A table to choose a line from: what changes in it moves neither the choice nor the place that is looked at."""
+
+from typing import Hashable, List, NamedTuple, Optional, Sequence, Tuple
+
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTableWidgetItem, QWidget
+
+from roah_rsbb.rqt.widgets import basic
+
+
+class Row(NamedTuple):
+    """A line of the table."""
+
+    key: Hashable  # what it is about, None: it cannot be chosen
+    texts: Tuple[str, ...]
+    bold: bool = False
+    off: bool = False  # it counts no more: struck out, but for the last column, which says why
+
+
+class Rows(QTableWidget):
+    """Lines of text in columns; one can be chosen."""
+
+    def __init__(
+        self, columns: Sequence[str], stretched: Tuple[int, ...], wrapped: bool = True,
+        parent: Optional[QWidget] = None,
+    ) -> None:
+        """`stretched`: the columns that share the room that is left; long texts take several lines if `wrapped`."""
+        super().__init__(0, len(columns), parent)
+        basic.enlarged(self, 1.05)
+        self.setHorizontalHeaderLabels(list(columns))
+        self.setAlternatingRowColors(True)
+        self.setShowGrid(False)
+        self.setWordWrap(wrapped)
+        self.setSelectionBehavior(QAbstractItemView.SelectRows)
+        self.setSelectionMode(QAbstractItemView.SingleSelection)
+        self.setEditTriggers(QAbstractItemView.NoEditTriggers)
+        self.setTabKeyNavigation(False)
+        self.verticalHeader().hide()
+        self.verticalHeader().setMinimumSectionSize(round(1.4 * basic.em()))
+        self.verticalHeader().setSectionResizeMode(QHeaderView.ResizeToContents)
+        self.horizontalHeader().setHighlightSections(False)
+        self.horizontalHeader().setDefaultAlignment(Qt.AlignLeft | Qt.AlignVCenter)
+        for column in range(len(columns)):
+            mode = QHeaderView.Stretch if column in stretched else QHeaderView.ResizeToContents
+            self.horizontalHeader().setSectionResizeMode(column, mode)
+        self._rows: List[Row] = []
+
+    @property
+    def chosen(self) -> Optional[Hashable]:
+        """The key of the chosen line."""
+        index = self.currentRow()
+        return self._rows[index].key if 0 <= index < len(self._rows) else None
+
+    def choose(self, key: Hashable) -> None:
+        """Choose the line with this key, if there is one."""
+        keys = [row.key for row in self._rows]
+        if key is not None and key in keys:
+            self.selectRow(keys.index(key))
+
+    def show_rows(self, rows: List[Row]) -> None:
+        """Show other lines; the choice stays with its key."""
+        if rows == self._rows:
+            return
+        chosen, place = self.chosen, self.verticalScrollBar().value()
+        self.blockSignals(True)
+        if [row.key for row in rows] != [row.key for row in self._rows]:
+            self.setCurrentItem(None)
+        self.setRowCount(len(rows))
+        self._rows = rows
+        for index, row in enumerate(rows):
+            self._fill(index, row)
+        self.choose(chosen)
+        self.blockSignals(False)
+        self.verticalScrollBar().setValue(place)
+
+    def texts(self) -> List[Tuple[str, ...]]:
+        """What the lines say."""
+        return [row.texts for row in self._rows]
+
+    def _fill(self, index: int, row: Row) -> None:
+        font = self.font()
+        font.setBold(row.bold)
+        for column, text in enumerate(row.texts):
+            item = QTableWidgetItem(text)
+            item.setToolTip(basic.tip(text))
+            font.setStrikeOut(row.off and column < len(row.texts) - 1)
+            item.setFont(font)
+            item.setTextAlignment(Qt.AlignTop | Qt.AlignLeft)
+            item.setFlags(Qt.ItemIsEnabled if row.key is None else Qt.ItemIsEnabled | Qt.ItemIsSelectable)
+            self.setItem(index, column, item)

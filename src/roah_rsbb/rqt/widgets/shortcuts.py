@@ -1,0 +1,51 @@
+"""Keyboard shortcuts of commands, protected against a slip of the hand."""
+
+import time
+from typing import Callable, Hashable, Tuple
+
+from python_qt_binding.QtCore import Qt
+from python_qt_binding.QtGui import QKeySequence
+from python_qt_binding.QtWidgets import QShortcut
+
+from roah_rsbb.rqt.panels.panel import Answer, Panel
+from roah_rsbb.rqt.widgets import presses
+from roah_rsbb.rqt.widgets.basic import CommandButton
+
+
+class TwiceKey:
+    """A key that gives a button's command when it is pressed twice, in whatever panel of the process the focus is."""
+
+    def __init__(
+        self, panel: Panel, key: str, button: CommandButton, answer: Answer,
+        what: Callable[[], Tuple[Hashable, str]], act: Callable[[], None],
+    ) -> None:
+        """`what()`: what would be done now (both presses must be for the same), and how the referee calls that."""
+        self._key = key
+        self._button = button
+        self._answer = answer
+        self._what = what
+        self._act = act
+        self._presses = panel.client.presses
+        self._asked = False
+        shortcut = QShortcut(QKeySequence(key), panel)
+        shortcut.setContext(Qt.ApplicationShortcut)
+        shortcut.setAutoRepeat(False)
+        shortcut.activated.connect(self._press)
+        # Two of these panels in one process: either may take the key, they share the count of presses.
+        shortcut.activatedAmbiguously.connect(self._press)
+
+    def forget(self) -> None:
+        """Take the question back when the time for the second press is over; call it now and then."""
+        if self._asked and self._presses.armed(time.monotonic()) is None:
+            self._asked = False
+            self._answer.clear_answer()
+
+    def _press(self) -> None:
+        now, (what, label) = time.monotonic(), self._what()
+        if not self._button.is_on():
+            self._answer.warn(f"{label}: {self._button.why_off or 'just pressed'}")
+        elif self._presses.press(now, what):
+            self._act()
+        elif self._presses.armed(now) == what:
+            self._answer.warn(f"{label}?  Press {self._key} again within {presses.WITHIN_S:.0f} s")
+            self._asked = True

@@ -1,0 +1,119 @@
+"""A line that searches a text: next, previous, how many there are, and all of them highlighted."""
+
+from typing import List, Optional
+
+from python_qt_binding.QtCore import Qt, Signal
+from python_qt_binding.QtGui import QColor, QKeySequence, QTextCharFormat, QTextCursor
+from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QPlainTextEdit, QShortcut, QTextEdit, QWidget
+
+from roah_rsbb.rqt.widgets import basic
+
+# More than so many would make a text slow that is highlighted all over.
+MOST = 1000
+FOUND = basic.Tone("#ffe08a", "#000000")
+# Beside its colour it is underlined, and its number is in the count.
+HERE = basic.Tone("#14508c", "#ffffff")
+
+
+class TextSearch(QWidget):
+    """Searches `view`, whatever the case. Ctrl+F goes here, F3 and Shift+F3 to the next and the previous one."""
+
+    jumped = Signal()  # the view shows what was found now
+
+    def __init__(self, view: QPlainTextEdit, owner: QWidget) -> None:
+        """`owner`: the keys work where the focus is inside it."""
+        super().__init__()
+        self._view = view
+        self._found: List[QTextCursor] = []
+        self._here: Optional[int] = None
+        self.line = QLineEdit(placeholderText="Search (Ctrl+F)", clearButtonEnabled=True)
+        self.count = QLabel()
+        self.count.setMinimumWidth(round(6 * basic.em()))
+        self.previous = basic.CommandButton("▲", "Previous one (Shift+F3)", 1.0)
+        self.next = basic.CommandButton("▼", "Next one (F3, Enter)", 1.0)
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.line, 1)
+        for widget in (self.count, self.previous, self.next):
+            layout.addWidget(widget)
+        self.line.textChanged.connect(self._on_text)
+        self.line.returnPressed.connect(lambda: self.go(1))
+        self.previous.clicked.connect(lambda: self.go(-1))
+        self.next.clicked.connect(lambda: self.go(1))
+        view.textChanged.connect(self.search)
+        for key, act in (("Ctrl+F", self._focus), ("F3", lambda: self.go(1)), ("Shift+F3", lambda: self.go(-1))):
+            shortcut = QShortcut(QKeySequence(key), owner)
+            shortcut.setContext(Qt.WidgetWithChildrenShortcut)
+            shortcut.activated.connect(act)
+        self.search()
+
+    def search(self) -> None:
+        """Look again: the text has changed. What was gone to stays where it is."""
+        here = None if self._here is None else self._found[self._here].selectionStart()
+        self._found = self._all()
+        starts = [cursor.selectionStart() for cursor in self._found]
+        self._here = starts.index(here) if here in starts else None
+        self._show()
+
+    def go(self, by: int) -> None:
+        """Go to the next (1) or the previous one (-1); behind the last one comes the first."""
+        if not self._found:
+            return
+        if self._here is None:
+            self._here = self._nearest(by)
+        else:
+            self._here = (self._here + by) % len(self._found)
+        cursor = QTextCursor(self._found[self._here])
+        cursor.clearSelection()
+        self._view.setTextCursor(cursor)
+        self._view.centerCursor()
+        self._show()
+        self.jumped.emit()
+
+    def _all(self) -> List[QTextCursor]:
+        wanted, document = self.line.text(), self._view.document()
+        cursor, found = QTextCursor(document), []
+        while wanted and len(found) < MOST:
+            cursor = document.find(wanted, cursor)
+            if cursor.isNull():
+                break
+            found.append(QTextCursor(cursor))
+        return found
+
+    def _nearest(self, by: int) -> int:
+        """Where to begin: with the first one that can be seen, or with the last one above it."""
+        top = self._view.firstVisibleBlock().position()
+        below = [i for i, cursor in enumerate(self._found) if cursor.selectionStart() >= top]
+        first = below[0] if below else 0
+        return first if by > 0 else (first - 1) % len(self._found)
+
+    def _on_text(self) -> None:
+        self._here = None
+        self.search()
+
+    def _focus(self) -> None:
+        self.line.setFocus()
+        self.line.selectAll()
+
+    def _show(self) -> None:
+        many, text = len(self._found), ""
+        if self.line.text():
+            text = "none" if not many else f"{many}{'+' if many == MOST else ''} found"
+        self.count.setText(text if self._here is None else f"{self._here + 1} of {many}")
+        for button in (self.previous, self.next):
+            button.allow(bool(many), ["Nothing is found" if self.line.text() else "Type what to search for"])
+        self._view.setExtraSelections(
+            [_selection(cursor, number == self._here) for number, cursor in enumerate(self._found)]
+        )
+
+
+def _selection(cursor: QTextCursor, here: bool) -> QTextEdit.ExtraSelection:
+    tone = HERE if here else FOUND
+    selection = QTextEdit.ExtraSelection()
+    selection.cursor = cursor
+    look = QTextCharFormat()
+    look.setBackground(QColor(tone.background))
+    look.setForeground(QColor(tone.text))
+    look.setFontUnderline(here)
+    selection.format = look
+    return selection

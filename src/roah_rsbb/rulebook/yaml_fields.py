@@ -1,0 +1,230 @@
+"""Typed values out of a `yaml_lines` tree; what is not as it should be goes into the report.
+
+Each function takes the node, what it is called in messages, and what is allowed. It returns None after
+an error, which is then in the report, and takes None (and `Unusable`) silently: so a caller reads all it
+needs, and whatever is None is already reported.
+"""
+
+import datetime
+import math
+import re
+import unicodedata
+from typing import Dict, Optional, Tuple
+
+import yaml
+
+from roah_rsbb.rulebook.errors import Report, listing, nearest, quote, suggestion
+from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable
+
+_DECIMAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+_INTEGER = re.compile(r"[+-]?[0-9]{1,18}")
+_TIME = re.compile(
+    r"([0-9]{4})-([0-9]{1,2})-([0-9]{1,2})"
+    r"(?:(?:[Tt]|[ \t]+)([0-9]{1,2}):([0-9]{2})(?::([0-9]{2})(\.[0-9]*)?)?"
+    r"(?:[ \t]*(?:[Zz]|([+-])([0-9]{1,2}):?([0-9]{2})?))?)?"
+)
+# `time` on the ROS interface: uint32 seconds since 1970.
+_LAST_SECOND = 2**32 - 1
+
+# Control characters, line and paragraph separators.
+_NOT_IN_A_LINE = ("Cc", "Zl", "Zp")
+
+# What PyYAML, and so any other program that reads the file, takes an unquoted value for.
+_RESOLVER = yaml.resolver.Resolver()
+_KINDS = {
+    "tag:yaml.org,2002:int": "number",
+    "tag:yaml.org,2002:float": "number",
+    "tag:yaml.org,2002:bool": "yes-or-no value",
+    "tag:yaml.org,2002:timestamp": "date",
+    "tag:yaml.org,2002:null": "word for nothing",
+}
+
+
+def _tag(scalar: Scalar) -> str:
+    return _RESOLVER.resolve(yaml.ScalarNode, scalar.text, (not scalar.quoted, scalar.quoted))
+
+
+def describe(node: Node) -> str:
+    """What stands in the file, for "found ..."; of a secret only its type and length."""
+    if isinstance(node, Mapping):
+        return "a map ('key: value')"
+    if not isinstance(node, Scalar):
+        return "a sequence ('- item', or [a, b])"
+    if not node.text:
+        return "an empty text" if node.quoted else "nothing"
+    tag = _tag(node)
+    kind = _KINDS.get(tag, "text")
+    if node.secret:
+        return f"a {kind} of {len(node.text)} characters"
+    if _DECIMAL.fullmatch(node.text):
+        return f"the quoted text {quote(node.text)}" if node.quoted else f"the number {quote(node.text)}"
+    if kind == "text":
+        return f"the text {quote(node.text)}"
+    if kind == "date":
+        return f"the date {quote(node.text)}"
+    return f"{quote(node.text)} (to YAML, a {kind})"
+
+
+def _wrong(report: Report, node: Node, what: str, expected: str) -> None:
+    if not isinstance(node, Unusable):
+        report.error(node.place, f"{describe(node)} as {what}", expected)
+
+
+def text(report: Report, node: Optional[Node], what: str, max_bytes: Optional[int] = None) -> Optional[str]:
+    """A text of one line, not empty, without blanks around it, of at most `max_bytes` bytes of UTF-8."""
+    if node is None:
+        return None
+    if not isinstance(node, Scalar):
+        return _wrong(report, node, what, "a text; one that begins with [ or { needs quotes")
+    if not node.text:
+        return _wrong(report, node, what, "a text that is not empty")
+    if _tag(node) in _KINDS:
+        return _wrong(report, node, what, "a text: put it in quotes")
+    if any(unicodedata.category(c) in _NOT_IN_A_LINE for c in node.text):
+        return _wrong(report, node, what, "a text of one line, without tabs and control characters")
+    if node.text != node.text.strip():
+        return _wrong(report, node, what, "a text that neither begins nor ends with a blank")
+    size = len(node.text.encode("utf-8"))
+    if max_bytes is not None and size > max_bytes:
+        return _wrong(report, node, what, f"a text of at most {max_bytes} bytes; it has {size}")
+    return node.text
+
+
+def choice(
+    report: Report, node: Optional[Node], what: str, choices: Tuple[str, ...], expected: str
+) -> Optional[str]:
+    """One of `choices`; `expected` says what they are, e.g. "a benchmark code"."""
+    if node is None:
+        return None
+    word = node.text if isinstance(node, Scalar) else ""
+    return word if word in choices else _wrong(report, node, what, expected + suggestion(word, choices))
+
+
+def _number_shape(unit: str, above: Optional[float], least: Optional[float], most: Optional[float]) -> str:
+    low = f"above {above:g}" if above is not None else f"at least {least:g}" if least is not None else ""
+    high = f"at most {most:g}" if most is not None else ""
+    bounds = " and ".join(filter(None, [low, high]))
+    return " ".join(filter(None, ["a number", f"of {unit}" if unit else "", bounds]))
+
+
+def number(
+    report: Report,
+    node: Optional[Node],
+    what: str,
+    unit: str = "",
+    above: Optional[float] = None,
+    least: Optional[float] = None,
+    most: Optional[float] = None,
+) -> Optional[float]:
+    """A finite decimal number above `above` (or from `least`) up to `most`; `unit`, e.g. "seconds"."""
+    if node is None:
+        return None
+    shape = _number_shape(unit, above, least, most)
+    if not isinstance(node, Scalar) or not _DECIMAL.fullmatch(node.text):
+        return _wrong(report, node, what, shape + ": digits only, '.' before decimals")
+    if node.quoted:
+        return _wrong(report, node, what, shape + ": take the quotes away")
+    value = float(node.text)
+    low = (above is None or value > above) and (least is None or value >= least)
+    if not (low and (most is None or value <= most) and math.isfinite(value)):
+        return _wrong(report, node, what, shape)
+    return value
+
+
+def integer(report: Report, node: Optional[Node], what: str, least: int, most: int) -> Optional[int]:
+    """A whole decimal number from `least` to `most`."""
+    if node is None:
+        return None
+    shape = f"a whole number from {least} to {most}"
+    if not isinstance(node, Scalar) or not _INTEGER.fullmatch(node.text):
+        return _wrong(report, node, what, shape)
+    if node.quoted:
+        return _wrong(report, node, what, shape + ": take the quotes away")
+    value = int(node.text)
+    return value if least <= value <= most else _wrong(report, node, what, shape)
+
+
+def utc_time(report: Report, node: Optional[Node], what: str) -> Optional[float]:
+    """A date, with or without a time of day, as UTC seconds since 1970.
+
+    Quoted or not; without a zone it is UTC, with one ("+01:00") it is converted.
+    """
+    if node is None:
+        return None
+    found = _TIME.fullmatch(node.text) if isinstance(node, Scalar) else None
+    if found is None:
+        return _wrong(report, node, what, "a date and time in UTC such as 2015-12-31 14:30:00")
+    try:
+        seconds = _utc_seconds(found)
+    except (ValueError, OverflowError):
+        return _wrong(report, node, what, "a day and time of day that exist, such as 2015-12-31 14:30:00")
+    if not 0 <= seconds <= _LAST_SECOND:
+        return _wrong(report, node, what, "a date from 1970 to 2105")
+    return seconds
+
+
+def _utc_seconds(found: "re.Match[str]") -> float:
+    whole = [int(part or 0) for part in found.group(1, 2, 3, 4, 5, 6)]
+    sign, hours, minutes = found.group(8, 9, 10)
+    offset = datetime.timedelta(hours=int(hours or 0), minutes=int(minutes or 0))
+    if offset >= datetime.timedelta(days=1) or int(minutes or 0) >= 60:
+        raise ValueError("no such time zone")
+    utc = datetime.datetime(*whole, tzinfo=datetime.timezone.utc) + (offset if sign == "-" else -offset)
+    return utc.timestamp() + float("0" + (found.group(7) or ""))
+
+
+def sequence(
+    report: Report, node: Optional[Node], what: str, shape: str
+) -> Optional[Tuple[Node, ...]]:
+    """The items of a sequence with at least one; `shape` says what of, e.g. "runs, '- {run: 1}'"."""
+    if node is None:
+        return None
+    if not isinstance(node, Sequence):
+        return _wrong(report, node, what, f"a sequence of {shape}")
+    if not node.items:
+        return report.error(node.place, f"an empty sequence as {what}", f"a sequence of {shape}")
+    return node.items
+
+
+def _word(key: Scalar) -> str:
+    """What an unknown key was meant to be: only its beginning where the blank after the colon is missing."""
+    return key.text.split(":")[0]
+
+
+def _why_no_value(key: Scalar, value: Node) -> str:
+    """Why an unknown key without value may be none at all, as in ``{run:1, desc: Hits, or damages}``."""
+    if not isinstance(value, Scalar) or value.text or value.quoted:
+        return ""
+    return " (a blank after the colon)" if ":" in key.text else " (a text with a comma needs quotes)"
+
+
+def fields(
+    report: Report,
+    node: Optional[Node],
+    what: str,
+    required: Dict[str, str],
+    optional: Dict[str, str],
+) -> Optional[Dict[str, Node]]:
+    """The values of a map with known keys, by key; keys that are missing are missing here, too.
+
+    `what` is e.g. "a benchmark"; `required` and `optional` map each key to an example of its value.
+    """
+    if node is None:
+        return None
+    if not isinstance(node, Mapping):
+        shape = ", ".join(f"{key}: {example}" for key, example in required.items())
+        return _wrong(report, node, what, f"a map '{shape}'")
+    known = {**required, **optional}
+    found = {key.text: value for key, value in node.pairs if key.text in known}
+    unknown = [(key, value) for key, value in node.pairs if key.text not in known]
+    for key, value in unknown:
+        if not isinstance(value, Unusable):
+            expected = f"a key of {what}{suggestion(_word(key), known)}{_why_no_value(key, value)}"
+            report.error(key.place, f"the unknown key {quote(key.text)} in {what}", expected)
+    # A misspelt key is one mistake, not two; and a pair that could not be read may be what is missing.
+    misspelt = {nearest(_word(key), known) for key, _ in unknown}
+    missing = [key for key in required if key not in found and key not in misspelt]
+    if missing and node.whole and not any(isinstance(value, Unusable) for _, value in unknown):
+        examples = listing(f"'{key}: {required[key]}'" for key in missing)
+        report.error(node.place, f"{what} without {listing(missing)}", f"something like {examples}")
+    return found

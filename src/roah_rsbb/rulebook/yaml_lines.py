@@ -1,0 +1,300 @@
+"""YAML files as a tree that knows its lines, so that errors can name them.
+
+Stricter than YAML, because these files are written by people in a hurry: a key may stand in a map
+only once (PyYAML silently takes the last), and anchors, aliases and tags are errors (no Python
+objects, no "billion laughs"). Whatever is in the file, the worst that happens is an entry in the
+report. `yaml_fields` takes typed values out of the tree. Passwords: a tree that was read with `secret`
+knows so, and no message shows its text.
+"""
+
+import bisect
+import os
+import re
+import stat
+from dataclasses import dataclass, field
+from typing import Dict, List, NoReturn, Optional, Tuple
+
+import yaml
+
+from roah_rsbb.rulebook.errors import Place, Report, line_list, nearest, quote
+from roah_rsbb.rulebook.yaml_syntax import explain
+
+# A schedule of ten thousand runs. Reading this much takes PyYAML two to six seconds.
+MAX_BYTES = 1_000_000
+# Configuration files are at most seven levels deep.
+MAX_DEPTH = 20
+
+_LINE_END = re.compile("\r\n|\r|\n")
+_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
+
+
+@dataclass(frozen=True)
+class Node:
+    """Anything in a file; `place` is where it begins."""
+
+    place: Place
+
+
+@dataclass(frozen=True)
+class Unusable(Node):
+    """Something that is already in the report as an error: who meets it says nothing more."""
+
+
+@dataclass(frozen=True)
+class Scalar(Node):
+    """A single value, as the text that stands in the file (quotes and escapes resolved)."""
+
+    text: str = field(repr=False)
+    quoted: bool
+    secret: bool
+
+
+@dataclass(frozen=True)
+class Sequence(Node):
+    """The items of a sequence."""
+
+    items: Tuple[Node, ...]
+
+
+@dataclass(frozen=True)
+class Mapping(Node):
+    """Keys and values in the file's order; each key once.
+
+    `whole` is False if a pair could not be read, or a key stands twice: then that may be what seems to
+    be missing.
+    """
+
+    pairs: Tuple[Tuple[Scalar, Node], ...]
+    whole: bool
+
+
+class _Stop(Exception):
+    """The rest of the file cannot be read: a syntax error, reported by the catcher."""
+
+    def __init__(self, place: Place, found: str, expected: str) -> None:
+        super().__init__(found)
+        self.error = (place, found, expected)
+
+
+def read_yaml(path: str, report: Report, what: str, shape: str, secret: bool = False) -> Optional[Node]:
+    """Read a file; None after an error that stops it (missing, unreadable, not YAML, empty).
+
+    `what` names the file in messages, e.g. "the schedule file (parameter schedule_file)"; `shape` says
+    what it should contain. Errors that leave the rest readable are reported, and `Unusable` stands in
+    their place.
+    """
+    text = read_text(path, report, what)
+    try:
+        return None if text is None else _Builder(path, text, report, secret).build(shape)
+    except _Stop as stop:
+        report.error(*stop.error)
+        return None
+
+
+def read_text(path: str, report: Report, what: str) -> Optional[str]:
+    """The text of a file that is no larger than a configuration file; None after an error."""
+    try:
+        return _decode(path, _read(path, what))
+    except _Stop as stop:
+        report.error(*stop.error)
+        return None
+
+
+def _read(path: str, what: str) -> bytes:
+    whole = Place(path, 0, 0)
+    if not path:
+        raise _Stop(whole, "an empty file name", what)
+    try:
+        # A pipe or a device might block for ever.
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            raise _Stop(whole, "a directory or a device", f"a file: {what}")
+        with open(path, "rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except FileNotFoundError:
+        raise _Stop(whole, f"no file {quote(os.path.abspath(path))}", what + _neighbour(path)) from None
+    except PermissionError:
+        raise _Stop(whole, "a file that the box may not read", f"{what}; see 'chmod' and 'chown'") from None
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+        raise _Stop(whole, f"something that cannot be read ({error})", f"a readable file: {what}") from None
+    if len(data) > MAX_BYTES:
+        raise _Stop(whole, f"more than {MAX_BYTES // 1000} kB", f"{what}, which is much smaller")
+    return data
+
+
+def _neighbour(path: str) -> str:
+    """The end of the message about a missing file: a file beside it with a similar name."""
+    folder, name = os.path.split(os.path.abspath(path))
+    try:
+        near = nearest(name, os.listdir(folder))
+    except OSError:
+        return f"; there is no directory {quote(folder)} either"
+    return f": did you mean {quote(near)} there?" if near else ""
+
+
+def _decode(path: str, data: bytes) -> str:
+    if data.startswith(_UTF16_MARKS):
+        raise _Stop(Place(path, 1, 1), "UTF-16 text", "UTF-8: choose this encoding in the editor's 'save as'")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        place = Place(path, before.count(b"\n") + 1, error.start - before.rfind(b"\n"))
+        found = "a character that is not UTF-8"
+        raise _Stop(place, found, "UTF-8: choose this encoding in the editor's 'save as'") from None
+
+
+class _Builder:
+    """Makes the tree from PyYAML's events; these come one by one, so that depth can be limited."""
+
+    def __init__(self, path: str, text: str, report: Report, secret: bool) -> None:
+        self._path = path
+        self._text = text
+        self._report = report
+        self._secret = secret
+        # PyYAML also counts U+2028 and the like as line ends; editors do not.
+        self._line_starts = [0] + [m.end() for m in _LINE_END.finditer(text) if m.end() < len(text)]
+        self._last: Optional[yaml.Event] = None
+        self._open_brackets: List[Place] = []
+        try:
+            self._loader = yaml.SafeLoader(text)
+        except yaml.reader.ReaderError as error:
+            place = self._place(error.position)
+            raise _Stop(place, "a control character", "text: delete it and type it again") from None
+
+    def build(self, shape: str) -> Node:
+        """The tree of the file's only document."""
+        self._next()
+        event = self._next()
+        if isinstance(event, yaml.StreamEndEvent):
+            found = "nothing but comments" if self._text.strip() else "an empty file"
+            raise _Stop(self._place(0), found, shape)
+        node = self._node(self._next(), 0)
+        self._next()
+        event = self._next()
+        if not isinstance(event, yaml.StreamEndEvent):
+            raise _Stop(self._at(event), "a second document after a '---' or '...' line", "no such line")
+        return node
+
+    def _next(self) -> yaml.Event:
+        try:
+            self._last = self._loader.get_event()
+            return self._last
+        except yaml.MarkedYAMLError as error:
+            self._stop_at(error)
+        except (yaml.YAMLError, ValueError, OverflowError):
+            # PyYAML lets these out at impossible escapes and version numbers.
+            place = self._place(self._loader.index)
+            raise _Stop(place, "an escape or a number that no program can read", "plain text") from None
+
+    def _stop_at(self, error: yaml.MarkedYAMLError) -> NoReturn:
+        if isinstance(self._last, yaml.ScalarEvent) and self._last.style in ("'", '"'):
+            begin, end = self._at(self._last), self._place(self._last.end_mark.index)
+            if end.line > begin.line:
+                found = f"a quote that is opened here and closed only in line {end.line}"
+                raise _Stop(begin, found, "a quote at the text's end, too") from None
+        if "<stream end>" in error.problem and self._open_brackets:
+            found = "a '[' or '{' that is opened here and never closed"
+            raise _Stop(self._open_brackets[-1], found, "a ']' or '}' at its end") from None
+        stop = self._place(error.problem_mark.index)
+        start = self._line_starts[stop.line - 1]
+        why = explain(error, self._text[start : start + stop.column - 1])
+        mark = (error.context_mark if why.at_begin else None) or error.problem_mark
+        place = self._place(mark.index)
+        also = self._other_tabs(place.line) if self._text.startswith("\t", mark.index) else ""
+        raise _Stop(place, why.found + also, why.expected) from None
+
+    def _other_tabs(self, line: int) -> str:
+        """A tab is seldom alone: name the other lines that are indented with one."""
+        lines = enumerate(_LINE_END.split(self._text), start=1)
+        others = [number for number, text in lines if number != line and re.match(" *\t", text)]
+        if not others:
+            return ""
+        return f" (and at the beginning of line {line_list(others)})"
+
+    def _place(self, index: int) -> Place:
+        line = bisect.bisect_right(self._line_starts, index) - 1
+        return Place(self._path, line + 1, index - self._line_starts[line] + 1)
+
+    def _at(self, event: yaml.Event) -> Place:
+        return self._place(event.start_mark.index)
+
+    def _node(self, event: yaml.Event, depth: int) -> Node:
+        place = self._at(event)
+        if depth > MAX_DEPTH:
+            raise _Stop(place, f"{MAX_DEPTH} levels of nesting", "far fewer: look for repeated [ or {")
+        if isinstance(event, yaml.AliasEvent):
+            return self._unusable(place, "*", "an alias")
+        if isinstance(event, yaml.ScalarEvent):
+            node = self._scalar(event, place)
+        else:
+            node = self._collection(event, place, depth)
+        if event.anchor is not None:
+            return self._unusable(place, "&", "an anchor")
+        if event.tag is not None:
+            return self._unusable(place, "!", "a tag")
+        return node
+
+    def _unusable(self, place: Place, mark: str, name: str) -> Unusable:
+        self._report.error(
+            place,
+            f"a '{mark}', which in YAML begins {name}",
+            f"the value itself, or quotes around a text that begins with '{mark}'",
+        )
+        return Unusable(place)
+
+    def _scalar(self, event: yaml.ScalarEvent, place: Place) -> Node:
+        if any("\ud800" <= c <= "\udfff" for c in event.value):
+            self._report.error(place, "an escape (\\u...) that is not a character", "the character itself")
+            return Unusable(place)
+        return Scalar(place, event.value, not event.implicit[0], self._secret)
+
+    def _collection(self, event: yaml.CollectionStartEvent, place: Place, depth: int) -> Node:
+        read = self._sequence if isinstance(event, yaml.SequenceStartEvent) else self._mapping
+        if not event.flow_style:
+            return read(place, depth)
+        self._open_brackets.append(place)
+        node = read(place, depth)
+        self._open_brackets.pop()
+        return node
+
+    def _sequence(self, place: Place, depth: int) -> Sequence:
+        items: List[Node] = []
+        event = self._next()
+        while not isinstance(event, yaml.SequenceEndEvent):
+            items.append(self._node(event, depth + 1))
+            event = self._next()
+        return Sequence(place, tuple(items))
+
+    def _mapping(self, place: Place, depth: int) -> Mapping:
+        pairs: Dict[str, Tuple[Scalar, Node]] = {}
+        again: List[Scalar] = []
+        whole = True
+        event = self._next()
+        while not isinstance(event, yaml.MappingEndEvent):
+            key = self._node(event, depth + 1)
+            value = self._node(self._next(), depth + 1)
+            if not isinstance(key, Scalar):
+                whole = False
+                if not isinstance(key, Unusable):
+                    self._report.error(key.place, "a map or a sequence as key", "a text, e.g. 'name: value'")
+            elif key.text in pairs:
+                again.append(key)
+                # Which of the values is meant, and under which key, is anybody's guess.
+                pairs[key.text] = (pairs[key.text][0], Unusable(value.place))
+            else:
+                pairs[key.text] = (key, value)
+            event = self._next()
+        self._report_again(pairs, again)
+        return Mapping(place, tuple(pairs.values()), whole and not again)
+
+    def _report_again(self, pairs: Dict[str, Tuple[Scalar, Node]], again: List[Scalar]) -> None:
+        """Report keys that stand in a map for a second time."""
+        begin = next(iter(pairs), None)
+        for key in again:
+            name = "the same key" if self._secret else f"the key {quote(key.text)}"
+            expected = f"each key once: it stands already in line {pairs[key.text][0].place.line}"
+            if key.text == begin and not self._secret:
+                # Two items have become one: that their other keys stand twice as well is no news.
+                self._report.error(key.place, f"{name} again", f"{expected} (a new item begins with '- ')")
+                break
+            self._report.error(key.place, f"{name} again", expected)

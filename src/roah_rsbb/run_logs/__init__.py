@@ -1,0 +1,1 @@
+"""Run logs: one rosbag per run. Writing, repairing, naming, reading."""

@@ -1,0 +1,254 @@
+"""The file of one run log: a bag that grows, and a whole one that is put in place at once.
+
+A bag that is being written is locked (flock): by this another process knows that it is in use.
+"""
+
+import collections
+import contextlib
+import errno
+import fcntl
+import io
+import itertools
+import os
+import types
+from typing import IO, Counter, Iterable, Iterator, List, Optional, Tuple
+
+import genpy
+import rosbag
+from std_msgs.msg import Empty, String, UInt8
+
+from roah_rsbb.core.run_log import KINDS, LogKind
+from roah_rsbb.msg import Score
+from roah_rsbb.run_logs.salvage import Message, NotABag, Salvage
+
+# What is written anew is in a file of this ending until it is complete.
+DRAFT = ".draft"
+# A damaged bag that was replaced by what could be read of it is kept under this ending.
+DAMAGED = ".damaged"
+
+# topic (of `roah_rsbb.core.run_log`), value, UTC (s)
+LogEntry = Tuple[str, object, float]
+
+# What writing a bag may raise.
+WRITE_ERRORS = (OSError, ValueError, rosbag.ROSBagException)
+
+_TYPES = {LogKind.UINT8: UInt8, LogKind.STRING: String, LogKind.SCORE: Score, LogKind.EMPTY: Empty}
+_HEADERS = {
+    kind: {"type": cls._type, "md5sum": cls._md5sum, "message_definition": cls._full_text}
+    for kind, cls in _TYPES.items()
+}
+
+
+class BadEntry(Exception):
+    """An entry that no message can hold."""
+
+
+def message_of(entry: LogEntry) -> Message:
+    """The message of an entry; raises `BadEntry`."""
+    topic, value, utc = entry
+    try:
+        kind = KINDS[topic]
+        arguments = value if kind is LogKind.SCORE else () if kind is LogKind.EMPTY else (value,)
+        buffer = io.BytesIO()
+        _TYPES[kind](*arguments).serialize(buffer)
+        stamp = genpy.Time.from_sec(utc)
+    except (genpy.MessageException, TypeError, ValueError, KeyError) as error:
+        raise BadEntry(f"{topic} cannot hold {value!r}: {error}") from None
+    return Message(topic, (stamp.secs, stamp.nsecs), buffer.getvalue(), _HEADERS[kind])
+
+
+class GrowingBag:
+    """A bag that grows. All methods raise `WRITE_ERRORS`, then only `abandon` may still be called."""
+
+    def __init__(self, path: str, is_new: bool = True) -> None:
+        """`is_new`: raise FileExistsError rather than overwrite a file."""
+        self.path = path
+        self._file = open(path, "x+b" if is_new else "w+b")  # noqa: SIM115 (closed with the bag)
+        self._dirty = False
+        self._stamp = (0, 0)
+        self._same = 0
+        try:
+            # Some network file systems know no locks: there is none who asks, either.
+            with contextlib.suppress(OSError):
+                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._bag = rosbag.Bag(self._file, "w")
+            self._file.flush()
+        except BaseException:
+            self.abandon()
+            raise
+
+    def write(self, message: Message) -> None:
+        """Append a message and hand it to the system, so that it outlives this process.
+
+        Messages of one moment get stamps of their own: a reader sorts them by these.
+        """
+        self._same = self._same + 1 if message.stamp == self._stamp else 0
+        self._stamp = message.stamp
+        header = {"topic": message.topic, **message.kind}
+        md5sum, definition = _text(header["md5sum"]), _text(header["message_definition"])
+        cls = types.SimpleNamespace(_md5sum=md5sum, _full_text=definition)
+        self._dirty = True
+        self._bag.write(message.topic, (_text(header["type"]), message.data, md5sum, cls),
+                        genpy.Time(message.stamp[0], message.stamp[1] + self._same), raw=True, connection_header=header)
+        self._file.flush()
+
+    def flush(self) -> None:
+        """End the chunk: of a file that is not closed `rosbag reindex` finds what is in ended chunks."""
+        if self._dirty:
+            self._dirty = False
+            self._bag.flush()
+            self._file.flush()
+
+    def is_in_place(self) -> bool:
+        """Whether the file is still at its path: one that was removed goes on to take what is written to it."""
+        try:
+            return os.path.samestat(os.stat(self.path), os.fstat(self._file.fileno()))
+        except FileNotFoundError:
+            return False
+
+    def move(self, path: str) -> None:
+        """Put the file at another path, and go on there."""
+        os.rename(self.path, path)
+        self.path = path
+        with contextlib.suppress(OSError):
+            _sync_directory(path)
+
+    def settle(self) -> None:
+        """Bring all that was written onto the disk."""
+        self.flush()
+        os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """Write the index, and bring all onto the disk."""
+        fd = os.dup(self._file.fileno())
+        try:
+            self._bag.close()
+            os.fsync(fd)
+        finally:
+            os.close(fd)
+
+    def abandon(self) -> None:
+        """Give up the file as it is."""
+        with contextlib.suppress(*WRITE_ERRORS):
+            self._file.close()
+
+
+def _sync_directory(path: str) -> None:
+    fd = os.open(os.path.dirname(path) or ".", os.O_RDONLY)
+    try:
+        os.fsync(fd)
+    finally:
+        os.close(fd)
+
+
+def _text(value) -> str:
+    return value if isinstance(value, str) else value.decode()
+
+
+def write_whole(path: str, entries: Iterable[LogEntry], goes_on: bool = False) -> Tuple[GrowingBag, str]:
+    """Write a run log anew. What is in a file at `path` and is not among the entries stays in the log.
+
+    Returns the bag, which is closed unless the run `goes_on`, and where a damaged file that was there is kept now;
+    empty: there was none. Entries that no message can hold are left out. Raises `WRITE_ERRORS`; nothing that was
+    there is lost then.
+    """
+    draft = path + DRAFT
+    messages = list(_messages(entries))
+    bag = GrowingBag(draft, is_new=False)
+    try:
+        with _opened(path) as file:
+            is_whole = _fill(bag, messages, file)
+        if goes_on:
+            bag.settle()
+        else:
+            bag.close()
+        kept = "" if is_whole else _keep_aside(path)
+        bag.move(path)
+    except BaseException:
+        bag.abandon()
+        with contextlib.suppress(OSError):
+            os.remove(draft)
+        raise
+    return bag, kept
+
+
+def try_out(path: str, room: int) -> None:
+    """See whether `write_whole` could be done, with `room` bytes more than are there; raises OSError."""
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    size = os.stat(path).st_size if os.path.exists(path) else 0
+    draft = path + DRAFT
+    try:
+        with open(draft, "wb") as file:
+            os.posix_fallocate(file.fileno(), 0, size + room)
+    except OSError as error:
+        if error.errno not in (errno.EOPNOTSUPP, errno.EINVAL):  # a file system that cannot tell
+            raise
+    finally:
+        with contextlib.suppress(OSError):
+            os.remove(draft)
+
+
+@contextlib.contextmanager
+def _opened(path: str) -> Iterator[Optional[io.BufferedReader]]:
+    try:
+        file = open(path, "rb")  # noqa: SIM115 (closed below)
+    except FileNotFoundError:
+        yield None
+        return
+    with file:
+        yield file
+
+
+def _fill(bag: GrowingBag, messages: List[Message], old_file: Optional[IO[bytes]]) -> bool:
+    """Write the messages, and what else is in the old file; returns whether all of that could be read."""
+    if old_file is None:
+        old, is_bag = (), True
+    else:
+        try:
+            old, is_bag = Salvage(old_file), True
+        except NotABag:
+            if not messages:
+                raise
+            old, is_bag = (), False
+    extra, fits = _extra(messages, old) if messages else (old, True)
+    for message in itertools.chain(messages, extra):  # readers sort them by their stamps
+        bag.write(message)
+    return is_bag and fits and not (isinstance(old, Salvage) and old.damage)
+
+
+def _extra(messages: List[Message], old: Iterable[Message]) -> Tuple[List[Message], bool]:
+    """Messages of an old bag that are not among these; and whether one bag can hold both."""
+    known: Counter[Tuple[str, bytes]] = collections.Counter((message.topic, message.data) for message in messages)
+    kinds = {message.topic: message.kind["md5sum"] for message in messages}
+    extra: List[Message] = []
+    fits = True
+    for message in old:
+        key = message.topic, message.data
+        md5sum = _text(message.kind["md5sum"])
+        if md5sum != kinds.setdefault(message.topic, md5sum):
+            fits = False  # another version of roah_rsbb wrote it
+        elif known[key] > 0:
+            known[key] -= 1
+        else:
+            extra.append(message)
+    return extra, fits
+
+
+def _messages(entries: Iterable[LogEntry]) -> Iterator[Message]:
+    for entry in entries:
+        with contextlib.suppress(BadEntry):
+            yield message_of(entry)
+
+
+def _keep_aside(path: str) -> str:
+    """Give a file another name as well; returns it."""
+    number, aside = 1, path + DAMAGED
+    while os.path.lexists(aside):
+        number += 1
+        aside = f"{path}{DAMAGED}{number}"
+    try:
+        os.link(path, aside)
+    except OSError:  # a file system without links
+        os.rename(path, aside)
+    return aside
+

@@ -1,0 +1,1 @@
+"""Programs for organisers and developers."""

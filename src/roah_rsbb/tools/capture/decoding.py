@@ -1,0 +1,181 @@
+"""From a datagram to what it means, or why it means nothing. No I/O and no clock.
+
+The decoder learns as it listens: from the box's beacons which private port belongs to which robot, from
+every message who speaks from which address. What it remembers is bounded, whatever the network brings.
+"""
+
+import enum
+from collections import OrderedDict
+from typing import Any, Dict, NamedTuple, Optional, Tuple
+
+from roah_rsbb.comm import frame
+from roah_rsbb.comm.ciphers import Key
+from roah_rsbb.comm.frame import BadDatagram, Reason
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.tools.capture.records import Datagram
+
+PRIVATE_PORTS = 99
+"""Ports above the public one that are taken for private channels before a beacon has named them."""
+
+_MAX_REMEMBERED = 1000  # addresses with their speakers, and ports with their keys
+
+
+class Speaker(NamedTuple):
+    """Who sent a datagram. `team` is empty for the box and the tablet."""
+
+    name: str  # "box", "tablet", or the robot's name
+    team: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.team}/{self.name}" if self.team else self.name
+
+
+BOX, TABLET = Speaker("box"), Speaker("tablet")
+
+
+class Kind(enum.Enum):
+    """What became of a datagram."""
+
+    MESSAGE = "message"
+    ENCRYPTED = "encrypted"  # no password for it is known here
+    ERROR = "error"  # nobody can make a message of it, or its receiver cannot
+
+
+class Entry(NamedTuple):
+    """One datagram and what it means."""
+
+    datagram: Datagram
+    kind: Kind
+    private: bool  # of the channel
+    speaker: Optional[Speaker]  # None: not known
+    team: str  # of the private channel, or of who speaks; empty: none, or not known
+    message: Any = None  # of Kind.MESSAGE
+    text: str = ""  # of the other kinds: why
+    reason: Optional[Reason] = None  # of Kind.ERROR
+
+
+class Decoder:
+    """Decodes the datagrams of one public port and the private ports above it."""
+
+    def __init__(self, rsbb_port: int, passwords: Dict[str, str], password: Optional[str] = None) -> None:
+        """`passwords` by team; `password`: for every team without. ValueError if one cannot be a password."""
+        self.rsbb_port = rsbb_port
+        self.listed: Dict[int, Speaker] = {}
+        """Private ports in the last beacon, and their robots."""
+        self._keys = {team: Key(text) for team, text in passwords.items()}
+        self._other_key = None if password is None else Key(password)
+        self._robots: OrderedDict[int, Speaker] = OrderedDict()  # of every port that was ever listed
+        self._speakers: OrderedDict[Tuple[str, int], Speaker] = OrderedDict()  # by address and port
+
+    def concerns(self, datagram: Datagram) -> bool:
+        """Whether a datagram is on one of the channels, as far as its ports tell."""
+        if datagram.dport == self.rsbb_port or datagram.dport in self._robots:
+            return True
+        above = datagram.dport - self.rsbb_port
+        return datagram.sport == datagram.dport and 1 <= above <= PRIVATE_PORTS
+
+    def decode(self, datagram: Datagram) -> Entry:
+        """What a datagram means, by all that was heard before."""
+        if datagram.dport == self.rsbb_port:
+            return self._public(datagram)
+        return self._private(datagram)
+
+    # -- public ---------------------------------------------------------------------------------------
+
+    def _public(self, datagram: Datagram) -> Entry:
+        try:
+            message = frame.decode_public(datagram.data)
+        except BadDatagram as bad:
+            return self._error(datagram, False, self._speaker_at(datagram), bad)
+        if isinstance(message, pb.RoahRsbbBeacon):
+            self._learn(message)
+            speaker = BOX
+        elif isinstance(message, pb.RobotBeacon):
+            speaker = Speaker(message.robot_name, message.team_name)
+        else:
+            speaker = TABLET
+        return self._message(datagram, False, speaker, message)
+
+    def _learn(self, beacon: pb.RoahRsbbBeacon) -> None:
+        self.listed = {
+            robot.rsbb_port: Speaker(robot.robot_name, robot.team_name)
+            for robot in beacon.benchmarking_teams if 0 < robot.rsbb_port < 65536
+        }
+        for port, robot in self.listed.items():
+            _remember(self._robots, port, robot)
+
+    # -- private --------------------------------------------------------------------------------------
+
+    def _private(self, datagram: Datagram) -> Entry:
+        robot = self._robots.get(datagram.dport)
+        speaker = self._speaker_at(datagram)
+        try:
+            frame.open_private(datagram.data)
+            owner, message = self._decrypt(datagram, robot)
+        except BadDatagram as bad:
+            return self._error(datagram, True, speaker, bad)
+        if message is None:
+            return self._encrypted(datagram, robot, speaker)
+        from_box = isinstance(message, pb.BenchmarkState)
+        speaker = BOX if from_box else robot or Speaker("robot", owner)
+        if robot is not None and owner not in ("", robot.team):
+            detail = f"its password is that of team {owner}, this channel is {robot}'s"
+            return self._error(datagram, True, speaker, BadDatagram(Reason.UNDECRYPTABLE, detail))
+        return self._message(datagram, True, speaker, message)
+
+    def _decrypt(self, datagram: Datagram, robot: Optional[Speaker]) -> Tuple[str, Any]:
+        """The team whose password it is ("": that for the other teams) and the message; None: no password fits.
+
+        Raises BadDatagram for what can be decrypted and is no message, and where a password should have fitted.
+        """
+        own_team = robot.team if robot else ""
+        candidates = sorted(self._keys.items(), key=lambda item: item[0] != own_team)
+        if self._other_key is not None and own_team not in self._keys:
+            candidates.append(("", self._other_key))
+        should_fit = False
+        for team, key in candidates:
+            try:
+                return team, frame.decode_private(datagram.data, key)
+            except BadDatagram as bad:
+                if bad.reason is not Reason.UNDECRYPTABLE:
+                    raise
+                should_fit = should_fit or team in ("", own_team)
+        if should_fit:
+            raise BadDatagram(Reason.UNDECRYPTABLE, "the password given here does not fit")
+        return "", None
+
+    # -- entries --------------------------------------------------------------------------------------
+
+    def _message(self, datagram: Datagram, private: bool, speaker: Speaker, message: Any) -> Entry:
+        _remember(self._speakers, (datagram.src, datagram.dport), speaker)
+        return Entry(datagram, Kind.MESSAGE, private, speaker, self._team(datagram, speaker), message)
+
+    def _error(self, datagram: Datagram, private: bool, speaker: Optional[Speaker], bad: BadDatagram) -> Entry:
+        return Entry(datagram, Kind.ERROR, private, speaker, self._team(datagram, speaker),
+                     text=str(bad), reason=bad.reason)
+
+    def _encrypted(self, datagram: Datagram, robot: Optional[Speaker], speaker: Optional[Speaker]) -> Entry:
+        cipher = frame.open_private(datagram.data).cipher
+        known = f"of team {robot.team} is known" if robot else "that is known here fits"
+        text = f"{len(datagram.data)} bytes with {cipher.label}: no password {known}"
+        return Entry(datagram, Kind.ENCRYPTED, True, speaker, self._team(datagram, speaker), text=text)
+
+    def _team(self, datagram: Datagram, speaker: Optional[Speaker]) -> str:
+        robot = self._robots.get(datagram.dport) or speaker
+        return robot.team if robot else ""
+
+    def _speaker_at(self, datagram: Datagram) -> Optional[Speaker]:
+        """Who spoke from that address before: on this port, or else on the public one."""
+        for port in (datagram.dport, self.rsbb_port):
+            speaker = self._speakers.get((datagram.src, port))
+            if speaker is not None:
+                return speaker
+        return None
+
+
+def _remember(where: "OrderedDict[Any, Speaker]", key: Any, speaker: Speaker) -> None:
+    """Keep the newest ones: names and addresses can be forged without end."""
+    where[key] = speaker
+    where.move_to_end(key)
+    if len(where) > _MAX_REMEMBERED:
+        where.popitem(last=False)

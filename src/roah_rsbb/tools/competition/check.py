@@ -1,0 +1,175 @@
+"""Whether a competition's directory is right: what the box would refuse, and what is probably not meant."""
+
+import os
+from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
+from xml.parsers import expat
+
+from roah_rsbb.bmbox.framework import ground_truth_config
+from roah_rsbb.bmbox.framework.parameters import read_parameters
+from roah_rsbb.bmbox.framework.registry import modules
+from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, Event
+from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
+from roah_rsbb.rulebook.yaml_lines import read_text
+from roah_rsbb.tools.competition import files
+from roah_rsbb.tools.competition.texts import module_codes
+
+# The launch file's arguments that name files of the directory.
+_NAMED_FILES = {
+    "benchmarks_file": files.BENCHMARKS, "schedule_file": files.SCHEDULE, "passwords_file": files.PASSWORDS,
+    "modules_dir": files.MODULES,
+}
+_BESIDE = "$(dirname)/"
+# Each further overlap of a zone or a team says nothing new.
+_SHOWN = 3
+
+
+class Checked(NamedTuple):
+    """What was found: lines for the organiser."""
+
+    errors: List[str]
+    warnings: List[str]
+    summary: str  # of what will be held; "" if the configuration cannot be read
+
+
+def check(directory: str) -> Checked:
+    """Look at everything in a competition's directory; all that is wrong is told at once."""
+    if not os.path.isdir(directory):
+        return Checked([f"{directory}: found no such directory; expected a competition's, as new_competition makes it"],
+                       [], "")
+    report = Report()
+    errors: List[str] = []
+    loaded: Optional[Config] = None
+    paths = [os.path.join(directory, name) for name in (files.BENCHMARKS, files.SCHEDULE, files.PASSWORDS)]
+    try:
+        loaded, report.warnings = config.load(*paths)
+    except ConfigErrors as found:
+        errors += str(found).splitlines()
+    try:
+        _check_launch(report, os.path.join(directory, files.LAUNCH))
+        report.raise_errors()
+    except ConfigErrors as found:
+        errors += str(found).splitlines()
+    if loaded is not None:
+        _check_times(report, paths[1], loaded)
+        _check_teams(report, paths[2], loaded)
+        errors += _check_modules(report, directory, loaded)
+    return Checked(errors, report.warnings, "" if loaded is None else _summary(loaded))
+
+
+def _summary(loaded: Config) -> str:
+    events = _events(loaded)
+    teams = {event.team for _, event in events if event.team != ALL_TEAMS}
+    codes = {event.benchmark.code for _, event in events}
+    return (f"{_count(len(teams), 'team')}, {_count(len(loaded.zones), 'zone')}, "
+            f"{_count(len(codes), 'benchmark')}, {_count(len(events), 'run')}")
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
+def _events(loaded: Config) -> List[Tuple[str, Event]]:
+    """Every event with its zone, in order of time."""
+    events = [(zone.name, event) for zone in loaded.zones for event in zone.events]
+    return sorted(events, key=lambda entry: entry[1].scheduled)
+
+
+def _check_times(report: Report, path: str, loaded: Config) -> None:
+    """Runs that begin before another one in the same zone, or of the same team, can be over."""
+    whole = Place(path, 0, 0)
+    by_zone: Dict[str, List[str]] = {}
+    by_team: Dict[str, List[str]] = {}
+    last_in_zone: Dict[str, Event] = {}
+    last_of_team: Dict[str, Tuple[str, Event]] = {}
+    for zone, event in _events(loaded):
+        before = last_in_zone.get(zone)
+        if before is not None and event.scheduled < before.scheduled + before.benchmark.total_timeout:
+            by_zone.setdefault(zone, []).append(f"{_name(event)} before {_name(before)} can be over")
+        last_in_zone[zone] = event
+        for team, (other, busy) in last_of_team.items():
+            together = team == event.team or ALL_TEAMS in (team, event.team)
+            if together and other != zone and event.scheduled < busy.scheduled + busy.benchmark.total_timeout:
+                who = event.team if team == ALL_TEAMS else team
+                by_team.setdefault(who, []).append(f"{_name(event)} in zone {quote(zone)} and {_name(busy)} in zone "
+                                                   f"{quote(other)}")
+        last_of_team[event.team] = (zone, event)
+    for zone, found in by_zone.items():
+        report.warn(whole, f"zone {quote(zone)}: too short a time between runs: {_few(found)}")
+    for team, found in by_team.items():
+        report.warn(whole, f"team {quote(team)} is in two zones at once: {_few(found)}")
+
+
+def _name(event: Event) -> str:
+    return f"{event.benchmark.code} of {event.team} (round {event.round}, run {event.run})"
+
+
+def _few(found: List[str]) -> str:
+    more = len(found) - _SHOWN
+    return "; ".join(found[:_SHOWN]) + (f"; and {more} more" if more > 0 else "")
+
+
+def _check_teams(report: Report, path: str, loaded: Config) -> None:
+    scheduled = {event.team for _, event in _events(loaded)}
+    idle = [team for team in loaded.passwords if team not in scheduled]
+    if idle:
+        report.warn(Place(path, 0, 0), f"no runs in the schedule for {listing(map(quote, idle))}: left out by mistake?")
+
+
+def _check_modules(report: Report, directory: str, loaded: Config) -> List[str]:
+    """Errors in the parameters of the benchmarking modules that the schedule needs."""
+    needed = module_codes(sorted({event.benchmark.code for _, event in _events(loaded)}))
+    folder = os.path.join(directory, files.MODULES)
+    if not needed:
+        return []
+    if not os.path.isdir(folder):
+        report.warn(Place(folder, 0, 0), f"there is none, so the shipped parameters of {listing(needed)} count: they "
+                    "are those of no real venue; copy config/modules of roah_rsbb there")
+        return []
+    known = modules()
+    errors: List[str] = []
+    for code in needed:
+        try:
+            read_parameters(os.path.join(directory, files.module_file(code)), code, known[code].PARAMETERS)
+        except ConfigErrors as found:
+            errors += str(found).splitlines()
+    try:
+        ground_truth_config.load(os.path.join(folder, files.GROUND_TRUTH))
+    except ConfigErrors as found:
+        errors += str(found).splitlines()
+    return errors
+
+
+def _check_launch(report: Report, path: str) -> None:
+    """The launch file can be read, and starts the box with the files that are checked here."""
+    if not os.path.lexists(path):
+        report.warn(Place(path, 0, 0), "there is none: start with 'roslaunch roah_rsbb roah_rsbb.launch' and the files "
+                    "as arguments")
+        return
+    text = read_text(path, report, "the launch file")
+    if text is None:
+        return
+    elements = list(_elements(report, path, text))
+    starts = [at for name, given, at in elements if name == "include" and "roah_rsbb.launch" in given.get("file", "")]
+    if not report.errors and not starts:
+        report.error(Place(path, 0, 0), "nothing that starts the box",
+                     '<include file="$(find roah_rsbb)/launch/roah_rsbb.launch" pass_all_args="true"/>')
+    for name, given, line in elements:
+        own = _NAMED_FILES.get(given.get("name", "")) if name == "arg" else None
+        named = given.get("default", given.get("value"))
+        if own is not None and named is not None and named != _BESIDE + own:
+            report.warn(Place(path, line, 0), f"{given['name']} is {quote(named)}, but what was checked is "
+                        f"{_BESIDE + own}")
+
+
+def _elements(report: Report, path: str, text: str) -> Iterator[Tuple[str, Dict[str, str], int]]:
+    """Each element's name, attributes and line."""
+    found: List[Tuple[str, Dict[str, str], int]] = []
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = lambda name, given: found.append((name, given, parser.CurrentLineNumber))
+    try:
+        parser.Parse(text, True)
+    except expat.ExpatError as error:
+        report.error(Place(path, error.lineno, error.offset + 1), f"no XML ({expat.ErrorString(error.code)})",
+                     "each <tag> closed with </tag> or />, values in quotes, no -- within a comment")
+    return iter(found)

@@ -1,0 +1,208 @@
+"""A schedule from a CSV sheet, as any spreadsheet program saves it.
+
+The first row names the columns, in any order: zone, benchmark, team, date, time, and, if wished, round and run.
+Each further row is a run. Commas, semicolons and tabs are all taken as separators, as programs differ in it.
+"""
+
+import csv
+import datetime
+import io
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
+from roah_rsbb.rulebook.errors import Place, Report, listing, nearest, quote, suggestion
+from roah_rsbb.rulebook.yaml_fields import integer, text
+from roah_rsbb.rulebook.yaml_lines import Scalar, read_text
+from roah_rsbb.tools.competition.answers import benchmark_code, team_name
+from roah_rsbb.tools.competition.moments import VenueClock, read_day, read_time
+from roah_rsbb.tools.competition.plan import Plan, PlannedZone, Run, for_all
+
+REQUIRED = ("zone", "benchmark", "team", "date", "time")
+OPTIONAL = ("round", "run")
+_COLUMNS = (*REQUIRED, *OPTIONAL)
+_WHAT = "the sheet (option --sheet)"
+_SHAPE = f"a row that names the columns: {', '.join(REQUIRED)}; if wished also {' and '.join(OPTIONAL)}"
+_SEPARATORS = ",;\t"
+_MAX_ROUND = 255  # as in a schedule file
+
+
+class Known(NamedTuple):
+    """Teams or benchmarks that a sheet may name, and where they are listed."""
+
+    names: Sequence[str]
+    where: str
+
+
+class _Row(NamedTuple):
+    """A row that could be read; round and run are None where the sheet leaves them to us."""
+
+    place: Place
+    zone: str
+    code: str
+    team: str
+    day: datetime.date
+    begins: datetime.datetime
+    round: Optional[int]
+    run: Optional[int]
+
+
+def read_sheet(
+    path: str, report: Report, clock: VenueClock, teams: Optional[Known] = None, codes: Optional[Known] = None
+) -> Optional[Plan]:
+    """The plan in a sheet; None after errors, of which every bad cell has one in the report.
+
+    Without `teams` the teams are those that the sheet names, without `codes` all benchmarks may be held.
+    """
+    before = len(report.errors)
+    content = read_text(path, report, _WHAT)
+    if content is None:
+        return None
+    rows = _Sheet(path, content, report, clock, teams, codes).rows()
+    if not rows and len(report.errors) == before:
+        report.error(Place(path, 0, 0), "no runs", f"{_SHAPE}; below it a row for each run")
+    _warn_of_names(report, rows)
+    plan = _plan(report, rows)
+    return plan if len(report.errors) == before else None
+
+
+def column_name(number: int) -> str:
+    """A column's name in spreadsheet programs: A, B, …, Z, AA, …; `number` counts from 1."""
+    name = ""
+    while number:
+        number, letter = divmod(number - 1, 26)
+        name = chr(ord("A") + letter) + name
+    return name
+
+
+class _Sheet:
+    def __init__(
+        self, path: str, content: str, report: Report, clock: VenueClock, teams: Optional[Known],
+        codes: Optional[Known],
+    ) -> None:
+        self._path, self._content, self._report, self._clock = path, content, report, clock
+        self._teams, self._codes = teams, codes
+        self._columns: Dict[str, int] = {}  # name to its index
+        self._head: List[str] = []
+
+    def rows(self) -> List[_Row]:
+        """All rows without errors; none if the head is not right."""
+        lines = self._lines()
+        number, self._head = next(lines, (1, []))
+        if not self._read_head(number):
+            return []
+        return [row for row in (self._row(number, cells) for number, cells in lines) if row is not None]
+
+    def _lines(self) -> Iterator[Tuple[int, List[str]]]:
+        """Lines that are not empty, with their numbers and cells."""
+        if "\0" in self._content:
+            line = self._content[:self._content.index("\0")].count("\n") + 1
+            self._report.error(Place(self._path, line, 0), "a control character", "text: is it saved as CSV?")
+            return
+        first = next((line for line in self._content.splitlines() if line.strip()), "")
+        separator = max(_SEPARATORS, key=first.count)
+        reader = csv.reader(io.StringIO(self._content, newline=""), delimiter=separator, strict=True)
+        begin = 1
+        try:
+            for cells in reader:
+                if any(cell.strip() for cell in cells):
+                    yield begin, [cell.strip() for cell in cells]
+                begin = reader.line_num + 1
+        except csv.Error:
+            self._report.error(Place(self._path, begin, 1), "a quote that is not closed, or text behind a closing one",
+                               'cells without quotes, or with one at each end; a quote within is written twice: ""')
+
+    def _read_head(self, number: int) -> bool:
+        known = len(self._report.errors)
+        for index, name in enumerate(self._head):
+            word = name.casefold()
+            place = Place(self._path, number, index + 1)
+            if not word:
+                continue
+            if word not in _COLUMNS:
+                self._report.error(place, f"{quote(name)} in column {column_name(index + 1)}",
+                                   f"the name of a column{suggestion(word, _COLUMNS)}")
+            elif word in self._columns:
+                self._report.error(place, f"column {word} twice", "each column once")
+            self._columns.setdefault(word, index)
+        missing = [name for name in REQUIRED if name not in self._columns]
+        if missing and known == len(self._report.errors):
+            self._report.error(Place(self._path, number, 0), f"no column {listing(missing)}", _SHAPE)
+        return known == len(self._report.errors)
+
+    def _row(self, number: int, cells: List[str]) -> Optional[_Row]:
+        """A run; None if anything is wrong with it."""
+        report = self._report
+        known = len(report.errors)
+        for index, content in enumerate(cells):
+            if content and not (index < len(self._head) and self._head[index]):
+                report.error(Place(self._path, number, index + 1),
+                             f"{quote(content)} in column {column_name(index + 1)}, which has no name",
+                             "a name for it in the first row, or nothing")
+        cell = {name: Scalar(Place(self._path, number, index + 1), cells[index] if index < len(cells) else "",
+                             False, False) for name, index in self._columns.items()}
+        zone = text(report, Scalar(cell["zone"].place, cell["zone"].text, True, False), self._what("zone"))
+        code = self._code(cell["benchmark"])
+        team = self._team(code, cell["team"])
+        day = read_day(report, cell["date"].place, cell["date"].text, self._what("date"))
+        time = read_time(report, cell["time"].place, cell["time"].text, self._what("time"))
+        round_, run = (self._number(cell.get(name), name) for name in OPTIONAL)
+        if len(report.errors) > known:
+            return None
+        return _Row(cell["zone"].place, zone, code, team, day, self._clock.utc(day, time), round_, run)
+
+    def _what(self, name: str) -> str:
+        return f"{name} (column {column_name(self._columns[name] + 1)})"
+
+    def _number(self, cell: Optional[Scalar], name: str) -> Optional[int]:
+        return None if cell is None else integer(self._report, cell, self._what(name), 1, _MAX_ROUND)
+
+    def _team(self, code: Optional[str], cell: Scalar) -> Optional[str]:
+        what = self._what("team")
+        if code is not None and for_all(code):
+            if cell.text in ("", ALL_TEAMS):
+                return ALL_TEAMS
+            return self._report.error(cell.place, f"{quote(cell.text)} as {what} in {code}",
+                                      f"{ALL_TEAMS} or nothing: all robots do it at once")
+        return self._known(team_name(self._report, cell.place, cell.text, what), cell, what, self._teams)
+
+    def _code(self, cell: Scalar) -> Optional[str]:
+        what = self._what("benchmark")
+        return self._known(benchmark_code(self._report, cell.place, cell.text, what), cell, what, self._codes)
+
+    def _known(self, name: Optional[str], cell: Scalar, what: str, known: Optional[Known]) -> Optional[str]:
+        if name is None or known is None or name in known.names:
+            return name
+        near = nearest(name, known.names)
+        guess = f": did you mean {quote(near)}?" if near else f" ({listing(known.names)})"
+        return self._report.error(cell.place, f"{quote(name)} as {what}", f"one of {known.where}{guess}")
+
+
+def _plan(report: Report, rows: List[_Row]) -> Plan:
+    """The plan of the rows; rounds that they do not name are days, and runs are counted."""
+    days = sorted({row.day for row in rows})
+    zones: Dict[str, List[Run]] = {row.zone: [] for row in rows}
+    seen: Dict[Tuple[str, str, int, int], Place] = {}
+    counts: Dict[Tuple[str, str, int], int] = {}
+    for row in sorted(rows, key=lambda row: row.begins):
+        number = days.index(row.day) + 1 if row.round is None else row.round
+        count = counts[row.code, row.team, number] = counts.get((row.code, row.team, number), 0) + 1
+        run = count if row.run is None else row.run
+        report.once(seen, (row.code, row.team, number, run), row.place,
+                    f"{row.code}, team {quote(row.team)}, round {number}, run {run}", "each run once")
+        for name, value in (("round", number), ("run", run)):
+            if value > _MAX_ROUND:
+                report.error(row.place, f"{name} {value}", f"at most {_MAX_ROUND}: give rounds and runs in columns")
+        zones[row.zone].append(Run(row.code, row.team, number, run, row.begins))
+    teams = dict.fromkeys(row.team for row in rows if row.team != ALL_TEAMS)
+    return Plan(tuple(teams), tuple(PlannedZone(name, tuple(runs)) for name, runs in zones.items()))
+
+
+def _warn_of_names(report: Report, rows: List[_Row]) -> None:
+    """Names that differ by upper and lower case or blanks alone are probably one: each would be one of its own."""
+    for what, names in (("team", [(row.team, row.place) for row in rows]),
+                        ("zone", [(row.zone, row.place) for row in rows])):
+        first: Dict[str, str] = {}
+        for name, place in dict(reversed(names)).items():
+            other = first.setdefault("".join(name.casefold().split()), name)
+            if other != name:
+                report.warn(place, f"{what} {quote(name)} and {what} {quote(other)} are two: is one of them misspelt?")

@@ -1,0 +1,89 @@
+"""Looks before a competition whether all is well: `rosrun roah_rsbb preflight --rsbb-host 192.168.1.255`.
+
+Prints a line for each thing, with the remedy where one is needed. Needs no ROS master and starts nothing.
+"""
+
+import argparse
+import os
+import sys
+from typing import List, Optional
+
+import rospkg
+
+from roah_rsbb.comm.arguments import Parser, number
+from roah_rsbb.nodes.sounds import PLAYER
+from roah_rsbb.rqt.app.display import has_display
+from roah_rsbb.tools import preflight_checks as checks
+from roah_rsbb.tools.preflight_checks import Finding, Level
+
+PROGRAM = "preflight"
+_DESCRIPTION = """\
+Look before a competition whether all is well, with the settings that roah_rsbb.launch will get: network, UDP
+ports, another box, clock, disk, configuration, passwords, sounds, display.
+"""
+_EPILOG = """\
+The exit status is 0 if nothing failed (there may be warnings), 1 if something did, 2 for wrong usage.
+
+Another box is listened for on the public UDP port: so run it while the own box does not.
+"""
+FILES = ("benchmarks", "schedule", "passwords")
+_LOG_DIR = "~/.ros/roah_rsbb"  # roah_rsbb.launch's
+_MARKS = {Level.OK: "ok     ", Level.WARNING: "WARNING", Level.FAILED: "FAILED "}
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
+    parser.add_argument("--rsbb-host", default="10.255.255.255",
+                        help="broadcast address of the network with the robots (default: %(default)s)")
+    parser.add_argument("--rsbb-port", type=int, default=6666, help="public UDP port (default: %(default)s)")
+    parser.add_argument("--bind-host", default="0.0.0.0", help="own address to use (default: all)")
+    parser.add_argument("--competition", metavar="DIR",
+                        help="a directory that new_competition made: its files and its log are looked at")
+    for name in FILES:
+        parser.add_argument(f"--{name}-file", metavar="FILE",
+                            help="default: that of the competition, or the shipped one")
+    parser.add_argument("--log-dir", metavar="DIR", help=f"default: log/ of the competition, or {_LOG_DIR}")
+    parser.add_argument("--listen", type=number(0.0, 3600.0), default=5.0, metavar="S",
+                        help="how long to listen for another box, seconds; 0: not at all (default: %(default)s)")
+    return parser
+
+
+def complete(options: argparse.Namespace, config_dir: str) -> None:
+    """Set the files and log_dir that were not given."""
+    folder = options.competition or config_dir
+    for name in FILES:
+        if getattr(options, f"{name}_file") is None:
+            setattr(options, f"{name}_file", os.path.join(folder, f"{name}.yaml"))
+    if options.log_dir is None:
+        options.log_dir = os.path.join(options.competition, "log") if options.competition else _LOG_DIR
+
+
+def findings(options: argparse.Namespace) -> List[Finding]:
+    """All that was found, in the order in which an organiser would look."""
+    files = {f"{name}_file": getattr(options, f"{name}_file") for name in FILES}
+    network = checks.check_network(options.rsbb_host, checks.interfaces())
+    ports = checks.check_ports(options.bind_host, options.rsbb_port)
+    found = [network, *ports]
+    if options.listen and network.level is not Level.FAILED:
+        found.append(checks.check_other_box(options.rsbb_host, options.rsbb_port, options.bind_host, options.listen))
+    found.append(checks.check_clock(checks.is_synchronised()))
+    found += checks.check_log_dir(os.path.expanduser(options.log_dir))
+    found += checks.check_configuration(files)
+    found.append(checks.check_player(PLAYER))
+    found.append(checks.check_display(has_display()))
+    return found
+
+
+def main(arguments: Optional[List[str]] = None) -> None:
+    """Run the program with these arguments (default: those of the process)."""
+    config_dir = os.path.join(rospkg.RosPack().get_path("roah_rsbb"), "config")
+    options = _parser().parse_args(sys.argv[1:] if arguments is None else arguments)
+    complete(options, config_dir)
+    found = findings(options)
+    for finding in found:
+        print(f"{_MARKS[finding.level]}  {finding.text}")
+        if finding.remedy:
+            print(f"         -> {finding.remedy}")
+    worst = [sum(f.level is level for f in found) for level in (Level.FAILED, Level.WARNING)]
+    print(f"{worst[0]} failed, {worst[1]} warnings")
+    sys.exit(1 if worst[0] else 0)

@@ -1,0 +1,218 @@
+"""What can keep a competition from running, looked at before it begins: a line each, with the remedy.
+
+Each check returns its findings and raises nothing. `roah_rsbb.tools.preflight` is the program.
+"""
+
+import asyncio
+import ctypes
+import enum
+import fcntl
+import os
+import shutil
+import socket
+import struct
+import tempfile
+from typing import Callable, Dict, List, NamedTuple, Optional
+
+from roah_rsbb.comm import sockets
+from roah_rsbb.comm.channels import PublicChannel
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.benchmarks import Config
+
+# A competition's run logs take megabytes; below the first a disk is a worry, below the second it will be full.
+ENOUGH_BYTES = 2 * 1024**3
+FULL_BYTES = 200 * 1024**2
+# Private channels above the public port that are looked at: no port is used twice in a competition.
+PORTS = 50
+# Those of config/passwords.yaml as it is shipped: it may have been edited in its place.
+SHIPPED_PASSWORDS = frozenset({"PASSWORD", "DefaultKey", "randomkey", "t9Kd2wQx", "Hb7mZ4pe", "vR3sY8nu", "J6cfW1ga"})
+_SIOCGIFADDR, _SIOCGIFBRDADDR = 0x8915, 0x8919
+_TIME_ERROR = 5  # of adjtimex: the clock is not synchronised
+
+
+class Level(enum.IntEnum):
+    """How bad it is."""
+
+    OK = 0
+    WARNING = 1
+    FAILED = 2
+
+
+class Finding(NamedTuple):
+    """One line of the report."""
+
+    level: Level
+    text: str
+    remedy: str = ""
+
+
+class Interface(NamedTuple):
+    """An IPv4 interface of this computer."""
+
+    name: str
+    address: str
+    broadcast: str  # empty: it has none
+
+
+def interfaces() -> List[Interface]:
+    """The interfaces of this computer that have an IPv4 address."""
+    found = []
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
+        for _, name in socket.if_nameindex():
+            address = _ask(asking, name, _SIOCGIFADDR)
+            if address:
+                broadcast = _ask(asking, name, _SIOCGIFBRDADDR)
+                if address.startswith("127."):
+                    broadcast = sockets.LOOPBACK_BROADCAST
+                found.append(Interface(name, address, "" if broadcast == "0.0.0.0" else broadcast))
+    return found
+
+
+def _ask(asking: socket.socket, name: str, what: int) -> str:
+    try:
+        answer = fcntl.ioctl(asking.fileno(), what, struct.pack("256s", name.encode()[:15]))
+    except OSError:
+        return ""
+    return socket.inet_ntoa(answer[20:24])
+
+
+def check_network(rsbb_host: str, found: List[Interface]) -> Finding:
+    """Whether robots can be reached at `rsbb_host`."""
+    there_are = ", ".join(f"{i.broadcast} ({i.name}, {i.address})" for i in found if i.broadcast) or "none"
+    for interface in found:
+        if rsbb_host == interface.broadcast:
+            if interface.address.startswith("127."):
+                return Finding(Level.WARNING, f"rsbb_host {rsbb_host} is this computer alone",
+                               f"good for a try-out; robots in a network need its broadcast address: {there_are}")
+            return Finding(Level.OK, f"rsbb_host {rsbb_host} is the broadcast address of {interface.name}")
+    return Finding(Level.FAILED, f"rsbb_host {rsbb_host} is no broadcast address of this computer's networks",
+                   f"connect the network with the robots, or set rsbb_host to one of: {there_are}")
+
+
+def check_ports(bind_host: str, port: int) -> List[Finding]:
+    """Whether the UDP ports are free."""
+    taken = [number for number in range(port, port + PORTS + 1) if not _is_free(bind_host, number)]
+    if not taken:
+        return [Finding(Level.OK, f"UDP ports {port} to {port + PORTS} are free")]
+    if taken[0] == port:
+        return [Finding(Level.FAILED, f"UDP port {port} is used by another program",
+                        f"end it ('ss -ulpn sport = :{port}' shows it; perhaps a box that runs), or choose another "
+                        "rsbb_port")]
+    numbers = ", ".join(map(str, taken))
+    return [Finding(Level.WARNING, f"UDP ports are used by other programs: {numbers}",
+                    "the box will pass over them; robots behind a firewall may not")]
+
+
+def _is_free(bind_host: str, port: int) -> bool:
+    try:
+        sockets.listen(bind_host, port, shared=False).close()
+    except OSError:
+        return False
+    return True
+
+
+def check_other_box(rsbb_host: str, port: int, bind_host: str, seconds: float) -> Finding:
+    """Whether another box transmits: listens for so many seconds, as the box itself does."""
+    heard: List[str] = []
+    loop = asyncio.new_event_loop()
+
+    def on_message(message: object, sender: tuple) -> None:
+        if isinstance(message, pb.RoahRsbbBeacon):
+            heard.append(sender[0])
+            loop.stop()
+
+    channel = PublicChannel(loop, rsbb_host, port, on_message, lambda _: None, bind_host=bind_host)
+    try:
+        channel.open()
+        loop.call_later(seconds, loop.stop)
+        loop.run_forever()
+    except OSError as error:
+        return Finding(Level.FAILED, f"the network cannot be listened to: {error}", "see the lines above")
+    finally:
+        channel.close()
+        loop.close()
+    if heard:
+        return Finding(Level.FAILED, f"another RSBB transmits from {heard[0]}",
+                       "end it: robots obey both. If it is this computer's own, all is well, and it runs already")
+    return Finding(Level.OK, f"no other RSBB was heard in {seconds:g} s")
+
+
+def is_synchronised() -> Optional[bool]:
+    """Whether the kernel's clock is kept right by NTP; None: nobody knows."""
+    try:
+        state = ctypes.CDLL(None).adjtimex(ctypes.create_string_buffer(512))
+    except (OSError, AttributeError):
+        return None
+    return None if state < 0 else state != _TIME_ERROR
+
+
+def check_clock(synchronised: Optional[bool]) -> Finding:
+    """Robots whose clocks differ from the box's by 0.1 s cannot start."""
+    if synchronised:
+        return Finding(Level.OK, "this computer's clock is synchronised")
+    what = "is not synchronised" if synchronised is False else "may not be synchronised: the system does not say"
+    return Finding(Level.WARNING, f"this computer's clock {what}",
+                   "let it and all robots follow one NTP server (chrony, systemd-timesyncd); without the Internet "
+                   "this computer can be that server")
+
+
+def check_log_dir(log_dir: str, usage: Callable[[str], object] = shutil.disk_usage) -> List[Finding]:
+    """Whether logs can be written, and for long enough."""
+    try:
+        os.makedirs(log_dir, exist_ok=True)
+        with tempfile.TemporaryFile(dir=log_dir) as trial:
+            trial.write(b"x" * 4096)
+            trial.flush()
+            os.fsync(trial.fileno())
+        free = usage(log_dir).free
+    except OSError as error:
+        return [Finding(Level.FAILED, f"log_dir {log_dir} cannot be written: {error.strerror}",
+                        "choose another log_dir, or give this user the right to write there")]
+    found = [Finding(Level.OK, f"log_dir {log_dir} can be written")]
+    text = f"{free / 1024**3:.1f} GiB are free there"
+    if free < ENOUGH_BYTES:
+        level = Level.FAILED if free < FULL_BYTES else Level.WARNING
+        found.append(Finding(level, f"only {text}", "free some, or choose a log_dir on another disk"))
+    else:
+        found.append(Finding(Level.OK, text))
+    return found
+
+
+def check_configuration(files: Dict[str, str]) -> List[Finding]:
+    """The configuration files; `files`: benchmarks_file, schedule_file, passwords_file."""
+    try:
+        loaded, warnings = config.load(files["benchmarks_file"], files["schedule_file"], files["passwords_file"])
+    except config.ConfigErrors as errors:
+        return [Finding(Level.FAILED, line, "") for line in str(errors).splitlines()]
+    events = sum(len(zone.events) for zone in loaded.zones)
+    found = [Finding(Level.OK, f"the configuration is good: {len(loaded.zones)} zones, {events} events")]
+    found += [Finding(Level.WARNING, warning, "") for warning in warnings]
+    return [*found, _check_passwords(loaded)]
+
+
+def _check_passwords(loaded: Config) -> Finding:
+    """The shipped passwords are known to the whole world."""
+    taking_part = {event.team for zone in loaded.zones for event in zone.events}
+    weak = sorted(team for team in taking_part if loaded.passwords.get(team) in SHIPPED_PASSWORDS)
+    if weak:
+        return Finding(Level.WARNING, f"passwords that are shipped with the software: {', '.join(weak)}",
+                       "give every team a new one: anybody can read these")
+    return Finding(Level.OK, "no team has a password that is shipped with the software")
+
+
+def check_player(command: str, installed: Callable[[str], Optional[str]] = shutil.which) -> Finding:
+    """Whether the bell and the end of time can be heard; `command`: the program that plays."""
+    if installed(command):
+        return Finding(Level.OK, f"sounds are played by {command}")
+    return Finding(Level.WARNING, f"there is no {command}: neither the bell nor the end of time will be heard",
+                   "install alsa-utils, or set bell_ring_command and timeout_ring_command")
+
+
+def check_display(there_is_one: bool) -> Finding:
+    """Whether the referee's window can open."""
+    if there_is_one:
+        return Finding(Level.OK, "windows can be opened here")
+    return Finding(Level.WARNING, "no window can be opened here",
+                   "log in at a desktop; or referees use other computers (roah_rsbb_client.launch) or a terminal "
+                   "(rosrun roah_rsbb referee)")

@@ -1,0 +1,1 @@
+"""The one wording of scores, sheets, times and units."""

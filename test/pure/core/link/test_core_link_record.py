@@ -1,0 +1,393 @@
+"""The link record: what is counted, and what is not."""
+
+import pytest
+
+from helpers.box_driver import BoxDriver, wire
+from helpers.competition import UTC0
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.link.link import RobotLink
+from roah_rsbb.core.link.record import LinkSample, skipped_states
+from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.core.restart.saved import freeze, thaw
+from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, BoxState, RobotState, sent_after_change
+
+OPENED = Now(100.0, UTC0)
+# As the original client does; ours sends one more.
+BURST = [0.4] + [BURST_INTERVAL_S] * (BURST_COUNT - 1)
+
+
+class Line:
+    """A link, and a robot that sends to it when and what a test tells."""
+
+    def __init__(self):
+        self.now = OPENED
+        self.skew = 0.0
+        self.state = RobotState.STOP
+        self.link = RobotLink(0.1, OPENED)
+
+    def sends(self, after=1.0, state=None, late=0.0, time=None, arrives=True, **fields):
+        """The robot sends `after` seconds from the last time; the message arrives `late` seconds after that."""
+        self.now = self.now.later(after)
+        self.state = self.state if state is None else state
+        report = RobotReport(wire(self.now.utc + self.skew) if time is None else time, 1, self.state, **fields)
+        if arrives:
+            self.link.hear(self.now.later(late), "10.0.0.2", report)
+        return report
+
+    def sends_all(self, intervals, state=None, lost=(), **fields):
+        """The robot sends several, in these intervals; those with a number in `lost` do not arrive."""
+        for number, interval in enumerate(intervals):
+            self.sends(interval, state, arrives=number not in lost, **fields)
+
+    def says(self, state):
+        self.link.record.box_says(self.now, state)
+
+    def sample(self, unreadable=0, after=0.0):
+        self.now = self.now.later(after)
+        return self.link.sample(self.now, unreadable)
+
+
+@pytest.fixture
+def line():
+    return Line()
+
+
+def bursting(line, state=RobotState.PREPARING):
+    """The robot was heard to send a whole burst, and a regular message after it."""
+    line.sends()
+    line.sends_all(BURST, state)
+    line.sends()
+    assert line.sample().lost == 0
+    return line
+
+
+def test_before_the_first_message_only_the_gap_grows(line):
+    assert line.sample(after=1.0) == LinkSample(1.0, gap_s=1.0)
+    assert line.sample(after=1.0) == LinkSample(1.0, gap_s=2.0)
+
+
+def test_a_second_of_a_good_link(line):
+    line.sends()
+    line.sample()
+    line.sends(1.0, late=0.0)
+    assert line.sample(after=0.0) == LinkSample(1.0, received=1, gap_s=1.0, skew_s=0.0, host="10.0.0.2")
+
+
+def test_each_sample_begins_anew(line):
+    line.sends_all([1.0, 3.0])
+    line.sample()
+    assert line.sample(after=1.0) == LinkSample(1.0, gap_s=1.0, skew_s=0.0, host="10.0.0.2")
+
+
+@pytest.mark.parametrize(("passed", "lost"), [(0.2, 0), (1.0, 0), (1.4, 0), (2.0, 1), (2.1, 1), (5.3, 4)])
+def test_regular_messages_that_are_missing(line, passed, lost):
+    line.sends()
+    line.sends(passed)
+    assert line.sample().lost == lost
+
+
+def test_the_robots_clock_tells_lost_from_late(line):
+    """Three messages wait in a radio and come at once: nothing is lost."""
+    line.sends()
+    for late in (2.0, 1.0, 0.0):
+        line.sends(late=late)
+    sample = line.sample()
+    assert (sample.lost, sample.received, sample.gap_s) == (0, 4, 3.0)
+    assert sample.late_s == pytest.approx(2.0)  # measured with what was known before the silence
+    line.sends(late=0.8)
+    assert line.sample().late_s == pytest.approx(0.8)
+
+
+def test_a_whole_burst_and_one_with_losses(line):
+    bursting(line)
+    line.sends_all(BURST, RobotState.WAITING_GOAL, lost=(2, 3, 7))
+    assert line.sample().lost == 0, "the next ones may still come"
+    line.sends()
+    assert line.sample().lost == 3
+
+
+def test_one_more_in_a_burst_makes_up_for_one_that_was_lost(line):
+    bursting(line)
+    line.sends_all([*BURST, BURST_INTERVAL_S], RobotState.WAITING_GOAL, lost=(4, 5))
+    line.sends()
+    assert line.sample().lost == 1
+
+
+def test_the_first_of_a_burst_is_missed_too(line):
+    bursting(line)
+    line.sends_all(BURST, RobotState.WAITING_GOAL, lost=(0, 1))
+    line.sends()
+    assert line.sample().lost == 2
+
+
+def test_the_end_of_a_burst_and_a_regular_message_are_missed(line):
+    bursting(line)
+    line.sends_all(BURST, RobotState.WAITING_GOAL, lost=(7, 8, 9))
+    line.sends(2.0)
+    assert line.sample().lost == 4
+
+
+def test_what_is_left_of_a_burst_is_no_regular_message(line):
+    """The next regular one is due a second after the burst, not after the last one of it that was heard."""
+    bursting(line)
+    line.sends_all(BURST, RobotState.WAITING_GOAL, lost=range(1, 10))
+    line.sends(1.1)
+    assert line.sample().lost == 9
+
+
+def test_a_slow_burst_is_whole(line):
+    bursting(line)
+    line.sends_all([i * 1.4 for i in BURST], RobotState.WAITING_GOAL)
+    line.sends()
+    assert line.sample().lost == 0
+
+
+def test_a_burst_that_is_cut_short_by_the_next_change(line):
+    bursting(line)
+    line.sends_all(BURST[:5], RobotState.WAITING_GOAL)
+    line.sends_all([0.05], RobotState.EXECUTING)
+    assert line.sample().lost == 0
+    line.sends_all(BURST[1:], RobotState.EXECUTING)
+    line.sends()
+    line.sends_all(BURST, RobotState.RESULT_TX, lost=range(1, 10))
+    line.sends_all([0.01], RobotState.PREPARING)
+    assert line.sample().lost == 7, "of the 9 whose intervals might have been longer"
+
+
+def test_a_robot_that_never_sends_bursts_has_none_to_lose(line):
+    line.sends()
+    for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
+        line.sends(0.3, state)
+        line.sends_all([0.2] * 4)
+    line.sends_all([1.0] * 3)
+    assert line.sample().lost == 0
+
+
+def test_overtaken_and_repeated_messages(line):
+    line.sends()
+    held = line.sends(arrives=False)
+    last = line.sends()
+    line.link.hear(line.now, "10.0.0.2", held)
+    line.link.hear(line.now, "10.0.0.2", last)
+    line.link.hear(line.now, "10.0.0.2", last)
+    sample = line.sample()
+    assert (sample.received, sample.lost, sample.stale, sample.duplicates) == (2, 1, 1, 2)
+
+
+def test_unreadable_datagrams_since_the_last_sample(line):
+    assert line.sample(unreadable=3).unreadable == 3
+    assert line.sample(unreadable=3).unreadable == 0
+    assert line.sample(unreadable=7).unreadable == 4
+    assert line.sample(unreadable=0).unreadable == 0
+
+
+def test_a_gap_is_told_whole(line):
+    line.sends()
+    line.sample()
+    assert line.sample(after=2.0).gap_s == 2.0
+    line.sends(1.5)
+    line.sends(0.2)
+    sample = line.sample()
+    assert (sample.gap_s, sample.lost) == (3.5, 3)
+
+
+@pytest.mark.parametrize("skew", [-3600.0, 3600.0, 1e9])
+def test_a_clock_that_is_set_loses_nothing(line, skew):
+    line.sends_all([1.0] * 4)
+    line.skew = skew
+    line.sends_all([1.0] * 6)
+    sample = line.sample()
+    assert sample.lost <= 3  # those that were needed to believe it
+    line.sends_all([1.0] * 3)
+    assert line.sample().lost == 0
+
+
+def test_losses_while_a_clock_is_set_follow_from_the_boxs_clock(line):
+    line.sends_all([1.0] * 4)
+    line.sample()
+    line.skew = 3600.0
+    line.sends(3.0)
+    assert line.sample().lost == 2
+
+
+def test_an_absurd_time_of_the_first_messages_is_not_believed(line):
+    line.sends(time=(-(2**63), 0))
+    line.sends(time=(2**63 - 1, 999))
+    assert line.sample().lost <= 6
+
+
+def test_skew_and_its_bounds(line):
+    line.skew = 0.25
+    line.sends(late=0.02)
+    assert line.sample().skew_s == pytest.approx(0.23)
+    line.says(BoxState.PREPARE)
+    line.sends(0.04, RobotState.PREPARING, late=0.02)
+    sample = line.sample()
+    assert sample.skew_s == pytest.approx(0.23)
+    assert sample.skew_max_s == pytest.approx(0.29)
+
+
+def test_round_trip_of_a_change_of_state(line):
+    line.sends()
+    line.says(BoxState.PREPARE)
+    line.sends(0.02)
+    assert line.sample().answers == 0
+    line.sends(0.05, RobotState.PREPARING)
+    line.says(BoxState.STOP)
+    line.sends(0.3, RobotState.STOP)
+    sample = line.sample()
+    assert (sample.answers, sample.unanswered) == (2, 0)
+    assert sample.skew_max_s == pytest.approx(0.07), "the closest bound of both"
+    assert sample.round_trip_s == pytest.approx(0.07)
+    assert sample.round_trip_max_s == pytest.approx(0.3)
+    line.sends()
+    assert line.sample().round_trip_s is None
+
+
+@pytest.mark.parametrize(("seconds", "sent"), [
+    (-0.2, 0), (0.0, 1), (0.06, 2), (0.49, 10), (0.5, 11), (1.4, 11), (1.6, 12), (10.6, 21),
+])
+def test_what_the_box_sends_by_its_rules(seconds, sent):
+    assert sent_after_change(seconds) == sent
+
+
+@pytest.mark.parametrize(("box", "robot"), [
+    (BoxState.STOP, RobotState.STOP), (BoxState.PREPARE, RobotState.EXECUTING),
+    (BoxState.PREPARE, RobotState.WAITING_GOAL), (BoxState.WAITING_RESULT, RobotState.EXECUTING),
+])
+def test_what_a_robot_need_not_react_to(line, box, robot):
+    line.sends(state=robot)
+    line.says(box)
+    line.sends_all([1.0] * 4)
+    line.sends(state=RobotState.STOP)
+    line.sends(state=RobotState.PREPARING)
+    sample = line.sample()
+    assert (sample.answers, sample.unanswered) == (0, 0)
+
+
+def test_datagrams_of_the_box_that_the_robot_does_not_know_of(line):
+    line.sends()
+    line.says(BoxState.PREPARE)
+    line.sends(0.4)
+    assert line.sample().unanswered == 0, "perhaps it only thinks"
+    line.sends(0.32)
+    assert line.sample().unanswered == 5  # at 0, 50, 100, 150 and 200 ms, half a second ago or more
+    line.sends(1.5)
+    assert line.sample().unanswered == 11 + 1 - 5
+    line.sends(0.1, RobotState.PREPARING)
+    sample = line.sample()
+    assert (sample.answers, sample.unanswered) == (1, 0)
+    assert sample.round_trip_s == pytest.approx(2.32)
+
+
+def test_a_state_that_is_said_again_is_no_new_question(line):
+    line.sends()
+    line.says(BoxState.PREPARE)
+    line.sends(0.3)
+    line.says(BoxState.PREPARE)
+    line.sends(0.1, RobotState.PREPARING)
+    assert line.sample().round_trip_s == pytest.approx(0.4)
+
+
+def test_round_trip_of_an_acknowledgement(line):
+    line.sends()
+    line.sends(0.5, notifications=("a",))
+    line.sends(0.05, notifications=("a",))
+    line.sends(0.03)
+    sample = line.sample()
+    assert (sample.answers, sample.unanswered) == (1, 0)
+    assert sample.round_trip_s == pytest.approx(0.08)
+
+
+def test_acknowledgements_that_were_lost(line):
+    line.sends()
+    line.sends_all(BURST, notifications=("a",))
+    line.sends(0.26, notifications=("a",))
+    assert line.sample().unanswered == 5  # at 0, 50, 100, 150 and 200 ms, half a second ago or more
+    line.sends(0.02)
+    assert line.sample().round_trip_s == pytest.approx(0.73)
+
+
+def test_a_string_that_was_added_while_another_waits_is_not_measured(line):
+    """Nobody knows when it was acknowledged for the first time, of all that acknowledged both."""
+    line.sends()
+    line.sends(notifications=("a",))
+    line.sends(0.1, notifications=("a", "b"))
+    line.sends(0.1, visitor=("b",), notifications=("b",))
+    assert line.sample().answers == 1
+    line.sends(0.1, notifications=("b",))
+    line.sends(0.1)
+    assert line.sample().answers == 0
+    line.sends(notifications=("c",))
+    line.sends(0.1)
+    assert line.sample().answers == 1
+
+
+def test_strings_dropped_with_a_change_of_state_are_no_answer(line):
+    line.sends(state=RobotState.EXECUTING)
+    line.sends(notifications=("a",))
+    line.sends(0.001, RobotState.STOP)
+    assert line.sample().answers == 0
+
+
+def test_a_robot_that_repeats_for_ever_grows_nothing(line):
+    for i in range(3000):
+        line.sends(0.001, notifications=("a", str(i)))
+    assert len(line.link.record._acknowledged) <= 64
+
+
+def test_strings_from_before_the_boxs_clock_was_set(line):
+    line.sends(notifications=("a",))
+    line.link.restart_skew()
+    line.sends(0.1)
+    assert line.sample().answers == 0
+
+
+def test_the_boxs_clock_was_set(line):
+    line.sends()
+    line.says(BoxState.PREPARE)
+    line.now = line.now._replace(utc=line.now.utc + 100.0)
+    line.link.restart_skew()
+    line.sends(0.1, RobotState.PREPARING)
+    sample = line.sample()
+    assert (sample.answers, sample.skew_max_s) == (0, None)
+
+
+@pytest.mark.parametrize(("before", "state", "skipped"), [
+    (RobotState.STOP, RobotState.PREPARING, 0), (RobotState.STOP, RobotState.EXECUTING, 2),
+    (RobotState.PREPARING, RobotState.RESULT_TX, 2), (RobotState.EXECUTING, RobotState.STOP, 0),
+    (RobotState.EXECUTING, RobotState.PREPARING, 0), (RobotState.RESULT_TX, RobotState.WAITING_GOAL, 1),
+    (RobotState.EXECUTING, RobotState.EXECUTING, 0), (RobotState.RESULT_TX, RobotState.PREPARING, 0),
+])
+def test_states_that_were_not_heard_of(before, state, skipped):
+    assert skipped_states(before, state) == skipped
+
+
+def test_skipped_states_are_in_the_sample(line):
+    line.sends()
+    line.sends(state=RobotState.EXECUTING)
+    line.sends(state=RobotState.RESULT_TX)
+    line.sends(state=RobotState.WAITING_GOAL)
+    assert line.sample().skipped_states == 3
+
+
+def test_a_sample_is_kept_as_little_text(line):
+    line.sends()
+    line.sample()
+    line.sends()
+    sample = line.sample()
+    assert freeze(sample) == {"seconds": 1.0, "received": 1, "gap_s": 1.0, "skew_s": 0.0, "host": "10.0.0.2"}
+    assert thaw(LinkSample, freeze(sample)) == sample
+
+
+def test_the_box_takes_samples_of_all_runs():
+    driver = BoxDriver()
+    assert driver.box.link_samples(driver.now, {}) == ()
+    robot = driver.executing()
+    [(port, sample)] = driver.box.link_samples(driver.now, {robot.port: 2, 1: 5})
+    assert (port, sample.unreadable, sample.host) == (robot.port, 2, robot.host)
+    assert sample.answers == 2, "to PREPARE and to WAITING_RESULT"
+    driver.command("stop")
+    robot.says(RobotState.STOP, after=0.2)
+    [(_, sample)] = driver.box.link_samples(driver.now, {})
+    assert (sample.answers, sample.round_trip_s) == (1, pytest.approx(0.2))

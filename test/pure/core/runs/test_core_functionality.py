@@ -1,0 +1,316 @@
+"""Runs of functionality benchmarks: goal by goal, as the module asks."""
+
+import json
+
+import pytest
+
+from helpers.module_player import does_goal, functionality, started
+from roah_rsbb.bmbox.framework.results import MAX_RESULT, BadResult, read_record
+from roah_rsbb.core import effects, run_log
+from roah_rsbb.core.messages import NO_GOAL, GoalMessage
+from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.protocol import BoxState, RobotState
+
+WAYPOINT = {"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}
+NO_SAVING = Settings(check_messages_saved=False)
+
+
+def sent(driver, robot):
+    """The states that the box sent, without repetitions."""
+    states = [message.state for message in driver.states[robot.port]]
+    return [state for i, state in enumerate(states) if i == 0 or states[i - 1] is not state]
+
+
+def test_a_module_that_is_not_there_keeps_start_off_and_connect_on():
+    driver, _, robot = functionality()
+    driver.run(2.1)
+    robot.says()
+    reasons = driver.off("start")
+    assert len(reasons) == 1
+    assert reasons[0].startswith("Benchmarking module not connected: no node drives HNF")
+    driver.command("disconnect")
+    robot.beacon()
+    assert driver.off("connect") == []
+
+
+def test_what_is_wrong_with_a_module_keeps_start_off():
+    driver, modules, _ = functionality()
+    modules.infos = (modules.infos[0]._replace(problems=("HNF.yaml:3: found x; expected y", "no frame map")),)
+    modules.beat()
+    assert driver.off("start") == ["HNF.yaml:3: found x; expected y", "no frame map"]
+
+
+def test_a_whole_run_with_waypoints_and_manual_operations():
+    driver, modules, robot = started()
+    assert driver.box_state() is BoxState.STOP, "manual operations before the first goal leave the robot alone"
+    modules.asks(RequestKind.REFEREE, text="Place the robot")
+    assert driver.run_in().asked.text == "Place the robot"
+    assert driver.box_state() is BoxState.STOP
+    driver.event(driver.box.manual_operation_complete, "tbm")
+    assert modules.outcome().kind is OutcomeKind.DONE
+    modules.asks(timeout=120.0, **WAYPOINT)
+    assert driver.box_state() is BoxState.PREPARE
+    robot.says(RobotState.PREPARING)
+    assert modules.run().told_utc == 0.0
+    robot.says(RobotState.WAITING_GOAL, after=3.0)
+    assert modules.run().told_utc == driver.now.utc
+    message = driver.run_in().message
+    assert (message.state, message.goal) == (BoxState.GOAL_TX, GoalMessage("[1.0, 2.0, 0.5]", (1.0, 2.0, 0.5)))
+    robot.says(RobotState.EXECUTING)
+    message = driver.run_in().message
+    assert (message.state, message.goal) == (BoxState.WAITING_RESULT, NO_GOAL)
+    modules.lives(20.0, robot)
+    robot.says(RobotState.RESULT_TX)
+    outcome = modules.outcome()
+    assert outcome.kind is OutcomeKind.DONE
+    assert modules.run().told_utc == 0.0
+    assert outcome.executing_s == pytest.approx(20.0, abs=0.01), "from the goal on, without the preparation"
+    assert outcome.ended_utc == driver.now.utc
+    assert driver.box_state() is BoxState.WAITING_RESULT, "until the module asks for the next thing"
+    modules.asks(timeout=120.0, **WAYPOINT)
+    assert driver.box_state() is BoxState.PREPARE
+    does_goal(robot)
+    modules.says(finished=True)
+    assert (driver.run_in().phase, driver.run_in().end_reason) == (Phase.ENDED, EndReason.COMPLETED)
+    states = [BoxState.STOP] + [BoxState.PREPARE, BoxState.GOAL_TX, BoxState.WAITING_RESULT] * 2 + [BoxState.STOP]
+    assert sent(driver, robot) == states
+
+
+def test_without_an_explicit_goal_the_robot_is_only_told_to_execute():
+    driver, modules, robot = started("HOPF")
+    modules.asks(timeout=10.0)
+    robot.says(RobotState.PREPARING)
+    robot.says(RobotState.WAITING_GOAL)
+    assert driver.box_state() is BoxState.WAITING_RESULT
+    robot.says(RobotState.WAITING_GOAL)
+    assert driver.box_state() is BoxState.WAITING_RESULT, "it has not heard of it yet"
+    robot.says(RobotState.EXECUTING)
+    robot.says(RobotState.RESULT_TX, generic_result="{class: a}")
+    assert modules.outcome().result == "{class: a}"
+    assert driver.logged(robot.port, run_log.HOPF_RESULT, run_log.RESULT) == ["{class: a}"] * 2
+    assert BoxState.GOAL_TX not in sent(driver, robot)
+
+
+def test_a_result_of_2015_reaches_the_module_as_yaml():
+    _, modules, robot = started("HOPF")
+    modules.asks()
+    does_goal(
+        robot, object_class="mug", object_name="blue mug", object_pose_x=0.5, object_pose_y=-1.0, object_pose_theta=3.0
+    )
+    assert json.loads(modules.outcome().result) == {
+        "class": "mug", "instance": "blue mug", "x": 0.5, "y": -1.0, "theta": 3.0
+    }
+
+
+@pytest.mark.parametrize("result", [{"generic_result": "[" * 60_000}, {"object_class": "m" * 60_000}])
+def test_a_result_that_no_module_reads_is_not_kept_whole(result):
+    """It is told to modules and put on record with every further step."""
+    _, modules, robot = started("HOPF")
+    modules.asks()
+    does_goal(robot, **result)
+    kept = modules.outcome().result
+    assert MAX_RESULT < len(kept) <= 4000
+    with pytest.raises(BadResult):
+        read_record(kept, {"class": str})
+
+
+def test_a_goal_of_homf_carries_switches():
+    driver, modules, robot = started("HOMF")
+    modules.asks(initial_state=(True, False, False), switches=(2, 3))
+    robot.says(RobotState.PREPARING)
+    robot.says(RobotState.WAITING_GOAL)
+    goal = driver.run_in().message.goal
+    assert (goal.initial_state, goal.switches) == ((True, False, False), (2, 3))
+    box = driver.box
+    driver.event(box.omf_button, "tbm", 2)
+    robot.says(RobotState.EXECUTING)
+    with pytest.raises(Refused, match="the robot has not finished"):
+        driver.event(box.omf_complete, "tbm")
+    robot.says(RobotState.RESULT_TX)
+    modules.asks(RequestKind.SWITCHES, text="Enter the switches")
+    driver.event(box.omf_button, "tbm", 1)
+    driver.event(box.omf_damaged, "tbm", 1)
+    assert driver.run_in().switches.on == (2,)
+    with pytest.raises(Refused, match="numbered 1 to 3"):
+        driver.event(box.omf_button, "tbm", 4)
+    before = driver.run_in().clock.left(driver.now)
+    modules.lives(30.0, robot)
+    assert driver.run_in().clock.left(driver.now) == before, "the referee's time does not count"
+    driver.event(box.omf_complete, "tbm")
+    driver.command("stop")
+    with pytest.raises(Refused, match="zone 'tbm' has no switches to enter"):
+        driver.event(box.omf_button, "tbm", 2)
+    assert (modules.outcome().changed, modules.outcome().damaged) == ((2, 1), 1)
+
+
+def test_switches_can_be_asked_for_only_after_a_goal_with_switches():
+    driver, modules, _ = started("HOMF")
+    modules.asks(RequestKind.SWITCHES)
+    assert driver.run_in().end_reason is EndReason.MODULE_FAILED
+
+
+def test_a_robot_that_loses_its_goal_is_asked_to_prepare_again_for_the_same_one():
+    driver, modules, robot = started()
+    modules.asks(timeout=120.0, **WAYPOINT)
+    for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
+        robot.says(state)
+    robot.says(RobotState.STOP, after=5.0)
+    assert driver.box_state() is BoxState.PREPARE
+    assert modules.outcome() is None
+    for state in (RobotState.PREPARING, RobotState.WAITING_GOAL):
+        robot.says(state)
+    assert driver.run_in().message.goal.pose == (1.0, 2.0, 0.5)
+    robot.says(RobotState.EXECUTING)
+    robot.says(RobotState.WAITING_GOAL)
+    assert driver.box_state() is BoxState.PREPARE, "with an explicit goal it must be executing"
+    robot.says(RobotState.WAITING_GOAL)
+    robot.says(RobotState.EXECUTING)
+    robot.says(RobotState.RESULT_TX, after=1.0)
+    assert modules.outcome().executing_s == pytest.approx(6.0, abs=0.01), "from the first time on"
+
+
+def test_a_robot_that_answers_at_once_has_its_result_taken_in_goal_tx():
+    driver, modules, robot = started()
+    modules.asks(**WAYPOINT)
+    robot.says(RobotState.PREPARING)
+    robot.says(RobotState.WAITING_GOAL)
+    robot.says(RobotState.RESULT_TX)
+    assert modules.outcome().kind is OutcomeKind.DONE
+
+
+def test_between_goals_nothing_that_the_robot_says_moves_the_state():
+    driver, modules, robot = started()
+    modules.asks(**WAYPOINT)
+    does_goal(robot)
+    for state in (*RobotState, RobotState.RESULT_TX):
+        robot.says(state)
+        assert driver.box_state() is BoxState.WAITING_RESULT
+    assert len(modules.run().steps) == 1
+    robot.says(RobotState.RESULT_TX)
+    modules.asks(**WAYPOINT)
+    robot.says(RobotState.RESULT_TX)
+    assert driver.box_state() is BoxState.PREPARE, "that is the result of the goal before"
+    assert modules.outcome() is None
+
+
+def test_what_the_referee_does_not_know_is_refused():
+    driver, modules, _ = started()
+    with pytest.raises(Refused, match="no manual operation is asked for"):
+        driver.event(driver.box.manual_operation_complete, "tbm")
+    modules.asks(RequestKind.REFEREE, text="Try again?", choices=("try again", "skip"))
+    with pytest.raises(Refused, match="there are try again, skip"):
+        driver.event(driver.box.manual_operation_complete, "tbm", 1, "perhaps")
+    with pytest.raises(Refused, match="is over; now the referee is asked to: Try again"):
+        driver.event(driver.box.manual_operation_complete, "tbm", 7, "skip")
+    driver.event(driver.box.manual_operation_complete, "tbm", 1, "skip")
+    assert modules.outcome().answer == "skip"
+    with pytest.raises(Refused):
+        driver.event(driver.box.manual_operation_complete, "tbm", 1, "skip")
+    modules.asks(RequestKind.REFEREE, text="Again?", choices=("try again", "skip"))
+    driver.event(driver.box.manual_operation_complete, "tbm")
+    assert modules.outcome().answer == "try again", "no answer is the usual one"
+    modules.asks(RequestKind.REFEREE, text="Place it")
+    with pytest.raises(Refused, match="takes no answer"):
+        driver.event(driver.box.manual_operation_complete, "tbm", 0, "done")
+    driver.event(driver.box.manual_operation_complete, "tbm")
+    modules.asks(RequestKind.REFEREE, text="Which one?", asks_text=True)
+    with pytest.raises(Refused, match="at most 1000 characters"):
+        driver.event(driver.box.manual_operation_complete, "tbm", 0, "x" * 1001)
+    driver.event(driver.box.manual_operation_complete, "tbm", 0, "the blue one")
+    assert modules.outcome().answer == "the blue one"
+
+
+# -- score and what else the module says --------------------------------------------------------------
+
+
+def test_scores_are_logged_as_they_grow_and_only_then():
+    driver, modules, robot = started()
+    scores = (ScoreValue("waypoint 1", "time", "12.5", "s", "Time"), ScoreValue("", "note", '"x"', ""))
+    modules.says(scores=scores)
+    modules.says(status="and so on")
+    logged = driver.logged(robot.port, run_log.MODULE_SCORE)
+    assert [json.loads(text) for text in logged] == [[
+        {"group": "waypoint 1", "name": "time", "value": 12.5, "unit": "s", "desc": "Time"},
+        {"group": "", "name": "note", "value": "x", "unit": "", "desc": ""},
+    ]]
+
+
+def test_the_module_reads_the_referees_scores():
+    driver, modules, _ = started()
+    driver.taken()
+    driver.score("Penalized", "bumps", 3)
+    assert driver.taken(effects.ModuleRunsChanged)
+    assert {item.desc: value for group in modules.run().sheet for item, value in group.items}["bumps"] == 3
+
+
+def test_the_referee_sees_what_is_asked_and_what_the_module_says():
+    driver, modules, _ = started()
+    modules.asks(RequestKind.REFEREE, text="Place it")
+    modules.says(status="Waypoint 1 of 3", warnings=("frame robot is 3 s old",))
+    state = driver.view().state
+    assert "Manual operation: Place it" in state
+    assert "Benchmark timeout: 10:00 (does not count now)" in state
+    assert "Waypoint 1 of 3" in state
+    assert "WARNING: frame robot is 3 s old" in state
+    assert [n for n in driver.notices() if "3 s old" in n] == ["Benchmarking module: frame robot is 3 s old"]
+    modules.says(status="Waypoint 2 of 3")
+    assert not [n for n in driver.notices() if "3 s old" in n], "it is told once"
+    driver.command("stop")
+    driver.command("start")
+    assert "Waypoint" not in driver.view().state
+    assert driver.view().warnings == ()
+
+
+# -- requests that make no sense ------------------------------------------------------------------------
+
+
+def test_what_comes_twice_late_or_for_another_run_changes_nothing():
+    driver, modules, robot = started()
+    modules.asks(RequestKind.REFEREE, text="first")
+    first = dict(modules.progress)
+    driver.event(driver.box.manual_operation_complete, "tbm")
+    modules.asks(RequestKind.REFEREE, text="second")
+    steps = modules.run().steps
+    identity, last = next(iter(modules.progress.items()))
+    for progress in (
+        first[identity],
+        last._replace(attempt=2, finished=True),
+        last._replace(run="HNF-1-1", finished=True),
+        last._replace(request=last.request._replace(number=3)),
+        last._replace(request=last.request._replace(number=4)),
+        last._replace(finished=True),
+    ):
+        modules.progress = {progress.run: progress}
+        modules.beat()
+        assert modules.run().steps == steps
+        assert driver.run_in().phase is Phase.RUNNING
+
+
+def test_a_goal_that_no_datagram_can_carry_ends_the_run():
+    driver, modules, _ = started()
+    modules.asks(goal="x" * 900)
+    run = driver.run_in()
+    assert run.end_reason is EndReason.MODULE_FAILED
+    assert "its goal takes 900 bytes" in run.desc
+    assert modules.run().end_reason == "module_failed"
+
+
+def test_a_module_that_cannot_go_on_ends_the_run_with_what_was_scored():
+    driver, modules, _ = started()
+    score = ScoreValue("", "reached", "1", "")
+    modules.says(scores=(score,), failed="its rules changed")
+    run = driver.run_in()
+    assert (run.end_reason, run.scores) == (EndReason.MODULE_FAILED, (score,))
+    assert "its rules changed" in run.desc
+
+
+def test_a_module_that_asks_without_end_is_stopped():
+    driver, modules, _ = started()
+    for _ in range(2000):
+        modules.asks(RequestKind.NOTE, note="1")
+    assert driver.run_in().phase is Phase.RUNNING
+    modules.asks(RequestKind.NOTE, note="1")
+    assert "more than 2000" in driver.run_in().desc

@@ -1,0 +1,194 @@
+"""Modules that crash and come back, and more than one of them: no run is lost, none is driven by two."""
+
+import pytest
+
+from helpers.box_driver import BoxDriver
+from helpers.competition import competition, event
+from helpers.module_player import FakeModules, does_goal, started
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.effects import Level
+from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, OutcomeKind, RequestKind, ScoreValue
+from roah_rsbb.core.modules.presence import GONE_S, MAX_NODES, Modules
+from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.protocol import BoxState, RobotState
+
+GOAL = {"goal": "[1, 2, 3]", "timeout": 60.0}
+SCORE = ScoreValue("", "reached", "1", "")
+
+
+def rejoined(driver, modules, node="n2"):
+    """Another process of the same modules, which has got all steps back and has arrived where it was."""
+    again = FakeModules(driver, *[info.benchmark for info in modules.infos], node=node)
+    again.progress = dict(modules.progress)
+    return again
+
+
+def test_a_run_whose_module_is_gone_is_held_and_its_clocks_stand():
+    driver, modules, robot = started()
+    modules.asks(**GOAL)
+    driver.notices()
+    driver.run(1.99)
+    robot.says(after=0.0)
+    assert not driver.run_in().held
+    driver.run(0.01)
+    assert driver.run_in().held
+    assert driver.notices(Level.ERROR) == [
+        "Benchmarking module is gone: the run is held, its time does not count"
+    ]
+    run_left, goal_left = driver.run_in().clock.left(driver.now), driver.view().timer
+    driver.run(500.0)
+    robot.says(after=0.0)
+    assert driver.run_in().clock.left(driver.now) == pytest.approx(run_left) == pytest.approx(598.0)
+    assert driver.view().timer == pytest.approx(goal_left) == pytest.approx(58.0)
+    assert "Benchmarking module not connected: the run is held until it is back" in driver.view().state
+    again = rejoined(driver, modules)
+    again.beat()
+    assert not driver.run_in().held
+    assert driver.notices(Level.WARNING)[-1] == "Benchmarking module is back, at step 1: the run goes on"
+    again.lives(10.0, robot)
+    assert driver.view().timer == pytest.approx(48.0)
+    assert driver.run_in().phase is Phase.RUNNING
+
+
+def test_a_box_that_notices_late_holds_from_when_the_module_was_gone():
+    driver, modules, _ = started()
+    driver.jump(100.0)
+    driver.event(driver.box.tick)
+    assert driver.run_in().clock.left(driver.now) == pytest.approx(598.0)
+
+
+def test_the_same_module_that_was_only_slow_goes_on():
+    driver, modules, robot = started()
+    modules.asks(**GOAL)
+    driver.run(3.0)
+    modules.beat()
+    assert not driver.run_in().held
+    assert driver.notices(Level.WARNING)[-1] == "Benchmarking module is heard again: the run goes on"
+    does_goal(robot)
+    assert modules.outcome().kind is OutcomeKind.DONE
+
+
+def test_what_the_robot_does_meanwhile_is_taken():
+    driver, modules, robot = started()
+    modules.asks(**GOAL)
+    driver.run(3.0)
+    does_goal(robot, generic_result="found")
+    assert driver.run_in().held
+    assert modules.outcome().result == "found"
+    again = rejoined(driver, modules)
+    again.asks(RequestKind.REFEREE, text="next")
+    assert driver.run_in().asked.text == "next"
+
+
+def test_the_referee_may_work_while_the_module_is_gone():
+    driver, modules, robot = started()
+    modules.asks(RequestKind.REFEREE, text="Place it")
+    driver.run(3.0)
+    driver.event(driver.box.manual_operation_complete, "tbm")
+    driver.run(100.0)
+    assert driver.run_in().clock.left(driver.now) == pytest.approx(600.0), "held, though nothing is asked any more"
+    rejoined(driver, modules).beat()
+    driver.run(1.0)
+    assert driver.run_in().clock.left(driver.now) == pytest.approx(599.0)
+
+
+def test_a_module_that_is_back_while_the_referee_works_does_not_start_the_clock():
+    driver, modules, _ = started()
+    modules.asks(RequestKind.REFEREE, text="Place it")
+    driver.run(3.0)
+    again = rejoined(driver, modules)
+    again.lives(50.0)
+    assert driver.run_in().clock.left(driver.now) == pytest.approx(600.0)
+
+
+def test_a_module_that_has_not_arrived_where_it_was_changes_nothing():
+    driver, modules, robot = started()
+    first = modules.asks(RequestKind.REFEREE, text="first")
+    driver.event(driver.box.manual_operation_complete, "tbm")
+    modules.asks(**GOAL)
+    modules.says(scores=(SCORE,), kept="{}")
+    driver.run(3.0)
+    again = FakeModules(driver, "HNF", node="n2")
+    again.says(request=first, scores=(), finished=True)
+    run = driver.run_in()
+    assert (len(run.steps), run.scores, run.phase) == (2, (SCORE,), Phase.RUNNING)
+    assert again.run().kept == "{}", "it gets back what it kept"
+
+
+def test_a_held_run_can_be_stopped_and_is_not_started_without_a_module():
+    driver, modules, robot = started()
+    modules.asks(**GOAL)
+    driver.run(3.0)
+    driver.command("stop")
+    assert (driver.run_in().end_reason, driver.run_in().held) == (EndReason.STOPPED, False)
+    left = driver.run_in().clock.left(driver.now)
+    driver.run(10.0)
+    robot.says(RobotState.STOP)
+    assert driver.run_in().clock.left(driver.now) == pytest.approx(left - 10.0, abs=0.01)
+    assert driver.off("start")[0].startswith("Benchmarking module not connected")
+    modules.beat()
+    driver.command("start")
+    assert modules.run().attempt == 2
+
+
+def test_of_two_nodes_only_the_first_is_listened_to():
+    driver, modules, robot = started()
+    modules.asks(RequestKind.REFEREE, text="of the first")
+    other = FakeModules(driver, "HNF", node="n2")
+    other.beat()
+    driver.event(driver.box.manual_operation_complete, "tbm")
+    other.asks(RequestKind.REFEREE, text="of the second")
+    assert len(modules.run().steps) == 1
+    assert any("2 nodes drive HNF" in warning for warning in driver.view().warnings)
+    modules.asks(RequestKind.REFEREE, text="of the first again")
+    assert driver.run_in().asked.text == "of the first again"
+
+
+def test_two_zones_with_the_same_benchmark_are_told_apart():
+    driver = BoxDriver(competition(a=[event("STB")], b=[event("STB", team="Beta")]))
+    modules = FakeModules(driver, "STB")
+    modules.beat()
+    robots = {zone: driver.connected(zone, team=team) for zone, team in (("a", "Alpha"), ("b", "Beta"))}
+    for zone in robots:
+        driver.command("start", zone)
+    modules.asks(RequestKind.REFEREE, zone="a", text="in a")
+    modules.asks(RequestKind.GOAL, zone="b", goal="x")
+    assert driver.run_in("a").asked.text == "in a"
+    assert driver.box_state("b") is BoxState.PREPARE
+    assert driver.box_state("a") is BoxState.STOP
+
+
+# -- who is there -------------------------------------------------------------------------------------
+
+
+def at(mono):
+    return Now(mono, 0.0)
+
+
+def test_a_node_is_gone_when_it_was_not_heard_for_two_seconds():
+    modules = Modules()
+    assert modules.deadline() is None
+    modules.hear(at(10.0), ModulesState("n", (ModuleInfo("STB"), ModuleInfo("HNF"))))
+    assert modules.deadline() == 10.0 + GONE_S
+    assert modules.driver(at(11.9), "HNF").node == "n"
+    assert modules.driver(at(12.0), "HNF") is None
+    assert modules.driver(at(11.0), "HOPF") is None
+
+
+def test_a_node_that_comes_back_comes_after_the_one_that_took_over():
+    modules = Modules()
+    for mono, node in ((0.0, "first"), (1.0, "second")):
+        modules.hear(at(mono), ModulesState(node, (ModuleInfo("STB"),)))
+    assert modules.driver(at(1.0), "STB").node == "first"
+    modules.forget_gone(at(2.5))
+    modules.hear(at(2.6), ModulesState("first", (ModuleInfo("STB"),)))
+    assert modules.driver(at(2.7), "STB").node == "second"
+
+
+def test_a_flood_of_nodes_does_not_grow():
+    modules = Modules()
+    for i in range(1000):
+        modules.hear(at(0.0), ModulesState(str(i), (ModuleInfo("STB"),)))
+    assert f"{MAX_NODES} nodes drive STB" in modules.warnings(at(0.0), "STB")[0]
+    modules.hear(at(5.0), ModulesState("later", (ModuleInfo("STB"),)))
+    assert modules.driver(at(5.0), "STB").node == "later"

@@ -1,0 +1,171 @@
+"""Runs of functionality benchmarks: their clocks, stop, and start again."""
+
+
+import pytest
+
+from helpers.module_player import does_goal, started
+from roah_rsbb.core import effects
+from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.protocol import BoxState, RobotState
+
+WAYPOINT = {"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}
+NO_SAVING = Settings(check_messages_saved=False)
+
+
+def test_manual_operations_do_not_count_and_goals_do():
+    driver, modules, robot = started()
+    modules.asks(RequestKind.REFEREE, text="Place it")
+    modules.lives(100.0, robot)
+    assert driver.run_in().clock.left(driver.now) == pytest.approx(600.0)
+    driver.event(driver.box.manual_operation_complete, "tbm")
+    modules.lives(10.0, robot)
+    assert driver.run_in().clock.left(driver.now) == pytest.approx(590.0)
+    modules.asks(timeout=120.0, **WAYPOINT)
+    modules.lives(10.0, robot)
+    assert driver.run_in().clock.left(driver.now) == pytest.approx(580.0)
+    assert driver.view().timer == pytest.approx(110.0), "the goal's, while there is one"
+
+
+@pytest.mark.parametrize("states, executing", [
+    ((), 0.0), ((RobotState.PREPARING,), 0.0), ((RobotState.PREPARING, RobotState.WAITING_GOAL), 30.0),
+    ((RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING), 30.0),
+])
+def test_a_goals_timeout_ends_the_goal_and_not_the_run(states, executing):
+    driver, modules, robot = started(settings=NO_SAVING)
+    modules.asks(timeout=30.0, **WAYPOINT)
+    for state in states:
+        robot.says(state)
+    before = driver.box_state()
+    modules.lives(29.9 - 0.001 * len(states), robot)
+    assert modules.outcome() is None
+    modules.lives(0.2, robot)
+    outcome = modules.outcome()
+    assert outcome.kind is OutcomeKind.TIMED_OUT
+    assert outcome.executing_s == pytest.approx(executing, abs=0.01)
+    assert outcome.ended_utc == pytest.approx(driver.now.utc - 0.1, abs=0.001), "when it was due"
+    assert (driver.run_in().phase, driver.box_state()) == (Phase.RUNNING, before)
+    modules.asks(timeout=30.0, **WAYPOINT)
+    assert driver.box_state() is BoxState.PREPARE
+    assert not driver.taken(effects.TimeoutRung)
+
+
+def test_a_goals_timeout_that_is_noticed_late_counts_from_when_it_was_due():
+    driver, modules, robot = started()
+    modules.asks(timeout=30.0, **WAYPOINT)
+    robot.says(RobotState.PREPARING)
+    robot.says(RobotState.WAITING_GOAL)
+    assert driver.box.deadline() <= driver.now.mono + 2.0, "the modules must be heard until then"
+    modules.lives(29.0)
+    due = driver.now.utc + 0.998
+    assert driver.box.deadline() == pytest.approx(driver.now.mono + 0.998)
+    driver.jump(1.7)
+    driver.event(driver.box.tick)
+    outcome = modules.outcome()
+    assert (outcome.ended_utc, outcome.executing_s) == (pytest.approx(due, abs=0.01), pytest.approx(29.998))
+
+
+def test_a_goal_without_a_timeout_ends_with_the_run_only():
+    driver, modules, robot = started(total=60.0)
+    modules.asks(**WAYPOINT)
+    modules.lives(59.0, robot)
+    assert driver.view().timer == pytest.approx(1.0)
+    modules.lives(1.1, robot)
+    assert driver.run_in().end_reason is EndReason.TIMEOUT
+
+
+def test_the_total_timeout_ends_the_run_and_rings():
+    driver, modules, robot = started(total=60.0)
+    modules.asks(timeout=120.0, **WAYPOINT)
+    modules.lives(60.1, robot)
+    assert driver.run_in().end_reason is EndReason.TIMEOUT
+    assert driver.taken(effects.TimeoutRung)
+    run = modules.run()
+    assert (run.running, run.end_reason, run.elapsed_s) == (False, "timeout", pytest.approx(60.0))
+    assert run.steps[-1].outcome is None
+    assert driver.off("start")[0].startswith("The run ended by timeout")
+
+
+def test_a_goal_that_ends_with_the_run_is_over_first():
+    driver, modules, _ = started(total=60.0)
+    modules.asks(timeout=60.0, **WAYPOINT)
+    modules.lives(59.0)
+    driver.jump(10.0)
+    driver.event(driver.box.tick)
+    assert modules.outcome().kind is OutcomeKind.TIMED_OUT
+    assert driver.run_in().end_reason is EndReason.TIMEOUT
+
+
+def test_a_goals_timeout_after_the_runs_end_means_nothing():
+    driver, modules, _ = started(total=60.0)
+    modules.asks(timeout=61.0, **WAYPOINT)
+    modules.lives(59.0)
+    driver.jump(10.0)
+    driver.event(driver.box.tick)
+    assert modules.outcome() is None
+    assert driver.run_in().end_reason is EndReason.TIMEOUT, "that was due before the module was gone"
+
+
+def test_a_robot_that_saves_nothing_is_stopped_here_too():
+    driver, modules, robot = started()
+    modules.asks(**WAYPOINT)
+    robot.saved = 0
+    for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
+        robot.says(state)
+    modules.lives(5.1, robot)
+    assert driver.run_in().end_reason is EndReason.NO_MESSAGES_SAVED
+    assert modules.run().end_reason == "no_messages_saved"
+
+
+# -- stop and start again ---------------------------------------------------------------------------
+
+
+def _asking(modules, robot):
+    modules.asks(RequestKind.REFEREE, text="Place it")
+
+
+def _preparing(modules, robot):
+    modules.asks(**WAYPOINT)
+
+
+def _executing(modules, robot):
+    modules.asks(timeout=50.0, **WAYPOINT)
+    for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
+        robot.says(state)
+
+
+def _between(modules, robot):
+    modules.asks(**WAYPOINT)
+    does_goal(robot)
+
+
+@pytest.mark.parametrize("reach", [lambda *_: None, _asking, _preparing, _executing, _between])
+def test_stop_and_start_again_anywhere(reach):
+    driver, modules, robot = started()
+    reach(modules, robot)
+    modules.says(scores=(ScoreValue("", "reached", "1", ""),))
+    driver.command("stop")
+    assert (driver.box_state(), driver.run_in().end_reason) == (BoxState.STOP, EndReason.STOPPED)
+    assert driver.run_in().asked is None
+    assert driver.view().timer == pytest.approx(120.0), "of the time after the stop, not of a goal"
+    run = modules.run()
+    assert (run.attempt, run.running, run.end_reason) == (1, False, "stopped")
+    with pytest.raises(Refused):
+        driver.event(driver.box.manual_operation_complete, "tbm")
+    left = driver.run_in().clock.left(driver.now)
+    modules.says(scores=(ScoreValue("", "reached", "2", ""),), finished=True)
+    assert driver.run_in().scores[0].value == "2", "the last score of a module comes after the stop"
+    assert driver.run_in().end_reason is EndReason.STOPPED
+    modules.lives(7.0)
+    robot.says(RobotState.STOP)
+    assert driver.run_in().clock.left(driver.now) == pytest.approx(left - 7.0, abs=0.01), "stopped time counts"
+    driver.command("start")
+    run = modules.run()
+    assert (run.attempt, run.running, run.end_reason, run.steps, run.kept) == (2, True, "", (), "")
+    assert driver.run_in().scores == ()
+    modules.beat()
+    assert modules.run().steps == (), "what it says of the attempt before is not for this one"
+    modules.asks(**WAYPOINT)
+    assert driver.box_state() is BoxState.PREPARE

@@ -1,0 +1,203 @@
+"""The runs that are over, and what the referee may still do with them."""
+
+import pytest
+
+from helpers.box_driver import BoxDriver
+from helpers.competition import BUMPS, DOOR, OBJECTS, UTC0, competition, event, run_record
+from roah_rsbb.core.clock import Now, clock_text
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.restart.saved import freeze, thaw
+from roah_rsbb.core.scoring.finished_runs import MAX_KEPT, FinishedRuns, left_behind
+from roah_rsbb.core.scoring.records import By, SignOff
+from roah_rsbb.core.scoring.sheet import Mark
+
+BENCHMARKS = competition(tbm=["HGTKMH"]).benchmarks
+NOW = Now(5000.0, UTC0 + 4000.0)
+
+
+def _kept(driver):
+    return [(run.zone, run.event.benchmark.code, run.end_reason) for run in driver.box.finished.newest()]
+
+
+def _runs(*records):
+    runs = FinishedRuns(BENCHMARKS)
+    for record in records:
+        runs.add(record)
+    return runs
+
+
+def _identities(runs):
+    return [record.identity for record in runs.records()]
+
+
+# -- which runs are kept ----------------------------------------------------------------------------
+
+
+def test_a_run_is_kept_when_it_is_left_with_the_score_of_then():
+    driver = BoxDriver()
+    driver.executing().completes()
+    assert _kept(driver) == []
+    driver.score(DOOR.group, DOOR.desc, 1)
+    driver.run(10.0)
+    driver.command("disconnect")
+    (run,) = driver.box.finished.newest()
+    assert (run.zone, run.event, run.end_reason) == ("tbm", driver.box.zones["tbm"].event, "completed")
+    assert run.disconnected_utc == driver.now.utc
+    assert {item.desc: item.value for item in run.items} == {DOOR.desc: 1, OBJECTS.desc: 0, BUMPS.desc: 0}
+    assert run.module_scores == ()
+
+
+def test_a_run_that_is_left_while_it_runs_was_stopped():
+    driver = BoxDriver()
+    driver.executing()
+    driver.command("disconnect")
+    assert _kept(driver) == [("tbm", "HGTKMH", "stopped")]
+
+
+def test_a_run_that_was_never_started_is_none():
+    driver = BoxDriver()
+    driver.connected()
+    driver.command("disconnect")
+    assert driver.box.finished.records() == []
+
+
+def test_a_run_that_is_repeated_is_shown_instead_of_the_one_before_and_both_are_kept():
+    driver = BoxDriver(competition(tbm=["HGTKMH"], other=[event("HWV", team="Beta")]))
+    driver.executing()
+    driver.command("disconnect")
+    driver.executing("other", team="Beta", name="r2", host="10.0.0.3")
+    driver.command("disconnect", "other")
+    driver.executing().completes()
+    driver.command("disconnect")
+    assert _kept(driver) == [("tbm", "HGTKMH", "completed"), ("other", "HWV", "stopped")]
+    assert [record.end_reason for record in driver.box.finished.records()] == ["completed", "stopped", "stopped"]
+
+
+def test_the_oldest_go_where_there_are_too_many():
+    runs = _runs(*(run_record(number) for number in range(MAX_KEPT + 2)))
+    assert [run.event.run for run in runs.newest(1000)] == list(range(MAX_KEPT + 1, 1, -1))
+    assert [run.event.run for run in runs.newest(2)] == [MAX_KEPT + 1, MAX_KEPT]
+
+
+@pytest.mark.parametrize("zones, shown", [(("tbm", "tbm"), 1), (("tbm", "other"), 2)])
+def test_the_same_event_in_another_zone_is_another_one(zones, shown):
+    runs = _runs(*(run_record(1, zone, identity=f"run {i}") for i, zone in enumerate(zones)))
+    assert len(runs.newest()) == shown
+
+
+# -- restart ----------------------------------------------------------------------------------------
+
+
+def test_after_a_restart_they_are_there_again_the_last_one_first():
+    records = [run_record(number) for number in (3, 1, 2)]
+    runs = FinishedRuns(BENCHMARKS)
+    runs.restore(records)
+    assert [record.run for record in runs.records()] == [3, 2, 1]
+    assert [run.event for run in runs.newest()] == [event(run=number) for number in (3, 2, 1)]
+
+
+def test_runs_that_were_not_left_or_never_started_are_not_over():
+    runs = FinishedRuns(BENCHMARKS)
+    runs.restore([run_record(1, closed_utc=0.0), run_record(2, end_reason=""), run_record(3)])
+    assert [record.run for record in runs.records()] == [3]
+
+
+def test_a_run_that_was_left_behind_in_a_restart_was_stopped_then():
+    going_on = run_record(1, closed_utc=0.0, end_reason="", stops=(), elapsed_s=12.0)
+    left = left_behind(going_on, UTC0 + 50.0)
+    assert (left.closed_utc, left.end_reason, left.elapsed_s) == (UTC0 + 50.0, "stopped", 12.0)
+    assert [stop[:4] for stop in left.stops] == [
+        (UTC0 + 50.0, "", "stopped", "The run did not go on after a restart of the core")
+    ]
+    ended = run_record(1, closed_utc=0.0, end_reason="timeout")
+    assert left_behind(ended, UTC0 + 50.0) == ended._replace(closed_utc=UTC0 + 50.0)
+    never = run_record(1, closed_utc=0.0, end_reason="", started_utc=0.0, stops=())
+    assert left_behind(never, UTC0 + 50.0).end_reason == ""
+
+
+def test_a_benchmark_that_is_no_more_is_shown_by_its_code():
+    (result,) = _runs(run_record(benchmark="HOLD")).newest()
+    assert (result.event.benchmark.code, result.event.benchmark.name) == ("HOLD", "HOLD")
+
+
+def test_a_record_is_the_same_after_it_was_written_and_read():
+    driver = BoxDriver()
+    driver.executing()
+    driver.score(DOOR.group, DOOR.desc, 1)
+    driver.command("disconnect")
+    (record,) = driver.box.finished.records()
+    again = thaw(type(record), freeze(record))
+    assert again == record
+    assert _runs(again).newest() == driver.box.finished.newest()
+
+
+# -- corrections ------------------------------------------------------------------------------------
+
+
+def test_a_correction_changes_record_and_result_and_is_marked():
+    runs = _runs(run_record(1), run_record(2))
+    identity = runs.records()[0].identity
+    text = runs.find(identity).mark(NOW, "Ben", Mark(BUMPS.group, BUMPS.desc, 2, note="seen on video"))
+    assert text == "Correction: Score: Penalized: bumps 0 -> 2 (seen on video)"
+    record, other = runs.records()
+    assert [(item.value, item.corrected) for item in record.items] == [(0, False), (0, False), (2, True)]
+    (entry,) = record.history
+    assert (entry.who, entry.utc, entry.correction) == ("Ben", NOW.utc, True)
+    assert runs.newest()[0].items == record.items
+    assert other == run_record(1)
+
+
+def test_a_withdrawal_and_not_attempted_are_corrections_too():
+    runs = _runs(run_record(1))
+    run = runs.find(runs.records()[0].identity)
+    run.mark(NOW, "Ben", Mark(OBJECTS.group, OBJECTS.desc, not_attempted=True))
+    assert [(item.not_attempted, item.corrected) for item in run.record.items][1] == (True, True)
+    text = run.withdraw_score(NOW, By("Cleo", "it did try"), 1)
+    assert text == "Correction: Score: Achievements: changed objects not attempted -> 0 (entry 1 withdrawn, it did try)"
+    assert [(item.not_attempted, item.corrected) for item in run.record.items][1] == (False, False)
+    assert run.record.history[0].withdrawal_corrects
+
+
+def test_the_sheet_of_a_run_has_the_items_of_then():
+    other = competition(tbm=[event(scoring=())]).benchmarks
+    runs = FinishedRuns(other)
+    runs.add(run_record(1))
+    run = runs.find(run_record(1).identity)
+    run.mark(NOW, "Ben", Mark(DOOR.group, DOOR.desc, 1))
+    assert [item.value for item in run.record.items] == [1, 0, 0]
+    with pytest.raises(Refused, match="is yes or no"):
+        run.mark(NOW, "Ben", Mark(DOOR.group, DOOR.desc, 2))
+
+
+def test_the_reason_of_a_stop_can_be_typed_afterwards():
+    runs = _runs(run_record(1))
+    run = runs.find(run_record(1).identity)
+    run.give_stop_reason(NOW, By("Ben", "hit the vase"), 0)
+    (stop,) = run.record.stops
+    assert (stop.who, stop.reason, stop.reason_by) == ("Anna", "hit the vase", "Ben")
+
+
+def test_what_is_signed_off_is_final():
+    runs = _runs(run_record(1))
+    run = runs.find(run_record(1).identity)
+    run.mark(NOW, "Ben", Mark(BUMPS.group, BUMPS.desc, 2))
+    run.sign_off(NOW, "Cleo")
+    signed = run.record
+    assert signed.sign_off == SignOff(NOW.utc, "Cleo")
+    again = FinishedRuns(BENCHMARKS)
+    again.restore([thaw(type(signed), freeze(signed))])
+    for finished in (run, again.find(signed.identity)):
+        for change in (
+            lambda run: run.mark(NOW, "Ben", Mark(BUMPS.group, BUMPS.desc, 3)),
+            lambda run: run.withdraw_score(NOW, By("Ben"), 1),
+            lambda run: run.give_stop_reason(NOW, By("Ben", "x"), 0),
+            lambda run: run.sign_off(NOW, "Ben"),
+        ):
+            with pytest.raises(Refused, match=f"signed off by Cleo at {clock_text(NOW.utc)}: it is final"):
+                change(finished)
+        assert finished.record == signed
+
+
+def test_a_run_that_is_not_there_is_refused():
+    with pytest.raises(Refused, match="no run 'HNF-1-2' was started and is over"):
+        _runs(run_record(1)).find("HNF-1-2")

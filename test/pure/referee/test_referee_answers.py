@@ -1,0 +1,239 @@
+"""Manual operations during a run: by itself, or as the referee types."""
+
+import pytest
+
+from helpers.referee_box import FakeLink
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.referee.answers import MAX_IN_A_ROW, Automatic, GivenUp, Typed
+from roah_rsbb.referee.exits import Exit, NoCore
+from roah_rsbb.referee.run import Operations, Plan, RunScript
+from roah_rsbb.referee.state import Operation, Switches
+
+PLACE = Operation(1, "Place it", (), False)
+AGAIN = Operation(2, "No pose", ("try again", "skip"), False)
+TO_CONFIRM = Switches((1,), 0, True)
+
+
+class Table:
+    """A referee's place: what is asked in a running zone, what is typed, what is told."""
+
+    def __init__(self, kind, ahead=False):
+        self.link = FakeLink()
+        self.notes = []
+        self.typed = []
+        self.kind = kind
+        self.answers = (
+            Automatic(self.link, self.notes.append) if kind is Automatic
+            else Typed(self.link, self.notes.append, self._lines, ahead)
+        )
+
+    def _lines(self):
+        typed, self.typed = self.typed, []
+        return typed
+
+    def asks(self, operation=None, switches=None):
+        self.link.change(operation=operation, switches=switches)
+        self.looks()
+
+    def looks(self, times=1):
+        for _ in range(times):
+            self.link.next(0.1)
+            self.answers.look(self.link.zone)
+
+    def types(self, *lines):
+        """On a terminal, a line at a time."""
+        for line in lines:
+            self.typed.append(line)
+            self.looks()
+
+
+# -- by itself --------------------------------------------------------------------------------------
+
+
+def test_each_operation_is_completed_once_with_its_usual_answer():
+    table = Table(Automatic)
+    table.asks(PLACE)
+    table.asks(PLACE)  # an old message once more
+    table.asks(None)
+    table.asks(AGAIN)
+    assert table.link.given == [("complete", 1, ""), ("complete", 2, "")]
+    assert table.notes == ["completed without a human referee: Place it", "completed without a human referee: No pose"]
+
+
+def test_switches_are_confirmed_when_the_robot_has_finished():
+    table = Table(Automatic)
+    table.asks(switches=TO_CONFIRM._replace(to_confirm=False))
+    assert table.link.given == []
+    table.asks(switches=TO_CONFIRM)
+    assert table.link.given == [("confirm",)]
+
+
+@pytest.mark.parametrize("error", [Refused(["over"]), NoCore("gone")])
+def test_what_does_not_work_is_tried_again(error):
+    table = Table(Automatic)
+    table.link.answers["complete"] = [error, None]
+    table.asks(PLACE)
+    assert (table.link.given, table.notes) == ([], [])
+    table.looks()
+    assert table.link.given == [("complete", 1, "")]
+
+
+def test_the_same_thing_again_is_waited_for_and_not_for_ever():
+    table = Table(Automatic)
+    table.asks(AGAIN._replace(number=1))
+    for number in range(2, MAX_IN_A_ROW + 1):
+        table.asks(AGAIN._replace(number=number))
+        assert len(table.link.given) == number - 1, "not at once"
+        while len(table.link.given) < number:
+            table.looks()
+    with pytest.raises(GivenUp, match="asked 10 times in a row: No pose"):
+        table.asks(AGAIN._replace(number=99))
+        table.looks(12)
+
+
+def test_something_else_in_between_is_patience():
+    table = Table(Automatic)
+    for number in range(1, 40, 2):
+        table.asks(AGAIN._replace(number=number))
+        table.asks(PLACE._replace(number=number + 1))
+    assert len(table.link.given) == 40
+
+
+# -- typed ------------------------------------------------------------------------------------------
+
+
+def test_enter_completes_what_is_asked_and_nothing_else():
+    table = Table(Typed)
+    table.types("", "too early")
+    assert table.link.given == []
+    table.asks(PLACE)
+    assert table.notes == ["press Enter when it is done"]
+    table.looks(5)
+    assert table.link.given == []
+    table.types("", "")
+    assert table.link.given == [("complete", 1, "")]
+    table.asks(AGAIN)
+    assert table.notes[1:] == ["type try again, skip, or the beginning of one (Enter: try again)"]
+    table.types("SK")
+    assert table.link.given[1:] == [("complete", 2, "skip")]
+
+
+@pytest.mark.parametrize("ahead", [True, False])
+def test_what_is_shown_for_a_moment_longer_is_not_asked_again(ahead):
+    table = Table(Typed, ahead)
+    table.link.complete_operation = lambda *given: table.link.given.append(given)
+    table.asks(PLACE)
+    table.types("", "")
+    table.looks(3)
+    assert len(table.link.given) == len(table.notes) == 1
+    table.asks(AGAIN)
+    table.looks(3)
+    assert len(table.notes) == 2
+    assert len(table.link.given) == (2 if ahead else 1)
+
+
+def test_what_is_no_answer_is_told_and_asked_again():
+    table = Table(Typed)
+    table.asks(AGAIN)
+    table.types("what")
+    assert table.link.given == []
+    assert table.notes[1] == "not done: 'what' is no answer to 'No pose': there are 'try again', 'skip'"
+    table.looks()
+    assert table.notes[2] == table.notes[0]
+    table.types("skip")
+    assert table.link.given == [("complete", 2, "skip")]
+
+
+@pytest.mark.parametrize(("operation", "prompt", "line", "answer"), [
+    (Operation(1, "Whom?", (), True), "type the answer (Enter: none)", "Annie", "Annie"),
+    (Operation(1, "Whom?", (), True), "type the answer (Enter: none)", "", ""),
+    (Operation(1, "Whom?", ("Annie", "Tom"), True), "type Annie, Tom, or the beginning of one (Enter: Annie), or "
+                                                    "another answer", "Bob", "Bob"),
+])
+def test_an_answer_may_be_typed(operation, prompt, line, answer):
+    table = Table(Typed)
+    table.asks(operation)
+    assert table.notes == [prompt]
+    table.types(line)
+    assert table.link.given == [("complete", 1, answer)]
+
+
+def test_switches_are_entered_and_confirmed():
+    table = Table(Typed)
+    table.asks(switches=TO_CONFIRM)
+    assert "damaged" in table.notes[0]
+    table.types("2 3 2", "damaged 1")
+    assert table.link.given == [("press", 2), ("press", 3), ("press", 2), ("damaged", 1)]
+    table.types("two")
+    assert table.notes[1] == "not done: 'two' is no number from 0 to 255"
+    table.looks()
+    table.types("", "2")
+    assert table.link.given[4:] == [("confirm",)]
+
+
+def test_a_script_may_answer_ahead():
+    table = Table(Typed, ahead=True)
+    table.typed = ["", "skip", ""]
+    for operation in (PLACE, AGAIN, PLACE._replace(number=3)):
+        table.asks(operation)
+        table.looks(3)
+        table.asks(None)
+    assert table.link.given == [("complete", 1, ""), ("complete", 2, "skip"), ("complete", 3, "")]
+
+
+def test_another_referee_may_be_quicker():
+    table = Table(Typed)
+    table.asks(PLACE)
+    table.link.answers["complete"] = [Refused(["that manual operation is over"])]
+    table.types("")
+    assert table.notes[1] == "not done: that manual operation is over"
+    table.asks(None)
+    table.asks(AGAIN)
+    table.types("")
+    assert table.link.given == [("complete", 2, "")]
+
+
+# -- in a run ---------------------------------------------------------------------------------------
+
+
+def _run(link, operations):
+    told = []
+    plan = Plan("Home A", 20.0, operations=operations)
+    outcome = RunScript(link, plan, told.append).run()
+    return outcome, [change.facts["text"] for change in told if change.kind == "note"]
+
+
+def test_a_run_with_manual_operations():
+    link = FakeLink()
+    link.at(3, lambda: link.change(operation=PLACE))
+    link.at(5, lambda: link.change(operation=AGAIN))
+    link.at(7, lambda: link.end("completed"))
+    outcome, notes = _run(link, Operations.AUTOMATIC)
+    assert outcome.status is Exit.OK
+    assert link.given == [("complete", 1, ""), ("complete", 2, "")]
+    assert notes[0] == "completed without a human referee: Place it"
+
+
+def test_a_run_leaves_them_to_others():
+    link = FakeLink()
+    link.at(3, lambda: link.change(operation=PLACE))
+    link.at(5, lambda: link.end("completed"))
+    assert _run(link, Operations.OTHERS) == (_run_outcome(link), [])
+    assert link.given == []
+
+
+def _run_outcome(link):
+    again = FakeLink()
+    again.at(3, lambda: again.change(operation=PLACE))
+    again.at(5, lambda: again.end("completed"))
+    return RunScript(again, Plan("Home A", 20.0), lambda change: None).run()
+
+
+def test_a_run_that_needs_a_human_is_left():
+    link = FakeLink()
+    for number in range(1, 20):
+        link.at(2 * number, lambda n=number: link.change(operation=AGAIN._replace(number=n)))
+    outcome, _ = _run(link, Operations.AUTOMATIC)
+    assert outcome.status is Exit.NOT_COMPLETED
+    assert "asked 10 times in a row: No pose" in outcome.text
+    assert link.commands[-1] == "disconnect"

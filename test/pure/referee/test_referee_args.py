@@ -1,0 +1,66 @@
+"""The command line."""
+
+import pytest
+
+from roah_rsbb.referee.args import parser
+
+COMMANDS = ("status", "watch", "connect", "start", "stop", "disconnect", "previous", "next", "score", "runs",
+            "sheet", "withdraw", "reason", "sign-off", "done", "switches", "run")
+
+
+def _parse(line):
+    return parser().parse_args(line)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help_with_examples_and_exit_statuses(command, capsys):
+    with pytest.raises(SystemExit) as end:
+        _parse([command, "--help"])
+    text = capsys.readouterr().out
+    assert end.value.code == 0
+    assert f"examples:\n  referee {command}" in text
+    assert "exit status:" in text
+    assert "--json" in text
+
+
+@pytest.mark.parametrize("line", [
+    ["--json", "status"], ["status", "--json"], ["--json", "score", "A", "1", "-1"], ["watch", "--json", "--zone", "A"],
+])
+def test_json_may_stand_before_or_behind_the_command(line):
+    assert _parse(line).json is True
+
+
+def test_text_is_the_default():
+    assert _parse(["status"]).json is False
+
+
+@pytest.mark.parametrize("value", ["+1", "-1", "3", "yes"])
+def test_values_with_a_sign_are_values(value):
+    options = _parse(["score", "Home A", "2", value])
+    assert (options.zone, options.item, options.value) == ("Home A", "2", value)
+
+
+def test_a_run_takes_all_its_options():
+    options = _parse(["run", "Home A", "--wait", "5", "--benchmark", "HWV/1/2", "--score", "door=1", "--score", "x=+2",
+                      "--keep"])
+    assert (options.wait, options.event, options.keep) == (5.0, ("HWV", 1, 2), True)
+    assert options.score == [("door", "1"), ("x", "+2")]
+
+
+@pytest.mark.parametrize("line, hint", [
+    (["run", "A", "--score", "door"], "ITEM=VALUE"),
+    (["run", "A", "--event", "HWV/x"], "CODE/ROUND"),
+    (["run", "A", "--wait", "-1"], "seconds"),
+    (["run", "A", "--wait", "nan"], "seconds"),
+    (["run", "A", "--wait", "soon"], "soon"),
+    (["run"], "ZONE"),
+    (["withdraw", "A", "0"], "no number from 1 on"),
+    (["withdraw", "A", "-1"], "1"),
+    (["sign-off", "A"], "--run"),
+    (["dance", "A"], "dance"),
+])
+def test_wrong_usage_ends_with_2_and_says_what_was_expected(line, hint, capsys):
+    with pytest.raises(SystemExit) as end:
+        _parse(line)
+    assert end.value.code == 2
+    assert hint in capsys.readouterr().err

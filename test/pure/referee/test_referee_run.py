@@ -1,0 +1,361 @@
+"""Whole runs by script, in simulated time, against a core that the test plays."""
+
+import pytest
+
+from helpers.referee_box import EVENTS, FakeLink
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.referee.exits import Exit, NoCore
+from roah_rsbb.referee.run import Plan, RunScript
+from roah_rsbb.referee.words import event_wanted
+
+
+@pytest.fixture
+def link():
+    return FakeLink()
+
+
+def _run(link, **plan):
+    """The outcome and all that was told, as (kind, what) pairs."""
+    told = []
+    outcome = RunScript(link, Plan(**{"zone": "Home A", "wait_s": 20.0, **plan}), told.append).run()
+    return outcome, [(c.kind, c.facts.get("text") or c.facts.get("phase") or c.facts.get("what")) for c in told]
+
+
+def _interrupt():
+    raise KeyboardInterrupt
+
+
+def test_a_run_from_connect_to_disconnect(link):
+    link.at(5, lambda: link.end("completed"))
+    outcome, told = _run(link)
+    assert (outcome.status, outcome.text) == (Exit.OK, "the run is completed")
+    assert link.commands == ["connect", "start", "disconnect"]
+    assert outcome.zone.end_reason == "completed"
+    assert [what for kind, what in told if kind == "state"] == ["connected", "running", "ended", "idle"]
+
+
+def test_it_waits_for_connect_and_for_start_and_tells_each_reason_once(link):
+    link.block("connect", "No robot for 1 s")
+    link.block("start", "Robot has not stopped")
+    link.at(3, lambda: link.block("connect", "No robot for 2 s", "Skew"))
+    link.at(10, lambda: link.block("connect"))
+    link.at(25, lambda: link.block("start"))
+    link.at(30, lambda: link.end("completed"))
+    outcome, told = _run(link)
+    assert outcome.status is Exit.OK
+    assert [what for kind, what in told if kind == "note"] == [
+        "waiting to connect: No robot for 1 s", "waiting to connect: Skew", "waiting to start: Robot has not stopped",
+    ]
+
+
+def test_a_connect_that_stays_impossible_is_refused_with_every_reason(link):
+    link.block("connect", "one", "two")
+    outcome, _ = _run(link, wait_s=3.0)
+    assert (outcome.status, outcome.text, outcome.zone) == (Exit.REFUSED, "refused: one; two", None)
+    assert link.commands == []
+    assert 3.0 <= link.time < 4.0
+
+
+def test_a_start_that_stays_impossible_leaves_no_run_behind(link):
+    link.block("start", "Skew")
+    outcome, _ = _run(link, wait_s=3.0)
+    assert (outcome.status, outcome.text) == (Exit.REFUSED, "refused: Skew")
+    assert link.commands == ["connect", "disconnect"]
+
+
+def test_a_refusal_although_the_button_was_on_is_waited_out(link):
+    link.answers["connect"] = [Refused(["Skew"]), None]
+    link.at(5, lambda: link.end("completed"))
+    outcome, told = _run(link)
+    assert outcome.status is Exit.OK
+    assert ("note", "waiting to connect: Skew") in told
+    assert link.commands[:2] == ["connect", "connect"]
+
+
+def test_a_zone_with_a_run_is_left_alone(link):
+    link.change(phase="running")
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.REFUSED
+    assert "already (running)" in outcome.text
+    assert link.commands == []
+
+
+def test_a_referee_who_connects_first_keeps_the_run(link):
+    link.block("connect", "No robot")
+    link.at(2, lambda: link.change(phase="connected"))
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.REFUSED
+    assert "another referee" in outcome.text
+    assert link.commands == []
+
+
+def test_a_referee_who_connects_at_the_same_moment_keeps_the_run(link):
+    link.answers["connect"] = [Refused(["Already connected"])]
+    link.at(0.1, lambda: link.change(phase="connected"))
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.REFUSED
+    assert "another referee" in outcome.text
+    assert link.commands == ["connect"]
+
+
+@pytest.mark.parametrize("reason", ["timeout", "no_messages_saved"])
+def test_a_run_that_ends_otherwise_did_not_complete(link, reason):
+    link.at(5, lambda: link.end(reason))
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.NOT_COMPLETED
+    assert reason.replace("_", " ") in outcome.text
+    assert link.commands[-1] == "disconnect"
+
+
+def test_a_run_that_another_referee_stops_stays_for_that_one(link):
+    link.at(5, lambda: link.end("stopped"))
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.NOT_COMPLETED
+    assert link.commands == ["connect", "start"]
+
+
+@pytest.mark.parametrize("phase", ["connected", "running"])
+def test_a_run_that_another_referee_disconnects_did_not_complete(link, phase):
+    if phase == "connected":
+        link.block("start", "Skew")
+    link.at(5, lambda: link.change(phase="idle"))
+    outcome, _ = _run(link)
+    assert (outcome.status, outcome.text) == (
+        Exit.NOT_COMPLETED, "the run did not complete: another referee disconnected it")
+
+
+def test_keep_stays_connected(link):
+    link.at(5, lambda: link.end("completed"))
+    outcome, _ = _run(link, keep=True)
+    assert (outcome.status, outcome.text) == (Exit.OK, "the run is completed; left connected")
+    assert link.commands == ["connect", "start"]
+
+
+# -- scores ---------------------------------------------------------------------------------------
+
+
+def test_scores_are_set_once_the_run_is_started(link):
+    link.at(5, lambda: link.end("completed"))
+    outcome, told = _run(link, scores=(("door", "yes"), ("2", "+3")))
+    assert outcome.status is Exit.OK
+    assert link.scores == {"Detects the door": 1, "Moved furniture": 3}
+    assert [kind for kind, _ in told].count("score") == 2
+    assert [item.value for item in outcome.zone.score] == [1, 3, 0]
+
+
+@pytest.mark.parametrize("score, status", [(("furniture", "1"), Exit.USAGE), (("door", "2"), Exit.REFUSED)])
+def test_a_wrong_score_is_told_before_the_start(link, score, status):
+    outcome, _ = _run(link, scores=(score,))
+    assert outcome.status is status
+    assert link.commands == ["connect", "disconnect"]
+
+
+def test_a_score_that_cannot_be_set_does_not_end_the_run(link):
+    link.answers["set_score"] = [Refused(["no such item"])]
+    link.at(5, lambda: link.end("completed"))
+    outcome, _ = _run(link, scores=(("door", "1"), ("moved", "2")))
+    assert outcome.status is Exit.REFUSED
+    assert "'Detects the door' was not set to 1: no such item" in outcome.text
+    assert link.scores == {"Moved furniture": 2}
+    assert outcome.zone.end_reason == "completed"
+
+
+# -- events ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("start, wanted, run, steps", [
+    (0, "HGTKMH", 1, []),
+    (1, "HGTKMH", 3, ["next"]),
+    (3, "HGTKMH", 3, ["previous"]),
+    (2, "HWV", 2, ["next", "previous", "previous"]),
+    (0, "hgtkmh/1/3", 3, ["next", "next"]),
+])
+def test_the_zone_is_moved_to_the_event(link, start, wanted, run, steps):
+    link.index = start
+    link.change(event=EVENTS[start])
+    link.at(5, lambda: link.end("completed"))
+    outcome, _ = _run(link, event=event_wanted(wanted))
+    assert outcome.zone.event.run == run
+    assert link.commands == [*steps, "connect", "start", "disconnect"]
+
+
+def test_an_event_that_is_not_there_leaves_the_zone_where_it_was(link):
+    link.index = 1
+    link.change(event=EVENTS[1])
+    outcome, _ = _run(link, event=event_wanted("STB"))
+    assert outcome.status is Exit.USAGE
+    assert "no event STB" in outcome.text
+    assert "HGTKMH/1/3" in outcome.text
+    assert link.zone.event == EVENTS[1]
+    assert "connect" not in link.commands
+
+
+def test_a_restart_on_the_way_to_the_event_is_waited_out(link):
+    link.at(0.3, link.die)
+    link.at(9, link.restart)
+    link.at(20, lambda: link.end("completed"))
+    outcome, told = _run(link, event=event_wanted("HCFGAC"))
+    assert outcome.status is Exit.OK
+    assert outcome.zone.event.code == "HCFGAC"
+    assert [what for kind, what in told if kind == "note"] == ["waiting for the core: silent"]
+    assert link.commands == ["next", "next", "next", "next", "next", "connect", "start", "disconnect"]
+
+
+def test_a_zone_that_another_referee_moves_is_not_connected(link):
+    link.block("connect", "No robot")
+    link.at(2, lambda: link.change(event=EVENTS[1]))
+    link.at(2, lambda: link.block("connect"))
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.REFUSED
+    assert "moved the zone to HWV/1/2" in outcome.text
+    assert "connect" not in link.commands
+
+
+def test_a_core_that_begins_at_its_first_event_again_is_moved_back(link):
+    link.index = 2
+    link.change(event=EVENTS[2])
+    link.block("connect", "No robot")
+    link.at(2, link.die)
+    link.at(8, link.restart)
+    link.at(9, lambda: link.block("connect"))
+    link.at(15, lambda: link.end("completed"))
+    outcome, _ = _run(link)
+    assert outcome.zone.event == EVENTS[2]
+    assert link.commands == ["next", "next", "connect", "start", "disconnect"]
+
+
+def test_a_move_after_a_restart_is_another_referees(link):
+    link.index = 2
+    link.change(event=EVENTS[2])
+    link.block("connect", "No robot")
+    link.at(2, link.restart)
+    link.at(6, lambda: link.change(event=EVENTS[1]))
+    outcome, _ = _run(link)
+    assert "moved the zone to HWV/1/2" in outcome.text
+
+
+# -- a core that goes away ------------------------------------------------------------------------
+
+
+def test_a_core_that_resumes_the_run_after_a_restart(link):
+    link.at(5, link.die)
+    link.at(15, lambda: link.restart(phase="running"))
+    link.at(20, lambda: link.end("completed"))
+    outcome, told = _run(link)
+    assert outcome.status is Exit.OK
+    assert [what for kind, what in told if kind == "core"] == ["silent", "back", "restarted"]
+
+
+def test_a_core_that_lost_the_run_in_a_restart(link):
+    link.at(5, link.restart)
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.NOT_COMPLETED
+    assert "lost when the core was restarted" in outcome.text
+
+
+def test_a_restart_before_the_start_loses_nothing(link):
+    link.block("start", "Robot has not answered")
+    link.at(5, link.restart)
+    link.at(8, lambda: link.block("start"))
+    link.at(12, lambda: link.end("completed"))
+    outcome, _ = _run(link, scores=(("door", "1"),))
+    assert outcome.status is Exit.OK
+    assert link.commands == ["connect", "connect", "start", "disconnect"]
+    assert link.scores == {"Detects the door": 1}
+
+
+def test_a_core_that_goes_during_the_command_is_waited_for(link):
+    link.answers["connect"] = [NoCore("gone"), None]
+    link.at(5, lambda: link.end("completed"))
+    outcome, told = _run(link)
+    assert outcome.status is Exit.OK
+    assert ("note", "waiting to connect: the core does not answer") in told
+
+
+def test_a_core_that_stays_gone_before_connect_ends_it_as_such(link):
+    link.at(0.1, link.die)
+    outcome, _ = _run(link, wait_s=4.0, event=event_wanted("HGTKMH"))
+    assert outcome.status is Exit.NO_CORE
+    assert outcome.text == "gone: THE RUN MAY STILL BE GOING ON, look with 'referee status'"
+
+
+def test_a_core_that_was_gone_and_then_refuses_is_a_refusal(link):
+    link.answers["connect"] = [NoCore("gone")]
+    link.at(0.1, lambda: link.block("connect", "No robot"))
+    outcome, _ = _run(link, wait_s=4.0)
+    assert (outcome.status, outcome.text) == (Exit.REFUSED, "refused: No robot")
+
+
+def test_a_core_that_goes_when_the_run_is_completed_takes_nothing_from_that(link):
+    link.at(5, lambda: link.end("completed"))
+    link.at(5, link.die)
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.OK
+    assert outcome.text == "the run is completed; it could not be disconnected: gone"
+
+
+def test_a_restart_while_waiting_is_not_blamed_for_what_a_referee_does_later(link):
+    link.block("connect", "No robot")
+    link.at(2, link.restart)
+    link.at(3, lambda: link.block("connect"))
+    link.at(6, lambda: link.change(phase="idle"))
+    assert "another referee disconnected it" in _run(link)[0].text
+
+
+def test_a_core_that_stays_silent_ends_it_and_the_referee_is_warned(link):
+    link.at(5, lambda: setattr(link, "silent", True))
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.NO_CORE
+    assert "THE RUN MAY STILL BE GOING ON" in outcome.text
+    assert 60 <= link.time < 70
+
+
+def test_a_zone_that_is_no_longer_in_the_schedule(link):
+    link.at(5, lambda: setattr(link, "box", link.box._replace(zones=())))
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.NOT_COMPLETED
+    assert "schedule" in outcome.text
+
+
+# -- Ctrl-C ---------------------------------------------------------------------------------------
+
+
+def test_an_interrupt_stops_the_run_and_leaves_it(link):
+    link.at(5, _interrupt)
+    outcome, _ = _run(link)
+    assert (outcome.status, outcome.text) == (Exit.INTERRUPTED, "interrupted, the run was stopped")
+    assert link.commands == ["connect", "start", "stop", "disconnect"]
+    assert outcome.zone.end_reason == "stopped"
+
+
+def test_an_interrupt_before_the_start_disconnects(link):
+    link.block("start", "Skew")
+    link.at(5, _interrupt)
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.INTERRUPTED
+    assert link.commands == ["connect", "disconnect"]
+
+
+def test_an_interrupt_before_connect_changes_nothing(link):
+    link.block("connect", "No robot")
+    link.at(5, _interrupt)
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.INTERRUPTED
+    assert link.commands == []
+
+
+def test_an_interrupt_while_the_core_is_silent_still_tries_to_stop(link):
+    link.at(5, lambda: setattr(link, "silent", True))
+    link.at(6, _interrupt)
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.INTERRUPTED
+    assert "stop" in link.commands
+
+
+def test_a_second_interrupt_leaves_at_once_and_warns(link):
+    link.at(5, _interrupt)
+    link.answers["stop"] = [KeyboardInterrupt()]
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.INTERRUPTED
+    assert "THE RUN MAY STILL BE GOING ON" in outcome.text
+    assert link.commands == ["connect", "start", "stop"]

@@ -1,0 +1,71 @@
+"""Runs and score sheets in a terminal."""
+
+import pytest
+
+from helpers.referee_box import ITEMS, UTC0
+from roah_rsbb.referee import view as view
+from roah_rsbb.referee.sheet_view import run_lines, sheet_lines
+from roah_rsbb.referee.sheets import LAST, End, Entry, RunLine, Sheet, pick_run
+from roah_rsbb.referee.words import BadWord
+
+
+def _run(number=1, **fields):
+    run = RunLine(f"HWV-{6666 + number}-1447.5", "Home A", "HWV", "TestingTeam", 1, number, UTC0, UTC0 + 600 * number,
+                  "stopped", "Good 3", False, None, "")
+    return run._replace(**fields)
+
+
+NOW = _run(3, closed_utc_s=None, end_reason="")
+RUNS = (NOW, _run(2), _run(1))
+
+
+@pytest.mark.parametrize("word, number", [
+    (LAST, 2), ("HWV-6667-1447.5", 1), ("6667", 1), ("6668", 2), ("6669", 3),
+])
+def test_a_run_is_named_by_a_part_of_its_identity(word, number):
+    assert pick_run(word, RUNS).run == number
+
+
+@pytest.mark.parametrize("word, runs, hint", [
+    ("7000", RUNS, "no run '7000'; there are\n  HWV-6669"), ("HWV", RUNS, "3 runs have 'HWV' in their name; there are"),
+    ("", RUNS, "no run ''"), (LAST, (NOW,), "no run 'last'"), (LAST, (), "no run of this zone is connected or over"),
+])
+def test_what_names_no_run_says_which_there_are(word, runs, hint):
+    with pytest.raises(BadWord) as bad:
+        pick_run(word, runs)
+    assert hint in str(bad.value)
+
+
+def test_runs_are_listed_with_what_became_of_them():
+    runs = (NOW, _run(2, corrected=True), _run(1, end_reason="no_messages_saved", signed_utc_s=UTC0, signed_by="C\x1b"))
+    assert run_lines(runs, view.no_colour) == [
+        "now        HWV-6669-1447.5  HWV, team TestingTeam, round 1, run 3: connected  Good 3",
+        "16:46:40Z  HWV-6668-1447.5  HWV, team TestingTeam, round 1, run 2: stopped, corrected, "
+        "to be signed off  Good 3",
+        "16:36:40Z  HWV-6667-1447.5  HWV, team TestingTeam, round 1, run 1: no messages saved, signed off by C\\x1b at "
+        "16:26:40Z  Good 3",
+    ]
+    assert run_lines((), view.no_colour) == ["no run is connected or over"]
+
+
+def test_a_sheet_has_history_and_ends():
+    entry = Entry(1, UTC0, "Anna", "Achievements", "Detects the door", "bool", 0, False, 1, False, "late", False, None,
+                  "", "")
+    withdrawn = entry._replace(number=2, old=1, value=0, not_attempted=True, note="", correction=True,
+                               withdrawn_utc_s=UTC0 + 60, withdrawn_by="Ben", withdrawn_note="it did")
+    sheet = Sheet(_run(1, corrected=True), ("mbot",), 12.0, (ITEMS[0]._replace(value=1), ITEMS[2]), (1,),
+                  (entry, withdrawn), (End(1, UTC0, "Anna", "stopped", "Stopped by the referee", "fire"),
+                                       End(2, UTC0, "", "timeout", "Time is up", "")))
+    assert sheet_lines(sheet, view.no_colour)[1:] == [
+        "    Achievements",
+        "       1    yes  Detects the door  (corrected)",
+        "    Penalized",
+        "       3      0  Bumps into the furniture",
+        "History",
+        "       1  16:26:40Z Anna: Detects the door: no -> yes (late)",
+        "       2  16:26:40Z Anna: Detects the door: yes -> not attempted correction "
+        "withdrawn at 16:27:40Z by Ben: it did",
+        "Ends",
+        "       1  16:26:40Z Stopped by the referee (Anna): fire",
+        "       2  16:26:40Z Time is up",
+    ]

@@ -1,0 +1,136 @@
+"""From the core's messages to plain values and JSON."""
+
+import json
+import pathlib
+from types import SimpleNamespace
+
+import pytest
+
+from helpers.referee_box import UTC0, box, robot, running_zone
+from roah_rsbb.referee import sheets
+from roah_rsbb.referee import state as referee_state
+from roah_rsbb.referee.state import as_json, box_of
+
+
+class Seconds(float):
+    """A ROS time or duration."""
+
+    def to_sec(self) -> float:
+        return float(self)
+
+
+def _gui(*zones):
+    robots = [SimpleNamespace(team="T", robot="mbot", skew=Seconds(-0.15), beacon=Seconds(UTC0 - 2))]
+    return SimpleNamespace(clock=Seconds(UTC0), status="OK", addr="127.255.255.255", port="6666", active_robots=robots,
+                           zones=zones)
+
+
+def _zone_state():
+    scoring = [
+        SimpleNamespace(group_name="Good", types=b"\x00\x01", descriptions=["door", "things"], current_values=[1, 3]),
+        SimpleNamespace(group_name="Bad", types=b"\x01", descriptions=["bumps"], current_values=[0]),
+    ]
+    return SimpleNamespace(
+        zone="Home A", code="HWV", name="Name", desc="What", team="T", round=2, run=3, schedule=Seconds(UTC0 + 60),
+        timeout=Seconds(600), timer=Seconds(12.5), state="first\nsecond", manual_operation="", scoring=scoring,
+        log="log\n", online_data="data\n", omf=False, omf_switches=b"", omf_damaged=0, omf_complete=False,
+    )
+
+
+def _details(**fields):
+    default = {
+        "zone": "Home A", "phase": "running", "end_reason": "", "robot": "mbot", "port": 6667, "box_state": "PREPARE",
+        "robot_state": "STOP", "skew_known": True, "skew": Seconds(-0.15), "last_message": Seconds(UTC0 - 1),
+        "messages_saved": 7, "log_file": "/x.bag", "warnings": ["w"], "operation": 0,
+        "operation_choices": [], "operation_asks_text": False, "held": False, "module_status": "", "module_scores": [],
+        "robots_preparing": 0, "robots_executing": 0, "robots_stopped": 0, "robots": [],
+        "not_attempted": [],
+        **{field: [f"why no {field}"] for field in referee_state.COMMANDS.values()},
+    }
+    return SimpleNamespace(box_uuid="u", warnings=["box"], zones=[SimpleNamespace(**{**default, **fields})])
+
+
+def test_both_messages_make_one_snapshot():
+    seen = box_of(_gui(_zone_state()), _details())
+    zone = seen.zone("Home A")
+    assert (seen.clock_utc_s, seen.box_uuid, seen.warnings) == (UTC0, "u", ("box",))
+    assert seen.robots[0] == ("T", "mbot", -0.15, UTC0 - 2, 2.0)
+    assert zone.event == ("HWV", "Name", "What", "T", 2, 3, UTC0 + 60, 600.0)
+    assert (zone.phase, zone.port, zone.timer_s, zone.state) == ("running", 6667, 12.5, ("first", "second"))
+    assert (zone.skew_s, zone.last_message_utc_s, zone.messages_saved) == (-0.15, UTC0 - 1, 7)
+    assert zone.off["previous"] == ["why no prev_off"]
+    assert zone.off["connect"] == ["why no connect_off"]
+    assert zone.score == (
+        (1, "Good", "door", "bool", 1, False), (2, "Good", "things", "uint", 3, False),
+        (3, "Bad", "bumps", "uint", 0, False),
+    )
+
+
+def test_what_was_not_attempted_is_marked():
+    zone = box_of(_gui(_zone_state()), _details(not_attempted=[False, False, True])).zones[0]
+    assert [item.not_attempted for item in zone.score] == [False, False, True]
+
+
+def test_what_is_not_known_is_none():
+    zone = box_of(_gui(_zone_state()), _details(skew_known=False, last_message=Seconds(0))).zones[0]
+    assert (zone.skew_s, zone.last_message_utc_s) == (None, None)
+
+
+def test_what_a_benchmarking_module_asks_and_says():
+    state = _zone_state()
+    state.manual_operation, state.omf, state.omf_switches, state.omf_damaged = "Place it", True, b"\x01\x03", 2
+    scores = [SimpleNamespace(group="goal 1", name="time", value="1.5", unit="s", desc="Time"),
+              SimpleNamespace(group="", name="odd", value="no JSON", unit="", desc="")]
+    zone = box_of(_gui(state), _details(
+        operation=4, operation_choices=["again", "skip"], operation_asks_text=True, held=True, module_status="Goal 1",
+        module_scores=scores,
+    )).zones[0]
+    assert zone.operation == (4, "Place it", ("again", "skip"), True)
+    assert zone.switches == ((1, 3), 2, False)
+    assert (zone.held, zone.module_status) == (True, "Goal 1")
+    assert zone.module_score == (("goal 1", "time", 1.5, "s", "Time"), ("", "odd", "no JSON", "", ""))
+
+
+def test_all_robots_at_once():
+    zone = box_of(_gui(_zone_state()), _details(
+        robot="2 robots", robots_preparing=1, robots_stopped=1, robots=["a of team T: preparing", "b of team T: ready"],
+    )).zones[0]
+    assert zone.all_robots == (1, 0, 1, ("a of team T: preparing", "b of team T: ready"))
+    assert box_of(_gui(_zone_state()), _details()).zones[0].all_robots is None
+
+
+@pytest.mark.parametrize(("text", "number"), [("Place it", 0), ("", 4)])
+def test_half_of_a_manual_operation_is_none(text, number):
+    state = _zone_state()
+    state.manual_operation = text
+    assert box_of(_gui(state), _details(operation=number)).zones[0].operation is None
+
+
+def test_messages_of_two_schedules_do_not_go_together():
+    assert box_of(_gui(_zone_state()), _details(zone="Home B")) is None
+    assert box_of(_gui(), _details()) is None
+
+
+def test_a_robot_is_never_heard_in_the_future():
+    gui = _gui(_zone_state())
+    gui.active_robots[0].beacon = Seconds(UTC0 + 1)
+    assert box_of(gui, _details()).robots[0].age_s == 0.0
+
+
+def test_json_has_the_names_of_the_fields_all_the_way_down():
+    made = json.loads(json.dumps(as_json(box(running_zone(), robots=(robot(),)))))
+    zone = made["zones"][0]
+    assert zone["event"]["code"] == "HGTKMH"
+    assert zone["score"][0] == {"number": 1, "group": "Achievements", "item": "Detects the door", "type": "bool",
+                                "value": 0, "not_attempted": False}
+    assert zone["off"]["connect"] == []
+    assert made["robots"][0]["skew_s"] == 0.0123
+
+
+def test_the_documentation_names_every_field():
+    text = (pathlib.Path(__file__).resolve().parents[3] / "docs" / "referee.md").read_text(encoding="utf-8")
+    kinds = (referee_state.Box, referee_state.Robot, referee_state.Zone, referee_state.Event, referee_state.Item,
+             referee_state.Operation, referee_state.Switches, referee_state.ModuleScore, sheets.RunLine,
+             sheets.Sheet, sheets.Entry, sheets.End)
+    missing = [f"{kind.__name__}.{field}" for kind in kinds for field in kind._fields if f"`{field}`" not in text]
+    assert not missing

@@ -1,0 +1,220 @@
+"""What the terminal shows."""
+
+import re
+
+import pytest
+
+from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
+from roah_rsbb.referee import view as view
+from roah_rsbb.referee.changes import Change, changes
+from roah_rsbb.referee.state import AllRobots, ModuleScore, Operation, Switches
+
+
+def _status(*zones, **fields):
+    return "\n".join(view.status(box(*zones, **fields), view.no_colour))
+
+
+def _lines(old, new):
+    return [view.change_line(change, view.no_colour) for change in changes(old, new)]
+
+
+def test_all_zones_at_a_glance():
+    text = _status(running_zone(), zone(zone="Home B", off={"connect": ["a reason"], "next": []}))
+    assert "RSBB at 127.255.255.255:6666, 16:26:40Z: OK" in text
+    assert "Home A: RUNNING, 8:33 left" in text
+    assert "robot mbot: PREPARING, skew +0.012 s, heard just now (UDP port 6667)" in text
+    assert "Home B: IDLE, 10:00 to run" in text
+    assert "HGTKMH, team TestingTeam, round 1, run 1, scheduled 16:36 UTC" in text
+    assert "allowed now: next" in text
+
+
+def test_active_robots_with_skew_and_age():
+    far = robot("late", skew_s=-0.15)._replace(age_s=12.0)
+    assert "    TestingTeam late: skew -0.150 s, heard 12 s ago" in _status(robots=(far,))
+    assert "Active robots: none" in _status(robots=())
+
+
+def test_warnings_of_the_box_and_of_a_zone():
+    text = _status(running_zone(state=("Running", "WARNING: silent")), warnings=("Another box",))
+    assert "WARNING: Another box" in text
+    assert "    WARNING: silent" in text
+
+
+def test_a_robot_of_which_little_is_known():
+    text = _status(running_zone(robot_state="", skew_s=None, last_message_utc_s=None))
+    assert "robot mbot: no state yet, skew not known, never heard on its private channel" in text
+
+
+def test_all_robots_at_once_are_listed_in_the_zones_report():
+    robots = AllRobots(1, 0, 1, ("a of team T: preparing", "b\n of team T: ready"))
+    of_all = running_zone(robot="2 robots", all_robots=robots)
+    assert "2 robots" not in _status(of_all)  # its state counts them
+    report = view.zone_report(of_all, UTC0, view.no_colour)
+    assert [line.strip() for line in report if "of team" in line] == [
+        "robot a of team T: preparing", "robot b\\n of team T: ready"
+    ]
+
+
+def test_the_end_of_a_run_says_why():
+    assert "ENDED (no messages saved), 8:33 left after the end" in _status(
+        running_zone(phase="ended", end_reason="no_messages_saved"))
+
+
+def test_what_the_referee_has_to_do():
+    asked = Operation(1, "Place the mug", (), False)
+    assert "TO DO by the referee: Place the mug" in _status(running_zone(operation=asked))
+    asked = asked._replace(choices=("again", "skip"), asks_text=True)
+    assert "TO DO by the referee: Place the mug (again / skip) (an answer may be typed)" in _status(
+        running_zone(operation=asked))
+    assert "switches that are on: 1, 3; damaged: 2\n" in _status(running_zone(switches=Switches((1, 3), 2, False)))
+    assert "switches that are on: none; damaged: 0; TO DO by the referee: enter" in _status(
+        running_zone(switches=Switches((), 0, True)))
+
+
+SCORES = (
+    ModuleScore("goal 1", "time", 1.25, "s", "Time"), ModuleScore("", "reached", 1, "", "Goals reached"),
+    ModuleScore("goal 1", "error", None, "m", "Distance error"),
+)
+
+
+def test_what_a_module_scored_is_behind_the_score_sheet():
+    shown = "\n".join(view.score_sheet(running_zone(score=(), module_score=SCORES), view.no_colour))
+    assert shown.endswith("""    no scoring items for the referee
+Score of the benchmarking module
+    Whole run
+        1  Goals reached
+    goal 1
+        1.25 s  Time
+             –  Distance error""")
+
+
+@pytest.mark.parametrize(("old", "new", "told"), [
+    (None, 1.25, True), (1.25, 2.5, False), (False, True, True), ("", "a", True), (1.25, None, False),
+])
+def test_a_score_that_changes_all_the_time_is_told_once(old, new, told):
+    zones = [running_zone(module_score=(SCORES[0]._replace(value=value),)) for value in (old, new)]
+    lines = _lines(*map(box, zones))
+    assert [line.partition(" Home A: ")[2] for line in lines] == (
+        ["module's score: goal 1: Time: " + {1.25: "1.25 s", True: "yes s", "a": "a s"}[new] if told else ""])
+
+
+def test_what_happens_by_hand():
+    asked = running_zone(operation=Operation(1, "Place the mug", ("ok",), False), module_status="Goal 1")
+    lines = _lines(box(running_zone()), box(asked))
+    assert lines[0].endswith("Home A: TO DO by the referee: Place the mug (ok)")
+    assert lines[1].endswith("Home A: module: Goal 1")
+    assert _lines(box(asked), box(running_zone()))[0].endswith("Home A: manual operation over")
+    lines = _lines(box(running_zone()), box(running_zone(switches=Switches((2,), 0, True))))
+    assert "switches that are on: 2" in lines[0]
+
+
+def test_a_zone_in_full_has_every_reason_scores_and_online_data():
+    full = running_zone(off={"connect": ["one", "two"]}, online_data="a\nb\n")
+    text = "\n".join(view.zone_report(full, UTC0, view.no_colour))
+    assert "no connect: one" in text
+    assert "no connect: two" in text
+    assert "log: /logs/run.bag" in text
+    assert "Score sheet: HGTKMH" in text
+    assert "    a\n    b" in text
+
+
+def test_the_score_sheet_has_numbers_values_and_groups():
+    scores = (ITEMS[0]._replace(value=1), ITEMS[1]._replace(value=12), ITEMS[2])
+    assert view.score_sheet(running_zone(score=scores), view.no_colour) == [
+        "Score sheet: HGTKMH, team TestingTeam, round 1, run 1",
+        "    Achievements",
+        "       1    yes  Detects the door",
+        "       2     12  Moved furniture",
+        "    Penalized",
+        "       3      0  Bumps into the furniture",
+    ]
+
+
+def test_what_was_not_attempted_is_no_0():
+    marked = ITEMS[1]._replace(not_attempted=True)
+    sheet = view.score_sheet(running_zone(score=(ITEMS[0], marked)), view.no_colour)
+    assert sheet[2:] == ["       1     no  Detects the door", "       2  not attempted  Moved furniture"]
+    assert _lines(box(running_zone(score=(marked,))), box(running_zone(score=(ITEMS[1]._replace(value=2),)))) == [
+        "16:26:40Z Home A: score: Achievements: Moved furniture: not attempted -> 2"
+    ]
+
+
+def test_values_that_were_set_stand_out():
+    sheet = view.score_sheet(running_zone(score=(ITEMS[0]._replace(value=1), ITEMS[1])), view.colour)
+    assert ["\x1b" in line for line in sheet] == [False, False, True, False]
+
+
+def test_a_benchmark_without_items_says_so():
+    assert "no scoring items" in view.score_sheet(running_zone(score=()), view.no_colour)[-1]
+
+
+def test_changes_are_one_line_each_with_the_time():
+    assert _lines(box(zone(), robots=()), box(running_zone())) == [
+        "16:26:40Z robot TestingTeam mbot is active, skew +0.012 s",
+        "16:26:40Z Home A: RUNNING, robot is in PREPARING",
+    ]
+    assert _lines(box(zone()), box(zone(event=EVENTS[1]))) == [
+        "16:26:40Z Home A: now at HWV, team TestingTeam, round 1, run 2",
+    ]
+    score = running_zone(score=(ITEMS[0]._replace(value=1), *ITEMS[1:]))
+    assert _lines(box(running_zone()), box(score)) == [
+        "16:26:40Z Home A: score: Achievements: Detects the door: no -> yes",
+    ]
+
+
+def test_lines_of_the_core_keep_their_own_time():
+    new = running_zone(log="16:26:38Z PREPARE: x\n", online_data="16:26:39Z visitor: y\n")
+    assert _lines(box(running_zone()), box(new)) == [
+        "16:26:38Z Home A: PREPARE: x", "16:26:39Z Home A: online data: visitor: y",
+    ]
+
+
+def test_a_state_that_the_core_logs_itself_is_not_told_twice():
+    assert _lines(box(running_zone()), box(running_zone(box_state="WAITING_RESULT"))) == [""]
+
+
+@pytest.mark.parametrize("facts, text", [
+    ({"phase": "connected", "end_reason": "", "robot": "mbot", "port": 6667}, "CONNECTED to mbot on UDP port 6667"),
+    ({"phase": "ended", "end_reason": "no_messages_saved"}, "ENDED (no messages saved)"),
+    ({"phase": "idle", "end_reason": ""}, "IDLE"),
+])
+def test_phases(facts, text):
+    change = Change(UTC0, "state", "Home A", {**facts, "changed": ["phase"]})
+    assert view.change_line(change, view.no_colour) == f"16:26:40Z Home A: {text}"
+
+
+@pytest.mark.parametrize("what, word", [("silent", "SILENT"), ("back", "back"), ("restarted", "RESTARTED")])
+def test_the_core_goes_and_comes(what, word):
+    assert word in view.change_line(Change(UTC0, "core", "", {"what": what}), view.no_colour)
+
+
+def test_warnings_say_so_and_say_when_they_are_over():
+    old, new = box(warnings=("first",)), box(warnings=("second",))
+    assert _lines(old, new) == ["16:26:40Z WARNING: second", "16:26:40Z over: first"]
+
+
+def test_colour_only_adds_to_the_words():
+    old, new = box(zone(), robots=()), box(running_zone(warnings=("w",)), warnings=("x",))
+    coloured = "\n".join(view.status(new, view.colour))
+    assert "\x1b[" in coloured
+    assert re.sub(r"\x1b\[[\d;]*m", "", coloured) == "\n".join(view.status(new, view.no_colour))
+    for change in changes(old, new):
+        line = view.change_line(change, view.colour)
+        assert re.sub(r"\x1b\[[\d;]*m", "", line) == view.change_line(change, view.no_colour)
+
+
+def test_what_robots_say_cannot_command_the_terminal():
+    evil = "\x1b[2Jgone\r\u202e"
+    loud = running_zone(
+        robot=evil, robot_state=evil, operation=Operation(1, evil, (evil,), False), state=(evil,),
+        online_data=evil, log=evil, log_file=evil,
+        event=EVENTS[0]._replace(team=evil, name=evil, code=evil), warnings=(evil,), zone=evil,
+        score=(ITEMS[0]._replace(item=evil, group=evil),), off={"connect": [evil]},
+        module_score=(ModuleScore(evil, evil, evil, evil, evil),), module_status=evil,
+    )
+    quiet = loud._replace(online_data="", log="", phase="connected", operation=None, warnings=(), robot_state="",
+                          module_score=(), module_status="", score=(loud.score[0]._replace(value=1),), event=EVENTS[0])
+    new = box(loud, robots=(robot(evil, evil),), status=evil, host=evil, warnings=(evil,))
+    shown = view.status(new, view.no_colour) + view.zone_report(loud, UTC0, view.no_colour) + _lines(box(quiet), new)
+    assert [line for line in shown if not line.isprintable()] == []
+    assert "\\x1b[2Jgone" in "".join(shown)

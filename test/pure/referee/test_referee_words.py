@@ -1,0 +1,134 @@
+"""What a referee types: zones, items, values, events."""
+
+import pytest
+
+from helpers.referee_box import EVENTS, ITEMS
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.referee.words import BadWord, event_wanted, pick_item, pick_zone, score_wanted, value_of
+
+ZONES = ["Testing TestingTeam", "Testing Other", "Home A", "Home AB"]
+
+
+@pytest.mark.parametrize("word, name", [
+    ("Home A", "Home A"),  # also the beginning of another one
+    ("home a", "Home A"),
+    ("HOME AB", "Home AB"),
+    ("testing t", "Testing TestingTeam"),
+    ("Testing O", "Testing Other"),
+])
+def test_a_zone_is_found_by_its_name_or_beginning(word, name):
+    assert pick_zone(word, ZONES) == name
+
+
+def test_zones_that_differ_in_case_only_are_told_apart():
+    assert pick_zone("home", ["Home", "home", "home 2"]) == "home"
+    with pytest.raises(BadWord):
+        pick_zone("HOME", ["Home", "home"])
+
+
+def test_an_ambiguous_zone_lists_those_that_fit_only():
+    with pytest.raises(BadWord) as bad:
+        pick_zone("test", ZONES)
+    assert str(bad.value) == "'test' is the beginning of 2 zones: 'Testing TestingTeam', 'Testing Other'"
+
+
+def test_a_mistyped_zone_is_suggested_and_all_are_listed():
+    with pytest.raises(BadWord) as bad:
+        pick_zone("Testing TestngTeam", ZONES)
+    text = str(bad.value)
+    assert "did you mean 'Testing TestingTeam'?" in text
+    assert all(f"'{name}'" in text for name in ZONES)
+
+
+@pytest.mark.parametrize("word", ["", "zzz"])
+def test_an_unknown_zone_lists_all_once(word):
+    with pytest.raises(BadWord) as bad:
+        pick_zone(word, ZONES)
+    assert all(str(bad.value).count(f"'{name}'") == 1 for name in ZONES)
+
+
+@pytest.mark.parametrize("word, number", [
+    ("1", 1), ("3", 3), ("door", 1), ("MOVED", 2), ("bumps", 3), ("Moved furniture", 2),
+])
+def test_an_item_is_found_by_number_or_part_of_its_text(word, number):
+    assert pick_item(word, ITEMS).number == number
+
+
+def test_an_ambiguous_item_lists_those_that_fit_only():
+    with pytest.raises(BadWord) as bad:
+        pick_item("furniture", ITEMS)
+    assert "Moved furniture" in str(bad.value)
+    assert "Bumps into the furniture" in str(bad.value)
+    assert "door" not in str(bad.value)
+
+
+@pytest.mark.parametrize("word", ["0", "4", "²", "zzz", ""])
+def test_an_unknown_item_lists_all(word):
+    with pytest.raises(BadWord) as bad:
+        pick_item(word, ITEMS)
+    assert all(item.item in str(bad.value) for item in ITEMS)
+
+
+def test_the_same_text_in_two_groups_is_ambiguous():
+    twice = (ITEMS[0], ITEMS[0]._replace(number=2, group="Penalized"))
+    with pytest.raises(BadWord, match="in 2 scoring items"):
+        pick_item(ITEMS[0].item, twice)
+
+
+def test_a_benchmark_without_items_says_so():
+    with pytest.raises(BadWord, match="no scoring items"):
+        pick_item("1", ())
+
+
+@pytest.mark.parametrize("text, value", [("3", 3), ("+2", 7), ("-1", 4), ("0", 0)])
+def test_counts_are_set_or_counted_on(text, value):
+    assert value_of(text, ITEMS[1]._replace(value=5)) == value
+
+
+@pytest.mark.parametrize("text, value", [("yes", 1), ("No", 0), ("TRUE", 1), ("false", 0), ("1", 1), ("+1", 1)])
+def test_yes_or_no_items_take_words(text, value):
+    assert value_of(text, ITEMS[0]) == value
+
+
+@pytest.mark.parametrize("item, text, hint", [
+    (1, "yes", "whole number"), (1, "1.5", "whole number"), (0, "maybe", "yes"),
+])
+def test_what_is_no_value_says_what_would_be(item, text, hint):
+    with pytest.raises(BadWord, match=hint):
+        value_of(text, ITEMS[item])
+
+
+@pytest.mark.parametrize("item, text", [(0, "2"), (0, "-1"), (1, "-1")])
+def test_values_that_the_core_would_refuse_are_refused_in_its_words(item, text):
+    with pytest.raises(Refused, match="its value is 0 or"):
+        value_of(text, ITEMS[item])
+
+
+def test_a_count_that_no_message_can_carry_is_no_value():
+    with pytest.raises(BadWord, match="2147483647"):
+        value_of("+1", ITEMS[1]._replace(value=2**31 - 1))
+
+
+@pytest.mark.parametrize("text, fitting", [
+    ("HGTKMH", [1, 3]), ("hgtkmh/1", [1, 3]), ("HGTKMH/1/3", [3]), ("HGTKMH/2", []), ("HWV", [2]),
+])
+def test_an_event_is_named_by_code_round_and_run(text, fitting):
+    wanted = event_wanted(text)
+    assert [event.run for event in EVENTS if wanted.fits(event)] == fitting
+    assert str(wanted).lower() == text.lower()
+
+
+@pytest.mark.parametrize("text", ["", "/1", "HWV/x", "HWV/1/2/3", "HWV/"])
+def test_other_forms_of_an_event_are_errors(text):
+    with pytest.raises(ValueError):
+        event_wanted(text)
+
+
+def test_a_score_is_split_at_its_last_equals_sign():
+    assert score_wanted("a = b item = 3") == ("a = b item", "3")
+
+
+@pytest.mark.parametrize("text", ["", "door", "door=", "=1", " = 1"])
+def test_half_a_score_is_an_error(text):
+    with pytest.raises(ValueError):
+        score_wanted(text)

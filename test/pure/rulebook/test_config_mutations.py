@@ -1,0 +1,98 @@
+"""Whatever a hand or a disk does to the files: errors with a place in the file, and never anything else."""
+
+import pathlib
+import random
+import re
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from helpers.config_files import NAMES, TEXTS, ConfigDir
+from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
+
+REPEATABLE = {
+    "deadline": None,
+    "database": None,
+    "derandomize": True,
+    # Ubuntu 20.04's hypothesis has no such check.
+    "suppress_health_check": [check for check in HealthCheck if check.name == "function_scoped_fixture"],
+}
+PASSWORDS = re.findall(r"^\w+: (\w+)$", TEXTS["passwords"], re.MULTILINE)
+
+# What typing errors are made of, and what YAML is easily upset by.
+SNIPPETS = list("\t :-'\"[]{},#&*!|>%@`?~\\\n\r\0\x85\u2028") + [
+    "- ", ": ", "  ", "\t\t", "---\n", "...\n", "<<: *a", "&a ", "*a", "!!python/object:os.system ", "!!int ",
+    "\\ud800", '"\\U00110000"', ".nan", "-.inf", "0x1f", "1e999", "9" * 5000, "null", "yes", "2015-99-99", "ä",
+    "\U0001f916", "%YAML 3.7\n", "%TAG ! a\n", "|9\n", ">-\n", "? ", "[" * 30, "{" * 30,
+]  # fmt: skip
+
+
+def mutate(text: str, rng: random.Random) -> str:
+    """One slip in one place."""
+    lines = text.splitlines(keepends=True) or [""]
+    at = rng.randrange(len(lines))
+    kind = rng.randrange(9)
+    if kind == 0:
+        del lines[at]
+    elif kind == 1:
+        lines.insert(rng.randrange(len(lines)), lines[at])
+    elif kind == 2:
+        lines[at] = lines[at].lstrip(" ")
+    elif kind == 3:
+        lines[at] = rng.choice([" ", "  ", "\t", "- ", "# "]) + lines[at]
+    elif kind == 4:
+        lines[at] = lines[at].rstrip("\n")
+    elif kind == 5:
+        return text[: rng.randrange(len(text) + 1)]
+    else:
+        line = lines[at]
+        i = rng.randrange(len(line) + 1)
+        if kind == 6:
+            lines[at] = line[:i] + line[i + 1 :]
+        elif kind == 7:
+            lines[at] = line[:i] + line[i + 1 : i + 2] + line[i : i + 1] + line[i + 2 :]
+        else:
+            lines[at] = line[:i] + rng.choice(SNIPPETS) + line[i + rng.randrange(3) :]
+    return "".join(lines)
+
+
+def check(files: ConfigDir, **texts: object) -> None:
+    """Load; what is loaded is consistent, and what is wrong has a place."""
+    try:
+        loaded, warnings = files.load(**texts)
+    except config.ConfigErrors as errors:
+        assert errors.errors
+        for error in errors.errors:
+            data = pathlib.Path(error.file).read_bytes()
+            # After the last line's end there is no further line.
+            lines = re.split(b"\r\n|\r|\n", re.sub(b"(\r\n|\r|\n)$", b"", data))
+            assert 1 <= error.line <= len(lines), error
+            assert error.column >= 1, error
+            assert error.found and error.expected, error
+            assert "\n" not in str(error)
+        report = str(errors)
+    else:
+        events = [event for zone in loaded.zones for event in zone.events]
+        assert all(zone.events for zone in loaded.zones)
+        assert all(e.team == ALL_TEAMS or loaded.passwords[e.team] for e in events)
+        assert all(loaded.benchmarks[e.benchmark.code] is e.benchmark for e in events)
+        report = "\n".join(warnings)
+    assert [password for password in PASSWORDS if password in report] == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+@settings(max_examples=60, **REPEATABLE)
+@given(rng=st.integers(0, 2**32 - 1).map(random.Random), slips=st.integers(1, 4))
+def test_slips_in_a_shipped_file(files, name, rng, slips):
+    text = TEXTS[name]
+    for _ in range(slips):
+        text = mutate(text, rng)
+    check(files, **{name: text})
+
+
+@settings(max_examples=100, **REPEATABLE)
+@given(data=st.one_of(st.binary(), st.lists(st.sampled_from(SNIPPETS + ["a", "name: x\n"])).map("".join)))
+def test_anything(files, data):
+    check(files, benchmarks=data, schedule=data, passwords=data)

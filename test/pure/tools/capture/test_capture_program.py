@@ -1,0 +1,237 @@
+"""The program as it listens: what it keeps, when it ends, and how it says that it cannot begin."""
+
+import os
+import socket
+import sys
+
+import pytest
+
+from helpers.small_box import BROADCAST, free_ports
+from roah_rsbb.comm.frame import encode
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.tools.capture import program, records
+from roah_rsbb.tools.capture.program import main
+from roah_rsbb.tools.capture.records import Datagram
+
+PORT = 6666
+
+
+def beacon(number=0):
+    """The datagram of a robot's beacon."""
+    message = pb.RobotBeacon(team_name="Team", robot_name="Robot", time=pb.Time(sec=number, nsec=0))
+    return Datagram(1700000000.25 + number, "10.0.0.2", PORT, "10.0.0.255", PORT, encode(message))
+
+
+class Network:
+    """Stands for a listener: gives one datagram after another, and ends like Ctrl-C when there are no more."""
+
+    what = "all that is"
+
+    def __init__(self, datagrams, ends=True):
+        self.host = None
+        self.followed = 0
+        self._datagrams = list(datagrams)
+        self._ends = ends
+        self._ear, self._mouth = socket.socketpair()
+        self.sockets = [self._ear]
+        if datagrams or ends:
+            self._mouth.send(b"x")  # there is something to read
+
+    def open(self, decoder, host, notice):
+        self.host, self.notice = host, notice
+        return self
+
+    def read(self, _endpoint):
+        if self._datagrams:
+            return [self._datagrams.pop(0)]
+        if self._ends:
+            raise KeyboardInterrupt
+        self._ear.recv(1)
+        return []
+
+    def follow(self):
+        self.followed += 1
+
+    def close(self):
+        self._ear.close()
+        self._mouth.close()
+
+
+@pytest.fixture(autouse=True)
+def _keep_signals(monkeypatch):
+    monkeypatch.setattr("signal.signal", lambda *_: None)  # the tests keep their own
+    monkeypatch.delenv("ROAH_RSBB_KEY", raising=False)
+
+
+@pytest.fixture
+def network(monkeypatch):
+    """Lets the program hear these datagrams."""
+    def hear(*datagrams, ends=True):
+        listener = Network(datagrams, ends)
+        monkeypatch.setattr(program, "PlainListener", listener.open)
+        return listener
+    return hear
+
+
+def test_what_is_heard_is_shown_and_counted(network, capsys):
+    listener = network(beacon(1), beacon(2), beacon(3)._replace(data=b"?"))
+    main(["--plain", "--host", BROADCAST])
+    out, err = capsys.readouterr()
+    assert [line.split()[0] for line in out.splitlines()] == ["22:13:21.250", "22:13:22.250", "22:13:23.250"]
+    assert err.splitlines() == [
+        "capture_comm: all that is",
+        "capture_comm: 3 datagrams: 2 messages, 0 encrypted without a known password, 1 errors",
+    ]
+    assert listener.host == BROADCAST and listener.followed == 3
+    assert listener.sockets[0].fileno() == -1  # closed
+
+
+def test_what_is_kept_can_be_read_again(network, tmp_path, capsys):
+    path = tmp_path / "run.jsonl"
+    network(beacon(1), beacon(2))
+    # A filter chooses what is shown only.
+    main(["--plain", "--port", "7000", "--write", str(path), "--message", "TabletBeacon"])
+    assert capsys.readouterr().out == ""
+    rsbb_port, datagrams = records.read(iter(path.read_text().splitlines(keepends=True)), "run.jsonl")
+    assert rsbb_port == 7000 and list(datagrams) == [beacon(1), beacon(2)]
+
+
+def test_every_datagram_is_kept_at_once(network, tmp_path, monkeypatch):
+    path, seen = tmp_path / "run.jsonl", []
+    listener = network(beacon(1), beacon(2))
+    read = listener.read
+    monkeypatch.setattr(listener, "read", lambda one: seen.append(len(path.read_text().splitlines())) or read(one))
+    main(["--plain", "--write", str(path)])
+    assert seen == [1, 2, 3]
+
+
+def test_a_file_that_exists_is_not_written_over(network, tmp_path):
+    path = tmp_path / "run.jsonl"
+    path.write_text("precious")
+    network(beacon())
+    with pytest.raises(SystemExit, match="run.jsonl exists already: give --write another name"):
+        main(["--plain", "--write", str(path)])
+    assert path.read_text() == "precious"
+
+
+def test_it_ends_after_its_duration(network, capsys):
+    network(beacon(), ends=False)
+    main(["--plain", "--duration", "0.2"])
+    assert len(capsys.readouterr().out.splitlines()) == 1
+
+
+def test_no_duration_is_no_time(network, capsys):
+    network(beacon())
+    main(["--plain", "--duration", "0"])
+    assert capsys.readouterr().out == ""
+
+
+class _Gone:
+    """A standard output whose reader has gone."""
+
+    def __init__(self, fileno):
+        self.fileno = lambda: fileno
+
+    def isatty(self):
+        return False
+
+    def write(self, _text):
+        raise BrokenPipeError
+
+    def flush(self):
+        pass
+
+
+def test_it_ends_quietly_when_nobody_reads_it_any_more(network, monkeypatch, capsys):
+    network(*[beacon(number) for number in range(5)])
+    reader, writer = os.pipe()
+    os.close(reader)
+    monkeypatch.setattr(sys, "stdout", _Gone(writer))
+    try:
+        main(["--plain"])
+        os.write(writer, b"what the interpreter still has to say")  # into nothing
+    finally:
+        os.close(writer)
+    assert capsys.readouterr().err == "capture_comm: all that is\n"
+
+
+def test_a_notice_is_given_once_and_not_without_end(network, monkeypatch, capsys):
+    listener = network(beacon())
+    monkeypatch.setattr(
+        listener, "follow", lambda: [listener.notice(f"notice {number % 5000}") for number in range(10000)]
+    )
+    main(["--plain"])
+    notices = [line for line in capsys.readouterr().err.splitlines() if "notice " in line]
+    assert len(notices) == len(set(notices)) == program._MAX_NOTICES - 1  # and the first one, what is heard
+
+
+def test_without_the_right_to_all_it_says_so_and_hears_broadcasts(network, monkeypatch, capsys):
+    def refused(*_):
+        raise PermissionError
+    monkeypatch.setattr(program, "RawListener", refused)
+    network(beacon())
+    main(["--host", BROADCAST])
+    out, err = capsys.readouterr()
+    assert len(out.splitlines()) == 1
+    assert "needs root's rights" in err and f"{sys.executable} -m roah_rsbb.tools.capture" in err
+
+
+def test_with_the_right_to_all_it_hears_all(network, monkeypatch, capsys):
+    plain, raw = network(), Network([beacon()])
+    monkeypatch.setattr(program, "RawListener", raw.open)
+    main(["--host", BROADCAST])
+    assert len(capsys.readouterr().out.splitlines()) == 1 and plain.host is None
+
+
+def test_a_terminal_gets_colours_unless_it_does_not_want_them(network, monkeypatch, capsys):
+    def shown(**variables):
+        for name in ("NO_COLOR", "TERM"):
+            monkeypatch.delenv(name, raising=False)
+        for name, value in variables.items():
+            monkeypatch.setenv(name, value)
+        network(beacon())
+        main(["--plain"])
+        return capsys.readouterr().out
+    assert "\x1b" not in shown()
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    assert "\x1b" in shown()
+    assert "\x1b" not in shown(NO_COLOR="1") and "\x1b" not in shown(TERM="dumb")
+
+
+@pytest.mark.parametrize("arguments, told", [
+    (["--host", "127.0.0.1"], "--host 127.0.0.1 is not a broadcast address"),
+    (["--host", "no such host"], "--host 'no such host' is no IPv4 address"),
+    (["--write", "/nonexistent/run.jsonl"], "cannot open /nonexistent/run.jsonl: No such file"),
+    (["--read", "/nonexistent/run.jsonl"], "cannot open /nonexistent/run.jsonl: No such file"),
+    (["--passwords", "/nonexistent/passwords.yaml"], "cannot read /nonexistent/passwords.yaml"),
+    (["--password-file", "/nonexistent/key"], "cannot read --password-file /nonexistent/key"),
+    (["--password", ""], "the password is empty"),
+    (["--team", "Team", "--password", ""], "the password is empty"),
+])
+def test_what_it_cannot_begin_with_is_told_in_a_line(arguments, told):
+    given = [*([] if "--host" in arguments else ["--host", BROADCAST]), "--plain", "--duration", "0"]
+    with pytest.raises(SystemExit, match=told):
+        main([*given, "--port", str(free_ports()), *arguments])
+
+
+@pytest.mark.parametrize("arguments, told", [
+    (["--port", "0"], "'0' is no UDP port"),
+    (["--port", "65536"], "'65536' is no UDP port"),
+    (["--port", "²"], "'²' is no UDP port"),
+    (["--duration", "nan"], "'nan' is no number from 0"),
+    (["--write", "a", "--read", "b"], "not allowed with argument"),
+    (["--password", "a", "--password-file", "b"], "not allowed with argument"),
+    (["--message", "Beacon"], "invalid choice"),
+])
+def test_arguments_that_make_no_sense_are_told_in_a_line(arguments, told, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    err = capsys.readouterr().err
+    assert ended.value.code == 2 and err.startswith("capture_comm: argument ") and err.count("\n") == 1
+    assert told in err
+
+
+def test_the_help_says_where_states_of_a_run_can_be_heard(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert "private_mode:=broadcast" in capsys.readouterr().out

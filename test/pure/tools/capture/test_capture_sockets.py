@@ -1,0 +1,138 @@
+"""What is heard on real loopback sockets, with root's rights and without."""
+
+import contextlib
+import select
+import socket
+
+import pytest
+
+from helpers.small_box import BOX, BROADCAST, PASSWORD, ROBOT, free_ports
+from roah_rsbb.comm.ciphers import Cipher, Key
+from roah_rsbb.comm.frame import encode
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.tools.capture.decoding import Decoder, Kind, Speaker
+from roah_rsbb.tools.capture.listening import PlainListener, RawListener
+
+TIMEOUT_S = 10
+NEVER = pb.Time(sec=0, nsec=0)
+BEACON = pb.RobotBeacon(team_name="Team", robot_name="Robot", time=pb.Time(sec=1, nsec=2))
+STATE = encode(
+    pb.BenchmarkState(benchmark_type="HWV", benchmark_state=pb.BenchmarkState.STOP), Cipher.AES_128_CBC, Key(PASSWORD)
+)
+
+
+def box_beacon(*ports):
+    """A box's beacon that lists a robot on each port."""
+    beacon = pb.RoahRsbbBeacon(
+        devices_bell=NEVER, devices_switch_1=False, devices_switch_2=False, devices_switch_3=False, devices_dimmer=0,
+        devices_blinds=0, tablet_display_map=False, tablet_call_time=NEVER, tablet_position_time=NEVER,
+        tablet_position_x=0, tablet_position_y=0,
+    )
+    for port in ports:
+        beacon.benchmarking_teams.add(team_name="Team", robot_name="Robot", rsbb_port=port)
+    return encode(beacon)
+
+
+def participant(host, port=0):
+    """A socket of a box or robot."""
+    one = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    one.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+    one.bind((host, port))
+    one.settimeout(TIMEOUT_S)
+    return one
+
+
+def hear(listener, decoder, count):
+    """The next entries; what came with them may be more."""
+    entries = []
+    while len(entries) < count:
+        ready = select.select(listener.sockets, [], [], TIMEOUT_S)[0]
+        assert ready, "nothing came"
+        entries += [decoder.decode(one) for endpoint in ready for one in listener.read(endpoint)]
+        listener.follow()
+    return entries
+
+
+def test_broadcasts_are_heard_and_unicast_stays_with_whom_it_was_sent_to():
+    port, notices = free_ports(), []
+    decoder = Decoder(port, {})
+    with contextlib.closing(PlainListener(decoder, BROADCAST, notices.append)) as listener, \
+            participant(ROBOT, port) as robot, participant(BOX, port) as box:  # they can still open their ports
+        robot.sendto(b"unicast", (BOX, port))
+        robot.sendto(encode(BEACON), (BROADCAST, port))
+        robot.sendto(encode(BEACON)[:5], (BROADCAST, port))
+        entries = hear(listener, decoder, 2)
+        assert box.recv(100) == b"unicast"
+    assert [entry.kind for entry in entries] == [Kind.MESSAGE, Kind.ERROR]
+    assert entries[0].message == BEACON and entries[0].datagram[1:5] == (ROBOT, port, BROADCAST, port)
+    assert entries[1].speaker == Speaker("Robot", "Team")  # known by its address
+    assert not notices
+
+
+def test_a_box_that_broadcasts_is_heard_on_private_ports_while_it_lists_them():
+    port, notices = free_ports(), []
+    decoder = Decoder(port, {"Team": PASSWORD})
+    with contextlib.closing(PlainListener(decoder, BROADCAST, notices.append)) as listener, participant(BOX) as box:
+        box.sendto(box_beacon(port + 1, port + 2), (BROADCAST, port))
+        hear(listener, decoder, 1)
+        assert len(listener.sockets) == 3
+        box.sendto(STATE, (BROADCAST, port + 2))
+        assert hear(listener, decoder, 1)[0].message.benchmark_type == "HWV"
+        box.sendto(box_beacon(port + 2), (BROADCAST, port))
+        hear(listener, decoder, 1)
+        assert {one.getsockname()[1] for one in listener.sockets} == {port, port + 2}
+    assert not notices and listener.sockets[0].fileno() == -1
+
+
+def test_private_ports_are_left_to_a_robot_on_this_machine():
+    port, notices = free_ports(), []
+    decoder = Decoder(port, {})
+    with contextlib.closing(PlainListener(decoder, BROADCAST, notices.append)) as listener, \
+            participant(ROBOT, port), participant(BOX) as box:
+        box.sendto(box_beacon(port + 1), (BROADCAST, port))
+        hear(listener, decoder, 1)
+        assert len(listener.sockets) == 1
+    assert [notice.split(":")[0] for notice in notices] == ["private channels are not heard"]
+
+
+def test_a_private_port_that_cannot_be_opened_is_told():
+    port, notices = free_ports(), []
+    decoder = Decoder(port, {})
+    with contextlib.closing(PlainListener(decoder, BROADCAST, notices.append)) as listener, \
+            participant(BROADCAST, port + 1), participant(BOX) as box:
+        box.sendto(box_beacon(port + 1), (BROADCAST, port))
+        hear(listener, decoder, 1)
+    assert notices[0].startswith(f"private channel {port + 1} is not heard: cannot open UDP")
+
+
+@pytest.fixture
+def raw():
+    """A decoder and a listener that hears everything; skipped without root's rights."""
+    decoder = Decoder(free_ports(), {"Team": PASSWORD})
+    try:
+        listener = RawListener(decoder, BROADCAST, lambda text: pytest.fail(text))
+    except PermissionError:
+        pytest.skip("needs root's rights (CAP_NET_RAW)")
+    with contextlib.closing(listener):
+        yield decoder, listener
+
+
+def test_with_roots_rights_every_datagram_of_the_channels_is_heard_once(raw):
+    decoder, listener = raw
+    port = decoder.rsbb_port
+    with participant(ROBOT, port) as robot, participant(BOX, port) as box, \
+            participant(ROBOT, 0) as far, participant(BOX, 0) as stranger:
+        private_port = far.getsockname()[1]
+        robot.sendto(encode(BEACON), (BOX, port))
+        robot.sendto(encode(BEACON), (BROADCAST, port))
+        stranger.sendto(b"nothing to us", (ROBOT, private_port))
+        box.sendto(box_beacon(private_port), (BROADCAST, port))
+        entries = hear(listener, decoder, 3)
+        stranger.sendto(STATE, (ROBOT, private_port))
+        entries += hear(listener, decoder, 1)
+        far.recv(100), far.recv(100), box.recv(1000)  # nobody lost anything
+    assert [entry.message.DESCRIPTOR.name for entry in entries] == [
+        "RobotBeacon", "RobotBeacon", "RoahRsbbBeacon", "BenchmarkState",
+    ]
+    assert [entry.datagram.dst for entry in entries] == [BOX, BROADCAST, BROADCAST, ROBOT]
+    assert [entry.datagram.dport for entry in entries] == [port, port, port, private_port]

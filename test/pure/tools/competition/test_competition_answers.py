@@ -1,0 +1,155 @@
+"""What organisers answer: read, or refused with what was expected."""
+
+import datetime
+import time
+
+import pytest
+
+from roah_rsbb.rulebook.benchmarks import KINDS
+from roah_rsbb.rulebook.errors import Place, Report
+from roah_rsbb.tools.competition import answers, moments
+
+PLACE = Place("--option", 0, 0)
+
+
+def read(reader, text):
+    """What a reader makes of a text that is right."""
+    report = Report()
+    value = reader(report, PLACE, text)
+    assert report.errors == []
+    return value
+
+
+def refused(reader, text):
+    """All that a reader says against a text."""
+    report = Report()
+    reader(report, PLACE, text)
+    assert report.errors
+    assert all(error.file == "--option" for error in report.errors)
+    return [f"found {error.found}; expected {error.expected}" for error in report.errors]
+
+
+def test_teams():
+    assert read(answers.read_teams, " Brass Butlers ,CopperKettle, 123") == ("Brass Butlers", "CopperKettle", "123")
+
+
+@pytest.mark.parametrize("text, told", [
+    ("a,,b", "found an empty text as a team's name"),
+    ("a,ALL", "found ALL as a team's name; expected another name"),
+    ("a:b", "found 'a:b' as a team's name; expected a name without a colon"),
+    ("a,b,a", "found team 'a' twice; expected each once"),
+    ("é" * 51, "expected a text of at most 100 bytes; it has 102"),
+    ("a\x07b", "expected a text of one line"),
+])
+def test_wrong_teams(text, told):
+    assert len(refused(answers.read_teams, text)) == 1
+    assert told in refused(answers.read_teams, text)[0]
+
+
+def test_all_wrong_teams_are_told_at_once():
+    assert len(refused(answers.read_teams, "a:b,ALL,c,c")) == 3
+
+
+def test_benchmarks():
+    assert read(answers.read_benchmarks, "hnf, HWV") == ("HNF", "HWV")
+    assert read(answers.read_benchmarks, "Tasks") == ("HGTKMH", "HWV", "HCFGAC")
+    assert read(answers.read_benchmarks, "all") == tuple(KINDS)
+    assert "did you mean 'HGTKMH'?" in refused(answers.read_benchmarks, "HGTKM")[0]
+    assert refused(answers.read_benchmarks, "HNF,HNF") == ["found benchmark 'HNF' twice; expected each once"]
+
+
+def test_zones():
+    assert read(answers.read_zones, "Home A: HNF hwv, Arena") == (("Home A", ("HNF", "HWV")), ("Arena", ()))
+    assert refused(answers.read_zones, "A, A") == ["found zone 'A' twice; expected each once"]
+    assert "found an empty text as a zone's name" in refused(answers.read_zones, ": HNF")[0]
+    assert "'HNV' as benchmark" in refused(answers.read_zones, "A: HNV")[0]
+
+
+def shared(zones, codes):
+    return read(lambda report, place, _: answers.share(report, place, zones, codes), "")
+
+
+def not_shared(zones, codes):
+    return refused(lambda report, place, _: answers.share(report, place, zones, codes), "")
+
+
+def test_benchmarks_are_shared_out():
+    assert shared([("A", ()), ("B", ())], ["HNF", "HWV", "STB"]) == {"A": ["HNF", "STB"], "B": ["HWV"]}
+    assert shared([("A", ("STB",)), ("B", ())], ["HNF", "HWV", "STB"]) == {"A": ("STB",), "B": ["HNF", "HWV"]}
+
+
+def test_benchmarks_that_cannot_be_shared_out():
+    assert not_shared([("A", ("STB",))], ["STB", "HNF"]) == [
+        "found no zone for HNF; expected each benchmark in a zone, or a zone that names none"]
+    assert not_shared([("A", ("STB",)), ("B", ("STB",))], ["STB"])[0].startswith("found benchmark STB in two zones")
+    assert not_shared([("A", ("HNF",))], ["STB"])[0] == (
+        "found benchmark HNF in a zone; expected one of those that are held: STB")
+    assert not_shared([("A", ()), ("B", ())], ["STB"])[0].startswith("found nothing to do in zone 'B'")
+
+
+def test_usual_zones():
+    assert answers.usual_zones(["HNF", "HWV", "HSUF"]) == {
+        "Task Benchmarks": ["HWV"], "Functionality Benchmarks": ["HNF", "HSUF"]}
+    assert answers.usual_zones(["HWV"]) == {"Task Benchmarks": ["HWV"]}
+
+
+def test_days_are_in_their_order():
+    assert read(answers.read_days, "2026-11-29, 2026-11-28") == (
+        datetime.date(2026, 11, 28), datetime.date(2026, 11, 29))
+
+
+@pytest.mark.parametrize("text, expected", [
+    ("28.11.2026", "year-month-day, such as 2026-11-28"), ("2026-02-30", "a day that exists"),
+    ("1926-02-03", "a year from 2000 to 2100"), ("2026-11-28,2026-11-28", "each once"), ("", "year-month-day"),
+])
+def test_wrong_days(text, expected):
+    assert expected in refused(answers.read_days, text)[0]
+
+
+def test_minutes():
+    assert read(answers.read_minutes, "90") == datetime.timedelta(minutes=90)
+    for text in ("0", "1441", "-5", "5.5", "", "²", "9" * 5000):
+        assert "expected a whole number from 1 to 1440" in refused(answers.read_minutes, text)[0]
+
+
+def test_addresses():
+    assert read(answers.read_address, "192.168.1.255") == "192.168.1.255"
+    for text in ("192.168.1", "box", "192.168.1.256", "::1"):
+        assert "expected an IPv4 address such as" in refused(answers.read_address, text)[0]
+
+
+def test_times_of_day():
+    def read_time(report, place, text):
+        return moments.read_time(report, place, text, "time")
+
+    assert read(read_time, "9:05") == datetime.time(9, 5)
+    assert read(read_time, "23:59:58") == datetime.time(23, 59, 58)
+    for text in ("24:00", "9", "9.30", "12:60", "9:30 PM", ""):
+        assert "expected a time of day from 0:00 to 23:59, such as 09:30" in refused(read_time, text)[0]
+
+
+@pytest.mark.parametrize("zone, hour", [("UTC", 9), ("utc", 9), ("+01:30", 7), ("-2:00", 11)])
+def test_time_zones(zone, hour):
+    clock = read(moments.read_clock, zone)
+    moment = clock.utc(datetime.date(2026, 11, 28), datetime.time(9))
+    assert (moment.tzinfo, moment.hour) == (datetime.timezone.utc, hour)
+    assert clock.wall(moment).time() == datetime.time(9)
+
+
+def test_the_local_time_zone_has_summers(monkeypatch):
+    monkeypatch.setenv("TZ", "CET-1CEST,M3.5.0,M10.5.0/3")
+    time.tzset()
+    try:
+        clock = read(moments.read_clock, "local")
+        for month, hour in ((1, 8), (7, 7)):
+            moment = clock.utc(datetime.date(2026, month, 10), datetime.time(9))
+            assert moment.hour == hour
+            assert clock.wall(moment).hour == 9
+    finally:
+        monkeypatch.undo()
+        time.tzset()
+
+
+def test_wrong_time_zones():
+    for zone in ("CET", "+1", "+15:00", "+01:60"):
+        assert "such as +01:00" in refused(moments.read_clock, zone)[0]

@@ -1,0 +1,163 @@
+"""--check: everything that is wrong in a competition's directory, at once."""
+
+import datetime
+
+import pytest
+
+from helpers.config_files import SHIPPED
+from roah_rsbb.tools.competition import files
+from roah_rsbb.tools.competition.check import check
+from roah_rsbb.tools.competition.files import Hosts
+from roah_rsbb.tools.competition.moments import VenueClock
+from roah_rsbb.tools.competition.plan import Plan, PlannedZone, Run
+
+CLOCK = VenueClock(datetime.timedelta(0))
+
+
+def run(code, team, minute=0, number=1):
+    begins = datetime.datetime(2026, 11, 28, 9, tzinfo=datetime.timezone.utc) + datetime.timedelta(minutes=minute)
+    return Run(code, team, 1, number, begins)
+
+
+@pytest.fixture
+def competition(tmp_path):
+    """Writes a competition with these zones; returns its directory."""
+    def write(teams=("A", "B"), **zones):
+        zones = zones or {"X": [run("HWV", "A"), run("HWV", "B", 15)], "Y": [run("HNF", "B"), run("HNF", "A", 15)]}
+        made = Plan(teams, tuple(PlannedZone(name, tuple(runs)) for name, runs in zones.items()))
+        files.write_new(str(tmp_path), files.new_files(str(SHIPPED), made, CLOCK, Hosts(None, None)))
+        return tmp_path
+    return write
+
+
+def change(path, old, new):
+    text = path.read_text("utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+def warnings(directory):
+    found = check(str(directory))
+    assert found.errors == []
+    return [warning.replace(str(directory) + "/", "") for warning in found.warnings]
+
+
+def test_a_competition_as_it_is_made(competition):
+    found = check(str(competition()))
+    assert found == ([], [], "2 teams, 2 zones, 2 benchmarks, 4 runs")
+
+
+def test_errors_of_all_files_at_once(competition):
+    directory = competition()
+    change(directory / files.SCHEDULE, "team: 'A'", "team: AA")
+    change(directory / files.BENCHMARKS, "timeout: 600", "timeout: soon")
+    change(directory / files.LAUNCH, "</launch>", "")
+    found = check(str(directory))
+    told = [error.replace(str(directory) + "/", "").partition(":")[0] for error in found.errors]
+    assert sorted(told) == ["benchmarks.yaml", "competition.launch", "schedule.yaml"]
+    assert found.summary == ""
+
+
+def test_parameters_of_modules(competition):
+    directory = competition()
+    change(directory / "modules" / "HNF.yaml", "goal_timeout: 120", "goal_timeout: long")
+    change(directory / "modules" / "ground_truth.yaml", "maximum_age: 0.5", "maximum_age: old")
+    told = check(str(directory)).errors
+    assert [error.partition("found ")[2].partition(";")[0] for error in told] == [
+        "the text 'long' as goal_timeout", "the text 'old' as maximum_age"]
+
+
+def test_parameters_that_are_not_there(competition):
+    directory = competition()
+    (directory / "modules" / "HNF.yaml").unlink()
+    told = check(str(directory)).errors
+    assert len(told) == 1
+    assert "modules/HNF.yaml: found no file" in told[0]
+
+
+def test_no_parameters_at_all_are_a_warning(competition):
+    directory = competition()
+    for path in (directory / "modules").iterdir():
+        path.unlink()
+    (directory / "modules").rmdir()
+    assert [w for w in warnings(directory) if "the shipped parameters of HNF count" in w]
+
+
+@pytest.mark.parametrize("name", ["no", "file"])
+def test_what_is_no_directory(tmp_path, name):
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    found = check(str(tmp_path / name))
+    assert found.errors == [
+        f"{tmp_path}/{name}: found no such directory; expected a competition's, as new_competition makes it"]
+
+
+def test_an_empty_directory(tmp_path):
+    found = check(str(tmp_path))
+    assert len(found.errors) == 3
+    assert all("found no file" in error for error in found.errors)
+
+
+def test_runs_that_follow_too_soon(competition):
+    directory = competition(X=[run("HWV", "A"), run("HWV", "B", 9), run("HWV", "A", 19, 2)])
+    assert warnings(directory) == [
+        "schedule.yaml: zone 'X': too short a time between runs: HWV of B (round 1, run 1) before HWV of A (round 1, "
+        "run 1) can be over"]
+
+
+def test_many_runs_that_follow_too_soon_are_one_warning(competition):
+    directory = competition(X=[run("HWV", "AB"[n % 2], n, n + 1) for n in range(9)])
+    told = warnings(directory)
+    assert len(told) == 1
+    assert told[0].endswith("; and 5 more")
+
+
+def test_a_team_in_two_zones_at_once(competition):
+    directory = competition(X=[run("HWV", "A")], Y=[run("HNF", "A", 9), run("HNF", "B", 25)])
+    assert warnings(directory) == [
+        "schedule.yaml: team 'A' is in two zones at once: HNF of A (round 1, run 1) in zone 'Y' and HWV of A (round 1, "
+        "run 1) in zone 'X'"]
+
+
+def test_all_robots_at_once_while_a_team_is_in_a_run(competition):
+    directory = competition(X=[run("HWV", "A"), run("HWV", "B", 30)], Y=[run("HSUF", "ALL", 5)])
+    assert [w.partition(": ")[2][:34] for w in warnings(directory)] == ["team 'A' is in two zones at once: "]
+
+
+def test_a_team_without_runs(competition):
+    directory = competition(teams=("A", "B", "C"))
+    assert warnings(directory) == ["passwords.yaml: no runs in the schedule for 'C': left out by mistake?"]
+
+
+def test_passwords_that_others_can_read(competition):
+    directory = competition()
+    (directory / files.PASSWORDS).chmod(0o644)
+    assert "chmod 600" in warnings(directory)[0]
+
+
+def test_no_launch_file(competition):
+    directory = competition()
+    (directory / files.LAUNCH).unlink()
+    assert "roslaunch roah_rsbb roah_rsbb.launch" in warnings(directory)[0]
+
+
+def test_a_launch_file_that_is_no_xml(competition):
+    directory = competition()
+    change(directory / files.LAUNCH, "beside", "-- beside")
+    told = check(str(directory)).errors
+    assert len(told) == 1
+    assert "competition.launch:2: found no XML" in told[0]
+
+
+def test_a_launch_file_that_does_not_start_the_box(competition):
+    directory = competition()
+    change(directory / files.LAUNCH, "roah_rsbb.launch\"", "other.launch\"")
+    told = check(str(directory)).errors
+    assert len(told) == 1
+    assert "found nothing that starts the box; expected <include" in told[0]
+
+
+def test_a_launch_file_with_another_schedule(competition):
+    directory = competition()
+    change(directory / files.LAUNCH, "$(dirname)/schedule.yaml", "/other.yaml")
+    assert warnings(directory) == [
+        "competition.launch:11: schedule_file is '/other.yaml', but what was checked is $(dirname)/schedule.yaml"]

@@ -1,0 +1,110 @@
+"""The timetable: everybody does everything once a day, nobody is in two places at once."""
+
+import collections
+import datetime
+
+import pytest
+
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
+from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.tools.competition.moments import VenueClock
+from roah_rsbb.tools.competition.plan import Day, timetable
+
+UTC = VenueClock(datetime.timedelta(0))
+
+
+def days(count=1, first="09:00", last="18:00", minutes=15):
+    times = [datetime.time(*map(int, text.split(":"))) for text in (first, last)]
+    return [Day(datetime.date(2026, 11, 28 + number), *times, datetime.timedelta(minutes=minutes))
+            for number in range(count)]
+
+
+def plan(teams, zones, wanted=None):
+    report = Report()
+    made = timetable(report, teams, zones, wanted or days(), UTC)
+    assert report.errors == []
+    return made
+
+
+def by_time(made):
+    """The runs of all zones by the moment when they begin."""
+    found = collections.defaultdict(list)
+    for zone in made.zones:
+        for run in zone.runs:
+            found[run.begins].append(run)
+    return found
+
+
+def test_one_team():
+    made = plan(["A"], {"Home": ["HWV", "HNF"]})
+    assert [(*run[:4], run.begins.strftime("%d %H:%M")) for run in made.zones[0].runs] == [
+        ("HWV", "A", 1, 1, "28 09:00"), ("HNF", "A", 1, 1, "28 09:15")]
+    assert made.codes == ("HWV", "HNF")
+    assert made.teams == ("A",)
+
+
+@pytest.mark.parametrize("teams", [1, 2, 3, 7])
+@pytest.mark.parametrize("zones", [
+    {"X": ["HWV", "HCFGAC"], "Y": ["HNF", "HOPF", "STB"]},
+    {"X": ["HWV"], "Y": ["HSUF", "HNF"], "Z": ["HOPF"]},
+    {"X": ["HSUF"], "Y": ["HWV", "HGTKMH"]},
+    {"X": ["HWV", "HGTKMH"], "Y": ["HSUF"]},
+])
+def test_every_team_does_every_benchmark_once_a_day(teams, zones):
+    names = [f"T{number}" for number in range(teams)]
+    made = plan(names, zones, days(2))
+    for zone in made.zones:
+        expected = collections.Counter(
+            (code, team, number, 1) for code in zones[zone.name] for number in (1, 2)
+            for team in ([ALL_TEAMS] if code == "HSUF" else names))
+        assert collections.Counter(run[:4] for run in zone.runs) == expected
+        assert [run.begins for run in zone.runs] == sorted(run.begins for run in zone.runs)
+        assert len({run.begins for run in zone.runs}) == len(zone.runs)
+    for runs in by_time(made).values():
+        busy = [run.team for run in runs]
+        assert len(set(busy)) == len(busy)
+        assert busy == [ALL_TEAMS] or ALL_TEAMS not in busy
+
+
+def test_a_benchmark_is_not_torn_apart():
+    made = plan(["A", "B", "C"], {"X": ["HWV", "HCFGAC"], "Y": ["HNF", "HOPF"]}, days(2))
+    for zone in made.zones:
+        blocks = [run.code + str(run.round) for run in zone.runs]
+        changes = sum(before != after for before, after in zip(blocks, blocks[1:]))
+        assert changes == len(set(blocks)) - 1
+
+
+def test_all_robots_at_once_come_last_in_a_zone():
+    made = plan(["A", "B"], {"X": ["HSUF", "HNF"]}, days(2))
+    assert [run.code for run in made.zones[0].runs] == ["HNF", "HNF", "HSUF"] * 2
+
+
+def test_it_is_not_always_the_same_team_that_begins():
+    made = plan(["A", "B", "C"], {"X": ["HWV", "HGTKMH", "HCFGAC"]}, days(3))
+    first = [run.team for number, run in enumerate(made.zones[0].runs) if number % 3 == 0]
+    assert collections.Counter(first) == {"A": 3, "B": 3, "C": 3}
+
+
+def test_the_last_run_may_end_when_the_day_does():
+    assert len(plan(["A", "B"], {"X": ["HWV"]}, days(last="09:30")).zones[0].runs) == 2
+
+
+def test_a_day_that_is_too_short_is_told_with_what_would_help():
+    report = Report()
+    timetable(report, ["A", "B"], {"X": ["HWV"]}, days(2, last="09:29"), UTC)
+    assert [error.found for error in report.errors] == [
+        "runs on 2026-11-28 until 09:30", "runs on 2026-11-29 until 09:30"]
+    for option in ("--begin", "--every", "--end"):
+        assert option in report.errors[0].expected
+
+
+def test_a_day_that_goes_on_at_night():
+    report = Report()
+    timetable(report, ["A"] * 5, {"X": ["HWV"]}, days(minutes=300), UTC)
+    assert report.errors[0].found == "runs on 2026-11-28 until 10:00 the next day"
+
+
+def test_times_are_the_venues():
+    report = Report()
+    made = timetable(report, ["A"], {"X": ["HWV"]}, days(), VenueClock(datetime.timedelta(hours=2)))
+    assert made.zones[0].runs[0].begins == datetime.datetime(2026, 11, 28, 7, tzinfo=datetime.timezone.utc)

@@ -1,0 +1,212 @@
+"""The program: options, questions, exit statuses; it never waits where nobody can answer."""
+
+import datetime
+import io
+import os
+
+import pytest
+
+from helpers.config_files import SHIPPED
+from roah_rsbb.rulebook import config
+from roah_rsbb.tools.competition import program
+
+OPTIONS = ["--teams", "BrassButlers,CopperKettle", "--benchmarks", "HWV,HNF", "--days", "2026-11-28,2026-11-29",
+           "--time-zone", "UTC"]
+SHEET = "zone,benchmark,team,date,time\nHome,HWV,BrassButlers,2026-11-28,09:00\nHome,HSUF,,2026-11-28,10:00\n"
+
+
+class Terminal(io.StringIO):
+    """A terminal on which these lines are typed."""
+
+    def isatty(self):
+        return True
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Runs the program in a directory of the test's own; gives status, output and errors."""
+    monkeypatch.chdir(tmp_path)
+
+    def go(*arguments, typed=None):
+        monkeypatch.setattr("sys.stdin", io.StringIO("") if typed is None else Terminal(typed))
+        with pytest.raises(SystemExit) as ended:
+            program.main(str(SHIPPED), list(arguments))
+        out, err = capsys.readouterr()
+        return ended.value.code, out, err
+    return go
+
+
+def load(directory):
+    return config.load(*(str(directory / f"{name}.yaml") for name in ("benchmarks", "schedule", "passwords")))
+
+
+def test_options_alone(run, tmp_path):
+    status, out, err = run("erl", *OPTIONS)
+    assert (status, err) == (0, "")
+    assert "All is well: 2 teams, 2 zones, 2 benchmarks, 8 runs" in out
+    assert f"roslaunch {tmp_path}/erl/competition.launch rsbb_host:=192.168.1.255" in out
+    loaded, warnings = load(tmp_path / "erl")
+    assert warnings == []
+    assert [zone.name for zone in loaded.zones] == ["Task Benchmarks", "Functionality Benchmarks"]
+    first = loaded.zones[0].events[0]
+    assert first.scheduled == datetime.datetime(2026, 11, 28, 9, tzinfo=datetime.timezone.utc).timestamp()
+
+
+def test_all_options(run, tmp_path):
+    status, out, _ = run("erl", *OPTIONS[:4], "--days", "2026-11-28", "--zones", "A: HNF, B", "--begin", "10:00",
+                         "--end", "10:40", "--every", "20", "--time-zone", "+01:00", "--rsbb-host", "10.0.0.255",
+                         "--smartif-host", "10.0.0.9")
+    assert status == 0
+    assert out.endswith("roslaunch " + str(tmp_path) + "/erl/competition.launch\n")
+    zones = load(tmp_path / "erl")[0].zones
+    assert [(zone.name, {event.benchmark.code for event in zone.events}) for zone in zones] == [
+        ("A", {"HNF"}), ("B", {"HWV"})]
+    assert [event.scheduled % 86400 / 60 for event in zones[0].events] == [9 * 60, 9 * 60 + 20]
+    launch = (tmp_path / "erl" / "competition.launch").read_text("utf-8")
+    assert 'default="10.0.0.255"' in launch
+    assert 'default="10.0.0.9"' in launch
+
+
+def test_nobody_to_ask(run, tmp_path):
+    status, _, err = run("erl", "--teams", "A")
+    assert status == 2
+    assert "not given: --benchmarks, --days; for example: --benchmarks HGTKMH,HWV,HNF --days 2026-11-28" in err
+    assert "--sheet" in err
+    assert os.listdir(str(tmp_path)) == []
+
+
+def test_no_standard_input_at_all(run, monkeypatch, tmp_path):
+    monkeypatch.setattr("sys.stdin", None)
+    with pytest.raises(SystemExit) as ended:
+        program.main(str(SHIPPED), ["erl"])
+    assert ended.value.code == 2
+
+
+def test_questions_are_asked_again_until_they_are_answered(run, tmp_path):
+    typed = "\na:b\nBrassButlers, CopperKettle\nHWX\nHWV\n\n28.11.\n2026-11-28\n9h\n\n10.0.0\n\n"
+    status, out, err = run("erl", "--time-zone", "UTC", typed=typed)
+    assert (status, err) == (0, "")
+    for told in ("found nothing; expected 'BrassButlers, CopperKettle'", "found 'a:b'", "found the text 'HWX'",
+                 "found '28.11.'", "found '9h'", "found '10.0.0'"):
+        assert out.count(told) == 1
+    assert "  HCFGAC  Catering for Granny Annie's Comfort\n" in out
+    loaded = load(tmp_path / "erl")[0]
+    assert [(event.team, event.scheduled % 86400) for event in loaded.zones[0].events] == [
+        ("BrassButlers", 9 * 3600), ("CopperKettle", 9.25 * 3600)]
+
+
+def test_what_is_given_is_not_asked(run):
+    status, out, _ = run("erl", *OPTIONS, "--zones", "A,B", "--begin", "9:00", typed="10.0.0.255\n")
+    assert status == 0
+    assert out.count("Enter:") == 1
+
+
+@pytest.mark.parametrize("typed", ["", "BrassButlers\n"])
+def test_a_terminal_that_is_closed(run, tmp_path, typed):
+    status, _, err = run("erl", typed=typed)
+    assert status == 1
+    assert "nothing was written" in err
+    assert os.listdir(str(tmp_path)) == []
+
+
+def test_all_wrong_options_are_told_at_once(run, tmp_path):
+    status, _, err = run("erl", "--teams", "a:b", "--benchmarks", "X", "--days", "x", "--begin", "x", "--every", "x",
+                         "--time-zone", "x", "--rsbb-host", "x")
+    assert status == 1
+    assert [line.split(":")[1].strip() for line in err.splitlines()] == [
+        "--teams", "--benchmarks", "--days", "--begin", "--every", "--time-zone", "--rsbb-host"]
+    assert os.listdir(str(tmp_path)) == []
+
+
+def test_a_day_that_is_too_short(run, tmp_path):
+    status, _, err = run("erl", *OPTIONS, "--end", "09:20")
+    assert status == 1
+    assert "--days: found runs on 2026-11-28 until 09:30; expected that they are over by 09:20" in err
+    assert os.listdir(str(tmp_path)) == []
+
+
+def test_a_sheet(run, tmp_path):
+    (tmp_path / "plan.csv").write_text(SHEET, encoding="utf-8")
+    status, out, err = run("erl", "--sheet", "plan.csv", typed="never read")
+    assert (status, err) == (0, "")
+    assert "All is well: 1 team, 1 zone, 2 benchmarks, 2 runs" in out
+    assert list(load(tmp_path / "erl")[0].passwords) == ["BrassButlers"]
+
+
+def test_a_sheet_whose_teams_are_known(run, tmp_path):
+    (tmp_path / "plan.csv").write_text(SHEET.replace("BrassButlers", "BrasButlers"), encoding="utf-8")
+    status, _, err = run("erl", "--sheet", "plan.csv", "--teams", "BrassButlers, Other")
+    assert status == 1
+    assert err == ("new_competition: plan.csv:2: found 'BrasButlers' as team (column C); expected one of the teams in "
+                   "--teams: did you mean 'BrassButlers'?\n")
+    (tmp_path / "plan.csv").write_text(SHEET, encoding="utf-8")
+    status, out, _ = run("erl", "--sheet", "plan.csv", "--teams", "BrassButlers, Other")
+    assert status == 0
+    assert "warning: erl/passwords.yaml: no runs in the schedule for 'Other'" in out
+
+
+def test_what_a_sheet_says_is_no_option(run, tmp_path):
+    (tmp_path / "plan.csv").write_text(SHEET, encoding="utf-8")
+    status, _, err = run("erl", "--sheet", "plan.csv", "--days", "2026-11-28")
+    assert status == 1
+    assert "--days: found this option beside --sheet; expected one of both" in err
+
+
+def test_a_new_schedule_for_an_old_competition(run, tmp_path):
+    run("erl", *OPTIONS)
+    passwords = (tmp_path / "erl" / "passwords.yaml").read_text("utf-8")
+    (tmp_path / "plan.csv").write_text(
+        "zone,benchmark,team,date,time\nHome,HWV,CopperKettle,2026-11-28,09:00\n", encoding="utf-8")
+    status, out, err = run("erl", "--sheet", "plan.csv", "--schedule-only", "--time-zone", "UTC")
+    assert (status, err) == (0, "")
+    assert "the old one is erl/schedule.yaml~" in out
+    assert "no runs in the schedule for 'BrassButlers'" in out
+    loaded = load(tmp_path / "erl")[0]
+    assert [(zone.name, len(zone.events)) for zone in loaded.zones] == [("Home", 1)]
+    assert (tmp_path / "erl" / "passwords.yaml").read_text("utf-8") == passwords
+
+
+def test_a_new_schedule_with_what_the_competition_has_not(run, tmp_path):
+    run("erl", *OPTIONS)
+    before = (tmp_path / "erl" / "schedule.yaml").read_text("utf-8")
+    (tmp_path / "plan.csv").write_text(
+        "zone,benchmark,team,date,time\nHome,HOPF,TeaAtFive,2026-11-28,09:00\n", encoding="utf-8")
+    status, _, err = run("erl", "--sheet", "plan.csv", "--schedule-only")
+    assert status == 1
+    assert "found 'HOPF' as benchmark (column B); expected one of the benchmarks of erl/benchmarks.yaml" in err
+    assert "found 'TeaAtFive' as team (column C); expected one of the teams of erl/passwords.yaml" in err
+    assert (tmp_path / "erl" / "schedule.yaml").read_text("utf-8") == before
+
+
+def test_a_new_schedule_only_needs_a_sheet_and_takes_nothing_else(run, tmp_path):
+    assert run("erl", "--schedule-only")[::2] == (
+        2, "new_competition: not given: --sheet, from which --schedule-only makes the schedule\n")
+    run("erl", *OPTIONS)
+    (tmp_path / "plan.csv").write_text(SHEET, encoding="utf-8")
+    status, _, err = run("erl", "--schedule-only", "--sheet", "plan.csv", "--teams", "A")
+    assert status == 1
+    assert "--teams: found this option beside --schedule-only" in err
+
+
+def test_nothing_is_overwritten(run):
+    run("erl", *OPTIONS)
+    status, _, err = run("erl", *OPTIONS)
+    assert status == 1
+    assert "would be overwritten" in err
+
+
+def test_check(run, tmp_path):
+    run("erl", *OPTIONS)
+    assert run("--check", "erl") == (0, "All is well: 2 teams, 2 zones, 2 benchmarks, 8 runs\n", "")
+    (tmp_path / "erl" / "passwords.yaml").unlink()
+    status, out, _ = run("--check", "erl")
+    assert status == 1
+    assert out.splitlines()[0].startswith("error: erl/passwords.yaml: found no file")
+    assert out.splitlines()[-1] == "1 error: mend it before the box is started"
+
+
+def test_help(run):
+    status, out, _ = run("--help")
+    assert status == 0
+    for option in ("--check", "--sheet", "--teams", "--benchmarks", "--zones", "--days"):
+        assert option in out

@@ -1,0 +1,158 @@
+"""The checks before a competition: each thing that may be wrong, and its remedy."""
+
+import os
+import pathlib
+import socket
+import threading
+from types import SimpleNamespace
+
+import pytest
+
+from helpers.config_files import SHIPPED
+from roah_rsbb.comm.frame import encode
+from roah_rsbb.comm.passwords import read_passwords
+from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
+from roah_rsbb.core.messages import Beacon, DevicesState, TabletState
+from roah_rsbb.nodes.core import wire_convert
+from roah_rsbb.tools import preflight_checks as checks
+from roah_rsbb.tools.preflight_checks import Interface, Level
+
+LO = Interface("lo", "127.0.0.1", LOOPBACK_BROADCAST)
+ETH = Interface("eth0", "192.168.1.2", "192.168.1.255")
+VPN = Interface("tun0", "10.8.0.1", "")
+
+
+def test_the_interfaces_of_this_computer():
+    assert LO in checks.interfaces()
+
+
+@pytest.mark.parametrize("host, found, level, text", [
+    ("192.168.1.255", [LO, ETH], Level.OK, "broadcast address of eth0"),
+    (LOOPBACK_BROADCAST, [LO, ETH], Level.WARNING, "this computer alone"),
+    ("10.255.255.255", [LO, ETH, VPN], Level.FAILED, "no broadcast address"),
+    ("192.168.1.2", [LO, ETH], Level.FAILED, "no broadcast address"),
+    ("10.255.255.255", [], Level.FAILED, "no broadcast address"),
+])
+def test_the_broadcast_address(host, found, level, text):
+    finding = checks.check_network(host, found)
+    assert finding.level is level
+    assert text in finding.text
+    if level is Level.FAILED:
+        assert ("192.168.1.255 (eth0, 192.168.1.2)" in finding.remedy) is (ETH in found)
+        assert "tun0" not in finding.remedy, "it has no broadcast address"
+
+
+@pytest.fixture
+def port():
+    """A port with free ones above it, on an address of its own."""
+    return 23456
+
+
+HOST = "127.0.77.1"
+
+
+def test_free_ports(port):
+    assert [f.level for f in checks.check_ports(HOST, port)] == [Level.OK]
+
+
+@pytest.mark.parametrize("above, level", [(0, Level.FAILED), (3, Level.WARNING)])
+def test_ports_that_are_taken(port, above, level):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind((HOST, port + above))
+        finding, = checks.check_ports(HOST, port)
+    assert finding.level is level
+    assert str(port + above) in finding.text
+
+
+def test_another_box_is_heard(port):
+    beacon = encode(wire_convert.beacon_message(Beacon((), DevicesState(), TabletState())))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+        other.bind(("127.0.77.9", 0))
+        done = threading.Event()
+
+        def transmit():
+            while not done.wait(0.05):
+                other.sendto(beacon, (LOOPBACK_BROADCAST, port))
+
+        thread = threading.Thread(target=transmit)
+        thread.start()
+        finding = checks.check_other_box(LOOPBACK_BROADCAST, port, HOST, 30.0)
+        done.set()
+        thread.join()
+    assert (finding.level, finding.text) == (Level.FAILED, "another RSBB transmits from 127.0.77.9")
+
+
+def test_no_other_box(port):
+    assert checks.check_other_box(LOOPBACK_BROADCAST, port, HOST, 0.05).level is Level.OK
+
+
+def test_a_network_that_cannot_be_listened_to(port):
+    assert checks.check_other_box(LOOPBACK_BROADCAST, port, "203.0.113.7", 0.05).level is Level.FAILED
+
+
+@pytest.mark.parametrize("synchronised, level", [(True, Level.OK), (False, Level.WARNING), (None, Level.WARNING)])
+def test_the_clock(synchronised, level):
+    finding = checks.check_clock(synchronised)
+    assert (finding.level, bool(finding.remedy)) == (level, level is not Level.OK)
+    assert checks.is_synchronised() in (True, False, None)
+
+
+@pytest.mark.parametrize("gib, levels", [
+    (50, [Level.OK, Level.OK]), (1, [Level.OK, Level.WARNING]), (0.1, [Level.OK, Level.FAILED]),
+])
+def test_the_disk(tmp_path, gib, levels):
+    found = checks.check_log_dir(str(tmp_path / "new" / "logs"), lambda _: SimpleNamespace(free=gib * 1024**3))
+    assert [f.level for f in found] == levels
+    assert os.listdir(tmp_path / "new" / "logs") == []
+
+
+def test_a_log_dir_that_cannot_be_written(tmp_path):
+    (tmp_path / "file").write_text("")
+    finding, = checks.check_log_dir(str(tmp_path / "file"))
+    assert (finding.level, str(tmp_path / "file") in finding.text) == (Level.FAILED, True)
+
+
+def files(**others):
+    shipped = {f"{name}_file": str(SHIPPED / f"{name}.yaml") for name in ("benchmarks", "schedule", "passwords")}
+    return {**shipped, **others}
+
+
+def test_the_shipped_configuration_is_good_but_its_passwords_are_known():
+    found = checks.check_configuration(files())
+    assert found[0].level is Level.OK
+    assert "zones" in found[0].text
+    assert (found[-1].level, "TestingTeam" in found[-1].text) == (Level.WARNING, True)
+    assert "PASSWORD" not in "".join(map(str, found))
+
+
+def test_the_shipped_passwords_are_those_of_the_file():
+    assert set(read_passwords(str(SHIPPED / "passwords.yaml")).values()) == checks.SHIPPED_PASSWORDS
+
+
+def test_passwords_that_were_changed(tmp_path):
+    shipped = pathlib.Path(SHIPPED / "passwords.yaml").read_text(encoding="utf-8")
+    new = tmp_path / "passwords.yaml"
+    new.write_text("".join(
+        f"{line.split(':')[0]}: fresh{i}\n" if ":" in line and not line.startswith("#") else f"{line}\n"
+        for i, line in enumerate(shipped.splitlines())
+    ), encoding="utf-8")
+    new.chmod(0o600)
+    found = checks.check_configuration(files(passwords_file=str(new)))
+    assert [f.level for f in found] == [Level.OK, Level.OK]
+
+
+def test_every_error_of_the_configuration_is_a_line(tmp_path):
+    wrong = tmp_path / "benchmarks.yaml"
+    wrong.write_text("- name: a\n- name: b\n", encoding="utf-8")
+    found = checks.check_configuration(files(benchmarks_file=str(wrong)))
+    assert len(found) >= 2
+    assert {f.level for f in found} == {Level.FAILED}
+    assert all("benchmarks.yaml:" in f.text and "\n" not in f.text for f in found[:2])
+
+
+def test_player_and_display():
+    assert checks.check_player("aplay", lambda name: f"/usr/bin/{name}").level is Level.OK
+    missing = checks.check_player("aplay", lambda name: None)
+    assert (missing.level, "alsa-utils" in missing.remedy) == (Level.WARNING, True)
+    assert (checks.check_display(True).level, checks.check_display(False).level) == (Level.OK, Level.WARNING)
