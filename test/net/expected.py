@@ -3,8 +3,8 @@
 from typing import Any, Dict, List, Tuple
 
 from crew import Robot
-from referee import Result
 
+from referee import Result
 from roah_rsbb.protocol import BoxState
 
 STATES = "/rsbb_log/rsbb_state"

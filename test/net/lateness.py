@@ -4,8 +4,8 @@ import bisect
 from typing import Iterable, List, NamedTuple, Optional, Tuple
 
 from crew import Robot
-from referee import Result
 
+from referee import Result
 from roah_rsbb.protocol import PERIOD_S, BoxState, RobotState
 
 CLIENT_STATES, BOX_STATES = "/rsbb_log/client_state", "/rsbb_log/rsbb_state"

@@ -12,8 +12,9 @@ import wire
 from box import SPEECH, TEAMS, Box
 from crew import EXECUTE_S, USUAL_EXECUTE_S, Robot, Tablet
 from namespaces import Lan
-from referee import Referee, Result
 from waiting import happened, wait_until
+
+from referee import Referee, Result
 
 FOLDER = pathlib.Path(__file__).resolve().parents[2] / "build" / "net"
 BOX, FLOODER, TABLET, STRANGER, TWIN, IMPOSTOR, OTHER_BOX = 1, 2, 3, 4, 5, 6, 7

@@ -7,11 +7,11 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 import rosbag
 from box import SPEECH, Box
 from box_client import Refusal
-from run_logs import RunLog
 from waiting import wait_until
 
 from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneUInt8
+from run_logs import RunLog
 
 # Seconds, on a machine that does much else, with an outage in between.
 LIMIT_S = 120.0

@@ -13,9 +13,9 @@ from box import SPEECH, TEAMS
 from crew import RSBB_PORT
 from net import FLOODER, STRANGER, Net, Round
 from programs import Program
-from referee import Result
 from rounds import Plan
 
+from referee import Result
 from roah_rsbb.protocol import BoxState
 
 FLOOD = pathlib.Path(__file__).resolve().parent / "flood.py"

@@ -9,8 +9,9 @@ import rospy
 import rostest
 from box_client import BoxClient, Refusal
 from robots import Network, PublicParticipant, RawRobot, Robot
-from run_logs import RunLog
 from waiting import wait_until
+
+from run_logs import RunLog
 
 PACKAGE = "roah_rsbb"
 # Whatever is in a test beside box and robots; the teams' robots have their addresses from `robots.host_of`.

@@ -10,11 +10,11 @@ import rospy
 from box_case import PACKAGE, BoxCase
 from programs import Program
 from robots import BROADCAST, CONFIG, PASSWORDS, RSBB_PORT, Robot, host_of
-from run_logs import RunLog
 from waiting import happened
 
 from roah_rsbb.msg import ModulesState
 from roah_rsbb.srv import ManualOperationAnswer
+from run_logs import RunLog
 
 Scores = Dict[Tuple[str, str], object]
 

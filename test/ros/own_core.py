@@ -10,12 +10,12 @@ from box_case import PACKAGE, NetworkCase
 from box_client import BoxClient
 from programs import Program
 from robots import BOX, BROADCAST, CONFIG, RSBB_PORT
-from run_logs import RunLog
 from waiting import wait_until
 
 from roah_rsbb.core.run_log import KINDS, LogKind
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
+from run_logs import RunLog
 
 PARAMS: Dict[str, Any] = {
     "rsbb_host": BROADCAST, "rsbb_port": RSBB_PORT, "bind_host": BOX, "listen_duration": 0.0,

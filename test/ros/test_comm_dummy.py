@@ -12,12 +12,12 @@ from box_case import PACKAGE, TABLET, BoxCase, main
 from dummy_launch import launch_dummy
 from programs import Program
 from robots import wire
-from run_logs import RunLog
 from waiting import wait_until
 
 from roah_rsbb.msg import DevicesState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState
+from run_logs import RunLog
 
 NO_GOAL = [BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT, BoxState.STOP]
 # What the dummy tells in HWV, in its order.

@@ -11,13 +11,13 @@ from box_case import LISTENER, PACKAGE, NetworkCase, main
 from box_client import BoxClient
 from programs import Program
 from robots import BOX, BROADCAST, CONFIG, RSBB_PORT, empty_beacon
-from run_logs import RunLog
 from std_srvs.srv import Empty
 from waiting import LIMIT_S, happened, wait_until
 
 from roah_rsbb.msg import ModulesState
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook.benchmarks import KINDS, Kind
+from run_logs import RunLog
 
 FOREIGN_BOX = "127.0.0.5"
 LOST = "192.0.2.1"  # reserved for documentation: no machine has it
