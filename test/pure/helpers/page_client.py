@@ -1,6 +1,6 @@
-"""A client written from docs/robot_without_ros.md and the .proto file alone, as a team in another language would.
+"""A client written from docs/protocol.md and the .proto file alone, as a team in another language would.
 
-It shares no code with roah_rsbb but the generated messages: what it lacks to complete a run, the page lacks.
+It shares no code with roah_rsbb except the generated messages. If it lacked something, the page would lack it.
 """
 
 import hashlib
@@ -18,7 +18,7 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 STOP, PREPARING, WAITING_GOAL, EXECUTING, RESULT_TX = range(5)
 BOX_STOP, PREPARE, GOAL_TX, WAITING_RESULT = range(4)
 
-# "Your state": (box's, own) -> next. What is not here: stay. Errors: STOP, and say so.
+# "Robot's next state": (box, own) -> next. Any other pair keeps the state. Errors: go to STOP and report it.
 NEXT = {
     (BOX_STOP, PREPARING): STOP, (BOX_STOP, WAITING_GOAL): STOP, (BOX_STOP, EXECUTING): STOP,
     (BOX_STOP, RESULT_TX): STOP,

@@ -1,4 +1,4 @@
-"""A client that was written from docs/robot_without_ros.md alone completes runs."""
+"""A client that was written from docs/protocol.md alone completes runs."""
 
 import asyncio
 import threading
