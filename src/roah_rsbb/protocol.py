@@ -5,6 +5,10 @@ states are those of ``BenchmarkState`` and ``RobotState`` on the wire. This modu
 """
 
 import enum
+from typing import Tuple
+
+# A wire time: whole seconds and nanoseconds since 1970, UTC. Both may be any int64, also negative.
+WireTime = Tuple[int, int]
 
 # A changed state leaves at once, then ten times at 50 ms intervals, because any datagram may be lost; after that once
 # a second.
@@ -40,3 +44,13 @@ def sent_after_change(seconds: float) -> int:
     if seconds < burst_s:
         return 1 + int(seconds / BURST_INTERVAL_S)
     return 1 + BURST_COUNT + int((seconds - burst_s) / PERIOD_S)
+
+
+def wire_ns(wire_time: WireTime) -> int:
+    """A wire time as nanoseconds, exactly; any int64 pair is allowed."""
+    return wire_time[0] * 1_000_000_000 + wire_time[1]
+
+
+def wire_seconds(wire_time: WireTime) -> float:
+    """A wire time as seconds, with a float's precision (a quarter of a microsecond today)."""
+    return wire_ns(wire_time) / 1e9

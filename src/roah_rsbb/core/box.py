@@ -9,14 +9,14 @@ from typing import Callable, Dict, List, Mapping, Optional, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.capacity import LAST_PORT, Capacity
-from roah_rsbb.core.clock import ClockWatch, Now, WireTime
+from roah_rsbb.core.clock import ClockWatch, Now
 from roah_rsbb.core.commands import COMMANDS, NO_RUN, robots_to_connect
 from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, RobotReport, TabletState
 from roah_rsbb.core.modules.events import ModuleEvents
 from roah_rsbb.core.referee_record import RunName, checked_who, cut_note
-from roah_rsbb.core.refused import Refused, did_you_mean
+from roah_rsbb.core.refused import Refused
 from roah_rsbb.core.restart.restart import BOX, Restart
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots, RobotId
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
@@ -31,7 +31,9 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zone import Zone
+from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.benchmarks import Config, Kind
+from roah_rsbb.wording.suggestions import did_you_mean
 
 # So many ports that cannot be opened, more than there are robots to connect, mean that no port can.
 MAX_PORTS_TRIED = 20

@@ -2,9 +2,9 @@
 
 from typing import Callable, List, NamedTuple, Sequence
 
-from roah_rsbb.core.clock import WireTime
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, DevicesState, TabletState
 from roah_rsbb.core.robots import RobotId
+from roah_rsbb.protocol import WireTime
 
 LAST_PORT = 65535
 

@@ -5,10 +5,7 @@ core never asks a clock: every method that needs the time takes a `Now`.
 """
 
 import time
-from typing import NamedTuple, Optional, Tuple
-
-# A wire time: whole seconds and nanoseconds since 1970, UTC. Both may be any int64, also negative.
-WireTime = Tuple[int, int]
+from typing import NamedTuple, Optional
 
 # The offset between both clocks moves by this much in one look only if UTC was set by somebody:
 # NTP slews by at most 0.5 ms a second.
@@ -24,16 +21,6 @@ class Now(NamedTuple):
     def later(self, seconds: float) -> "Now":
         """The moment `seconds` after this one, if nobody sets a clock in between."""
         return Now(self.mono + seconds, self.utc + seconds)
-
-
-def wire_ns(wire_time: WireTime) -> int:
-    """A wire time as nanoseconds, exactly; any int64 pair is allowed."""
-    return wire_time[0] * 1_000_000_000 + wire_time[1]
-
-
-def wire_seconds(wire_time: WireTime) -> float:
-    """A wire time as seconds, with a float's precision (a quarter of a microsecond today)."""
-    return wire_ns(wire_time) / 1e9
 
 
 def clock_text(utc: float) -> str:

@@ -7,8 +7,7 @@ the wire protocol, Messages.
 import json
 from typing import NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.clock import WireTime
-from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState, WireTime
 
 NEVER: WireTime = (0, 0)
 

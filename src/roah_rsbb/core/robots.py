@@ -6,9 +6,10 @@ under a robot's name takes nothing over while the first is still heard.
 
 from typing import Container, Dict, List, NamedTuple, Optional
 
-from roah_rsbb.core.clock import Now, WireTime, wire_seconds
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.link.skew import SkewEstimate
 from roah_rsbb.core.messages import NEVER
+from roah_rsbb.protocol import WireTime, wire_seconds
 
 # A robot sends every second; one that was not heard for this long is late.
 LATE_S = 3.0

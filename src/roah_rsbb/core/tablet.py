@@ -13,8 +13,9 @@ program, was started again.
 import math
 from typing import Generic, List, NamedTuple, Optional, TypeVar
 
-from roah_rsbb.core.clock import Now, WireTime, wire_ns
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import NEVER, TabletState
+from roah_rsbb.protocol import WireTime, wire_ns
 
 T = TypeVar("T")
 

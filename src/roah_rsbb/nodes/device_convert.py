@@ -1,8 +1,8 @@
 """From the message of the home devices to the core's plain value."""
 
-from roah_rsbb.core.clock import WireTime
 from roah_rsbb.core.messages import DevicesState
 from roah_rsbb.msg import DevicesState as DevicesStateMsg
+from roah_rsbb.protocol import WireTime
 
 
 def devices_of(message: DevicesStateMsg) -> DevicesState:

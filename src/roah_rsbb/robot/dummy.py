@@ -11,7 +11,7 @@ import signal
 import sys
 from typing import List, Optional
 
-from roah_rsbb.comm.arguments import Parser, number
+from roah_rsbb.arguments import Parser, number
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.comm.sockets import ANY_HOST

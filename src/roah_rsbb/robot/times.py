@@ -10,8 +10,7 @@ show the referee a skew that the robot no longer has.
 import math
 from typing import Dict, Optional, Tuple
 
-# Seconds and nanoseconds since 1970, UTC, as in the message `Time`.
-WireTime = Tuple[int, int]
+from roah_rsbb.protocol import WireTime
 
 SET_BACK_S = 1.0
 

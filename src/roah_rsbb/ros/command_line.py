@@ -5,7 +5,7 @@ import sys
 
 import rospy
 
-from roah_rsbb.comm.arguments import Parser
+from roah_rsbb.arguments import Parser
 
 _SETTINGS = """\
 Settings are ROS parameters, of the node or given as _name:=value. The launch files set those that competitions need;

@@ -2,7 +2,7 @@
 
 import rospy
 
-from roah_rsbb.core.clock import WireTime, wire_ns
+from roah_rsbb.protocol import WireTime, wire_ns
 
 # What a ROS time and a ROS duration can hold, in seconds.
 _MAX_TIME = 2**32 - 1

@@ -4,16 +4,10 @@ An organiser corrects a file at a desk with a text editor, so each error says wh
 was found and what was expected (architecture, rule 7), and all of them come in one go.
 """
 
-import difflib
-import itertools
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional
-
-from roah_rsbb.core.refused import did_you_mean
+from typing import Any, Dict, Iterable, List, NamedTuple
 
 # More than anybody reads; a hostile file must not grow the report, or the time it takes, without end.
 MAX_ERRORS = 1000
-# Looking for the nearest of very many words takes long; no competition has so many teams.
-_MAX_CHOICES = 200
 
 _LONGEST_EXCERPT = 60
 _LINES_SHOWN = 10
@@ -98,19 +92,6 @@ def quote(text: str) -> str:
     shown = text if len(text) <= _LONGEST_EXCERPT else text[: _LONGEST_EXCERPT - 3] + "..."
     visible = (c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in shown)
     return "'" + "".join(visible) + "'"
-
-
-def nearest(word: str, choices: Iterable[str]) -> Optional[str]:
-    """The choice that `word` was probably meant to be, upper and lower case ignored; None: no idea."""
-    by_folded = {choice.casefold(): choice for choice in itertools.islice(choices, _MAX_CHOICES)}
-    near = difflib.get_close_matches(word[:100].casefold(), list(by_folded), n=1)
-    return by_folded[near[0]] if near else None
-
-
-def suggestion(word: str, choices: Iterable[str]) -> str:
-    """The end of a message about an unknown word of a file: the nearest choice, else all of them."""
-    choices = list(choices)
-    return did_you_mean(nearest(word, choices) or word[:100], choices)
 
 
 def line_list(lines: List[int]) -> str:

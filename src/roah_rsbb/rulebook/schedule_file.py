@@ -4,10 +4,11 @@ from typing import Dict, List, Optional, Tuple
 
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS, Event, Kind, ZonePlan
 from roah_rsbb.rulebook.benchmarks_file import BenchmarksFile
-from roah_rsbb.rulebook.errors import Place, Report, line_list, nearest, quote
+from roah_rsbb.rulebook.errors import Place, Report, line_list, quote
 from roah_rsbb.rulebook.passwords_file import PasswordsFile
 from roah_rsbb.rulebook.yaml_fields import choice, fields, integer, sequence, text, utc_time
 from roah_rsbb.rulebook.yaml_lines import Node, read_yaml
+from roah_rsbb.wording.suggestions import nearest
 
 _SHAPE = "zones, '- zone: ...' with 'schedule: ...'"
 _ZONE = {"zone": "Task Benchmarks", "schedule": "[...]"}

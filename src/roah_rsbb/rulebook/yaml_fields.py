@@ -13,8 +13,9 @@ from typing import Dict, Optional, Tuple
 
 import yaml
 
-from roah_rsbb.rulebook.errors import Report, listing, nearest, quote, suggestion
+from roah_rsbb.rulebook.errors import Report, listing, quote
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable
+from roah_rsbb.wording.suggestions import did_you_mean, nearest
 
 _DECIMAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 _INTEGER = re.compile(r"[+-]?[0-9]{1,18}")
@@ -97,7 +98,7 @@ def choice(
     if node is None:
         return None
     word = node.text if isinstance(node, Scalar) else ""
-    return word if word in choices else _wrong(report, node, what, expected + suggestion(word, choices))
+    return word if word in choices else _wrong(report, node, what, expected + did_you_mean(word, choices))
 
 
 def _number_shape(unit: str, above: Optional[float], least: Optional[float], most: Optional[float]) -> str:
@@ -219,7 +220,7 @@ def fields(
     unknown = [(key, value) for key, value in node.pairs if key.text not in known]
     for key, value in unknown:
         if not isinstance(value, Unusable):
-            expected = f"a key of {what}{suggestion(_word(key), known)}{_why_no_value(key, value)}"
+            expected = f"a key of {what}{did_you_mean(_word(key), known)}{_why_no_value(key, value)}"
             report.error(key.place, f"the unknown key {quote(key.text)} in {what}", expected)
     # A misspelt key is one mistake, not two; and a pair that could not be read may be what is missing.
     misspelt = {nearest(_word(key), known) for key, _ in unknown}

@@ -16,8 +16,9 @@ from typing import Dict, List, NoReturn, Optional, Tuple
 
 import yaml
 
-from roah_rsbb.rulebook.errors import Place, Report, line_list, nearest, quote
+from roah_rsbb.rulebook.errors import Place, Report, line_list, quote
 from roah_rsbb.rulebook.yaml_syntax import explain
+from roah_rsbb.wording.suggestions import nearest
 
 # A schedule of ten thousand runs. Reading this much takes PyYAML two to six seconds.
 MAX_BYTES = 1_000_000

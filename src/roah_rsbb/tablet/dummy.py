@@ -14,7 +14,7 @@ import sys
 import time
 from typing import List, Optional, Tuple
 
-from roah_rsbb.comm.arguments import Parser
+from roah_rsbb.arguments import Parser
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.tablet.radio import TabletRadio
 from roah_rsbb.tablet.state import TabletState

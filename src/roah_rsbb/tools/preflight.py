@@ -10,7 +10,7 @@ from typing import List, Optional
 
 import rospkg
 
-from roah_rsbb.comm.arguments import Parser, number
+from roah_rsbb.arguments import Parser, number
 from roah_rsbb.nodes.sounds import PLAYER
 from roah_rsbb.rqt.app.display import has_display
 from roah_rsbb.tools import preflight_checks as checks

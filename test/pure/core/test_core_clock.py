@@ -2,7 +2,8 @@
 
 import pytest
 
-from roah_rsbb.core.clock import ClockWatch, Now, clock_text, wire_ns, wire_seconds
+from roah_rsbb.core.clock import ClockWatch, Now, clock_text
+from roah_rsbb.protocol import wire_ns, wire_seconds
 
 MIN, MAX = -(2**63), 2**63 - 1
 

@@ -11,14 +11,14 @@ from helpers.golden import PASSWORD, load
 from helpers.module_player import ScriptedModules
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.comm.frame import decode_private, decode_public
-from roah_rsbb.core.clock import Now, wire_seconds
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.refused import Refused
 from roah_rsbb.core.runs.phases import EndReason
 from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.protocol import BoxState
+from roah_rsbb.protocol import BoxState, wire_seconds
 
 PUBLIC_PORT = 6666
 ROBOT_HOST = "10.99.0.2"

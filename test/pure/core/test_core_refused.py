@@ -1,6 +1,7 @@
 """The texts of refusals."""
 
-from roah_rsbb.core.refused import Refused, did_you_mean
+from roah_rsbb.core.refused import Refused
+from roah_rsbb.wording.suggestions import did_you_mean
 
 
 def test_a_refusal_tells_every_reason():

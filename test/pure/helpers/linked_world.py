@@ -13,12 +13,12 @@ from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import decode_private, decode_public, encode
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.core import effects
-from roah_rsbb.core.clock import Now, wire_ns
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import How
 from roah_rsbb.core.refused import Refused
 from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState, wire_ns
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.session import Session
 

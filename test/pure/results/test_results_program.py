@@ -17,7 +17,8 @@ from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_competition
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry, ScoreValue
-from roah_rsbb.results import program, tables
+from roah_rsbb.results import tables
+from roah_rsbb.tools import results as program
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
@@ -101,7 +102,7 @@ def test_every_command_has_help(run):
 
 
 def test_who_reads_only_the_beginning_is_no_error(journal):
-    script = "import sys; from roah_rsbb.results.program import main; main(sys.argv[1], sys.argv[2:])"
+    script = "import sys; from roah_rsbb.tools.results import main; main(sys.argv[1], sys.argv[2:])"
     command = [sys.executable, "-c", script, str(ROOT / "config"), "--journal", journal, "export", "--json", "-"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
@@ -113,7 +114,7 @@ def test_who_reads_only_the_beginning_is_no_error(journal):
 
 
 def test_a_terminal_that_knows_only_ascii(journal):
-    script = "import sys; from roah_rsbb.results.program import main; main(sys.argv[1], sys.argv[2:])"
+    script = "import sys; from roah_rsbb.tools.results import main; main(sys.argv[1], sys.argv[2:])"
     command = [sys.executable, "-c", script, str(ROOT / "config"), "--journal", journal, "list"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "PYTHONIOENCODING": "ascii"}
     shown = subprocess.run(command, stdout=subprocess.PIPE, env=environment, check=True).stdout.decode("ascii")

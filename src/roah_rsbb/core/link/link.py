@@ -6,12 +6,12 @@ Staleness, skew, silence and clock steps are judged here; what they mean for the
 
 from typing import List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.clock import Now, WireTime, wire_ns, wire_seconds
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.link.record import LinkRecorder, LinkSample
 from roah_rsbb.core.link.skew import SkewEstimate, SkewSample, skew_off, skew_text, within
 from roah_rsbb.core.link.timeline import Timeline, TimelineState, Verdict
 from roah_rsbb.core.messages import RobotReport
-from roah_rsbb.protocol import RobotState
+from roah_rsbb.protocol import RobotState, WireTime, wire_ns, wire_seconds
 
 # A robot sends every second: after this long without a message something is wrong.
 SILENT_S = 3.0

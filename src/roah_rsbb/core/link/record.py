@@ -12,9 +12,9 @@ what happens to all of them in the same second is the box's, or the access point
 
 from typing import FrozenSet, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.clock import Now, wire_ns
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
-from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S, BoxState, RobotState, sent_after_change
+from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S, BoxState, RobotState, sent_after_change, wire_ns
 
 # An answer that is later than this was not the answer to the first datagrams: no robot thinks for so long.
 ANSWER_S = 0.5

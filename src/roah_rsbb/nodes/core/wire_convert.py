@@ -1,9 +1,8 @@
 """Between the protobuf messages of `comm` and the plain values of `core`."""
 
-from roah_rsbb.core.clock import WireTime
 from roah_rsbb.core.messages import Beacon, BoxMessage, RobotReport, TabletState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.protocol import RobotState
+from roah_rsbb.protocol import RobotState, WireTime
 
 # Optional fields of a RobotState, by their names in a RobotReport.
 _OPTIONAL = {

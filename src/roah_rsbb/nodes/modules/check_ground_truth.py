@@ -10,8 +10,8 @@ from typing import List, Optional
 import rosgraph
 import rospy
 
+from roah_rsbb.arguments import Parser, number
 from roah_rsbb.bmbox.framework.ground_truth_config import load
-from roah_rsbb.comm.arguments import Parser, number
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.ground_truth_tf import FrameState, TfGroundTruth
 from roah_rsbb.rulebook.errors import ConfigErrors

@@ -5,7 +5,7 @@ from typing import List, Optional, Sequence, Tuple
 from roah_rsbb.bmbox.framework import ground_truth_config
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3
 from roah_rsbb.nodes.modules.ground_truth_tf import TfGroundTruth
-from roah_rsbb.ros.watched_file import WatchedFile
+from roah_rsbb.nodes.modules.watched_file import WatchedFile
 
 
 class MendableTruth(GroundTruth):

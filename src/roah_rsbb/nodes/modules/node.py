@@ -18,17 +18,17 @@ from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME
 from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, RunForModule
-from roah_rsbb.core.refused import did_you_mean
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.modules.convert import runs_of, state_message
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.hosted_module import HostedModule
 from roah_rsbb.nodes.modules.mendable_truth import MendableTruth
+from roah_rsbb.nodes.modules.watched_file import WatchedFile
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
-from roah_rsbb.ros.watched_file import WatchedFile
+from roah_rsbb.wording.suggestions import did_you_mean
 
 # The core holds a run whose module was not heard for four of these.
 BEAT_S = 0.5

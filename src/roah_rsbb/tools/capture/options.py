@@ -3,7 +3,7 @@
 import argparse
 from typing import List, Optional
 
-from roah_rsbb.comm.arguments import Parser, number
+from roah_rsbb.arguments import Parser, number
 from roah_rsbb.comm.frame import PRIVATE_TYPES, PUBLIC_TYPES
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE
 

@@ -6,7 +6,7 @@ import shlex
 import sys
 from typing import Callable, Dict, List, Optional
 
-from roah_rsbb.comm.arguments import Parser
+from roah_rsbb.arguments import Parser
 from roah_rsbb.rulebook.benchmarks_file import BenchmarksFile
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report
 from roah_rsbb.rulebook.passwords_file import PasswordsFile

@@ -10,12 +10,13 @@ import io
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
-from roah_rsbb.rulebook.errors import Place, Report, listing, nearest, quote, suggestion
+from roah_rsbb.rulebook.errors import Place, Report, listing, quote
 from roah_rsbb.rulebook.yaml_fields import integer, text
 from roah_rsbb.rulebook.yaml_lines import Scalar, read_text
 from roah_rsbb.tools.competition.answers import benchmark_code, team_name
 from roah_rsbb.tools.competition.moments import VenueClock, read_day, read_time
 from roah_rsbb.tools.competition.plan import Plan, PlannedZone, Run, for_all
+from roah_rsbb.wording.suggestions import did_you_mean, nearest
 
 REQUIRED = ("zone", "benchmark", "team", "date", "time")
 OPTIONAL = ("round", "run")
@@ -120,7 +121,7 @@ class _Sheet:
                 continue
             if word not in _COLUMNS:
                 self._report.error(place, f"{quote(name)} in column {column_name(index + 1)}",
-                                   f"the name of a column{suggestion(word, _COLUMNS)}")
+                                   f"the name of a column{did_you_mean(word, _COLUMNS)}")
             elif word in self._columns:
                 self._report.error(place, f"column {word} twice", "each column once")
             self._columns.setdefault(word, index)

@@ -9,18 +9,18 @@ import sys
 import time
 from typing import Any, Callable, Dict, List, NoReturn, Optional, TextIO
 
-from roah_rsbb.comm.arguments import Parser
+from roah_rsbb.arguments import Parser
+from roah_rsbb.core import run_log
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover
 from roah_rsbb.results import json_export, standing_texts, tables, text_sheet
 from roah_rsbb.results.html_sheet import sheet_page
-from roah_rsbb.results.run_result import NoSuchRun, RunResult, find, records, run_result
+from roah_rsbb.results.run_result import NoSuchRun, RobotPart, RunResult, find, records, run_result
 from roah_rsbb.results.standing import Choice, Standing, standings
 from roah_rsbb.results.standing_rules import OfRuns, Rules, read_rules
 from roah_rsbb.rulebook.errors import ConfigErrors
-from roah_rsbb.run_logs.export import NoBag, write_bag
 from roah_rsbb.wording import result_texts
 
 LOG_DIR = "~/.ros/roah_rsbb"
@@ -57,6 +57,10 @@ sum of the score sheet.
 """
 
 
+class _NoBag(Exception):
+    """The bag cannot be written; the text names the remedy."""
+
+
 class _Usage(Exception):
     """What is asked for cannot be; the text names the remedy."""
 
@@ -68,7 +72,7 @@ def main(config_dir: str, arguments: Optional[List[str]] = None) -> NoReturn:
     sys.stdout.reconfigure(errors="backslashreplace")  # whatever this terminal cannot show
     try:
         status = options.do(options)
-    except (JournalError, NoBag, NoSuchRun, _Usage) as error:
+    except (JournalError, _NoBag, NoSuchRun, _Usage) as error:
         status = _fail(str(error))
     except ConfigErrors as error:
         status = _fail(f"the rules of the standings cannot be used:\n{error}")
@@ -247,9 +251,39 @@ def _bag(options: argparse.Namespace) -> int:
     with _open(options) as reader:
         known = records(reader, _warn)
         place = find(known, options.run)
-        count = write_bag(run_result(reader, place + 1, known[place], _warn), options.port, options.bag)
+        count = _write_bag(run_result(reader, place + 1, known[place], _warn), options.port, options.bag)
     print(f"{options.bag}: {count} messages")
     return 0
+
+
+def _write_bag(result: RunResult, port: Optional[int], path: str) -> int:
+    """Write a new bag with all that belongs into the run log of a robot; returns the number of messages.
+
+    `port`: of the robot; None: the run has only one. Raises `_NoBag`.
+    """
+    try:
+        from roah_rsbb.run_logs.bag_file import WRITE_ERRORS, write_whole
+    except ImportError as error:
+        raise _NoBag(
+            f"a bag cannot be written here ({error}): do it on a computer with ROS, from a copy of the journal"
+        ) from None
+    if os.path.exists(path):
+        raise _NoBag(f"{path}: there is such a file already: name another one")
+    robot = _robot_of(result, port)
+    entries = [(e.kind, e.value, e.utc) for e in result.entries if e.port == robot.port and e.kind in run_log.KINDS]
+    try:
+        write_whole(path, entries)
+    except WRITE_ERRORS as error:
+        raise _NoBag(f"{path}: {error}: name another place, or make room there") from None
+    return len(entries)
+
+
+def _robot_of(result: RunResult, port: Optional[int]) -> RobotPart:
+    robots: List[RobotPart] = [robot for robot in result.robots if port in (None, robot.port)]
+    if len(robots) == 1:
+        return robots[0]
+    known = ", ".join(f"{robot.port} ({robot.robot} of team {robot.team})" for robot in result.robots)
+    raise _NoBag(f"say which robot's log it shall be, with --port: {known or 'this run has none'}")
 
 
 def _journals(options: argparse.Namespace) -> int:

@@ -1,0 +1,168 @@
+"""The house of docs/architecture.md: which folder may import what, and how many files a folder holds."""
+
+import ast
+import pathlib
+import sys
+from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Tuple
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "src" / "roah_rsbb"
+MAX_FILES = 21
+# Generated from proto/, msg/ and srv/.
+GENERATED = ("pb", "msg", "srv")
+ROS = ("rospy", "rosgraph", "rospkg", "genpy", "rosbag", "std_msgs", "std_srvs", "geometry_msgs", "tf2_msgs", "tf2_ros")
+
+
+class Room(NamedTuple):
+    """What a folder may import besides itself and the standard library."""
+
+    project: Tuple[str, ...] = ()  # folders or modules of the package
+    others: Tuple[str, ...] = ()  # other top-level packages
+
+
+BASE = ("protocol", "arguments", "wording")
+CORE_TYPES = ("core.clock", "core.modules.messages", "core.scoring.records")
+RECORDS = ("core.scoring.records", "core.link.record", "core.run_log", "core.restart.saved")
+LIBRARIES = ("rulebook", "comm", "core", "journal", "devices", "run_logs", "results", "bmbox", "robot", "tablet", "web",
+             "ros", "pb", "msg", "srv")
+PROGRAMS = Room((*BASE, *LIBRARIES, "nodes"), (*ROS, "yaml", "google"))
+
+ROOMS: Dict[str, Room] = {
+    "__init__": Room(),
+    "protocol": Room(),
+    "arguments": Room(),
+    "wording": Room(),
+    "rulebook": Room(("wording",), ("yaml",)),
+    "comm": Room(("protocol", "pb"), ("google", "cryptography")),
+    "core": Room(("protocol", "rulebook", "wording")),
+    "journal": Room(),
+    "devices": Room(),
+    "run_logs": Room(("journal", "core.run_log", "core.effects", "msg"), ("rosbag", "rospy", "genpy", "std_msgs")),
+    "results": Room(("journal", "protocol", "rulebook", "wording", *RECORDS)),
+    "bmbox": Room(("rulebook", *CORE_TYPES), ("yaml",)),
+    "robot": Room(("protocol", "arguments", "comm", "pb")),
+    "tablet": Room(("protocol", "arguments", "comm", "pb"), ("tornado", "yaml")),
+    "web": Room(("protocol", "arguments", "wording"), ("tornado",)),
+    "ros": Room(("protocol", "arguments", "wording", "msg", "srv"), ROS),
+    "rqt": Room(("protocol", "ros", "wording", "msg", "srv"), (*ROS, "python_qt_binding", "rqt_gui_py")),
+    "nodes": PROGRAMS,
+    "referee": PROGRAMS,
+    "tools": PROGRAMS,
+}
+
+# Imports that still break the table: (file, what it imports). Only ever take entries out.
+KNOWN = {
+    ("referee/changes.py", "rqt.widgets.tail"),
+    ("tools/preflight.py", "rqt.app.display"),
+    ("wording/result_texts.py", "core.runs.phases"),
+    ("wording/result_texts.py", "core.scoring.records"),
+}
+
+
+def _files() -> List[pathlib.Path]:
+    return sorted(path for path in PACKAGE.rglob("*.py"))
+
+
+def _module(path: pathlib.Path) -> str:
+    """The dotted name within the package."""
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" and len(parts) > 1 else parts)
+
+
+MODULES: FrozenSet[str] = frozenset(_module(path) for path in _files())
+
+
+def _imported(path: pathlib.Path) -> Iterator[str]:
+    """All modules that a file imports anywhere in it, by full name; a module's name rather than its package's."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: a relative import"
+            for alias in node.names:
+                longer = f"{node.module}.{alias.name}"
+                is_module = longer.startswith("roah_rsbb.") and (
+                    longer[len("roah_rsbb."):] in MODULES or alias.name in GENERATED)
+                yield longer if is_module else node.module
+
+
+def _is_in(module: str, folder: str) -> bool:
+    return module == folder or module.startswith(f"{folder}.")
+
+
+def _problem(room: str, name: str) -> str:
+    """What is wrong with a folder importing this; empty: nothing."""
+    if name == "roah_rsbb":
+        return ""
+    if not name.startswith("roah_rsbb."):
+        top = name.split(".")[0]
+        standard = getattr(sys, "stdlib_module_names", None)  # Python 3.10 and later
+        allowed = standard is None or top in standard or top in ROOMS[room].others
+        return "" if allowed else name
+    module = name[len("roah_rsbb."):]
+    allowed = any(_is_in(module, folder) for folder in (room, *ROOMS[room].project))
+    return "" if allowed else module
+
+
+def _problems() -> Dict[Tuple[str, str], str]:
+    found = {}
+    for path in _files():
+        file = str(path.relative_to(PACKAGE))
+        room = _module(path).split(".")[0]
+        if room not in ROOMS:
+            found[file, ""] = f"{file}: {room} is not in the table: add it there and in docs/architecture.md"
+            continue
+        for name in _imported(path):
+            problem = _problem(room, name)
+            if problem:
+                found[file, problem] = f"{file} imports {problem}, which {room} may not"
+    return found
+
+
+def test_no_folder_imports_what_it_may_not():
+    problems = _problems()
+    assert [text for key, text in problems.items() if key not in KNOWN] == []
+    assert KNOWN - set(problems) == set(), "these are repaired: take them out of KNOWN"
+
+
+def _cycles() -> List[str]:
+    """Modules of the package that import each other, directly or by others."""
+    graph = {}
+    for path in _files():
+        names = {name[len("roah_rsbb."):] for name in _imported(path) if name.startswith("roah_rsbb.")}
+        graph[_module(path)] = (names & MODULES) - {_module(path)}
+    # Take away whoever imports nothing that is left, until nothing changes.
+    left = dict(graph)
+    while True:
+        free = [module for module, imports in left.items() if not imports & left.keys()]
+        if not free:
+            break
+        for module in free:
+            del left[module]
+    importers = {module: {m for m in left if module in left[m]} for module in left}
+    while True:
+        free = [module for module, who in importers.items() if not who & importers.keys()]
+        if not free:
+            return sorted(importers)
+        for module in free:
+            del importers[module]
+
+
+# Modules that import each other. Only ever take entries out.
+KNOWN_CYCLE = ["core.box", "core.commands", "core.runs.all_robots_choice"]
+
+
+def test_no_modules_import_each_other():
+    assert _cycles() == KNOWN_CYCLE
+
+
+def _folders() -> List[pathlib.Path]:
+    return sorted({path.parent for path in _files()})
+
+
+@pytest.mark.parametrize("folder", _folders(), ids=lambda path: str(path.relative_to(PACKAGE.parent)))
+def test_no_folder_is_a_heap(folder):
+    files = [path.name for path in folder.iterdir() if path.is_file() and path.name != "__init__.py"]
+    assert len(files) < MAX_FILES, f"{folder}: {len(files)} files: make folders by subject"
