@@ -6,7 +6,9 @@ import pathlib
 import socket
 import time
 from typing import Dict, List, Optional
+from urllib.parse import urlparse
 
+import rosgraph
 import rospy
 from box_case import BoxCase, main
 from robots import BOX, PASSWORDS, RSBB_PORT, empty_beacon, host_of, wire
@@ -90,6 +92,25 @@ class TestAttacks(BoxCase):
         log = self.leave("Home")
         self.assertEqual(log.values("/rsbb_log/rsbb_state"), [STOP, PREPARE, WAITING_RESULT, STOP])
         self.assertNotIn("forged", log.values("/rsbb_log/notification"))
+
+
+class TestConnections(BoxCase):
+    """Connections that say nothing, as a port scan or a browser makes them."""
+
+    def test_200_silent_connections_do_not_hold_up_a_stop(self) -> None:
+        master = rosgraph.Master(rospy.get_name())
+        uris = [master.lookupService("/core/stop"), master.lookupNode("/roah_rsbb_core")]
+        box, robot = self.box, self.robot("Alpha")
+        box.connect("Home")
+        box.start("Home")
+        robot.wait_did("execute HGTKMH")
+        for uri in uris:
+            for _ in range(200):
+                self._leaving(socket.create_connection((urlparse(uri).hostname, urlparse(uri).port)))
+
+        box.command("stop", "Home")
+        box.wait_phase("Home", "ended")
+        robot.wait_did("stop")
 
 
 class TestPasswords(BoxCase):

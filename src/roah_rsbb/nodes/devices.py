@@ -19,6 +19,7 @@ from roah_rsbb.core.runs.device_commands import PERCENTAGES, SWITCHES
 from roah_rsbb.devices.client import SmartIfClient
 from roah_rsbb.devices.home import OUTPUTS, BadValue, Home
 from roah_rsbb.msg import DevicesState, DevicesStatus
+from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
@@ -126,7 +127,7 @@ def _keep(saved: object) -> None:
 def main() -> None:
     """Entry point of the node."""
     explain(__doc__)
-    rospy.init_node("roah_devices", disable_signals=True)
+    connections.init_node("roah_devices", disable_signals=True)
     try:
         DevicesNode().run()
     except BadParams as error:

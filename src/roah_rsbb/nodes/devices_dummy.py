@@ -15,6 +15,7 @@ import rospy
 from std_srvs.srv import Empty, EmptyResponse
 
 from roah_rsbb.devices.dummy_server import DummyServer
+from roah_rsbb.ros import connections
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.srv import Bool, BoolResponse
@@ -122,7 +123,7 @@ def main() -> None:
         except rospy.ServiceException as error:
             sys.exit(f"roah_devices_dummy: {error}")
         return
-    rospy.init_node("roah_devices_dummy", disable_signals=True)
+    connections.init_node("roah_devices_dummy", disable_signals=True)
     try:
         DevicesDummyNode().run()
     except BadParams as error:

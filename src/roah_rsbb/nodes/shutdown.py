@@ -9,6 +9,7 @@ import threading
 import rospy
 from std_srvs.srv import Empty, EmptyResponse
 
+from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 
 # The answer must be on its way to the caller before the node is gone.
@@ -24,6 +25,6 @@ def _on_call(_request: object) -> EmptyResponse:
 def main() -> None:
     """Entry point of the node."""
     explain(__doc__)
-    rospy.init_node("roah_rsbb_shutdown")
+    connections.init_node("roah_rsbb_shutdown")
     rospy.Service("roah_rsbb_shutdown", Empty, _on_call)
     rospy.spin()

@@ -15,6 +15,7 @@ import rospy
 from std_msgs.msg import Empty
 
 from roah_rsbb.devices.sounds import Sound
+from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.params import BadParams, Params
 
@@ -47,7 +48,7 @@ def _sound(params: Params, name: str) -> Sound:
 def main() -> None:
     """Entry point of the node."""
     explain(__doc__)
-    rospy.init_node("roah_rsbb_sounds")
+    connections.init_node("roah_rsbb_sounds")
     params = Params()
     try:
         sounds = {name: _sound(params, name) for name in RINGS}

@@ -16,6 +16,7 @@ import rospkg
 import rospy
 
 from roah_rsbb.comm import sockets
+from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
@@ -105,7 +106,7 @@ def _load_map(map_file: str) -> Optional[maps.Map]:
 def main() -> None:
     """Entry point of the node."""
     explain(__doc__)
-    rospy.init_node("roah_rsbb_tablet", disable_signals=True)
+    connections.init_node("roah_rsbb_tablet", disable_signals=True)
     try:
         TabletNode().run()
     except BadParams as error:

@@ -17,7 +17,7 @@ from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunSheet, Score
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.sheets import RunLine, run_of
 from roah_rsbb.referee.state import Box, Item, box_of
-from roah_rsbb.ros import refusals
+from roah_rsbb.ros import connections, refusals
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.srv import (
     GetRunSheet,
@@ -294,4 +294,4 @@ def _core_problem() -> str:
 
 def _init_node() -> None:
     """No signal handlers (Ctrl-C stops a run first), no /rosout, no simulated time: as few traces as can be."""
-    rospy.init_node("referee", anonymous=True, disable_rosout=True, disable_rostime=True, disable_signals=True)
+    connections.init_node("referee", anonymous=True, disable_rosout=True, disable_rostime=True, disable_signals=True)

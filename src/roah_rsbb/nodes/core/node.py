@@ -52,6 +52,7 @@ from roah_rsbb.nodes.core.results_convert import ResultsBoard
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.nodes.device_calls import DeviceCalls
 from roah_rsbb.nodes.modules import convert
+from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.newest import Newest
@@ -298,7 +299,7 @@ def _end_launch() -> None:
 def main() -> None:
     """Entry point of the node."""
     explain(__doc__)
-    rospy.init_node("roah_rsbb_core", disable_signals=True)
+    connections.init_node("roah_rsbb_core", disable_signals=True)
     try:
         status = CoreNode().run()
     except (BadParams, config.ConfigErrors, OSError) as error:

@@ -14,6 +14,7 @@ from roah_rsbb.arguments import Parser, number
 from roah_rsbb.bmbox.framework.ground_truth_config import load
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.ground_truth_tf import FrameState, TfGroundTruth
+from roah_rsbb.ros import connections
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 PROGRAM = "check_ground_truth"
@@ -48,7 +49,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
         sys.exit(f"{PROGRAM}: the configuration cannot be used\n{errors}")
     if not rosgraph.is_master_online():
         sys.exit(f"{PROGRAM}: no ROS master: start roscore or the launch file, or set ROS_MASTER_URI")
-    rospy.init_node(PROGRAM, anonymous=True, disable_signals=True)
+    connections.init_node(PROGRAM, anonymous=True, disable_signals=True)
     ground_truth = TfGroundTruth(config)
     until = rospy.get_time() + options.wait
     states = ground_truth.frames()

@@ -24,6 +24,7 @@ from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruth
 from roah_rsbb.core.modules.messages import RunForModule
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.nodes.modules.convert import runs_of
+from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.rulebook.errors import ConfigErrors
@@ -121,7 +122,7 @@ def worn(config: GroundTruthConfig, team: str) -> Iterator[Tuple[str, Marker]]:
 def main() -> None:
     """Entry point of the node."""
     explain(__doc__)
-    rospy.init_node("roah_rsbb_dummy_ground_truth")
+    connections.init_node("roah_rsbb_dummy_ground_truth")
     try:
         node = DummyGroundTruthNode()
     except (BadParams, ConfigErrors) as error:

@@ -25,6 +25,7 @@ from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.hosted_module import HostedModule
 from roah_rsbb.nodes.modules.mendable_truth import MendableTruth
 from roah_rsbb.nodes.modules.watched_file import WatchedFile
+from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
@@ -149,7 +150,7 @@ def _parameter_file(folder: str, kind: Type[Module]) -> WatchedFile:
 def main() -> None:
     """Entry point of the node."""
     explain(__doc__)
-    rospy.init_node("roah_rsbb_modules", disable_signals=True)
+    connections.init_node("roah_rsbb_modules", disable_signals=True)
     try:
         node = ModulesNode()
     except BadParams as error:

@@ -22,6 +22,7 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.machine import IllegalEvent
 from roah_rsbb.robot.runner import SessionRunner
+from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
@@ -155,7 +156,7 @@ def _override_message(request: object) -> Optional[pb.BenchmarkState]:
 def main() -> None:
     """Entry point of the node."""
     explain(__doc__)
-    rospy.init_node("roah_rsbb_comm", disable_signals=True)
+    connections.init_node("roah_rsbb_comm", disable_signals=True)
     try:
         status = CommNode().run()
     except (BadParams, ValueError, OSError) as error:

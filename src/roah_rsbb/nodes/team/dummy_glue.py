@@ -24,6 +24,7 @@ from roah_rsbb.nodes.team.dummy_log import log_to_ros
 from roah_rsbb.robot.dummy_robot import PHASES, DummyOptions, DummyRobot
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
 from roah_rsbb.robot.link import PERCENTAGES
+from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
@@ -218,7 +219,7 @@ def _goal_of(message: Any) -> Goal:
 def main() -> None:
     """Entry point of the node."""
     explain(__doc__)
-    rospy.init_node("dummy_robot", disable_signals=True)
+    connections.init_node("dummy_robot", disable_signals=True)
     log_to_ros()
     try:
         status = GlueNode().run()

@@ -17,6 +17,7 @@ import rospy
 from roah_rsbb.nodes.team.dummy_log import log_to_ros
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy_robot import dummy_client
+from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
@@ -77,7 +78,7 @@ class DummyRobotsNode:
 def main() -> None:
     """Entry point of the node."""
     explain(__doc__)
-    rospy.init_node("dummy_robots", disable_signals=True)
+    connections.init_node("dummy_robots", disable_signals=True)
     log_to_ros()
     try:
         status = DummyRobotsNode().run()

@@ -10,6 +10,8 @@ import rospy
 from python_qt_binding.QtCore import Qt, QTimer
 from python_qt_binding.QtWidgets import QApplication
 
+from roah_rsbb.ros import connections
+
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 # So often Python gets a chance to handle a signal while Qt waits, and ROS's end is noticed.
 LOOK_MS = 200
@@ -28,7 +30,7 @@ def init_node(name: str) -> None:
     """Become the ROS node `name`; says so while it waits for a master. Ctrl-C ends the waiting."""
     if not rosgraph.is_master_online():
         print(f"Waiting for the ROS master at {rosgraph.get_master_uri()}: start roah_rsbb.launch", file=sys.stderr)
-    rospy.init_node(name, anonymous=True, disable_signals=True)
+    connections.init_node(name, anonymous=True, disable_signals=True)
     for number in _SIGNALS:
         signal.signal(number, _on_signal)
 

@@ -1,0 +1,252 @@
+"""Keeps strangers' TCP connections from stopping a node's services.
+
+rospy reads the first bytes of a new connection in the thread that accepts connections, without a timeout. One
+client that connects and says nothing (a port scan, a browser) stops every service of the node, also STOP.
+`protect` replaces that part of rospy in this process, before the node starts:
+
+- The TCP port for topics and services hands a connection over once its whole handshake has arrived. A connection
+  without a handshake is closed after `DEADLINE_S`.
+- The XML-RPC port closes a connection that sends nothing for `DEADLINE_S`, and refuses what a web browser sends: a
+  page on the internet can make the browser of a referee's computer send requests to ROS.
+- Of too many connections that wait, the oldest is closed.
+"""
+
+import collections
+import contextlib
+import errno
+import logging
+import resource
+import selectors
+import socket
+import struct
+import threading
+import time
+from http import HTTPStatus
+from typing import Any, Callable, List, NamedTuple, Optional, Tuple
+
+import rosgraph.xmlrpc
+import rospy
+from rospy.impl import tcpros_base
+
+# A client on the same network sends its handshake within milliseconds.
+DEADLINE_S = 5.0
+# Seconds. ROS programs keep a connection for their next call.
+KEEP_ALIVE_S = 300.0
+# Connections that may wait at once. A computer opens a few dozen when it starts.
+MAX_WAITING = 256
+# Bytes. A handshake has names, a checksum and a message definition.
+MAX_HANDSHAKE = 65536
+# Bytes. Larger than any parameter or list of publishers.
+MAX_REQUEST = 10_000_000
+
+_SIZE = struct.Struct("<I")
+_log = logging.getLogger(__name__)
+_OnConnection = Callable[[socket.socket, Tuple[str, int]], None]
+
+
+def init_node(name: str, **options: Any) -> None:
+    """`rospy.init_node` for every node of this package."""
+    protect()
+    rospy.init_node(name, **options)
+
+
+def protect() -> None:
+    """Protect the servers that rospy starts in this process from now on."""
+    tcpros_base.TCPServer.run = _serve
+    rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler = _RequestHandler
+    rosgraph.xmlrpc.ThreadingXMLRPCServer = _XmlRpcServer
+    # Connections that wait must not use up the files that a run's log needs.
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft != hard:
+        with contextlib.suppress(ValueError, OSError):
+            resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
+
+
+# -- topics and services ----------------------------------------------------------------------------
+
+
+def _serve(server: Any) -> None:
+    """Replaces `TCPServer.run`."""
+    server.is_shutdown = False
+    Handshakes(server.server_sock, server.inbound_handler).serve(lambda: server.is_shutdown)
+
+
+class _Waiting(NamedTuple):
+    sock: socket.socket
+    address: Tuple[str, int]
+    until_mono: float
+
+
+class Handshakes:
+    """Accepts connections, and hands each over once its handshake has arrived. Nothing in here blocks."""
+
+    def __init__(self, server_sock: socket.socket, on_connection: _OnConnection) -> None:
+        """`on_connection(socket, address)` is called in a thread of its own; it reads the handshake."""
+        self._server_sock = server_sock
+        self._on_connection = on_connection
+        self._waiting: collections.OrderedDict[int, _Waiting] = collections.OrderedDict()  # oldest first
+        self._selector = selectors.DefaultSelector()
+
+    def serve(self, is_shutdown: Callable[[], bool]) -> None:
+        """Run until the server's socket is closed."""
+        self._server_sock.setblocking(False)
+        self._server_sock.listen(socket.SOMAXCONN)
+        self._selector.register(self._server_sock, selectors.EVENT_READ)
+        try:
+            while not is_shutdown() and self._server_sock.fileno() >= 0:
+                for key, _ in self._selector.select(1.0):
+                    if key.data is None:
+                        self._accept()
+                    elif key.fd in self._waiting:
+                        self._look(key.fd)
+                self._close_late()
+        finally:
+            for fd in list(self._waiting):
+                self._drop(fd)
+            self._selector.close()
+
+    def _accept(self) -> None:
+        try:
+            sock, address = self._server_sock.accept()
+        except OSError as error:
+            if error.errno in (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.ENOBUFS):
+                self._drop_oldest()
+                time.sleep(0.01)  # the connection stays in the queue, so that the selector returns at once
+            return
+        sock.setblocking(True)
+        # Linux wakes the selector only once so many bytes are there, or the other side has closed.
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, _SIZE.size)
+        self._waiting[sock.fileno()] = _Waiting(sock, address, time.monotonic() + DEADLINE_S)
+        self._selector.register(sock, selectors.EVENT_READ, data=sock)
+        if len(self._waiting) > MAX_WAITING:
+            self._drop_oldest()
+
+    def _look(self, fd: int) -> None:
+        """Something arrived on a waiting connection, or it was closed."""
+        sock, address, _ = self._waiting[fd]
+        wanted = _wanted(sock)
+        if wanted is None:
+            self._drop(fd)
+        elif wanted > 0:
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, wanted)
+        else:
+            self._forget(fd)
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, 1)
+            thread = threading.Thread(target=self._hand_over, args=(sock, address), daemon=True)
+            try:
+                thread.start()
+            except RuntimeError:  # too many threads
+                sock.close()
+
+    def _hand_over(self, sock: socket.socket, address: Tuple[str, int]) -> None:
+        try:
+            self._on_connection(sock, address)
+        except OSError as error:
+            _log.warning("connection from %s: %s", address[0], error)
+            sock.close()
+
+    def _close_late(self) -> None:
+        now_mono = time.monotonic()
+        for fd, waiting in list(self._waiting.items()):
+            if now_mono < waiting.until_mono:
+                return  # those after it came later
+            self._drop(fd)
+
+    def _drop_oldest(self) -> None:
+        if self._waiting:
+            self._drop(next(iter(self._waiting)))
+
+    def _drop(self, fd: int) -> None:
+        self._forget(fd).sock.close()
+
+    def _forget(self, fd: int) -> _Waiting:
+        self._selector.unregister(fd)
+        return self._waiting.pop(fd)
+
+
+def _wanted(sock: socket.socket) -> Optional[int]:
+    """How many bytes must be there for the next look; 0: the whole handshake is there; None: it is no handshake."""
+    try:
+        start = sock.recv(_SIZE.size, socket.MSG_PEEK | socket.MSG_DONTWAIT)
+        if len(start) < _SIZE.size:
+            return None  # closed by the other side
+        total = _SIZE.size + _SIZE.unpack(start)[0]
+        if total > MAX_HANDSHAKE:
+            return None
+        came = len(sock.recv(total, socket.MSG_PEEK | socket.MSG_DONTWAIT))
+    except OSError:
+        return None
+    if came == total:
+        return 0
+    known = sock.getsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT)
+    return None if known == total else total  # woken again with less: the other side has closed
+
+
+# -- XML-RPC ----------------------------------------------------------------------------------------
+
+
+class _RequestHandler(rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler):
+    """Reads requests of ROS programs only, and waits for none longer than the deadline."""
+
+    timeout = DEADLINE_S
+
+    def do_POST(self) -> None:
+        """Answer a call, or refuse it."""
+        if is_browser(self.headers):
+            self._refuse(HTTPStatus.FORBIDDEN, "calls from web pages are refused")
+        elif self._size() > MAX_REQUEST:
+            self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "the request is too large")
+        else:
+            super().do_POST()
+            self.connection.settimeout(KEEP_ALIVE_S)
+
+    def _size(self) -> int:
+        try:
+            return int(self.headers.get("Content-Length", 0))
+        except ValueError:
+            return MAX_REQUEST + 1
+
+    def _refuse(self, status: HTTPStatus, why: str) -> None:
+        self.close_connection = True
+        self.send_error(status, why)
+
+
+def is_browser(headers: Any) -> bool:
+    """Whether an HTTP request comes from a web page.
+
+    Browsers name the page in a POST, and a page cannot leave that out. Without asking first they send no XML to
+    another site. Programs of ROS send XML, and do not name a page.
+    """
+    kind = headers.get("Content-Type", "text/xml").split(";")[0].strip().lower()
+    marks = ("Origin", "Referer", "Sec-Fetch-Site", "Sec-Fetch-Mode")
+    return kind not in ("text/xml", "application/xml") or any(headers.get(mark) is not None for mark in marks)
+
+
+class _XmlRpcServer(rosgraph.xmlrpc.ThreadingXMLRPCServer):
+    """Serves each connection in a thread, but not more than `MAX_WAITING` at once."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        self._open: collections.OrderedDict[socket.socket, None] = collections.OrderedDict()  # oldest first
+        self._lock = threading.Lock()
+        super().__init__(*args, **options)
+
+    def process_request(self, request: socket.socket, client_address: Any) -> None:
+        """Serve a new connection; the oldest one gives way."""
+        oldest: List[socket.socket] = []
+        with self._lock:
+            self._open[request] = None
+            while len(self._open) > MAX_WAITING:
+                oldest.append(self._open.popitem(last=False)[0])
+        for sock in oldest:
+            with contextlib.suppress(OSError):
+                sock.shutdown(socket.SHUT_RDWR)  # its thread reads the end, and closes it
+        try:
+            super().process_request(request, client_address)
+        except RuntimeError:  # too many threads
+            self.shutdown_request(request)
+
+    def shutdown_request(self, request: socket.socket) -> None:
+        """A connection has ended."""
+        with self._lock:
+            self._open.pop(request, None)
+        super().shutdown_request(request)
