@@ -61,7 +61,7 @@ class TestPanels(CoreCase):
             return [[table.item(row, column).text() for column in (0, 1, 3, 4)] for row in range(table.rowCount())]
 
         wait_until(lambda: lines() == [["TestingTeam", "mbot", "+0.012 s", "Home A"],
-                                       ["AnotherTeam", "amigo", "−0.087 s", "–"]], "both robots are shown")
+                                       ["AnotherTeam", "amigo", "-0.087 s", "–"]], "both robots are shown")
         self.core.zones["Home B"].all_robots = ["amigo of team AnotherTeam: ready"]
         wait_until(lambda: [line[3] for line in lines()] == ["Home A", "Home B"], "one of all robots at once is shown")
         link = COLUMNS.index("Link")

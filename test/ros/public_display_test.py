@@ -93,7 +93,7 @@ class TestWhatIsShown(DisplayCase):
     def test_time_that_stands_still_is_said(self) -> None:
         self.core.runs = [self.core.run(left_s=100.0, counting=False)]
         self.wait_text("‖ 1:40")
-        self.assertIn("time stands still", self.texts())
+        self.assertIn("paused", self.texts())
 
     def test_how_a_run_is_prepared_and_ends(self) -> None:
         self.core.runs = [self.core.run(0, "connected", left_s=600.0)]
@@ -146,7 +146,7 @@ class TestResults(DisplayCase):
     def test_results_take_turns_with_what_follows(self) -> None:
         scene(self.core, 2)
         seen = set()
-        wanted = {"Next", "✓ completed", "■ time is up", "■ stopped", "■ no data saved", "■ interrupted",
+        wanted = {"Next", "✓ completed", "■ timeout", "■ stopped", "■ no data saved", "■ module failed",
                   "Waypoints reached 4 · Achievements 4 · Penalized behaviours 2 (1 not attempted)"}
         wait_until(lambda: self.display.look() or seen.update(self.texts()) or wanted <= seen, "all pages are seen")
 
@@ -236,7 +236,7 @@ class TestLayout(DisplayCase):
                     results, following = scene(self.core, runs)
                     self.core.publish()
                     places = {f"Home {i + 1} · round {1 + i // 12}, run {1 + i % 3}" for i in range(runs)}
-                    self.see_all(places | {"Next", "✓ completed", "■ interrupted"})
+                    self.see_all(places | {"Next", "✓ completed", "■ module failed"})
                     self.assertEqual((self.display.width(), self.display.height()), size)
 
     def test_long_names_and_many_runs(self) -> None:
@@ -248,14 +248,14 @@ class TestLayout(DisplayCase):
             with self.subTest(size=size):
                 show(self.display, *size)
                 self.core.publish()
-                self.see_all({"Next", "✓ completed", "■ interrupted", "Team " * 20, "running"}, may_shorten=True)
+                self.see_all({"Next", "✓ completed", "■ module failed", "Team " * 20, "running"}, may_shorten=True)
 
     def test_other_shapes_of_screens(self) -> None:
         scene(self.core, 6)
         for size in ((1280, 1024), (2560, 1080), (1024, 768)):
             with self.subTest(size=size):
                 show(self.display, *size)
-                self.see_all({"Next", "✓ completed", "■ interrupted"}, may_shorten=True)
+                self.see_all({"Next", "✓ completed", "■ module failed"}, may_shorten=True)
 
     def test_what_matters_is_large(self) -> None:
         """Read from ten metres: see the theory in public_layout."""

@@ -136,7 +136,7 @@ class TestCommands(WithCore):
         self.assertEqual([(e["value"], e["not_attempted"], e["note"]) for e in sheet["history"]],
                          [(1, False, "through the window"), (0, True, "")])
         done = referee("withdraw", "Home A", "2", "--note", "it did try")
-        self.assertIn("withdrawn at", done.stdout)
+        self.assertIn("withdrawn by", done.stdout)
         self.assertIn("1    yes  " + DOOR[1], done.stdout)
         again = referee("withdraw", "Home A", "2")
         self.assertEqual((again.returncode, again.stderr.count("entry 2 was withdrawn already")), (1, 1))
@@ -151,7 +151,7 @@ class TestCommands(WithCore):
         self.zone.command("stop")
         self.assertIn("Benchmark stopped by the referee", referee("reason", "Home A", "fire alarm").stdout)
         self.zone.command("stop")
-        self.assertIn("to be signed off", referee("runs", "Home A").stdout)
+        self.assertIn("not signed off", referee("runs", "Home A").stdout)
         self.assertIn("Home B:\n    no run is connected or over", referee("runs").stdout)
         self.assertIn("no  " + DOOR[1], referee("score", "Home A", "--run", "last").stdout)
         self.assertIn(": yes", referee("score", "Home A", "door", "yes", "--run", identity[:11]).stdout)

@@ -118,7 +118,7 @@ class TestScoringWithWords(WordsCase):
         self.wait_call("withdraw", "Home A", 2)
         self.wait_words(self.zone.identity, "another robot", "Anna")
         wait_until(lambda: "withdrawn" in rows.texts()[0][-1], "it is marked")
-        self.assertIn("by Anna: another robot", rows.texts()[0][-1])
+        self.assertRegex(rows.texts()[0][-1], r"withdrawn by Anna at \d\d:\d\d:\d\d: another robot$")
         self.assertEqual([rows.item(0, column).font().strikeOut() for column in (3, 5)], [True, False])
         wait_until(lambda: not withdraw.isEnabled(), "once is enough")
         wait_until(lambda: self.bumps.number.text() == "1", "the entry before counts")
@@ -172,7 +172,7 @@ class TestResults(WordsCase):
         super().setUp()
         self.zone.mark(Mark(*DOOR, 1), "Ben")
         self.identity = self.leave()
-        self.wait_run("unsigned")
+        self.wait_run("not signed off")
 
     def wait_run(self, state: str) -> None:
         wait_until(lambda: any(state in row[-1] for row in self.panel.runs.texts()), f"a run is '{state}'")
@@ -188,10 +188,10 @@ class TestResults(WordsCase):
         self.core.zones["Home B"].command("connect")
         wait_until(lambda: len(self.panel.runs.texts()) == 2, "both runs of the zone are shown")
         now, over = self.panel.runs.texts()
-        self.assertEqual((now[0], *now[1:4], now[5]), ("now", "AnotherTeam", "HWV  1/2", "connected", "not over"))
-        self.assertEqual(over[1:], ("TestingTeam", "HGTKMH  1/1", "stopped",
+        self.assertEqual((*now[:4], now[5]), ("now", "AnotherTeam", "HWV, round 1, run 2", "connected", "open"))
+        self.assertEqual(over[1:], ("TestingTeam", "HGTKMH, round 1, run 1", "stopped",
                                     "Achievements 1 · Penalized behaviours 0 · Disqualifying behaviours 0",
-                                    "unsigned"))
+                                    "not signed off"))
         self.assertEqual(self.panel.runs.chosen, self.identity, "the choice stays with its run")
         self.panel.runs.choose(self.zone.identity)
         wait_until(lambda: self.panel.sign.toolTip() and "still connected" in self.panel.sign.toolTip(), "not over")
@@ -210,7 +210,7 @@ class TestResults(WordsCase):
         click(dialog.yes)
         self.wait_words(self.identity, "seen on video", "Anna")
         wait_until(lambda: self.value(BUMPS) == ("4", "✎ corrected"), "the correction is marked")
-        self.wait_run("✎ corrected, unsigned")
+        self.wait_run("✎ corrected, not signed off")
         self.panel.tabs.setCurrentWidget(self.panel.history)
         self.assertIn("✎ correction; seen on video", self.panel.history.rows.texts()[0])
         self.panel.history.rows.choose(1)

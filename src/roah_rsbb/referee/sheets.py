@@ -8,6 +8,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.referee.state import ITEM_TYPES, Item
 from roah_rsbb.referee.words import BadWord
+from roah_rsbb.wording.sheets import HistoryEntry, history_entry
 
 LAST = "last"
 
@@ -28,26 +29,7 @@ class RunLine(NamedTuple):
     corrected: bool
     signed_utc_s: Optional[float]
     signed_by: str
-
-
-class Entry(NamedTuple):
-    """An entry of a sheet's history."""
-
-    number: int
-    utc_s: float
-    who: str
-    group: str
-    item: str
-    type: str
-    old: int
-    old_not_attempted: bool
-    value: int
-    not_attempted: bool
-    note: str
-    correction: bool
-    withdrawn_utc_s: Optional[float]
-    withdrawn_by: str
-    withdrawn_note: str
+    started_utc_s: Optional[float] = None
 
 
 class End(NamedTuple):
@@ -59,6 +41,7 @@ class End(NamedTuple):
     end_reason: str
     desc: str
     reason: str
+    reason_by: str = ""
 
 
 class Sheet(NamedTuple):
@@ -69,7 +52,7 @@ class Sheet(NamedTuple):
     elapsed_s: float
     items: Tuple[Item, ...]
     corrected: Tuple[int, ...]  # numbers of the items that stand otherwise than when the run was over
-    history: Tuple[Entry, ...]
+    history: Tuple[HistoryEntry, ...]
     ends: Tuple[End, ...]
 
 
@@ -78,7 +61,7 @@ def run_of(summary) -> RunLine:
     return RunLine(
         summary.identity, summary.zone, summary.code, summary.team, summary.round, summary.run,
         summary.opened.to_sec(), _moment(summary.closed), summary.end_reason, summary.score, summary.corrected,
-        _moment(summary.signed), summary.signed_by,
+        _moment(summary.signed), summary.signed_by, _moment(summary.started),
     )
 
 
@@ -92,9 +75,9 @@ def sheet_of(sheet) -> Sheet:
             for number, item in enumerate(sheet.items, 1)
         ),
         tuple(number for number, item in enumerate(sheet.items, 1) if item.corrected),
-        tuple(_entry(entry, kinds.get((entry.group, entry.desc), "uint")) for entry in sheet.history),
+        tuple(history_entry(entry, kinds.get((entry.group, entry.desc)) == "bool") for entry in sheet.history),
         tuple(
-            End(number, stop.time.to_sec(), stop.who, stop.end_reason, stop.desc, stop.reason)
+            End(number, stop.time.to_sec(), stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)
             for number, stop in enumerate(sheet.stops, 1)
         ),
     )
@@ -114,14 +97,6 @@ def pick_run(word: str, runs: Sequence[RunLine]) -> RunLine:
         raise BadWord("no run of this zone is connected or over")
     matches = f"{len(found)} runs have '{word}' in their name" if found else f"no run '{word}'"
     raise BadWord("\n  ".join([f"{matches}; there are", *listed]))
-
-
-def _entry(entry, kind: str) -> Entry:
-    return Entry(
-        entry.number, entry.time.to_sec(), entry.who, entry.group, entry.desc, kind, entry.old,
-        entry.old_not_attempted, entry.value, entry.not_attempted, entry.note, entry.correction,
-        _moment(entry.withdrawn), entry.withdrawn_by, entry.withdrawn_note,
-    )
 
 
 def _moment(time) -> Optional[float]:

@@ -8,8 +8,6 @@ import json
 import re
 from typing import Callable, Dict, List
 
-from roah_rsbb.core.clock import clock_text
-from roah_rsbb.core.link.skew import skew_text
 from roah_rsbb.referee.changes import Change
 from roah_rsbb.referee.state import (
     CONNECTED,
@@ -25,7 +23,7 @@ from roah_rsbb.referee.state import (
     Zone,
     lines_of,
 )
-from roah_rsbb.wording import module_scores, panel_texts
+from roah_rsbb.wording import module_scores, sheets, times
 
 # SGR codes (ECMA-48).
 BOLD, RED, GREEN, YELLOW, CYAN = "1", "1;31", "1;32", "1;33", "1;36"
@@ -61,13 +59,13 @@ def colour(code: str, text: str) -> str:
 def status(box: Box, paint: Paint) -> List[str]:
     """All zones at a glance, the active robots, and what is the matter with the box."""
     lines = [
-        f"{paint(BOLD, 'RSBB')} at {plain(box.host)}:{plain(box.port)}, {clock_text(box.clock_utc_s)}: "
+        f"{paint(BOLD, 'RSBB')} at {plain(box.host)}:{plain(box.port)}, {times.time_with_zone(box.clock_utc_s)}: "
         + plain(box.status)
     ]
     lines += [paint(RED, f"WARNING: {plain(text)}") for text in box.warnings]
     lines += ["", "Active robots:" if box.robots else "Active robots: none"]
     lines += [
-        f"{_IN}{plain(r.team)} {plain(r.robot)}: skew {skew_text(r.skew_s)}, heard {panel_texts.ago(r.age_s)}"
+        f"{_IN}{plain(r.team)} {plain(r.robot)}: skew {times.skew(r.skew_s)}, heard {times.ago(r.age_s)}"
         for r in box.robots
     ]
     for zone in box.zones:
@@ -81,7 +79,7 @@ def zone_lines(zone: Zone, clock_utc_s: float, paint: Paint) -> List[str]:
     lines = [
         f"{paint(BOLD, plain(zone.zone))}: {_phase(zone, paint)}",
         f"{_IN}{plain(event.name)}: {plain(event.desc)}",
-        f"{_IN}{_which(event)}, scheduled {panel_texts.scheduled(event.scheduled_utc_s, clock_utc_s)} UTC",
+        f"{_IN}{_which(event)}, scheduled {times.scheduled(event.scheduled_utc_s, clock_utc_s)} UTC",
     ]
     lines += [
         _IN + (paint(RED, plain(text)) if text.startswith("WARNING") else plain(text)) for text in zone.state
@@ -136,7 +134,7 @@ def score_sheet(zone: Zone, paint: Paint) -> List[str]:
         if item.group != group:
             group = item.group
             lines.append(f"{_IN}{plain(group)}")
-        value = f"{standing_text(item.type, item.value, item.not_attempted):>5}"
+        value = f"{item_text(item):>5}"
         shown = paint(BOLD, value) if item.value or item.not_attempted else value
         lines.append(f"{_IN}{item.number:4}  {shown}  {plain(item.item)}")
     if not zone.score:
@@ -158,34 +156,32 @@ def _score_in_json(score: ModuleScore) -> ModuleScore:
     return score._replace(value=json.dumps(score.value))
 
 
+def item_text(item: Item) -> str:
+    """The value of a scoring item."""
+    return sheets.item_value(item.type == "bool", item.value, item.not_attempted)
+
+
 def item_line(item: Item) -> str:
     """A scoring item and its value in one line."""
-    return f"{plain(item.group)}: {plain(item.item)}: {standing_text(item.type, item.value, item.not_attempted)}"
-
-
-def standing_text(kind: str, value: int, not_attempted: bool) -> str:
-    """How a scoring item stands."""
-    if not_attempted:
-        return "not attempted"
-    return ("yes" if value else "no") if kind == "bool" else str(value)
+    return f"{plain(item.group)}: {plain(item.item)}: {item_text(item)}"
 
 
 def _which(event: Event) -> str:
-    return f"{plain(event.code)}, team {plain(event.team)}, round {event.round}, run {event.run}"
+    return sheets.run_name(plain(event.code), plain(event.team), event.round, event.run)
 
 
 def _phase(zone: Zone, paint: Paint) -> str:
-    word = zone.phase.upper() + (f" ({zone.end_reason.replace('_', ' ')})" if zone.end_reason else "")
-    left = panel_texts.countdown(zone.timer_s)
+    word = zone.phase.upper() + (f" ({plain(sheets.end_reason(zone.end_reason))})" if zone.end_reason else "")
+    left = times.countdown(zone.timer_s)
     after = {IDLE: f"{left} to run", RUNNING: f"{left} left", ENDED: f"{left} left after the end"}
     return f"{paint(_PHASE_COLOURS.get(zone.phase, BOLD), word)}, {after.get(zone.phase, f'{left} to run')}"
 
 
 def _robot(zone: Zone, clock_utc_s: float) -> str:
-    skew = "not known" if zone.skew_s is None else skew_text(zone.skew_s)
+    skew = "not known" if zone.skew_s is None else times.skew(zone.skew_s)
     heard = "never heard on its private channel"
     if zone.last_message_utc_s is not None:
-        heard = f"heard {panel_texts.ago(clock_utc_s - zone.last_message_utc_s)}"
+        heard = f"heard {times.ago(clock_utc_s - zone.last_message_utc_s)}"
     state = plain(zone.robot_state) or "no state yet"
     return f"robot {plain(zone.robot)}: {state}, skew {skew}, {heard} (UDP port {zone.port})"
 
@@ -200,7 +196,7 @@ def change_line(change: Change, paint: Paint) -> str:
         return ""
     clock, text = _CLOCK.match(text).groups()
     where = f"{plain(change.zone)}: " if change.zone else ""
-    return f"{clock or clock_text(change.utc_s) + ' '}{where}{text}"
+    return f"{clock or times.time_with_zone(change.utc_s) + ' '}{where}{text}"
 
 
 def _core(facts: Dict, paint: Paint) -> str:
@@ -219,7 +215,7 @@ def _warning(facts: Dict, paint: Paint) -> str:
 def _robot_change(facts: Dict, paint: Paint) -> str:
     name = f"robot {plain(facts['team'])} {plain(facts['robot'])}"
     if facts["what"] == "came":
-        return f"{name} is active, skew {skew_text(facts['skew_s'])}"
+        return f"{name} is active, skew {times.skew(facts['skew_s'])}"
     return paint(YELLOW, f"{name} is GONE: not heard any more")
 
 
@@ -231,7 +227,7 @@ def _state(facts: Dict, paint: Paint) -> str:
     parts = []
     if "phase" in facts["changed"]:
         phase = facts["phase"]
-        why = f" ({facts['end_reason'].replace('_', ' ')})" if facts["end_reason"] else ""
+        why = f" ({plain(sheets.end_reason(facts['end_reason']))})" if facts["end_reason"] else ""
         whom = f" to {plain(facts['robot'])} on UDP port {facts['port']}" if phase == CONNECTED else ""
         parts.append(paint(_PHASE_COLOURS.get(phase, BOLD), phase.upper() + why) + whom)
     if "robot_state" in facts["changed"] and facts["robot_state"]:
@@ -240,9 +236,10 @@ def _state(facts: Dict, paint: Paint) -> str:
 
 
 def _score(facts: Dict, paint: Paint) -> str:
-    old = standing_text(facts["type"], facts["old"], facts["old_not_attempted"])
-    new = standing_text(facts["type"], facts["value"], facts["not_attempted"])
-    return f"score: {plain(facts['group'])}: {plain(facts['item'])}: {old} -> {paint(BOLD, new)}"
+    is_bool = facts["type"] == "bool"
+    old = sheets.item_value(is_bool, facts["old"], facts["old_not_attempted"])
+    new = sheets.item_value(is_bool, facts["value"], facts["not_attempted"])
+    return f"score: {plain(facts['group'])}: {plain(facts['item'])}: {old} → {paint(BOLD, new)}"
 
 
 def _online_data(facts: Dict, paint: Paint) -> str:

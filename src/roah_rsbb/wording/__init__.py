@@ -1,1 +1,1 @@
-"""The one wording of scores, sheets, times and units."""
+"""The one wording of scores, score sheets, runs, times and units. Imports the standard library only."""

@@ -1,34 +1,34 @@
-"""A benchmarking module's score as people read it: in the panels, in the terminal.
+"""A benchmarking module's scores as people read them: in panels, terminal, pages and exports.
 
-Works on anything with the fields of ModuleScore (ROS interface, new): no ROS is needed.
+Works on anything with the fields of ModuleScore; ROS is not imported.
 """
 
 import json
 import math
 from typing import Dict, Iterable, List, NamedTuple, Tuple
 
-# What stands for a value that there is none of yet.
-NONE_YET = "–"
-# Of the run as a whole.
+from roah_rsbb.wording.times import NOTHING
+
+# The title of the scores that belong to the run as a whole.
 WHOLE_RUN = "Whole run"
-_WORDS = {True: "yes", False: "no", None: NONE_YET}
+_WORDS = {True: "yes", False: "no", None: NOTHING}
 
 
-class Line(NamedTuple):
-    """One value: what it is, and the value with its unit."""
+class ScoreLine(NamedTuple):
+    """One score: what it is, and its value with the unit."""
 
     name: str
     value: str
 
 
-def readable(score) -> Line:
-    """One score, such as ("Distance error", "0.124 m")."""
-    return Line(score.desc or score.name.replace("_", " "), _with_unit(_value(score.value), score.unit))
+def readable(score) -> ScoreLine:
+    """Returns one score, such as ("Distance error", "0.124 m")."""
+    return ScoreLine(score.desc or score.name.replace("_", " "), _with_unit(_value(score.value), score.unit))
 
 
-def by_group(scores: Iterable) -> List[Tuple[str, List[Line]]]:
-    """All scores, group by group in the order in which they came; those of the whole run first."""
-    groups: Dict[str, List[Line]] = {}
+def by_group(scores: Iterable) -> List[Tuple[str, List[ScoreLine]]]:
+    """Returns all scores by group, in their order; those of the whole run come first."""
+    groups: Dict[str, List[ScoreLine]] = {}
     for score in scores:
         groups.setdefault(score.group, []).append(readable(score))
     whole = [(WHOLE_RUN, groups.pop(""))] if "" in groups else []
@@ -43,10 +43,10 @@ def _value(text: str) -> str:
     if value is None or isinstance(value, bool):
         return _WORDS[value]
     if isinstance(value, float):
-        # "+ 0.0" makes a small negative number no "-0".
+        # Adding 0.0 turns a rounded "-0.0" into "0.0".
         return f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".") if math.isfinite(value) else str(value)
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 
 def _with_unit(value: str, unit: str) -> str:
-    return f"{value} {unit}" if unit and value != NONE_YET else value
+    return f"{value} {unit}" if unit and value != NOTHING else value

@@ -5,8 +5,9 @@ import pytest
 from helpers.referee_box import ITEMS, UTC0
 from roah_rsbb.referee import view as view
 from roah_rsbb.referee.sheet_view import run_lines, sheet_lines
-from roah_rsbb.referee.sheets import LAST, End, Entry, RunLine, Sheet, pick_run
+from roah_rsbb.referee.sheets import LAST, End, RunLine, Sheet, pick_run
 from roah_rsbb.referee.words import BadWord
+from roah_rsbb.wording.sheets import HistoryEntry
 
 
 def _run(number=1, **fields):
@@ -41,31 +42,31 @@ def test_runs_are_listed_with_what_became_of_them():
     assert run_lines(runs, view.no_colour) == [
         "now        HWV-6669-1447.5  HWV, team TestingTeam, round 1, run 3: connected  Good 3",
         "16:46:40Z  HWV-6668-1447.5  HWV, team TestingTeam, round 1, run 2: stopped, corrected, "
-        "to be signed off  Good 3",
-        "16:36:40Z  HWV-6667-1447.5  HWV, team TestingTeam, round 1, run 1: no messages saved, signed off by C\\x1b at "
+        "not signed off  Good 3",
+        "16:36:40Z  HWV-6667-1447.5  HWV, team TestingTeam, round 1, run 1: no data saved, signed off by C\\x1b at "
         "16:26:40Z  Good 3",
     ]
     assert run_lines((), view.no_colour) == ["no run is connected or over"]
 
 
 def test_a_sheet_has_history_and_ends():
-    entry = Entry(1, UTC0, "Anna", "Achievements", "Detects the door", "bool", 0, False, 1, False, "late", False, None,
-                  "", "")
+    entry = HistoryEntry(1, UTC0, "Anna", "Achievements", "Detects the door", "bool", 0, False, 1, False, "late")
     withdrawn = entry._replace(number=2, old=1, value=0, not_attempted=True, note="", correction=True,
                                withdrawn_utc_s=UTC0 + 60, withdrawn_by="Ben", withdrawn_note="it did")
     sheet = Sheet(_run(1, corrected=True), ("mbot",), 12.0, (ITEMS[0]._replace(value=1), ITEMS[2]), (1,),
-                  (entry, withdrawn), (End(1, UTC0, "Anna", "stopped", "Stopped by the referee", "fire"),
+                  (entry, withdrawn), (End(1, UTC0, "Anna", "stopped", "Stopped by the referee", "fire", "Ben"),
                                        End(2, UTC0, "", "timeout", "Time is up", "")))
     assert sheet_lines(sheet, view.no_colour)[1:] == [
+        "    time 0:12.0",
         "    Achievements",
         "       1    yes  Detects the door  (corrected)",
         "    Penalized",
         "       3      0  Bumps into the furniture",
         "History",
-        "       1  16:26:40Z Anna: Detects the door: no -> yes (late)",
-        "       2  16:26:40Z Anna: Detects the door: yes -> not attempted correction "
-        "withdrawn at 16:27:40Z by Ben: it did",
+        "       1  16:26:40Z Anna: Achievements: Detects the door: no → yes (late)",
+        "       2  16:26:40Z Anna: Achievements: Detects the door: yes → not attempted; correction; "
+        "withdrawn by Ben at 16:27:40Z: it did",
         "Ends",
-        "       1  16:26:40Z Stopped by the referee (Anna): fire",
+        "       1  16:26:40Z Stopped by the referee (Anna): fire (Ben)",
         "       2  16:26:40Z Time is up",
     ]

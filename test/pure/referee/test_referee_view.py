@@ -56,7 +56,7 @@ def test_all_robots_at_once_are_listed_in_the_zones_report():
 
 
 def test_the_end_of_a_run_says_why():
-    assert "ENDED (no messages saved), 8:33 left after the end" in _status(
+    assert "ENDED (no data saved), 8:33 left after the end" in _status(
         running_zone(phase="ended", end_reason="no_messages_saved"))
 
 
@@ -135,7 +135,7 @@ def test_what_was_not_attempted_is_no_0():
     sheet = view.score_sheet(running_zone(score=(ITEMS[0], marked)), view.no_colour)
     assert sheet[2:] == ["       1     no  Detects the door", "       2  not attempted  Moved furniture"]
     assert _lines(box(running_zone(score=(marked,))), box(running_zone(score=(ITEMS[1]._replace(value=2),)))) == [
-        "16:26:40Z Home A: score: Achievements: Moved furniture: not attempted -> 2"
+        "16:26:40Z Home A: score: Achievements: Moved furniture: not attempted → 2"
     ]
 
 
@@ -158,7 +158,7 @@ def test_changes_are_one_line_each_with_the_time():
     ]
     score = running_zone(score=(ITEMS[0]._replace(value=1), *ITEMS[1:]))
     assert _lines(box(running_zone()), box(score)) == [
-        "16:26:40Z Home A: score: Achievements: Detects the door: no -> yes",
+        "16:26:40Z Home A: score: Achievements: Detects the door: no → yes",
     ]
 
 
@@ -175,7 +175,7 @@ def test_a_state_that_the_core_logs_itself_is_not_told_twice():
 
 @pytest.mark.parametrize("facts, text", [
     ({"phase": "connected", "end_reason": "", "robot": "mbot", "port": 6667}, "CONNECTED to mbot on UDP port 6667"),
-    ({"phase": "ended", "end_reason": "no_messages_saved"}, "ENDED (no messages saved)"),
+    ({"phase": "ended", "end_reason": "no_messages_saved"}, "ENDED (no data saved)"),
     ({"phase": "idle", "end_reason": ""}, "IDLE"),
 ])
 def test_phases(facts, text):

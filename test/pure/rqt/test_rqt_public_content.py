@@ -53,11 +53,11 @@ def test_a_core_that_was_never_heard():
 
 @pytest.mark.parametrize("run, big, word", [
     (_run(), "▶ 1:30", "running"),
-    (_run(counting=False), "‖ 1:30", "time stands still"),
+    (_run(counting=False), "‖ 1:30", "paused"),
     (_run("connected", counting=False), "1:30", "getting ready"),
     (_run("ended", counting=False), "ended", ""),
     (_run("ended", counting=False, end_reason="completed"), "ended", "✓ completed"),
-    (_run("ended", counting=False, end_reason="new reason"), "ended", ""),
+    (_run("ended", counting=False, end_reason="new reason"), "ended", "■ new reason"),
 ])
 def test_a_run(run, big, word):
     (card,) = _content([run]).cards
@@ -112,7 +112,7 @@ def test_a_result_and_its_scores():
                              scoring=[group("Good", 1, 3), group("Empty"), group("Bad", 0, 0)],
                              not_attempted=[0, 0, 1], module_scores=[score])
     (line,) = _content(finished=[result]).results
-    assert line == ("07:59", "Alpha", "Visitors", "■ time is up", "Reached 4 · Good 4 · Bad 0 (1 not attempted)")
+    assert line == ("07:59", "Alpha", "Visitors", "■ timeout", "Reached 4 · Good 4 · Bad 0 (1 not attempted)")
 
 
 @pytest.mark.parametrize("count, expected", [(0, [0]), (1, [1]), (6, [6]), (7, [4, 3]), (20, [5, 5, 5, 5])])

@@ -11,7 +11,7 @@ from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry, St
 from roah_rsbb.msg import Results, RunSheet, RunStop, RunSummary, ScoreChange, ScoreItem
 from roah_rsbb.nodes.core.score_convert import score_message, type_of
 from roah_rsbb.ros.times import ros_duration, ros_time
-from roah_rsbb.wording.sheet_sums import Group, sums_text
+from roah_rsbb.wording.sheets import GroupOfValues, sums_text
 
 
 class ResultsBoard:
@@ -88,9 +88,9 @@ def _revision(record: RunRecord) -> int:
     return zlib.crc32(json.dumps(freeze(_timeless(record))).encode())
 
 
-def _groups(items: Iterable[ItemRecord]) -> List[Group]:
+def _groups(items: Iterable[ItemRecord]) -> List[GroupOfValues]:
     return [
-        Group(name, [item.value for item in group], sum(item.not_attempted for item in group))
+        GroupOfValues(name, [item.value for item in group], sum(item.not_attempted for item in group))
         for name, group in grouped(items).items()
     ]
 

@@ -8,7 +8,7 @@ from python_qt_binding.QtWidgets import QAbstractItemView, QHeaderView, QTableWi
 from roah_rsbb.msg import RobotInfo
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.widgets import basic, link_quality
-from roah_rsbb.wording import panel_texts
+from roah_rsbb.wording import times
 
 COLUMNS = ("Team", "Robot", "Link", "Clock skew", "Run in zone", "Last heard")
 NO_RUN = "–"
@@ -82,9 +82,9 @@ class ActiveRobotsPanel(Panel):
             robot.team,
             robot.robot,
             link_quality.text(self._links.longest_silence_s((robot.team, robot.robot))),
-            panel_texts.skew(robot.skew.to_sec()),
+            times.skew(robot.skew.to_sec()),
             self._zone_of(robot),
-            panel_texts.ago(self.model.clock_s - robot.beacon.to_sec()),
+            times.ago(self.model.clock_s - robot.beacon.to_sec()),
         )
 
     def _show_lines(self, lines: List[Tuple[str, ...]]) -> None:

@@ -17,7 +17,7 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.shortcuts import TwiceKey
 from roah_rsbb.rqt.widgets.stop_reason import StopReasonLine
 from roah_rsbb.srv import Zone
-from roah_rsbb.wording import panel_texts
+from roah_rsbb.wording import times
 
 
 class _Command(NamedTuple):
@@ -159,7 +159,7 @@ class BenchmarkControlPanel(Panel):
             key.forget()
 
     def where(self) -> str:
-        return f"{panel_texts.time_of_day(self.model.clock_s)} UTC" if self.model.gui else ""
+        return f"{times.time_of_day(self.model.clock_s)} UTC" if self.model.gui else ""
 
     def _show_zones(self) -> None:
         names = [z.zone for z in self.model.gui.zones] if self.model.gui else []
@@ -181,10 +181,10 @@ class BenchmarkControlPanel(Panel):
     def _show_event(self, zone: ZoneState) -> None:
         self._event["name"].setText(f"{zone.code}  {zone.desc}")
         self._event["team"].setText(zone.team)
-        when = panel_texts.scheduled(zone.schedule.to_sec(), self.model.clock_s)
+        when = times.scheduled(zone.schedule.to_sec(), self.model.clock_s)
         self._event["facts"].setText(
             f"{zone.name} · round {zone.round}, run {zone.run} · scheduled {when} UTC · "
-            f"limit {panel_texts.countdown(zone.timeout.to_sec())}"
+            f"limit {times.countdown(zone.timeout.to_sec())}"
         )
 
     def _show_run(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
@@ -192,7 +192,7 @@ class BenchmarkControlPanel(Panel):
         text = f"{phase.text}  ·  {details.robot}" if details and details.robot else phase.text
         self._phase.show_text(text, basic.IDLE if self.model.is_old else phase.tone)
         self._what_counts.setText(phase.counts)
-        left = panel_texts.countdown(zone.timer.to_sec())
+        left = times.countdown(zone.timer.to_sec())
         # Brackets and grey: nobody must take an old countdown for the present one.
         self._countdown.setText(f"({left})" if self.model.is_old else left)
         self._countdown.setEnabled(not self.model.is_old)

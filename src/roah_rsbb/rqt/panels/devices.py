@@ -16,7 +16,7 @@ from roah_rsbb.rqt.panels.device_rows import DeviceRow, PercentageRow, TwoStateR
 from roah_rsbb.rqt.panels.panel import Answer, Panel
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import Bool, Percentage
-from roah_rsbb.wording import panel_texts
+from roah_rsbb.wording import times
 
 SWITCHES = {"switch_1": "Switch 1", "switch_2": "Switch 2", "switch_3": "Switch 3"}
 PERCENTAGES = {"dimmer": "Dimmer", "blinds": "Blinds"}
@@ -110,7 +110,7 @@ class DevicesPanel(Panel):
     def _show_bell(self, rang_s: float) -> None:
         now = self.model.box_time() or time.time()
         rings = rang_s and now - rang_s < RINGS_S
-        text = f"Last ring: {panel_texts.moment(rang_s, now)}"
+        text = f"Last ring: {times.time_and_age(rang_s, now)}"
         self.bell.show_text(f"♪ RINGS  ·  {text}" if rings else text, basic.OLD if rings else basic.OFF)
 
     # -- operating ----------------------------------------------------------------------------------

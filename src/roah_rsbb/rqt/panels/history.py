@@ -1,11 +1,11 @@
 """The history of a run's score sheet: who changed what when, and withdrawing one entry."""
 
-from typing import Optional
+from typing import List, Optional
 
 from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtWidgets import QDialog, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
-from roah_rsbb.msg import RunSheet, RunSummary, ScoreChange
+from roah_rsbb.msg import RunSheet, RunSummary, ScoreChange, ZoneScoreGroup
 from roah_rsbb.rqt.model.calls import Outcome
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.model.run_sheets import RunSheets
@@ -14,7 +14,7 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog
 from roah_rsbb.srv import ScoreWithdraw
-from roah_rsbb.wording import panel_texts, sheet_texts
+from roah_rsbb.wording import sheets, times
 
 WIDE_EMS, HIGH_EMS = 56, 24
 SILENT = "The core is silent: nothing can be changed now"
@@ -52,14 +52,7 @@ class History(QWidget):
     def show_sheet(self, summary: Optional[RunSummary], sheet: Optional[RunSheet], why_off: str) -> None:
         """Show the history of a run; `why_off`: why nothing can be withdrawn, empty: it can."""
         self._summary, self._sheet, self._why_off = summary, sheet, why_off
-        kinds = {} if sheet is None else {(item.group, item.desc): item.type for item in sheet.items}
-        self.rows.show_rows([] if sheet is None else [
-            Row(entry.number, (
-                str(entry.number), panel_texts.time_of_day(entry.time.to_sec()), entry.who, entry.desc,
-                sheet_texts.change(entry, kinds.get((entry.group, entry.desc), 1)), sheet_texts.entry_notes(entry),
-            ), bold=entry.correction, off=bool(entry.withdrawn.to_sec()))
-            for entry in reversed(sheet.history)
-        ])
+        self.rows.show_rows([] if sheet is None else _history_rows(sheet))
         self._show_button()
 
     def _chosen(self) -> Optional[ScoreChange]:
@@ -80,7 +73,7 @@ class History(QWidget):
         if summary is None or entry is None:
             return
         what = f"Withdraw entry {entry.number}"
-        text = f"{entry.desc}\n{entry.who}, {panel_texts.time_of_day(entry.time.to_sec())} UTC"
+        text = f"{entry.desc}\n{entry.who}, {times.time_of_day(entry.time.to_sec())} UTC"
 
         def send(note: str) -> None:
             self._answer.say(f"{what} …")
@@ -93,6 +86,21 @@ class History(QWidget):
             self._answer.show_outcome(what, outcome)
 
         NoteDialog(self, f"{what}?", text, "Why", "Withdraw", send).open()
+
+
+def _history_rows(sheet: RunSheet) -> List[Row]:
+    bools = {(item.group, item.desc) for item in sheet.items if item.type == ZoneScoreGroup.SCORING_BOOL}
+    rows = []
+    for change in reversed(sheet.history):
+        entry = sheets.history_entry(change, (change.group, change.desc) in bools)
+        words = sheets.entry_texts(entry, times.time_of_day)
+        notes = "; ".join(mark + text for mark, text in (
+            ("✎ ", words.correction), ("", words.note), ("✘ ", words.withdrawn)) if text)
+        rows.append(Row(
+            entry.number, (words.number, words.when, words.who, words.item, words.change, notes),
+            bold=entry.correction, off=bool(entry.withdrawn_utc_s),
+        ))
+    return rows
 
 
 class HistoryDialog(QDialog):

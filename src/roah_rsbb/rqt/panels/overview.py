@@ -19,7 +19,7 @@ from roah_rsbb.rqt.panels.todo import Urgency, todo
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.hold_button import HoldButton
 from roah_rsbb.rqt.widgets.shortcuts import TwiceKey
-from roah_rsbb.wording import panel_texts
+from roah_rsbb.wording import times
 
 STOP_KEY = "Shift+Esc"
 STOP_ALL = "■ STOP ALL ZONES"
@@ -77,7 +77,7 @@ class OverviewPanel(Panel):
     # -- showing ------------------------------------------------------------------------------------
 
     def where(self) -> str:
-        return f"All zones  ·  {panel_texts.time_of_day(self.model.clock_s)} UTC" if self.model.gui else "All zones"
+        return f"All zones  ·  {times.time_of_day(self.model.clock_s)} UTC" if self.model.gui else "All zones"
 
     def show_model(self) -> None:
         zones = list(self.model.gui.zones) if self.model.gui else []

@@ -9,7 +9,7 @@ from roah_rsbb.msg import ZoneDetails, ZoneState
 from roah_rsbb.rqt.panels import phases
 from roah_rsbb.rqt.panels.todo import Todo, Urgency
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.wording import panel_texts
+from roah_rsbb.wording import times
 
 # At a factor of 1 a tile needs this room, in units of the desktop's font; a compact one is lower.
 HIGH_EMS = 5.6
@@ -111,7 +111,7 @@ class ZoneTile(QFrame):
         """Show the zone; `chosen`: it is the one of the other panels; `old`: the core is silent."""
         name = f"{zone.zone}  ·  {zone.team}" if self._compact else zone.zone
         self.name.setText(f"{CHOSEN if chosen else ''}{name}")
-        left = panel_texts.countdown(zone.timer.to_sec())
+        left = times.countdown(zone.timer.to_sec())
         self.countdown.setText(f"({left})" if old else left)
         phase = phases.shown(details)
         self.phase.show_text(phase.text, basic.IDLE if old else phase.tone)

@@ -8,7 +8,7 @@ from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QMessageBox, QSizeP
 from roah_rsbb.rqt.model.calls import Outcome
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.wording import panel_texts
+from roah_rsbb.wording import times
 
 
 class Panel(QWidget):
@@ -70,7 +70,7 @@ class Panel(QWidget):
             return
         self._where.setText(self.where())
         if self.model.is_old:
-            self._news.show_text(f"⚠ {panel_texts.silence(self.model.silence_s)}", basic.OLD)
+            self._news.show_text(f"⚠ {times.silence(self.model.silence_s)}", basic.OLD)
         else:
             self._news.show_text("● live", basic.OFF)
         self.show_model()

@@ -3,6 +3,7 @@
 from typing import Dict, NamedTuple, Optional
 
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.wording import sheets
 
 
 class Phase(NamedTuple):
@@ -21,12 +22,11 @@ PHASES: Dict[str, Phase] = {
     "ended": Phase("■ ENDED", basic.ENDED, "Time left after the stop"),
 }
 UNKNOWN = Phase("–", basic.IDLE, "Time")
-END_REASONS = {"no_messages_saved": "no data saved", "module_failed": "module failed"}
 
 
 def shown(details: Optional[object]) -> Phase:
     """The phase of these ZoneDetails; with the reason where it has ended."""
     phase = PHASES.get(details.phase, UNKNOWN) if details else UNKNOWN
     if details and details.end_reason:
-        return phase._replace(text=f"{phase.text}: {END_REASONS.get(details.end_reason, details.end_reason)}")
+        return phase._replace(text=f"{phase.text}: {sheets.end_reason(details.end_reason)}")
     return phase

@@ -5,7 +5,7 @@ from typing import List, Optional, Tuple
 from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSplitter, QTabWidget, QVBoxLayout, QWidget
 
-from roah_rsbb.msg import RunSheet, RunSummary, ScoreItem
+from roah_rsbb.msg import RunSheet, RunSummary, ScoreItem, ZoneScoreGroup
 from roah_rsbb.rqt.model.run_sheets import RunSheets
 from roah_rsbb.rqt.panels.history import History, why_fixed
 from roah_rsbb.rqt.panels.panel import Answer, ask
@@ -14,7 +14,7 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog
 from roah_rsbb.srv import ScoreMark, SignOff, StopReason
-from roah_rsbb.wording import panel_texts, sheet_texts
+from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.module_scores import by_group
 
 NO_RUNS = "No run of this zone is over, and none is connected."
@@ -112,8 +112,8 @@ class ResultsPanel(RefereePanel):
         self.history.show_sheet(summary, sheet, self._why_off(summary, sheet))
         self.stops.show_rows([] if sheet is None else [
             Row(number, (
-                str(number), panel_texts.time_of_day(stop.time.to_sec()), stop.who or "–", stop.desc,
-                sheet_texts.stop_reason(stop),
+                str(number), times.time_of_day(stop.time.to_sec()), stop.who or "–", stop.desc,
+                sheets.stop_reason(stop.reason, stop.reason_by, stop.who),
             ))
             for number, stop in enumerate(sheet.stops, 1)
         ])
@@ -125,10 +125,9 @@ class ResultsPanel(RefereePanel):
             return CHOOSE if self.model.runs_of(self._zone) else ""
         if sheet is None:
             return self._sheets.error or FETCHING
-        run = f"{summary.team}  ·  {summary.code}, round {summary.round}, run {summary.run}"
-        took = f"  ·  {panel_texts.countdown(sheet.elapsed.to_sec())} min" if summary.end_reason else ""
-        state = f"{sheet_texts.state(summary)} {sheet_texts.signature(summary)}"
-        return f"{run}  ·  {sheet_texts.end(summary)}{took}  ·  {', '.join(sheet.robots)}\n{state}"
+        took = f"  ·  {times.elapsed(sheet.elapsed.to_sec())} min" if summary.end_reason else ""
+        return (f"{_name(summary)}  ·  {_state(summary)}{took}  ·  {', '.join(sheet.robots)}\n"
+                f"{_sheet_state(summary, times.time_with_zone)}")
 
     # -- what may be done ---------------------------------------------------------------------------
 
@@ -156,7 +155,7 @@ class ResultsPanel(RefereePanel):
         summary, item = self._summary(), self._chosen_item(self._sheet())
         if summary is None or item is None:
             return
-        title = f"{summary.team}, {sheet_texts.event(summary)}"
+        title = _name(summary)
         ScoreDialog(
             self, title, item.desc, item.type, item.value, item.not_attempted,
             lambda value, not_attempted, note: self._send(
@@ -171,7 +170,7 @@ class ResultsPanel(RefereePanel):
         number = self.stops.chosen or len(sheet.stops)
         stop = sheet.stops[number - 1]
         dialog = NoteDialog(
-            self, "Reason", f"{panel_texts.time_of_day(stop.time.to_sec())}: {stop.desc}", "Why", "Keep",
+            self, "Reason", f"{times.time_of_day(stop.time.to_sec())}: {stop.desc}", "Why", "Keep",
             lambda reason: self._send(
                 summary, f"Reason of end {number}", "stop_reason", StopReason, (number, reason)
             ),
@@ -185,13 +184,13 @@ class ResultsPanel(RefereePanel):
             return
         name = self.client.referee.name or "this client (no name was typed)"
         ask(
-            self, f"Sign off {summary.team}, {sheet_texts.event(summary)}?",
+            self, f"Sign off {_name(summary)}?",
             f"{summary.score or 'no score'}\n\nSigned by {name}. Nothing can be corrected afterwards.", "Sign off",
             lambda: self._send(summary, "Sign off", "sign_off", SignOff, ()),
         )
 
     def _send(self, summary: RunSummary, what: str, service: str, kind: type, request: Tuple) -> None:
-        what = f"{summary.team}, {sheet_texts.event(summary)}: {what}"
+        what = f"{_name(summary)}: {what}"
         self._answer.say(f"{what} …")
         self.client.calls.service(
             self, f"/core/{service}", kind, (summary.zone, summary.identity, *request, self.client.referee.name),
@@ -213,12 +212,28 @@ def _allow(button: QPushButton, why_off: str) -> None:
     button.setToolTip(basic.tip(why_off))
 
 
+def _name(run: RunSummary) -> str:
+    return sheets.run_name(run.code, run.team, run.round, run.run)
+
+
+def _state(run: RunSummary) -> str:
+    return sheets.run_state(run.started.to_sec(), run.closed.to_sec(), run.end_reason)
+
+
+def _sheet_state(run: RunSummary, when: Optional[sheets.When] = None) -> str:
+    """How far the score sheet is; with `when`, also who signed it off and at what time."""
+    signed = run.signed.to_sec()
+    state = sheets.sheet_state(run.closed.to_sec(), signed)
+    if signed:
+        state = f"✔ {sheets.signature(signed, run.signed_by, when) if when else state}"
+    return f"✎ {sheets.CORRECTED}, {state}" if run.corrected else state
+
+
 def _run_row(run: RunSummary) -> Row:
     closed = run.closed.to_sec()
     return Row(run.identity, (
-        panel_texts.time_of_day(closed)[:5] if closed else "now", run.team,
-        sheet_texts.event(run), sheet_texts.end(run),
-        run.score, sheet_texts.state(run),
+        times.time_of_day(closed)[:5] if closed else "now", run.team,
+        f"{run.code}, {sheets.turn(run.round, run.run)}", _state(run), run.score, _sheet_state(run),
     ), bold=not run.signed.to_sec())
 
 
@@ -228,9 +243,9 @@ def _item_rows(sheet: RunSheet) -> List[Row]:
     group = None
     for item in sheet.items:
         name, group = ("" if item.group == group else item.group), item.group
-        value = sheet_texts.standing(item.value, item.not_attempted, item.type)
+        value = sheets.item_value(item.type == ZoneScoreGroup.SCORING_BOOL, item.value, item.not_attempted)
         rows.append(Row((item.group, item.desc), (
-            name, item.desc, value, "✎ corrected" if item.corrected else ""
+            name, item.desc, value, f"✎ {sheets.CORRECTED}" if item.corrected else ""
         ), bold=bool(item.value or item.not_attempted or item.corrected)))
     for name, lines in by_group(sheet.module_scores):
         rows += [

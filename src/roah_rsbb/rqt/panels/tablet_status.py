@@ -7,7 +7,7 @@ from python_qt_binding.QtWidgets import QFormLayout, QLabel
 
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.wording import panel_texts
+from roah_rsbb.wording import times
 
 # The tablet sends a beacon each second; after this long without one it is not there any more.
 TABLET_SILENT_S = 5.0
@@ -51,11 +51,11 @@ class TabletStatusPanel(Panel):
         silent = "  ⚠ silent" if beacon and now - beacon > TABLET_SILENT_S else ""
         placed = gui.tablet_position_time.to_sec()
         values = {
-            "heard": f"{panel_texts.moment(beacon, now)}{silent}",
+            "heard": f"{times.time_and_age(beacon, now)}{silent}",
             "display": "Map" if gui.tablet_display_map else "Call button",
-            "call": panel_texts.moment(gui.tablet_call_time.to_sec(), now),
+            "call": times.time_and_age(gui.tablet_call_time.to_sec(), now),
             "position": f"x {gui.tablet_position_x:.2f} m, y {gui.tablet_position_y:.2f} m" if placed else "none",
-            "position_time": panel_texts.moment(placed, now),
+            "position_time": times.time_and_age(placed, now),
         }
         for name, value in values.items():
             self._values[name].setText(value)

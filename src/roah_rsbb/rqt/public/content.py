@@ -7,18 +7,10 @@ computer that shows them: the public reads them beside the clock on the wall.
 import time
 from typing import NamedTuple, Optional, Tuple
 
-from roah_rsbb.wording import module_scores, panel_texts
-from roah_rsbb.wording.sheet_sums import Group, sums_text
+from roah_rsbb.wording import module_scores, sheets, times
 
 ALL_TEAMS = "ALL"
 WAITING = "Waiting for the referee box"
-OUTCOMES = {
-    "completed": "✓ completed",
-    "stopped": "■ stopped",
-    "timeout": "■ time is up",
-    "no_messages_saved": "■ no data saved",
-    "module_failed": "■ interrupted",
-}
 
 
 class Card(NamedTuple):
@@ -82,15 +74,15 @@ def _events(details) -> list:
 
 def _card(run, utc_s: float, many_zones: bool) -> Card:
     event = run.event
-    parts = ([event.zone] if many_zones else []) + [_turn(event)]
+    parts = ([event.zone] if many_zones else []) + [sheets.turn(event.round, event.run)]
     if event.team == ALL_TEAMS:
         parts.append(", ".join(run.teams))
     left = run.ends.to_sec() - utc_s if run.counting else run.left.to_sec()
-    big, word = panel_texts.countdown(left), "getting ready"
+    big, word = times.countdown(left), "getting ready"
     if run.phase == "running":
-        big, word = (f"▶ {big}", "running") if run.counting else (f"‖ {big}", "time stands still")
+        big, word = (f"▶ {big}", "running") if run.counting else (f"‖ {big}", "paused")
     elif run.phase == "ended":
-        big, word = "ended", OUTCOMES.get(run.end_reason, "")
+        big, word = "ended", _end(run.end_reason)
     return Card(run.phase, _team(event.team), event.benchmark, " · ".join(parts), big, word)
 
 
@@ -101,14 +93,14 @@ def _following(event, utc_s: float, many_zones: bool) -> Line:
 def _result(result, utc_s: float) -> Line:
     event = result.event
     groups = [
-        Group(group.group_name, group.current_values, not_attempted)
+        sheets.GroupOfValues(group.group_name, group.current_values, not_attempted)
         for group, not_attempted in zip(result.scoring, result.not_attempted)
     ]
-    sums = [sums_text(groups)] if groups else []
+    sums = [sheets.sums_text(groups)] if groups else []
     lines = [module_scores.readable(score) for score in result.module_scores]
     return Line(
         _when(result.disconnected, utc_s), _team(event.team), event.benchmark,
-        OUTCOMES.get(result.end_reason, result.end_reason),
+        _end(result.end_reason),
         " · ".join([f"{line.name} {line.value}" for line in lines] + sums),
     )
 
@@ -117,13 +109,16 @@ def _team(team: str) -> str:
     return "All teams" if team == ALL_TEAMS else team
 
 
-def _turn(event) -> str:
-    return f"round {event.round}, run {event.run}"
+def _end(end_reason: str) -> str:
+    """How a run ended, with a mark."""
+    if not end_reason:
+        return ""
+    return f"{'✓' if end_reason == 'completed' else '■'} {sheets.end_reason(end_reason)}"
 
 
 def _when(moment, utc_s: float) -> str:
     pattern = "%Y-%m-%d %H:%M:%S"
-    return panel_texts.short_time(_local(pattern, moment.to_sec()), _local(pattern, utc_s))
+    return times.short_time(_local(pattern, moment.to_sec()), _local(pattern, utc_s))
 
 
 def _local(pattern: str, utc_s: float) -> str:

@@ -8,7 +8,7 @@ from python_qt_binding.QtCore import QSize, Qt, QTimer
 from python_qt_binding.QtGui import QFont, QFontMetricsF, QPainter, QPalette
 from python_qt_binding.QtWidgets import QApplication, QLabel, QPushButton, QSizePolicy, QTextEdit, QWidget
 
-from roah_rsbb.wording import panel_texts
+from roah_rsbb.wording import texts
 
 
 class Tone(NamedTuple):
@@ -174,7 +174,7 @@ class CommandButton(QPushButton):
     ) -> None:
         """Switch it on or off; `tone`: colour while it is on; `explanation`: instead of the usual one."""
         self._allowed = allowed
-        self.why_off = "" if allowed else panel_texts.bullets(reasons or ("Not possible now",))
+        self.why_off = "" if allowed else texts.bullets(reasons or ("Not possible now",))
         self.setToolTip(tip(self.why_off or explanation or self._explanation))
         on = allowed and tone is not None
         set_style(self, _button_style(tone) if on else "")

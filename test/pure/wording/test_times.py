@@ -1,8 +1,8 @@
-"""What panels write of times."""
+"""The wording of times, durations and skews."""
 
 import pytest
 
-from roah_rsbb.wording import panel_texts
+from roah_rsbb.wording import times
 
 NOON = 1446379200.0  # 2015-11-01 12:00:00 UTC
 
@@ -13,12 +13,19 @@ NOON = 1446379200.0  # 2015-11-01 12:00:00 UTC
     (59.9999999, "1:00"), (60.0000001, "1:00"),  # nanoseconds are no second more
 ])
 def test_a_countdown_is_over_only_at_zero(seconds, shown):
-    assert panel_texts.countdown(seconds) == shown
+    assert times.countdown(seconds) == shown
+
+
+@pytest.mark.parametrize(("seconds", "shown"), [
+    (6.057, "0:06.1"), (0.0, "0:00.0"), (599.96, "10:00.0"), (61.3, "1:01.3"), (3723.44, "1:02:03.4"), (-1.0, "0:00.0"),
+])
+def test_an_elapsed_time_has_tenths(seconds, shown):
+    assert times.elapsed(seconds) == shown
 
 
 def test_an_event_of_today_has_no_date():
-    assert panel_texts.scheduled(NOON, NOON - 3600) == "12:00"
-    assert panel_texts.scheduled(NOON + 86400, NOON) == "2015-11-02 12:00"
+    assert times.scheduled(NOON, NOON - 3600) == "12:00"
+    assert times.scheduled(NOON + 86400, NOON) == "2015-11-02 12:00"
 
 
 @pytest.mark.parametrize(("moment", "clock", "shown"), [
@@ -30,7 +37,7 @@ def test_an_event_of_today_has_no_date():
     ("", "", ""),
 ])
 def test_the_public_reads_no_seconds_and_no_date_of_today(moment, clock, shown):
-    assert panel_texts.short_time(moment, clock) == shown
+    assert times.short_time(moment, clock) == shown
 
 
 @pytest.mark.parametrize(("seconds", "shown"), [
@@ -38,32 +45,27 @@ def test_the_public_reads_no_seconds_and_no_date_of_today(moment, clock, shown):
     (7200.0, "2 h ago"),
 ])
 def test_how_long_ago(seconds, shown):
-    assert panel_texts.ago(seconds) == shown
+    assert times.ago(seconds) == shown
 
 
 def test_zero_on_the_ros_interface_means_never():
-    assert panel_texts.moment(0.0, NOON) == "never"
-    assert panel_texts.moment(NOON - 4, NOON) == "11:59:56 UTC (4 s ago)"
+    assert times.time_and_age(0.0, NOON) == "never"
+    assert times.time_and_age(NOON - 4, NOON) == "11:59:56 UTC (4 s ago)"
 
 
 def test_a_clock_that_is_far_off_is_no_error():
-    assert panel_texts.time_of_day(1e30) == "?"
-
-
-def test_several_reasons_are_a_list():
-    assert panel_texts.bullets(["only one"]) == "only one"
-    assert panel_texts.bullets(["one", "two"]) == "• one\n• two"
-    assert panel_texts.bullets([]) == ""
+    assert times.time_of_day(1e30) == "?"
 
 
 def test_silence_names_its_length():
-    assert panel_texts.silence(None) == "OLD: waiting for the core"
-    assert panel_texts.silence(0.8) == "OLD: no news from the core for 1 s"
-    assert panel_texts.silence(12.3) == "OLD: no news from the core for 12 s"
+    assert times.silence(None) == "OLD: waiting for the core"
+    assert times.silence(0.8) == "OLD: nothing heard from the core for 1 s"
+    assert times.silence(12.3) == "OLD: nothing heard from the core for 12 s"
 
 
 @pytest.mark.parametrize(("seconds", "shown"), [
-    (0.0123, "+0.012 s"), (-0.0871, "−0.087 s"), (-0.0001, "+0.000 s"), (0.0, "+0.000 s"),
+    (0.0123, "+0.012 s"), (-0.0871, "-0.087 s"), (-0.0001, "+0.000 s"), (0.0, "+0.000 s"),
+    (-1.5e9, "-1.5e+09 s"),
 ])
 def test_a_skew_has_a_sign(seconds, shown):
-    assert panel_texts.skew(seconds) == shown
+    assert times.skew(seconds) == shown

@@ -1,0 +1,178 @@
+"""Runs and their score sheets as people read them: items, sums, history, ends, sign-off.
+
+Panels, terminal, pages and exports decorate these words (colour, marks, columns) and add none of their own. Moments
+are shown in the format that the caller passes (`When`): panels and terminal show UTC, printed sheets local time.
+"""
+
+from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence
+
+NOT_ATTEMPTED = "not attempted"
+# For a narrow column whose tooltip has the whole wording.
+NOT_ATTEMPTED_SHORT = "n/a"
+CORRECTED = "corrected"
+CORRECTION = "correction"
+OPEN = "open"
+SIGNED_OFF = "signed off"
+NOT_SIGNED_OFF = "not signed off"
+END_REASONS = {
+    "stopped": "stopped",
+    "completed": "completed",
+    "timeout": "timeout",
+    "no_messages_saved": "no data saved",
+    "module_failed": "module failed",
+}
+
+When = Callable[[float], str]
+
+
+# -- runs -------------------------------------------------------------------------------------------
+
+
+def turn(round_number: int, run: int) -> str:
+    """Returns which turn of a team a run is."""
+    return f"round {round_number}, run {run}"
+
+
+def run_name(code: str, team: str, round_number: int, run: int) -> str:
+    """Returns which run it is."""
+    return f"{code}, team {team}, {turn(round_number, run)}"
+
+
+def end_reason(name: str) -> str:
+    """Returns why a run ended; the name of a reason that a newer version wrote is shown unchanged."""
+    return END_REASONS.get(name, name)
+
+
+def run_state(started: object, closed: object, end: str) -> str:
+    """Returns how a run ended, or how far it is. `started`, `closed`: false until then; `end`: name of its end."""
+    if end:
+        return end_reason(end)
+    if started:
+        return "running"
+    return "never started" if closed else "connected"
+
+
+def stop_reason(reason: str, reason_by: str, stopped_by: str) -> str:
+    """Returns why somebody stopped a run, and who wrote that down if it was somebody else."""
+    return f"{reason} ({reason_by})" if reason and reason_by and reason_by != stopped_by else reason
+
+
+# -- items and sums ---------------------------------------------------------------------------------
+
+
+def item_value(is_bool: bool, value: int, not_attempted: bool = False) -> str:
+    """Returns the value of a scoring item."""
+    if not_attempted:
+        return NOT_ATTEMPTED
+    if is_bool:
+        return "yes" if value else "no"
+    return str(value)
+
+
+class GroupOfValues(NamedTuple):
+    """The values of a group of scoring items; `not_attempted`: how many items the robot did not try."""
+
+    name: str
+    values: Sequence[int]
+    not_attempted: int
+
+
+def sums_text(groups: Iterable[GroupOfValues]) -> str:
+    """Returns such as "Achievements 5 (1 not attempted) · Penalized 2". A yes counts 1; empty groups are left out."""
+    return " · ".join(_sum(group) for group in groups if group.values)
+
+
+def _sum(group: GroupOfValues) -> str:
+    mark = f" ({group.not_attempted} {NOT_ATTEMPTED})" if group.not_attempted else ""
+    return f"{group.name} {sum(group.values)}{mark}"
+
+
+# -- sign-off ---------------------------------------------------------------------------------------
+
+
+def sheet_state(closed: object, signed: object) -> str:
+    """Returns how far a score sheet is: open while the run is connected, then signed off or not."""
+    if signed:
+        return SIGNED_OFF
+    return NOT_SIGNED_OFF if closed else OPEN
+
+
+def signature(signed_utc_s: Optional[float], signed_by: str, when: When) -> str:
+    """Returns who signed a score sheet off, and when."""
+    if not signed_utc_s:
+        return NOT_SIGNED_OFF
+    return f"{SIGNED_OFF}{_by(signed_by)} at {when(signed_utc_s)}"
+
+
+# -- history ----------------------------------------------------------------------------------------
+
+
+class HistoryEntry(NamedTuple):
+    """One change of a score sheet. Times are UTC seconds."""
+
+    number: int
+    utc_s: float
+    who: str
+    group: str
+    item: str
+    type: str  # "bool" or "uint"
+    old: int
+    old_not_attempted: bool
+    value: int
+    not_attempted: bool
+    note: str = ""
+    correction: bool = False  # made after the run was over
+    withdrawn_utc_s: Optional[float] = None  # None: it counts
+    withdrawn_by: str = ""
+    withdrawn_note: str = ""
+    withdrawal_corrects: bool = False  # withdrawn after the run was over
+
+
+class EntryTexts(NamedTuple):
+    """An entry of the history in words; a text is empty where it does not apply."""
+
+    number: str
+    when: str
+    who: str
+    item: str
+    change: str
+    note: str
+    correction: str
+    withdrawn: str
+
+
+def history_entry(message, is_bool: bool) -> HistoryEntry:
+    """Makes an entry of a ScoreChange message, or of anything with its fields."""
+    return HistoryEntry(
+        message.number, message.time.to_sec(), message.who, message.group, message.desc, "bool" if is_bool else "uint",
+        message.old, message.old_not_attempted, message.value, message.not_attempted, message.note, message.correction,
+        message.withdrawn.to_sec() or None, message.withdrawn_by, message.withdrawn_note, message.withdrawal_corrects,
+    )
+
+
+def entry_texts(entry: HistoryEntry, when: When) -> EntryTexts:
+    """Puts an entry into words."""
+    is_bool = entry.type == "bool"
+    old = item_value(is_bool, entry.old, entry.old_not_attempted)
+    withdrawn = ""
+    if entry.withdrawn_utc_s:
+        corrects = f", a {CORRECTION}" if entry.withdrawal_corrects else ""
+        why = f": {entry.withdrawn_note}" if entry.withdrawn_note else ""
+        withdrawn = f"withdrawn{_by(entry.withdrawn_by)} at {when(entry.withdrawn_utc_s)}{corrects}{why}"
+    return EntryTexts(
+        str(entry.number), when(entry.utc_s), entry.who, f"{entry.group}: {entry.item}",
+        f"{old} → {item_value(is_bool, entry.value, entry.not_attempted)}", entry.note,
+        CORRECTION if entry.correction else "", withdrawn,
+    )
+
+
+def entry_line(texts: EntryTexts, mark: Callable[[str], str] = str) -> str:
+    """Returns an entry in one line, without its number; `mark` makes what is unusual stand out."""
+    who = f" {texts.who}:" if texts.who else ""
+    note = f" ({texts.note})" if texts.note else ""
+    marks: List[str] = [f"; {mark(text)}" for text in (texts.correction, texts.withdrawn) if text]
+    return f"{texts.when}{who} {texts.item}: {texts.change}{note}{''.join(marks)}"
+
+
+def _by(who: str) -> str:
+    return f" by {who}" if who else ""

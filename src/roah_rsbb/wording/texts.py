@@ -1,0 +1,28 @@
+"""Text from robots, configuration files and people, made safe to show; and short lists."""
+
+import json
+from typing import Any, Iterable
+
+
+def visible(text: str) -> str:
+    """Writes out every character that cannot be printed, such as ``\\x1b``; line breaks stay.
+
+    Such characters could send commands to a terminal or reverse the direction of writing.
+    """
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape", "replace").decode() for c in text)
+
+
+def one_line(text: str) -> str:
+    """Makes visible text of one line."""
+    return " ".join(visible(text).split())
+
+
+def plain(value: Any) -> str:
+    """Returns any JSON value as text."""
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def bullets(lines: Iterable[str]) -> str:
+    """Returns one line unchanged, several as a list."""
+    lines = list(lines)
+    return "\n".join(lines if len(lines) < 2 else [f"• {line}" for line in lines])

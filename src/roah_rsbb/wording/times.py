@@ -1,0 +1,135 @@
+"""Times of day, durations and clock skews as people read them.
+
+A countdown shows whole seconds, rounded up, so that 0:00 means that the time is over. The time that a run took is a
+result: it shows tenths of a second, in panels, in the terminal and on score sheets alike.
+"""
+
+import contextlib
+import datetime
+import math
+import time
+from typing import Optional
+
+# Stands for a value that does not exist.
+NOTHING = "–"
+
+
+# -- durations --------------------------------------------------------------------------------------
+
+
+def countdown(seconds: float) -> str:
+    """Returns the time left as m:ss, or as h:mm:ss from an hour on."""
+    whole = max(0, math.ceil(round(seconds, 3)))
+    return _minutes(whole // 60, f"{whole % 60:02d}")
+
+
+def elapsed(seconds: float) -> str:
+    """Returns the time that something took, to a tenth of a second, such as ``9:58.3`` or ``1:02:03.4``."""
+    tenths = max(0, round(seconds * 10))
+    return _minutes(tenths // 600, f"{tenths // 10 % 60:02d}.{tenths % 10}")
+
+
+def _minutes(minutes: int, seconds: str) -> str:
+    hours, rest = divmod(minutes, 60)
+    return f"{hours}:{rest:02d}:{seconds}" if hours else f"{rest}:{seconds}"
+
+
+def ago(seconds: float) -> str:
+    """Returns how long ago something was: "just now", "4 s ago", "3 min ago", "2 h ago"."""
+    if seconds < 1.5:
+        return "just now"
+    if seconds < 120:
+        return f"{seconds:.0f} s ago"
+    if seconds < 7200:
+        return f"{seconds / 60:.0f} min ago"
+    return f"{seconds / 3600:.0f} h ago"
+
+
+def skew(seconds: float) -> str:
+    """Returns a clock skew with its sign, such as ``+0.150 s``. A skew that rounds to zero is not negative."""
+    return f"{round(seconds, 3) + 0.0:+.3f} s" if abs(seconds) < 100 else f"{seconds:+.3g} s"
+
+
+def silence(seconds: Optional[float]) -> str:
+    """Returns what a panel says while the core is silent; None: the core has never been heard."""
+    if seconds is None:
+        return "OLD: waiting for the core"
+    return f"OLD: nothing heard from the core for {max(1.0, seconds):.0f} s"
+
+
+# -- moments in UTC, for referees -------------------------------------------------------------------
+
+
+def time_of_day(utc_s: float) -> str:
+    """Returns HH:MM:SS in UTC, where a heading or the text beside it says UTC."""
+    return _format("%H:%M:%S", utc_s)
+
+
+def time_with_zone(utc_s: float) -> str:
+    """Returns the UTC time of day as in log lines, such as ``14:03:59Z``."""
+    return f"{time_of_day(utc_s)}Z"
+
+
+def scheduled(utc_s: float, today_utc_s: float) -> str:
+    """Returns HH:MM of an event (UTC), after its date if it is not today."""
+    date = _format("%Y-%m-%d", utc_s)
+    hours = _format("%H:%M", utc_s)
+    return hours if date == _format("%Y-%m-%d", today_utc_s) else f"{date} {hours}"
+
+
+def time_and_age(utc_s: float, now_utc_s: float) -> str:
+    """Returns a time of day and how long ago it was; on the ROS interface zero means never."""
+    if utc_s == 0:
+        return "never"
+    return f"{time_of_day(utc_s)} UTC ({ago(now_utc_s - utc_s)})"
+
+
+def _format(pattern: str, utc_s: float) -> str:
+    try:
+        return time.strftime(pattern, time.gmtime(utc_s))
+    except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop a panel
+        return "?"
+
+
+# -- moments for the public and for results, local or UTC -------------------------------------------
+
+
+def short_time(moment: str, clock: str) -> str:
+    """Shortens `moment` ("2015-12-31 10:00:00"): "10:00" on the clock's day, "31 Dec 10:00" on another."""
+    date, _, hours = moment.strip().rpartition(" ")
+    shown = hours[:-3] if hours.count(":") == 2 else hours
+    if date == clock.strip().rpartition(" ")[0]:
+        return shown
+    with contextlib.suppress(ValueError):  # text that is not a date is shown unchanged
+        date = time.strftime("%d %b", time.strptime(date, "%Y-%m-%d")).lstrip("0")
+    return f"{date} {shown}".strip()
+
+
+def date_time(utc_s: float, in_utc: bool = False) -> str:
+    """Returns a local moment with its offset, such as ``2025-11-21 12:03:59 +01:00``, or the UTC one with a Z."""
+    moment = _moment(utc_s, in_utc)
+    if in_utc:
+        return f"{moment:%Y-%m-%d %H:%M:%SZ}"
+    text = f"{moment:%Y-%m-%d %H:%M:%S %z}"
+    return f"{text[:-2]}:{text[-2:]}"
+
+
+def optional_date_time(utc_s: Optional[float], in_utc: bool = False) -> str:
+    """The same; 0 and None mean that it has not happened."""
+    return date_time(utc_s, in_utc) if utc_s else NOTHING
+
+
+def time_with_tenths(utc_s: float, in_utc: bool = False) -> str:
+    """Returns the time of day with tenths of a second, where the day and the offset are shown elsewhere."""
+    moment = _moment(utc_s, in_utc)
+    return f"{moment:%H:%M:%S}.{moment.microsecond // 100_000}"
+
+
+def iso(utc_s: float, in_utc: bool = False) -> str:
+    """Returns a moment for programs, in ISO 8601, such as ``2025-11-21T12:03:59.250+01:00``."""
+    return _moment(utc_s, in_utc).isoformat(timespec="milliseconds")
+
+
+def _moment(utc_s: float, in_utc: bool) -> datetime.datetime:
+    moment = datetime.datetime.fromtimestamp(utc_s, datetime.timezone.utc)
+    return moment if in_utc else moment.astimezone()

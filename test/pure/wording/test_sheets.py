@@ -1,0 +1,107 @@
+"""The wording of runs and score sheets."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from roah_rsbb.wording import sheets, times
+from roah_rsbb.wording.sheets import GroupOfValues, HistoryEntry, sums_text
+
+ENTRY = HistoryEntry(7, 3600.0, "Anna", "Penalized", "Bumps", "uint", 1, False, 2, False)
+
+
+class _Time:
+    def __init__(self, seconds):
+        self._seconds = seconds
+
+    def to_sec(self):
+        return self._seconds
+
+
+def _texts(**fields):
+    return sheets.entry_texts(ENTRY._replace(**fields), times.time_with_zone)
+
+
+@pytest.mark.parametrize("is_bool, value, not_attempted, text", [
+    (False, 0, False, "0"), (False, 3, False, "3"), (True, 0, False, "no"), (True, 1, False, "yes"),
+    (False, 0, True, "not attempted"), (True, 0, True, "not attempted"),
+])
+def test_the_value_of_an_item(is_bool, value, not_attempted, text):
+    assert sheets.item_value(is_bool, value, not_attempted) == text
+
+
+def test_sums_by_group_and_how_many_items_were_not_attempted():
+    groups = [
+        GroupOfValues("Achievements", [1, 4, 0], 1), GroupOfValues("Empty", [], 0), GroupOfValues("Penalized", [2], 0)
+    ]
+    assert sums_text(groups) == "Achievements 5 (1 not attempted) · Penalized 2"
+    assert sums_text([]) == ""
+
+
+@pytest.mark.parametrize("started, closed, end, text", [
+    (5.0, 9.0, "stopped", "stopped"), (5.0, 9.0, "timeout", "timeout"),
+    (5.0, 0.0, "no_messages_saved", "no data saved"),
+    (5.0, 9.0, "new_one", "new_one"), (5.0, 0.0, "", "running"), (0.0, 0.0, "", "connected"),
+    (None, 9.0, "", "never started"),
+])
+def test_how_a_run_ended(started, closed, end, text):
+    assert sheets.run_state(started, closed, end) == text
+
+
+def test_which_run_it_is():
+    assert sheets.run_name("HWV", "Beta", 1, 2) == "HWV, team Beta, round 1, run 2"
+
+
+@pytest.mark.parametrize("closed, signed, text", [
+    (0.0, 0.0, "open"), (9.0, 0.0, "not signed off"), (9.0, 10.0, "signed off"),
+])
+def test_how_far_a_sheet_is(closed, signed, text):
+    assert sheets.sheet_state(closed, signed) == text
+
+
+@pytest.mark.parametrize("signed, by, text", [
+    (0.0, "", "not signed off"), (None, "", "not signed off"), (3661.0, "Cleo", "signed off by Cleo at 01:01:01Z"),
+    (3661.0, "", "signed off at 01:01:01Z"),
+])
+def test_who_signed_a_sheet_off(signed, by, text):
+    assert sheets.signature(signed, by, times.time_with_zone) == text
+
+
+def test_an_entry_in_words():
+    assert _texts() == ("7", "01:00:00Z", "Anna", "Penalized: Bumps", "1 → 2", "", "", "")
+    assert _texts(type="bool", old_not_attempted=True).change == "not attempted → yes"
+    assert (_texts(note="video", correction=True).note, _texts(correction=True).correction) == ("video", "correction")
+
+
+@pytest.mark.parametrize("fields, text", [
+    ({}, ""), ({"withdrawn_utc_s": 3661.0, "withdrawn_by": "Ben"}, "withdrawn by Ben at 01:01:01Z"),
+    ({"withdrawn_utc_s": 3661.0, "withdrawal_corrects": True, "withdrawn_note": "why"},
+     "withdrawn at 01:01:01Z, a correction: why"),
+])
+def test_an_entry_that_was_withdrawn(fields, text):
+    assert _texts(**fields).withdrawn == text
+
+
+def test_an_entry_in_one_line():
+    assert sheets.entry_line(_texts()) == "01:00:00Z Anna: Penalized: Bumps: 1 → 2"
+    full = _texts(who="", note="video", correction=True, withdrawn_utc_s=3661.0)
+    assert sheets.entry_line(full) == "01:00:00Z Penalized: Bumps: 1 → 2 (video); correction; withdrawn at 01:01:01Z"
+    assert sheets.entry_line(full, "<{}>".format).endswith("(video); <correction>; <withdrawn at 01:01:01Z>")
+
+
+def test_an_entry_of_a_message():
+    message = SimpleNamespace(
+        number=7, time=_Time(3600.0), who="Anna", group="Penalized", desc="Bumps", old=1, old_not_attempted=False,
+        value=2, not_attempted=False, note="", correction=False, withdrawn=_Time(0.0), withdrawn_by="",
+        withdrawn_note="", withdrawal_corrects=False)
+    assert sheets.history_entry(message, is_bool=False) == ENTRY
+    message.withdrawn = _Time(3661.0)
+    assert sheets.history_entry(message, is_bool=True) == ENTRY._replace(type="bool", withdrawn_utc_s=3661.0)
+
+
+@pytest.mark.parametrize("reason, by, stopped_by, text", [
+    ("", "", "Anna", ""), ("", "Ben", "Anna", ""), ("fire", "Anna", "Anna", "fire"),
+    ("fire", "Ben", "Anna", "fire (Ben)"),
+])
+def test_why_a_run_was_stopped(reason, by, stopped_by, text):
+    assert sheets.stop_reason(reason, by, stopped_by) == text
