@@ -136,7 +136,7 @@ class TestCommands(WithCore):
         self.assertEqual([(e["value"], e["not_attempted"], e["note"]) for e in sheet["history"]],
                          [(1, False, "through the window"), (0, True, "")])
         done = referee("withdraw", "Home A", "2", "--note", "it did try")
-        self.assertIn("withdrawn by", done.stdout)
+        self.assertIn("; withdrawn at", done.stdout)
         self.assertIn("1    yes  " + DOOR[1], done.stdout)
         again = referee("withdraw", "Home A", "2")
         self.assertEqual((again.returncode, again.stderr.count("entry 2 was withdrawn already")), (1, 1))
@@ -243,7 +243,7 @@ class TestWatch(WithCore):
         connected = watch.line(lambda line: "CONNECTED" in line, "connected")
         self.assertRegex(connected, r"^\d\d:\d\d:\d\dZ Home A: CONNECTED to mbot on UDP port 6667$")
         self.zone.scores[DOOR] = 1
-        watch.wait_printed(f"Home A: score: {DOOR[0]}: {DOOR[1]}: no -> yes")
+        watch.wait_printed(f"Home A: score: {DOOR[0]}: {DOOR[1]}: no → yes")
         self.zone.online_data += "12:00:00Z visitor: postman\n"
         watch.wait_printed("\n12:00:00Z Home A: online data: visitor: postman")
         self.core.zones["Home B"].command("connect")
