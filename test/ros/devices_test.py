@@ -23,7 +23,7 @@ from roah_rsbb.srv import Bool, Percentage
 
 PLAYED = pathlib.Path(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros"))) / "played"
 SWITCHES, PERCENTAGES = ("switch_1", "switch_2", "switch_3"), ("dimmer", "blinds")
-# ROS interface, Devices node.
+# docs/ros_interface.md, "Devices node".
 SERVICES = {
     **{f"/devices/{switch}/{word}": "std_srvs/Empty" for switch in SWITCHES for word in ("on", "off")},
     **{f"/devices/{switch}/set": "roah_rsbb/Bool" for switch in SWITCHES},

@@ -31,7 +31,7 @@ from roah_rsbb.srv import ResultHOPF, ResultHPPF, String
 STOP, PREPARE, GOAL_TX, WAITING_RESULT = (
     BoxState.STOP, BoxState.PREPARE, BoxState.GOAL_TX, BoxState.WAITING_RESULT
 )
-BURST = 10  # wire protocol, Timing
+BURST = 10  # docs/protocol.md, "Timing"
 
 class TestHome(ChannelCase):
     """Devices and tablet, as the box's beacons tell."""

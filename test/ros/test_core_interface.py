@@ -22,8 +22,8 @@ from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, Score
 
 CORE = "/roah_rsbb_core"
 
-# Computed from the fixed field names, types and orders (ROS interface): a program that was built with other
-# messages cannot connect.
+# Computed from the fixed field names, types and orders (docs/ros_interface.md, "Topics of the core"): a program that
+# was built with other messages cannot connect.
 MESSAGES = {
     "Benchmark": "cfa4331ce4d1f39790c8c0628c907f86",
     "BenchmarkState": "638cf6eefb7a067a4d944ececf176a87",
@@ -59,7 +59,8 @@ CORE_SERVICES = {
     "/core/omf_switches/damaged": "roah_rsbb/ZoneUInt8",
     "/core/omf_switches/button": "roah_rsbb/ZoneUInt8",
 }
-# Arguments of both main launch files and their defaults (manual, section 2.3; bind_host and gui are new).
+# Arguments of both main launch files and their defaults (docs/organiser.md, "Arguments and parameters"; bind_host and
+# gui are new).
 LAUNCH_ARGUMENTS = {
     "rsbb_host": "10.255.255.255", "rsbb_port": 6666, "bind_host": "0.0.0.0", "benchmarks_file": "benchmarks.yaml",
     "schedule_file": "schedule.yaml", "passwords_file": "passwords.yaml",

@@ -1,4 +1,4 @@
-"""HGMF, Grasping and Manipulation: the robot puts objects where it is told (benchmarks, HGMF)."""
+"""HGMF, Grasping and Manipulation: the robot puts objects where it is told (docs/benchmarks.md, "HGMF")."""
 
 import random
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""HNF, Navigation: the robot drives to one waypoint after the other (benchmarks, HNF)."""
+"""HNF, Navigation: the robot drives to one waypoint after the other (docs/benchmarks.md, "HNF")."""
 
 import math
 from typing import List

@@ -1,4 +1,4 @@
-"""HOMF, Object Manipulation (2014): the robot toggles switches in a given order (benchmarks, HOMF).
+"""HOMF, Object Manipulation (2014): the robot toggles switches in a given order (docs/benchmarks.md, "HOMF").
 
 Switches are numbered from 1, for the robot, the referee and in the parameters.
 """

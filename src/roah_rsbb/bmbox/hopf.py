@@ -1,4 +1,4 @@
-"""HOPF, Object Perception: the robot says what stands on the table, and where (benchmarks, HOPF)."""
+"""HOPF, Object Perception: the robot says what stands on the table, and where (docs/benchmarks.md, "HOPF")."""
 
 import math
 from types import SimpleNamespace

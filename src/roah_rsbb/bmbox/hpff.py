@@ -1,4 +1,4 @@
-"""HPFF, Person Following: the robot stays behind a person who walks (benchmarks, HPFF)."""
+"""HPFF, Person Following: the robot stays behind a person who walks (docs/benchmarks.md, "HPFF")."""
 
 from typing import Any, Dict
 

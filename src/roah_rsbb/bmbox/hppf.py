@@ -1,4 +1,4 @@
-"""HPPF, People Perception: the robot says who stands in front of it, and where (benchmarks, HPPF)."""
+"""HPPF, People Perception: the robot says who stands in front of it, and where (docs/benchmarks.md, "HPPF")."""
 
 from types import SimpleNamespace
 from typing import Optional

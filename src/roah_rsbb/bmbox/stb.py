@@ -1,4 +1,4 @@
-"""STB, the Simple Test Benchmark: a manual operation, two goals, a manual operation (benchmarks, STB)."""
+"""STB, the Simple Test Benchmark: a manual operation, two goals, a manual operation (docs/benchmarks.md, "STB")."""
 
 from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.parameters import ListOf, Seconds, Text

@@ -1,4 +1,4 @@
-"""The two channels of the protocol: messages in and out, over UDP (wire protocol, Channels)."""
+"""The two channels of the protocol: messages in and out, over UDP (docs/protocol.md, "Channels")."""
 
 import asyncio
 import ipaddress

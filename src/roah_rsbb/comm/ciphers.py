@@ -1,4 +1,4 @@
-"""Passwords to keys, and the four ciphers of private channels (wire protocol, Frame and Key).
+"""Passwords to keys, and the four ciphers of private channels (docs/protocol.md, "Frame" and "Key").
 
 There is no message authentication on the wire: a wrong password shows as a wrong padding or, once in
 256 datagrams, as a payload that makes no sense.
@@ -93,8 +93,8 @@ class _Stream:
 class Key:
     """What a team's password gives: the keys of all four ciphers, derived once.
 
-    EVP_BytesToKey with SHA-256, no salt and 8 iterations over the password's UTF-8 bytes (wire protocol,
-    Key). One SHA-256 digest is as long as the longest key, so that only its first round is needed; the
+    EVP_BytesToKey with SHA-256, no salt and 8 iterations over the password's UTF-8 bytes (docs/protocol.md, "Key").
+    One SHA-256 digest is as long as the longest key, so that only its first round is needed; the
     initialisation vector of the further rounds is not used by the protocol.
     """
 

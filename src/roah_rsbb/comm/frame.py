@@ -1,4 +1,4 @@
-"""Datagrams to messages and back (wire protocol, Frame).
+"""Datagrams to messages and back (docs/protocol.md, "Frame").
 
 Encoding gives exactly one frame of version 2. Decoding takes whatever the network brings, up to the
 largest UDP datagram, and either returns a complete message of the channel or raises `BadDatagram`.

@@ -1,4 +1,4 @@
-"""When to send a state (wire protocol, Timing). No I/O and no clock in here.
+"""When to send a state (docs/protocol.md, "Timing"). No I/O and no clock in here.
 
 A changed state leaves at once, then ten times at 50 ms intervals, because any single datagram may be
 lost; after that once a second. An answer to what came in may leave between these, and moves none of them.

@@ -143,7 +143,7 @@ class Box(ModuleEvents, ScoreEvents, Restart):
         return whole is run or (whole is not None and run in whole.members())
 
     def listening_left(self, now: Now) -> float:
-        """For how many seconds the box still only listens (wire protocol, Timing); 0.0: it transmits."""
+        """For how many seconds the box still only listens (docs/protocol.md, "Timing"); 0.0: it transmits."""
         return self.watches.listening_left(now)
 
     def beacon(self) -> Beacon:

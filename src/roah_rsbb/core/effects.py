@@ -1,8 +1,8 @@
 """What the core wants done: the effects that its methods leave behind, in the order to carry out.
 
-The core itself does no I/O (architecture, rule 1). Whoever drives it calls `Box.take_effects` after
-each event and carries them out one after the other; what must be on record comes before what leaves
-the box because of it (rule 5).
+The core itself does no I/O (docs/architecture.md, "The core does no I/O"). Whoever drives it calls `Box.take_effects`
+after each event and carries them out one after the other; what must be on record comes before what leaves
+the box because of it (docs/architecture.md, "First written, then done").
 """
 
 import enum
@@ -13,7 +13,7 @@ from roah_rsbb.core.scoring.records import RunRecord
 
 
 class How(enum.Enum):
-    """When a BoxMessage leaves (wire protocol, Channels, Timing)."""
+    """When a BoxMessage leaves (docs/protocol.md, "Channels" and "Timing")."""
 
     CHANGE = "at once, then the burst"
     REPLY = "at once, one extra time"

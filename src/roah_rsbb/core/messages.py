@@ -1,7 +1,7 @@
 """What comes in and goes out, as the core sees it: plain values, no protobuf.
 
 The node's glue turns datagrams and ROS messages into these and back. Numbers and names are those of
-the wire protocol, Messages.
+docs/protocol.md, "Messages".
 """
 
 import json

@@ -1,4 +1,4 @@
-"""Topics of a run's log and the kind of value each takes (ROS interface, Run log)."""
+"""Topics of a run's log and the kind of value each takes (docs/ros_interface.md, "Run log")."""
 
 import enum
 from typing import Dict

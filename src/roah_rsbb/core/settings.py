@@ -1,4 +1,4 @@
-"""Parameters of the core node that are rules of the game (ROS interface, Parameters)."""
+"""Parameters of the core node that are rules of the game (docs/ros_interface.md, "Parameters")."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""A zone: a group of scheduled benchmarks, the event it is at, and the run in it (manual, section 1)."""
+"""A zone: a group of scheduled events, the current one, and its run (docs/organiser.md, "schedule.yaml")."""
 
 from typing import NamedTuple, Optional
 

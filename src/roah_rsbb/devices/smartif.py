@@ -1,4 +1,4 @@
-"""The SmartIF protocol: bytes to messages and back (ROS interface, Devices node). No I/O.
+"""The SmartIF protocol: bytes to messages and back (docs/devices.md, "The SmartIF protocol"). No I/O.
 
 Strings are a uint16 length and the bytes; integers are big endian. There is no frame around a message: after a
 byte that begins none, nothing that follows can be trusted, and the connection has to be made anew.

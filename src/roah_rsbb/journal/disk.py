@@ -10,7 +10,8 @@ import sqlite3
 import threading
 from typing import Callable
 
-# Commits of so many seconds go to the disk together: half of what a power cut may take (architecture, rule 5).
+# Commits of so many seconds go to the disk together: half of what a power cut may take (docs/architecture.md, "First
+# written, then done").
 GROUP_S = 0.05
 # After so many commits the write-ahead log is moved into the database.
 CHECKPOINT_COMMITS = 500

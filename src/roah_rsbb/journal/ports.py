@@ -1,7 +1,7 @@
 """The record of used private ports: none is given twice in a competition, also across restarts.
 
 A text file in the log directory, one port a line, appended and forced to the disk before the port is used
-(wire protocol, Channels). A line that was torn by a power cut names a smaller number or none and does no
+(docs/protocol.md, "Channels"). A line that was torn by a power cut names a smaller number or none and does no
 harm, because only the largest counts.
 """
 

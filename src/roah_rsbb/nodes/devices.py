@@ -1,4 +1,4 @@
-"""Node roah_devices: the home devices (ROS interface, Devices node).
+"""Node roah_devices: the home devices (docs/ros_interface.md, "Devices node").
 
 What is set is held, and told to the SmartIF controller now or as soon as it is reached; /devices/status (latched)
 says whether it is. A node that crashed holds again what it held before: that is on the parameter server.

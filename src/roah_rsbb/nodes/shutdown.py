@@ -1,7 +1,7 @@
 """Nodes roah_rsbb_core_shutdown and roah_rsbb_shutdown: their end is the end of the launch they are in.
 
 Launch files start one as *required*. Its service `roah_rsbb_shutdown` (in the node's namespace) ends it,
-and with it the whole RSBB, or only one client (ROS interface, Core node).
+and with it the whole RSBB, or only one client (docs/ros_interface.md, "Core node").
 """
 
 import threading

@@ -15,7 +15,7 @@ STRIP, SPACE, ROW = 54.0, 13.0, 15.0
 MAX_COLUMNS = 600
 # Samples further apart have no record between them: the box was down.
 NO_RECORD_S = 3.0
-# A robot is called silent after this long (`core/link.py`); the usual limit of the skew (manual, section 1).
+# A robot is called silent after this long (`core/link.py`); the usual limit of the skew (docs/protocol.md, "Timing").
 SILENT_S = 3.0
 ALLOWED_SKEW_S = 0.1
 

@@ -1,4 +1,4 @@
-"""How the runs of a benchmark are ranked: read from a YAML file (docs/results.md, Standings).
+"""How the runs of a benchmark are ranked: read from a YAML file (docs/results.md, "Standings").
 
 A benchmark has criteria. The first decides; where it ties the next one does, and so on. Each criterion is a
 weighted sum of items of the referee's sheet and of values of the benchmarking module.

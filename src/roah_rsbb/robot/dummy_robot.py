@@ -94,7 +94,7 @@ class DummyRobot(Behaviour):
         self._log.info("%s: executing%s", benchmark, "" if goal is None else f" {_goal_text(goal)}")
         await self._spend("execute", self._options.execute_duration, _ACTIONS.get(benchmark, ()))
         if self._options.never_end or benchmark == "HPFF":
-            # In HPFF the robot follows the person until the time is over (benchmarks).
+            # In HPFF the robot follows the person until the time is over (docs/benchmarks.md, "HPFF").
             await asyncio.get_event_loop().create_future()
         result = self._result(benchmark)
         self._log.info("%s: complete%s", benchmark, "" if result is None else f", {result}")

@@ -1,4 +1,4 @@
-"""Goals as robots read them and results as they write them (wire protocol, Messages).
+"""Goals as robots read them and results as they write them (docs/protocol.md, "Goals and results").
 
 The generations differ: robots and boxes of 2014 and 2015 have fields of their own, those of 2019 YAML
 texts. A goal is accepted in either form, a result is sent in both. The YAML is so small that no YAML
@@ -54,7 +54,7 @@ class HppfResult(NamedTuple):
 # A plain text is sent as it is, as `generic_result` (STB).
 Result = Union[None, str, HopfResult, HppfResult]
 
-# Bytes that a result may take in a message, of the 987 that there are (wire protocol, Frame).
+# Bytes that a result may take in a message, of the 987 that there are (docs/protocol.md, "Frame").
 RESULT_BUDGET_BYTES = 400
 
 

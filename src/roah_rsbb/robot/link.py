@@ -21,8 +21,8 @@ STRING_FIELDS = ("notifications", "activation_event", "visitor", "final_command"
 SWITCHES = ("switch_1", "switch_2", "switch_3")
 PERCENTAGES = ("dimmer", "blinds")
 
-# What all strings of a message may take: of the 987 bytes that there are with aes-128-cbc (wire
-# protocol, Frame), 400 are for a result and less than 80 for everything else.
+# What all strings of a message may take: of the 987 bytes that there are with aes-128-cbc (docs/protocol.md, "Frame"),
+# 400 are for a result and less than 80 for everything else.
 STRINGS_BUDGET_BYTES = 500
 
 # A datagram that was overtaken comes within this time. What is older in the box's own words for longer

@@ -1,4 +1,4 @@
-"""The robot's state machine, as tables (wire protocol, State machines: "Robot's next state").
+"""The robot's state machine, as tables (docs/protocol.md, "Robot's next state").
 
 The box leads. It repeats what it wants (`BoxState`) until the robot's own state shows that it was
 heard, so most entries say "keep": the robot hears the same word many times. One goal goes
@@ -81,7 +81,7 @@ BOX_TABLE: Dict[Tuple[BoxState, RobotState], Step] = {
 }
 
 # Benchmarks in which PREPARE while EXECUTING means that the goal (a waypoint) timed out and the next
-# one follows: what robots in the field do (wire protocol, State machines).
+# one follows: what robots in the field do (docs/protocol.md, "Robot's next state").
 PREPARE_ENDS_GOAL = frozenset({"HNF"})
 
 # (own event, the robot's present state) -> next state. There is no other own event.

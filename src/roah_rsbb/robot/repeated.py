@@ -1,4 +1,4 @@
-"""The sender of repeated strings (wire protocol, Repeated strings).
+"""The sender of repeated strings (docs/protocol.md, "Repeated strings").
 
 The rules of the link: a string is put into every message until the box acknowledges a message that
 contained it. The box logs a text when a message contains it and the message that it received before

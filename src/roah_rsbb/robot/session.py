@@ -59,7 +59,7 @@ class Session:
             self._hear_beacon(now_mono, message, sender[0])
         elif isinstance(message, pb.RobotBeacon) and self._is_me(message):
             self._hear_twin(sender[0])
-        # A TabletBeacon is for the box: robots trust what the box says of the tablet (manual, section 4.1).
+        # A TabletBeacon is for the box: robots trust what the box says of the tablet (docs/protocol.md, "Messages").
 
     def private_message(self, now_mono: float, message: PrivateMessage, sender: Address) -> None:
         """A message on the private channel."""

@@ -1,7 +1,7 @@
 """The times that a robot writes into its messages, and what the box's acknowledgements say of them.
 
 The box puts a robot's messages into order by their `time` and ignores what is older than what it has
-seen (wire protocol, State machines). So two messages of one channel never carry the same time, and a
+seen (docs/protocol.md, "State machines"). So two messages of one channel never carry the same time, and a
 later one never an earlier time, even when the clock stands still or NTP turns it back a little. Only
 when somebody set the clock back by more than `SET_BACK_S` does the time follow it: to hide that would
 show the referee a skew that the robot no longer has.

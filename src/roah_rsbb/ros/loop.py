@@ -1,4 +1,7 @@
-"""One asyncio loop in the main thread owns the core; rospy's threads hand over and wait (architecture, rule 3)."""
+"""The asyncio loop in the main thread, to which rospy's threads hand over their calls.
+
+It is the one thread of docs/architecture.md, "One thread owns the core".
+"""
 
 import asyncio
 import concurrent.futures

@@ -1,7 +1,7 @@
 """What the box knows of each benchmark code by itself, and the types that a configuration is made of.
 
 The configuration files say what a benchmark is called, how long it takes and what the referee scores;
-which codes exist and how a run of each is driven is in the programs, hence here (benchmarks, the table).
+which codes exist and how a run of each is driven is in the programs, hence here (docs/benchmarks.md, "The table").
 """
 
 import enum
@@ -36,7 +36,7 @@ ALL_TEAMS = "ALL"
 
 
 class ScoreKind(enum.IntEnum):
-    """What values a scoring item takes; the numbers are those of `ZoneScoreGroup` (ROS interface)."""
+    """Kind of a scoring item, numbered as in `ZoneScoreGroup` (docs/ros_interface.md, "Topics of the core")."""
 
     BOOL = 0
     UINT = 1

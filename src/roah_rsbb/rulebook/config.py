@@ -1,6 +1,6 @@
 """The configuration of the box: three YAML files, read and checked once, at the start.
 
-The files are described in benchmarks, section Files, and at the top of each file in ``config/``.
+docs/benchmarks.md, "Files" describes the files. Each file in ``config/`` starts with a description, too.
 Whatever is wrong in any of them is reported at once, and the box does not start. An error in one file is
 not reported again as its consequences in another.
 """

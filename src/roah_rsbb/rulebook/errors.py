@@ -1,7 +1,7 @@
 """What is wrong with configuration files: collected from all of them, then told at once.
 
 An organiser corrects a file at a desk with a text editor, so each error says where (file, line), what
-was found and what was expected (architecture, rule 7), and all of them come in one go.
+was found and what was expected (docs/architecture.md, "Errors name the remedy"), and all of them come in one go.
 """
 
 from typing import Any, Dict, Iterable, List, NamedTuple

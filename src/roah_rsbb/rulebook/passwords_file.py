@@ -10,7 +10,7 @@ from roah_rsbb.rulebook.errors import Place, Report
 from roah_rsbb.rulebook.yaml_fields import describe, text
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Unusable, read_yaml
 
-# Names travel in the beacon, which must fit in one datagram (wire protocol, Frame).
+# Names travel in the beacon, which must fit in one datagram (docs/protocol.md, "Frame").
 MAX_TEAM_BYTES = 100
 
 _SHAPE = "a line 'team: password' for each team"

@@ -1,4 +1,4 @@
-"""Names of run logs (ROS interface, Run log), without anything in them that a file system minds."""
+"""Names of run logs (docs/ros_interface.md, "Run log"), without anything in them that a file system minds."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""Run logs: one rosbag for each run, written by a thread of its own (ROS interface, Run log).
+"""Run logs: one rosbag for each run, written by a thread of its own (docs/ros_interface.md, "Run log").
 
 Theory of operation. Nothing slow may stand between a datagram and its answer, so the loop only puts jobs into a
 queue. Entries are handed to the system as they come, and the bags' chunks are ended once a second.

@@ -52,7 +52,7 @@ _BAG = """\
 Writes a bag with all that belongs into a run's log, where that was lost. It needs ROS's Python, but no ROS master.
 """
 _RULES = """\
-How teams are ranked is in a YAML file (docs/results.md, Standings); a benchmark that is not in it is ranked by the
+How teams are ranked is in a YAML file (docs/results.md, "Standings"); a benchmark that is not in it is ranked by the
 sum of the score sheet.
 """
 

@@ -1,4 +1,4 @@
-"""Datagrams: what anybody on the network can send to the box (wire protocol, Frame)."""
+"""Datagrams: what anybody on the network can send to the box (docs/protocol.md, "Frame")."""
 
 import struct
 from typing import Iterator, List

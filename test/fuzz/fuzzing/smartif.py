@@ -1,4 +1,4 @@
-"""SmartIF: what a controller, or who has its address, can send to the devices node (ROS interface, Devices node)."""
+"""SmartIF: what a controller can send to the devices node (docs/devices.md, "The SmartIF protocol")."""
 
 import json
 from typing import Dict, Iterator, List

@@ -53,7 +53,7 @@ def test_hgmf():
     # On a smaller table there may be no target 5 cm from the object.
     ("HGMF", "x: 1.2", "x: 0.49", "expected a number of metres at least 0.5 and at most 10"),
     ("HGMF", "y: 0.8", "y: 0.49", "expected a number of metres at least 0.5 and at most 10"),
-    # What GoalHGMF has room for (ROS interface).
+    # What GoalHGMF has room for (docs/ros_interface.md, "Team's side").
     ("HGMF", "{ id: 1,", "{ id: 65536,", "expected a whole number from 0 to 65535"),
 ])
 def test_what_is_refused(tmp_path, code, old, new, found):

@@ -1,4 +1,4 @@
-"""What is on record first, and what leaves the box then; what run logs contain (ROS interface, Run log)."""
+"""What is on record first, and what leaves the box then; what run logs contain (docs/ros_interface.md, "Run log")."""
 
 import pytest
 

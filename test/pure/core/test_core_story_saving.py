@@ -1,4 +1,4 @@
-"""A robot must save offline data while it executes (manual, section 1)."""
+"""A robot must save offline data while it executes (docs/protocol.md, "Timing")."""
 
 import pytest
 

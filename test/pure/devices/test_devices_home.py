@@ -14,7 +14,7 @@ from roah_rsbb.devices.smartif import Changed, Event, Set
     ("blinds", 35, Set("77", 3500)), ("blinds", 100, Set("77", 10000)), ("blinds", 0, Set("77", 0)),
 ])
 def test_what_the_controller_is_told(device, value, message):
-    """Ids and scales: ROS interface, SmartIF controller."""
+    """Ids and scales of docs/devices.md, "The SmartIF protocol"."""
     home = Home()
     assert home.set(device, value) == message
     assert home.values[device] == value

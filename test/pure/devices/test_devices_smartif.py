@@ -41,7 +41,7 @@ def pieces(data, cuts):
     (Event("E", "47", "1"), b"2E\0\x0247\0\x011"),
 ])
 def test_messages_are_these_bytes(message, data):
-    """Written out from the ROS interface, SmartIF controller."""
+    """Written out from docs/devices.md, "The SmartIF protocol"."""
     assert encode(message) == data
     assert Decoder(TO_CONTROLLER if isinstance(message, Set) else FROM_CONTROLLER).feed(data) == [message]
 

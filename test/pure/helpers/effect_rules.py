@@ -1,6 +1,7 @@
 """Rules that the effects of a box obey in every test: the order of them, and what run logs may contain.
 
-What must be on record comes before what leaves the box because of it (architecture, rule 5).
+What must be on record comes before what leaves the box because of it (docs/architecture.md, "First written, then
+done").
 """
 
 from roah_rsbb.core import run_log

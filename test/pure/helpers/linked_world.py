@@ -271,7 +271,7 @@ class World:
         return [state for state, _ in itertools.groupby(states)]
 
 
-# What may follow what in the box, where no goal is explicit (wire protocol, State machines).
+# What may follow what in the box, where no goal is explicit (docs/protocol.md, "State machines").
 LEGAL = {
     (BoxState.STOP, BoxState.PREPARE), (BoxState.PREPARE, BoxState.WAITING_RESULT),
     (BoxState.WAITING_RESULT, BoxState.STOP), (BoxState.WAITING_RESULT, BoxState.PREPARE),

@@ -40,7 +40,7 @@ class SmallBox:
     """Lists the robot while `listed`, and takes it through `goals` once `start` was called.
 
     A goal is a dict of BenchmarkState fields; an empty one is a benchmark without explicit goals. It
-    sends everything every 20 ms, and follows the box's table (wire protocol, State machines).
+    sends everything every 20 ms, and follows the box's table (docs/protocol.md, "State machines").
     """
 
     def __init__(self, code="HGTKMH", goals=({},), password=PASSWORD):

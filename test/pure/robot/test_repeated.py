@@ -12,7 +12,7 @@ FIELDS = ("notifications", "visitor")
 
 
 class BoxRule:
-    """What a box does with repeated strings (wire protocol, Repeated strings).
+    """What a box does with repeated strings (docs/protocol.md, "Repeated strings").
 
     It logs what a message contains and the one received before it did not, and ignores a message that
     is not newer than all before.

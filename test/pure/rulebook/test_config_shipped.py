@@ -9,7 +9,7 @@ from helpers.config_files import SHIPPED, TEXTS
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS, Kind, ScoreKind
 
-# Benchmarks, the table: timeout of a goal and of the whole run, in seconds.
+# docs/benchmarks.md, "The table": timeout of a goal and of the whole run, in seconds.
 TIMEOUTS = {
     "HGTKMH": (600, 600),
     "HWV": (600, 600),
@@ -24,7 +24,7 @@ TIMEOUTS = {
     "STB": (30, 120),
 }
 GROUPS = ["Achievements", "Penalized Behaviors", "Disqualifying Behaviors"]
-# Benchmarks, Scoring items: how many of each group, and how many of them are bool.
+# docs/benchmarks.md, "Scoring items of the TBMs": how many of each group, and how many of them are bool.
 SCORING = {
     "HGTKMH": ([4, 3, 2], 2),
     "HWV": ([8, 6, 2], 8),

@@ -1,7 +1,7 @@
 """Results of robots, read safely: whatever a robot sends costs little and breaks nothing.
 
-A result is YAML (wire protocol, Messages) of a robot that nobody knows. A module says what it expects; what
-does not fit is no result, with a reason for the referee.
+A result is YAML (docs/protocol.md, "Goals and results") of a robot that nobody knows. A module says what it expects;
+what does not fit is no result, with a reason for the referee.
 """
 
 import math

@@ -99,7 +99,7 @@ class RobotLink:
 
     @property
     def times_valid(self) -> bool:
-        """Whether the robot's times mean anything: only within the allowed skew (manual, section 1)."""
+        """Whether the robot's times mean anything: only within the allowed skew (docs/protocol.md, "Timing")."""
         return within(self.skew, self._allowed_skew)
 
     @property

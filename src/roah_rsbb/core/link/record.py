@@ -1,7 +1,7 @@
 """The link record: how the wireless did, second by second, so that it can be said afterwards.
 
 The box sees its own end of the link only. Everything here follows from what arrived, when, what the robot's
-clock said when it was sent, and from the rules by which both sides send (wire protocol, Timing): each second, and
+clock said when it was sent, and from the rules by which both sides send (docs/protocol.md, "Timing"): each second, and
 after a change of state ten times at 50 ms. Each number says in `LinkSample` what it rests on, and what it cannot
 know. Where a rule leaves room the smaller number is taken (the ten begin with the change in the original client,
 and come after it in ours): losses are never invented for a robot that keeps the rules, but some are not seen.
@@ -29,7 +29,7 @@ MOST_LATE_S = 5.0
 # No more acknowledgements than that are remembered.
 MAX_ACKNOWLEDGED = 64
 
-# The robot's states (wire protocol, State machines, "Robot's next state") in which it must do something at the
+# The robot's states (docs/protocol.md, "Robot's next state") in which it must do something at the
 # box's new state at once, and those that show that it did.
 _MUST_ANSWER = {
     BoxState.STOP: frozenset(RobotState) - {RobotState.STOP},
@@ -102,7 +102,7 @@ class LinkSample(NamedTuple):
 def skipped_states(before: RobotState, state: RobotState) -> int:
     """How many states a robot went through between two that it reported one after the other, at least.
 
-    From anywhere it may stop, or prepare again (wire protocol, State machines).
+    From anywhere it may stop, or prepare again (docs/protocol.md, "Robot's next state").
     """
     if state is RobotState.STOP or state == before:
         return 0

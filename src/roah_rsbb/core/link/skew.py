@@ -3,7 +3,7 @@
 Skew is the robot's clock minus the box's: positive is ahead. Every message gives one sample,
 `time` minus the moment of arrival. The way through the network (and a busy box) can only make a
 sample smaller than the truth, never larger, so the largest sample of the last few seconds is the
-best one. Benchmarks may start only within `allowed_skew` (manual, section 1).
+best one. Benchmarks may start only within `allowed_skew` (docs/protocol.md, "Timing").
 """
 
 from collections import deque
@@ -65,7 +65,7 @@ class SkewEstimate:
 
 
 def within(skew: Optional[float], allowed: float) -> bool:
-    """Whether a skew is known and below the allowed one, in both directions (manual, section 1)."""
+    """Whether a skew is known and below the allowed one, in both directions (docs/protocol.md, "Timing")."""
     return skew is not None and abs(skew) < allowed
 
 

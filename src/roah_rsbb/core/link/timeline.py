@@ -1,7 +1,7 @@
 """Which of a robot's messages are new: the order of their `time` decides, not that of arrival.
 
-UDP reorders and duplicates, and a stale datagram must never move the state machine (wire protocol,
-State machines). A robot may also have its clock set back; it would then be stale for ever. Such a
+UDP reorders and duplicates, and a stale datagram must never move the state machine (docs/protocol.md, "State
+machines"). A robot may also have its clock set back; it would then be stale for ever. Such a
 robot is told from a reordering network by this: nothing newer arrives any more, while several older
 times arrive in rising order. As long as the first timeline lives, replayed datagrams have no chance.
 What falls below the rising times begins them anew, or one straggler from just before the clock was set

@@ -23,7 +23,7 @@ _OBJECT_FIELDS = (
 
 
 def result_text(report: RobotReport) -> str:
-    """A robot's result as YAML, whichever form it came in (wire protocol, Messages); empty: none.
+    """A robot's result as YAML, whichever form it came in (docs/protocol.md, "Goals and results"); empty: none.
 
     It is cut at `MAX_RESULT`.
     """

@@ -1,7 +1,7 @@
 """Which robots take part when all take part at once, and why the others cannot.
 
-All active robots within skew are connected; one that cannot take part keeps nobody else from it (benchmarks,
-HSUF). The referee is told who is left out and why, and may disconnect and connect again to have a late one.
+All active robots within skew are connected; one that cannot take part keeps nobody else from it (docs/benchmarks.md,
+"HSUF"). The referee is told who is left out and why, and may disconnect and connect again to have a late one.
 """
 
 from typing import TYPE_CHECKING, List, NamedTuple, Tuple

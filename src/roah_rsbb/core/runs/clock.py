@@ -1,6 +1,6 @@
 """The times of a run: its countdowns, and the watch on the robot's offline data.
 
-Both use the monotonic clock only (architecture, rule 4).
+Both use the monotonic clock only (docs/architecture.md, "Two clocks").
 """
 
 from typing import NamedTuple, Optional
@@ -82,7 +82,7 @@ class Countdown:
 
 
 class RunClock(Countdown):
-    """Counts from the first start to the timeout. Stopped time counts (wire protocol, State machines)."""
+    """Counts from the first start to the timeout. Stopped time counts (docs/protocol.md, "State machines")."""
 
     def __init__(self, timeout: float, after_stop: float) -> None:
         super().__init__(timeout)
@@ -116,7 +116,7 @@ class RunClock(Countdown):
 
 
 class SavingWatch:
-    """Ends a run whose robot executes for some time with `messages_saved` at 0 (manual, section 1)."""
+    """Ends a run whose robot executes for some time with `messages_saved` at 0 (docs/protocol.md, "Timing")."""
 
     def __init__(self, settings: Settings) -> None:
         self._timeout = settings.check_messages_saved_timeout if settings.check_messages_saved else None

@@ -1,10 +1,10 @@
 """A robot's commands to the home devices and the tablet's display.
 
 They are obeyed in HCFGAC only; in every other benchmark they are ignored and that is said once
-(benchmarks). Robots repeat their wishes in every message, so a command is obeyed once per change: a
+(docs/benchmarks.md, "HCFGAC"). Robots repeat their wishes in every message, so a command is obeyed once per change: a
 value that is merely repeated never undoes what the referee operated since. The first values count as
 a change, but not those of the first message: a client of 2015 still carries the wishes of its previous
-run there (wire protocol, State machines), where they mean nothing.
+run there (docs/protocol.md, "Device commands"), where they mean nothing.
 """
 
 from typing import List, NamedTuple, Optional, Tuple

@@ -7,8 +7,7 @@ follows from it. Only fresh messages may be put in: a stale one must never move 
 `roah_rsbb.core.link.timeline`). The referee's start and stop and the timeouts are not in the table: they
 set PREPARE and STOP from outside.
 
-The table is that of the wire protocol, State machines, "Box's next state"; its rows and columns are
-swapped here.
+docs/protocol.md, "Box's next state" shows the table, with rows and columns swapped.
 """
 
 import enum

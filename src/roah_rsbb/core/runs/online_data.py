@@ -1,7 +1,7 @@
 """Online data: strings that a robot keeps sending until they are acknowledged.
 
 The box logs a string once; it logs the same text again only after a message that did not contain it
-came in between (wire protocol, Repeated strings). Only fresh messages may be put in.
+came in between (docs/protocol.md, "Repeated strings"). Only fresh messages may be put in.
 """
 
 from typing import FrozenSet, Iterable, List, Tuple

@@ -1,6 +1,6 @@
 """The score sheet of a run: what the referee marks, item by item, and who changed what when.
 
-Items, their types and groups come from the benchmarks file (benchmarks, Scoring items of the TBMs).
+Items, their types and groups come from the benchmarks file (docs/benchmarks.md, "Scoring items of the TBMs").
 
 Theory of operation. The sheet is its history: an item stands as its last entry says that is not withdrawn, and at 0
 without one. So one entry can be withdrawn without touching the others, and what was saved can be read back

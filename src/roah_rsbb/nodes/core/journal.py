@@ -1,6 +1,7 @@
 """Between the core and its journal: an event's effects become a batch, and a batch of old a box that goes on.
 
-What an event changed is in the journal before anything leaves the box because of it (architecture, rule 5).
+What an event changed is in the journal before anything leaves the box because of it (docs/architecture.md, "First
+written, then done").
 """
 
 import json

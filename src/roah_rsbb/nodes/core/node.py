@@ -1,12 +1,11 @@
-"""Node roah_rsbb_core: the box itself (ROS interface, Core node).
+"""Node roah_rsbb_core: the box itself (docs/ros_interface.md, "Core node").
 
-The only place where the core meets rospy. Its topics, services and parameters are those of the ROS
-interface, plus /core/details and /core/public_details.
+The only place where the core meets rospy.
 
-Parameters (private), which docs/organiser.md explains: rsbb_host, rsbb_port, bind_host, benchmarks_file, schedule_file,
-passwords_file, log_dir, resume, public_results, rsbb_cypher, private_mode, robot_timeout, allowed_skew,
-after_stop_duration, check_messages_saved, check_messages_saved_timeout, auto_next, display_log_size, max_datagram,
-listen_duration; end_launch (for launch files: what cannot be mended by starting again ends the launch).
+Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_host, rsbb_port, bind_host,
+benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, rsbb_cypher, private_mode,
+robot_timeout, allowed_skew, after_stop_duration, check_messages_saved, check_messages_saved_timeout, auto_next,
+display_log_size, max_datagram, listen_duration, end_launch.
 """
 
 import gc

@@ -1,4 +1,4 @@
-"""The services of the core node (ROS interface, Core node): each is one event for the box."""
+"""The services of the core node (docs/ros_interface.md, "Core node"): each is one event for the box."""
 
 from typing import Any, Callable, List, Tuple
 

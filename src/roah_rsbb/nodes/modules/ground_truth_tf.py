@@ -1,4 +1,4 @@
-"""Ground truth from tf2: frames that a motion-capture system publishes (benchmarks, Benchmarking modules).
+"""Ground truth from tf2: frames that a motion-capture system publishes (docs/benchmarks.md, "Benchmarking modules").
 
 Safe to ask from any thread; nothing here waits for a frame.
 """

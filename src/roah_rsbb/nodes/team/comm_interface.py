@@ -1,6 +1,6 @@
 """The ROS side of node roah_rsbb_comm: which topics and services a robot has, and when.
 
-Some are always there, some only in a benchmark, some only in a phase of it (ROS interface, Team's side).
+Some are always there, some only in a benchmark, some only in a phase of it (docs/ros_interface.md, "Team's side").
 Advertising asks the ROS master, which takes its time, so all of it is done by a thread of its own, in the
 order in which it was asked for: the box hears of a new state before the robot's own programs do.
 """

@@ -1,4 +1,4 @@
-"""Node roah_rsbb_comm (type comm): what a team runs on its robot (ROS interface, Team's side).
+"""Node roah_rsbb_comm (type comm): what a team runs on its robot (docs/ros_interface.md, "Team's side").
 
 It speaks with the box, of any generation, and offers topics and services to the robot's own programs.
 

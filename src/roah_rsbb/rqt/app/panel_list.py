@@ -1,4 +1,4 @@
-"""All panels: those of the manual's section 5 in its order, then the others."""
+"""All panels: those of the original RSBB first, then the others."""
 
 from typing import Tuple, Type
 

@@ -1,4 +1,4 @@
-"""What the core and the devices published last, for all panels of a process (architecture, rule 6)."""
+"""The latest messages of core and devices, for all panels (docs/architecture.md, "Panels hold no truth")."""
 
 import time
 from typing import List, Optional

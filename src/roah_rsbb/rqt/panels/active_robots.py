@@ -1,4 +1,4 @@
-"""Active Robots: every robot that the box hears (manual, section 5.6)."""
+"""Active Robots: every robot that the box hears (docs/referee.md, "Active Robots")."""
 
 from typing import List, Tuple
 

@@ -1,4 +1,4 @@
-"""Benchmark Control: which event a zone is at, how its run goes, and the commands (manual, section 5.1).
+"""Benchmark Control: the zone's event, the state of its run, and the commands (docs/referee.md, "Benchmark Control").
 
 Keys: F5 twice starts, Esc twice stops, in whatever panel of the process the focus is.
 """

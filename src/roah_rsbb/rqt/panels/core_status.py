@@ -1,4 +1,4 @@
-"""Core Status: what the box is doing, and the exit button (manual, section 5.2).
+"""Core Status: what the box is doing, and the exit button (docs/referee.md, "Core Status").
 
 What *exit* ends depends on the launch file: a client's own shutdown node ends that client, unless the
 client was started together with the core (`exit_ends_rsbb`); without a client the core's own node, in

@@ -1,4 +1,5 @@
-"""Devices: what is held of the home devices, and the referee's hand on each of them (ROS interface, Devices node).
+"""Devices: the last known state of each home device, and controls to operate it (docs/ros_interface.md, "Devices
+node").
 
 They are no part of the core: the panel shows what their own node publishes, and works while the core is silent.
 """

@@ -1,4 +1,4 @@
-"""Log Display: the log of the zone's run, as it is written (manual, section 5.8)."""
+"""Log Display: the log of the zone's run, as it is written (docs/referee.md, "Log Display")."""
 
 from roah_rsbb.msg import ZoneState
 from roah_rsbb.rqt.panels.text_panel import TextPanel

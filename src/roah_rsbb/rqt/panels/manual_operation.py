@@ -1,4 +1,4 @@
-"""Manual Operation: what a benchmarking module asks the referee to do (manual, section 5.5)."""
+"""Manual Operation: what a benchmarking module asks the referee to do (docs/referee.md, "Manual Operation")."""
 
 from typing import List, Optional, Tuple
 

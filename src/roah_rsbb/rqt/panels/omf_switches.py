@@ -1,4 +1,4 @@
-"""OMF Switches: in HOMF the referee enters which switches changed and how many were damaged (ROS interface)."""
+"""OMF Switches: which switches changed and how many were damaged, in HOMF (docs/referee.md, "OMF Switches")."""
 
 from typing import List
 

@@ -1,4 +1,4 @@
-"""Scoring: what the referee scores, and what the benchmarking module did (manual, section 5.4)."""
+"""Scoring: what the referee scores, and what the benchmarking module did (docs/referee.md, "Scoring")."""
 
 import html
 from functools import partial

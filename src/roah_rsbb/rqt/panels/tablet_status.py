@@ -1,4 +1,4 @@
-"""Tablet Status: what the tablet last said (manual, section 5.3)."""
+"""Tablet Status: what the tablet last said (docs/referee.md, "Tablet Status")."""
 
 from typing import Dict
 

@@ -1,4 +1,4 @@
-"""What the public display says, in words: made from PublicDetails (ROS interface, new), for one moment.
+"""The words of the public display, made from PublicDetails (docs/public_display.md, "For programs").
 
 Works on anything with the fields of PublicDetails: no ROS, no Qt is needed. Times of day are local, those of the
 computer that shows them: the public reads them beside the clock on the wall.

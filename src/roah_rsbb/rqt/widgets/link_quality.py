@@ -1,7 +1,7 @@
 """How well a robot is heard: how long it was silent at most, of late.
 
-The core publishes when it last heard a robot, ten times a second; a robot sends each second (wire protocol, Timing).
-So the longest silence tells how many of its messages were lost in a row.
+The core publishes when it last heard a robot, ten times a second; a robot sends each second (docs/protocol.md,
+"Timing"). So the longest silence tells how many of its messages were lost in a row.
 """
 
 import collections

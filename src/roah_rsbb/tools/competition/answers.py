@@ -11,7 +11,7 @@ from roah_rsbb.rulebook.yaml_fields import choice, text
 from roah_rsbb.rulebook.yaml_lines import Scalar
 from roah_rsbb.tools.competition.moments import read_day
 
-# Two zones are what a competition usually has (manual, section 1).
+# Two zones are what a competition usually has (docs/organiser.md, "A first competition").
 _TASKS, _OTHERS = "Task Benchmarks", "Functionality Benchmarks"
 _MAX_MINUTES = 24 * 60
 

@@ -1,4 +1,4 @@
-"""Days and times of day at the venue, and what they are in UTC, which schedules are in (benchmarks, Files)."""
+"""Converts days and times at the venue to the UTC times of schedules (docs/benchmarks.md, "Files")."""
 
 import datetime
 import re

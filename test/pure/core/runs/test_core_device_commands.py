@@ -70,7 +70,7 @@ def test_more_than_100_per_cent_is_told_once_and_not_obeyed(devices, field, valu
 
 
 def test_the_first_message_on_a_channel_is_of_the_previous_run():
-    """As a client of 2015 does it: wire protocol, State machines."""
+    """As a client of 2015 does it: docs/protocol.md, "Device commands"."""
     devices = DeviceCommands("HCFGAC")
     assert devices.take(_report(**{**ALL_OFF, "switch_1": True, "dimmer": 70})) == NOTHING
     assert devices.take(_report()) == NOTHING

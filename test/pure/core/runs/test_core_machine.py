@@ -1,4 +1,4 @@
-"""Every entry of the box's state table (wire protocol, State machines)."""
+"""Every entry of the box's state table (docs/protocol.md, "State machines")."""
 
 import itertools
 
