@@ -53,7 +53,8 @@ class Box(ModuleEvents, ScoreEvents, Restart):
         that this competition ever used, from the record; None: none yet."""
         super().__init__()
         self.settings = settings
-        self.robots = ActiveRobots(settings.robot_timeout, config.passwords)
+        self.robots = ActiveRobots(
+            settings.robot_timeout, config.passwords, lambda: {run.robot for run in self.runs()})
         self.zones: Dict[str, Zone] = {plan.name: Zone(plan) for plan in config.zones}
         self.devices = DevicesState()
         self.tablet = Tablet()
@@ -284,7 +285,11 @@ class Box(ModuleEvents, ScoreEvents, Restart):
         elif known is None:
             self._notice(Level.INFO, f"Robot {robot_id} is active at {host}")
         elif heard.has_rival(now):
-            text = self.watches.rivals(now, robot_id, heard.host, heard.rival or "")
+            text = self.watches.rivals(now, heard)
+        if text:
+            self._notice(Level.WARNING, text)
+        squatter = self.robots.take_squatter()
+        text = self.watches.squatter(now, squatter) if squatter is not None else None
         if text:
             self._notice(Level.WARNING, text)
 
@@ -314,10 +319,11 @@ class Box(ModuleEvents, ScoreEvents, Restart):
     def on_foreign_box(self, now: Now, host: str) -> None:
         """Another box's beacon (or state on a private channel) arrived from `host`."""
         self.tick(now)
-        if self.listening_left(now) > 0:
+        if self.listening_left(now) > 0 and not self.settings.take_over:
             self._emit(effects.GiveUp(
                 f"Another RSBB is running at {host}: stop that one, or give this one another rsbb_host or "
-                "rsbb_port"
+                "rsbb_port. If no box of yours is there, somebody forges its beacons: start with take_over:=true, "
+                f"and take {host} off the network"
             ))
             return
         text = self.watches.foreign_box(now, host)

@@ -3,7 +3,8 @@
 from typing import Dict, List, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.robots import RobotId
+from roah_rsbb.core.link.skew import skew_text
+from roah_rsbb.core.robots import ActiveRobot, Squatter
 from roah_rsbb.core.tablet import Heard
 
 # A warning stays before the referees' eyes for this long after its last cause.
@@ -12,6 +13,8 @@ CLOCK_REMEMBER_S = 60.0
 TROUBLE_REMEMBER_S = 300.0
 # So many causes of one kind are remembered; what more there may be is a flood.
 MAX_KEPT = 20
+# Two robots of one name whose clocks differ by this much are told with their clocks.
+TWO_CLOCKS_S = 0.1
 
 
 class Watches:
@@ -43,11 +46,24 @@ class Watches:
             REMEMBER_S,
         )
 
-    def rivals(self, now: Now, robot_id: RobotId, host: str, rival: str) -> Optional[str]:
+    def rivals(self, now: Now, robot: ActiveRobot) -> Optional[str]:
         """Two hosts use one robot's name."""
+        confirmed = " (confirmed by its password)" if robot.host == robot.confirmed_host else ""
+        text = (f"Two robots call themselves {robot.id}: {robot.host}{confirmed} and {robot.rival}. Give one another "
+                "robot_name")
+        mine, theirs = robot.skew.seconds or 0.0, robot.rival_skew
+        if abs(mine - theirs) >= TWO_CLOCKS_S:
+            text += f". Their clocks differ: {skew_text(mine)} and {skew_text(theirs)}"
+        return self._keep(now, ("rival", robot.id), text, REMEMBER_S)
+
+    def squatter(self, now: Now, squatter: Squatter) -> Optional[str]:
+        """Somebody announces more robots than there is room for."""
+        where = (f"{squatter.host} announces at least {squatter.robots} robots" if squatter.robots > 1 else
+                 f"Many addresses, such as {squatter.host}, announce robots")
         return self._keep(
-            now, ("rival", robot_id),
-            f"Two robots call themselves {robot_id}: {host} and {rival}. Give one another robot_name",
+            now, ("squatter", squatter.host if squatter.robots > 1 else None),
+            f"{where}, the last of team {squatter.team}, without ever showing a password. Only a part of them is "
+            "listed. Find that computer and take it off the network",
             REMEMBER_S,
         )
 

@@ -6,6 +6,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import competition
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import GiveUp, Level
+from roah_rsbb.core.robots import MAX_STRANGERS
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
 from roah_rsbb.protocol import RobotState
@@ -42,6 +43,36 @@ def test_a_box_that_hears_another_one_later_warns_every_referee_and_goes_on(afte
     assert views.status(driver.box, driver.now) == "OK"
 
 
+def test_a_box_that_is_told_to_take_over_starts_beside_another_one():
+    driver = BoxDriver(settings=Settings(take_over=True), listening=True)
+    for _ in range(10):
+        driver.event(driver.box.on_foreign_box, "10.0.0.99")
+        driver.run(1)
+    assert driver.taken(GiveUp) == []
+    driver.robot().beacon()
+    assert driver.off("connect") == []
+    assert "ANOTHER RSBB is transmitting from 10.0.0.99" in views.status(driver.box, driver.now)
+
+
+def test_a_box_that_gives_up_says_how_to_start_beside_a_forged_one():
+    driver = BoxDriver(listening=True)
+    driver.event(driver.box.on_foreign_box, "10.0.0.99")
+    give_up, = driver.taken(GiveUp)
+    assert "start with take_over:=true" in give_up.reason
+
+
+def test_who_announces_too_many_robots_is_told_and_another_teams_robot_is_connected():
+    driver = BoxDriver()
+    driver.taken()
+    for i in range(250):
+        driver.event(driver.box.on_robot_beacon, "10.0.0.66", "Beta", f"ghost {i}", (0, 0))
+        driver.run(0.04)
+    assert any("10.0.0.66 announces at least 25 robots, the last of team Beta" in text
+               for text in driver.notices(Level.WARNING))
+    driver.robot().beacon()
+    assert driver.off("connect") == []
+
+
 def test_the_status_tells_that_the_box_listens():
     driver = BoxDriver(listening=True)
     assert views.status(driver.box, driver.now) == "Listening for another box before transmitting: 5 s"
@@ -72,7 +103,8 @@ def test_two_hosts_with_one_name_are_told_to_every_referee():
         driver.run(1)
         one.beacon()
         two.beacon()
-    text = "Two robots call themselves r1 of team Alpha: 10.0.0.2 and 10.0.0.3. Give one another robot_name"
+    text = ("Two robots call themselves r1 of team Alpha: 10.0.0.2 and 10.0.0.3. Give one another robot_name. Their "
+            "clocks differ: +0.000 s and +5.000 s")
     assert driver.notices(Level.WARNING) == [text]
     assert text in views.status(driver.box, driver.now)
     assert driver.off("connect") == []  # the first one's clock is right
@@ -134,8 +166,8 @@ def test_a_flood_of_robots_is_bounded_and_the_run_goes_on():
         driver.event(driver.box.on_robot_beacon, f"10.1.{i // 250}.{i % 250}", f"Team {i}", "x", (2**62, -i))
         if i % 100 == 0:
             robot.says()
-    assert len(views.robots(driver.box, driver.now)) == 250
-    assert len(driver.notices(Level.WARNING)) == 1
+    assert len(views.robots(driver.box, driver.now)) == 1 + MAX_STRANGERS
+    assert sum("announce robots" in text for text in driver.notices(Level.WARNING)) == 1
     late = driver.robot(name="r2", host="10.0.0.3")
     late.beacon()
     assert driver.off("connect", "b") == []

@@ -5,7 +5,17 @@ import pytest
 from helpers.box_driver import wire
 from helpers.competition import UTC0
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.robots import LATE_S, MAX_NAME, MAX_ROBOTS, ActiveRobots, RobotId
+from roah_rsbb.core.robots import (
+    LATE_S,
+    MAX_AT_HOST,
+    MAX_NAME,
+    MAX_OF_TEAM,
+    MAX_ROBOTS,
+    MAX_STRANGERS,
+    ActiveRobots,
+    RobotId,
+    Squatter,
+)
 
 TIMEOUT = 30.0
 
@@ -15,7 +25,8 @@ class Field:
 
     def __init__(self):
         self.now = Now(0.0, UTC0)
-        self.robots = ActiveRobots(TIMEOUT, {"Alpha", "Beta"})
+        self.in_runs = set()
+        self.robots = ActiveRobots(TIMEOUT, {"Alpha", "Beta"}, lambda: self.in_runs)
 
     def hear(self, name="r1", team="Alpha", host="10.0.0.2", after=0.0, skew=0.0, certain=False):
         self.now = self.now.later(after)
@@ -104,28 +115,76 @@ def test_a_name_of_the_largest_length_is_listed(field):
     assert field.hear("x" * MAX_NAME) is not None
 
 
-def test_a_flood_of_robots_is_bounded_and_passes(field):
-    field.hear("r1")
+def test_what_was_never_confirmed_gives_way_to_the_host_that_knew_the_password(field):
+    field.hear(host="10.0.0.2", certain=True)
+    field.hear(host="10.0.0.66", after=LATE_S + 1, skew=3600.0)
+    robot = field.hear(host="10.0.0.2", after=1.0)
+    assert (robot.host, robot.rival) == ("10.0.0.2", "10.0.0.66")
+    assert robot.skew.seconds == pytest.approx(0.0)
+    assert robot.rival_skew == pytest.approx(3600.0)
+    assert field.hear(host="10.0.0.66", skew=3600.0).skew.seconds == pytest.approx(0.0)
+
+
+def test_a_flood_of_one_teams_robots_fills_only_its_quota(field):
     for i in range(2 * MAX_ROBOTS):
-        field.hear(f"fake{i}", after=0.001)
-    assert len(field.names()) == MAX_ROBOTS
-    assert ("Alpha", "r1") in field.names()
-    assert field.hear("another") is None
-    assert field.hear("r1") is not None
+        field.hear(f"fake{i}", host="10.0.0.66", after=0.04)
+    assert len(field.names()) == MAX_AT_HOST
+    assert field.hear("r1", "Beta", "10.0.0.3") is not None
+    assert field.hear("r1", "Alpha", "10.0.0.2") is not None
+    for i in range(MAX_ROBOTS):
+        field.hear(f"fake{i}", host="10.0.0.66", after=0.1)
+    assert {("Alpha", "r1"), ("Beta", "r1")} < set(field.names())
     field.now = field.now.later(TIMEOUT + 1)
     assert field.hear("another") is not None
     assert field.names() == [("Alpha", "another")]
 
 
+def test_many_addresses_fill_only_the_quota_of_the_team_that_they_name(field):
+    field.hear("r1", "Beta", "10.0.0.3")
+    for i in range(MAX_ROBOTS):
+        field.hear(f"fake{i}", host=f"10.1.0.{i}", after=0.04)
+    assert len(field.names()) == 1 + MAX_OF_TEAM
+    squatter = field.robots.take_squatter()
+    assert (squatter.team, squatter.robots) == ("Alpha", 1)
+    assert field.robots.take_squatter() is None
+    field.now = field.now.later(1)
+    assert field.hear("r1", host="10.0.0.2") is not None
+
+
+def test_who_announces_too_many_is_known(field):
+    for i in range(MAX_AT_HOST):
+        field.hear(f"fake{i}", host="10.0.0.66", after=0.1)
+    assert field.robots.take_squatter() is None
+    field.hear("one more", host="10.0.0.66", after=0.1)
+    assert field.robots.take_squatter() == Squatter("10.0.0.66", "Alpha", MAX_AT_HOST)
+
+
+@pytest.mark.parametrize("how", ["confirmed", "in a run"])
+def test_a_robot_that_is_confirmed_or_in_a_run_never_gives_way(field, how):
+    robot_id = RobotId("Alpha", "r1")
+    field.in_runs |= {robot_id} if how == "in a run" else set()
+    field.hear("r1", host="10.0.0.66", certain=how == "confirmed")
+    for i in range(2 * MAX_AT_HOST):
+        field.hear(f"fake{i}", host="10.0.0.66", after=0.1)
+    assert field.robots.find(robot_id) is not None
+
+
+def test_a_confirmed_robot_is_always_listed(field):
+    full = ActiveRobots(TIMEOUT, {f"team {i}" for i in range(MAX_ROBOTS)})
+    for i in range(MAX_ROBOTS):
+        full.hear(field.now, RobotId(f"team {i}", "r"), f"10.1.0.{i}", wire(field.now.utc))
+    assert full.hear(field.now, RobotId("team 1", "r2"), "10.0.0.2", wire(field.now.utc), certain=True) is not None
+    assert len(full.all(field.now)) == MAX_ROBOTS
+
+
 def test_robots_of_the_competition_are_listed_in_a_flood_of_strangers(field):
     for i in range(2 * MAX_ROBOTS):
-        field.hear("fake", f"stranger{i}")
+        field.hear("fake", f"stranger{i}", f"10.1.{i // 250}.{i % 250}", after=0.03)
     assert field.hear("r1", "Beta") is not None
     assert field.hear("r2", "Beta") is not None
     assert ("Beta", "r1") in field.names()
     assert ("Beta", "r2") in field.names()
-    assert len(field.names()) == MAX_ROBOTS
-    assert field.hear("fake", "one more stranger") is None
+    assert len(field.names()) == 2 + MAX_STRANGERS
 
 
 def test_a_robot_is_named_with_its_team():

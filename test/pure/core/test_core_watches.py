@@ -3,7 +3,7 @@
 import pytest
 
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.robots import RobotId
+from roah_rsbb.core.robots import ActiveRobot, RobotId, Squatter
 from roah_rsbb.core.watches import CLOCK_REMEMBER_S, MAX_KEPT, REMEMBER_S, TROUBLE_REMEMBER_S, Watches
 
 
@@ -26,10 +26,22 @@ def test_the_box_listens_for_a_while_from_its_first_moment_on():
     assert [watches.listening_left(at(t)) for t in (100, 102, 105, 200)] == [5.0, 3.0, 0.0, 0.0]
 
 
+def rivals(team, name):
+    """A robot whose name another host uses, too."""
+    robot = ActiveRobot(RobotId(team, name), "h1", at(0))
+    robot.hear(at(0), "h1", (1_000_000_000, 0), certain=False)
+    robot.hear(at(0), "h2", (1_000_003_600, 0), certain=False)
+    return robot
+
+
 CASES = [
     (lambda w, now: w.foreign_box(now, "10.0.0.9"), "ANOTHER RSBB is transmitting from 10.0.0.9", REMEMBER_S),
-    (lambda w, now: w.rivals(now, RobotId("A", "r"), "h1", "h2"), "Two robots call themselves r of team A: h1 and h2",
+    (lambda w, now: w.rivals(now, rivals("A", "r")),
+     "Two robots call themselves r of team A: h1 and h2. Give one another robot_name. Their clocks differ: +0.000 s "
+     "and +3.6e+03 s", REMEMBER_S),
+    (lambda w, now: w.squatter(now, Squatter("10.0.0.9", "A", 25)), "10.0.0.9 announces at least 25 robots",
      REMEMBER_S),
+    (lambda w, now: w.squatter(now, Squatter("10.0.0.9", "A", 1)), "Many addresses, such as 10.0.0.9", REMEMBER_S),
     (lambda w, now: w.not_listed(now, "10.0.0.9"), "Beacons from 10.0.0.9 are ignored", REMEMBER_S),
     (lambda w, now: w.trouble(now, "disk full"), "disk full", TROUBLE_REMEMBER_S),
 ]
@@ -60,7 +72,7 @@ def test_the_last_complaint_stays_a_while(watches):
 
 
 @pytest.mark.parametrize("flood", [
-    lambda w, i: w.rivals(at(10), RobotId("A", f"r{i}"), "h1", "h2"),
+    lambda w, i: w.rivals(at(10), rivals("A", f"r{i}")),
     lambda w, i: w.foreign_box(at(10), f"10.0.{i // 256}.{i % 256}"),
     lambda w, i: w.trouble(at(10), f"trouble {i}"),
 ])

@@ -5,7 +5,7 @@ The only place where the core meets rospy.
 Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_host, rsbb_port, bind_host,
 benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, rsbb_cypher, private_mode,
 robot_timeout, allowed_skew, after_stop_duration, check_messages_saved, check_messages_saved_timeout, auto_next,
-display_log_size, max_datagram, listen_duration, end_launch.
+display_log_size, max_datagram, listen_duration, take_over, end_launch.
 """
 
 import gc
@@ -88,6 +88,7 @@ def _settings(params: Params) -> Settings:
         max_datagram=params.whole("max_datagram", default.max_datagram, 200, 65507),
         auto_next=params.flag("auto_next", default.auto_next),
         listen_duration=params.number("listen_duration", default.listen_duration, highest=60.0),
+        take_over=params.flag("take_over", default.take_over),
     )
 
 
