@@ -1,7 +1,7 @@
-"""Pages of HTML whose every text is escaped, unless it was made here.
+"""Builds HTML pages in which every text is escaped.
 
-Robots' strings are in these pages, and nobody checked them: `tag` escapes all that is not `Markup`. A page needs
-nothing from outside, and its policy forbids the browser to fetch, run or send anything.
+The pages contain unchecked strings of robots, so `tag` escapes everything that is not `Markup`. A page has no
+external parts, and its content security policy forbids the browser to load, run or send anything.
 """
 
 import html
@@ -11,7 +11,7 @@ from roah_rsbb.wording.result_texts import visible
 
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
 
-# Elements that have no end tag.
+# Elements without an end tag.
 _VOID = frozenset(("br", "meta"))
 
 _STYLE = """
@@ -43,7 +43,7 @@ svg { width: 100%; height: auto; display: block; break-inside: avoid; }
 
 
 class Markup(str):
-    """HTML that was made here."""
+    """HTML that `tag` or `joined` built."""
 
     __slots__ = ()
 
@@ -52,7 +52,7 @@ Child = Union[str, Markup]
 
 
 def tag(name: str, /, *children: Child, **attributes: object) -> Markup:
-    """An element. Attributes: `class_` is class, `text_anchor` is text-anchor; those that are None are left out."""
+    """Build an element. The attribute `class_` becomes class, `text_anchor` text-anchor; None omits an attribute."""
     parts = [f"<{name}"]
     for key, value in attributes.items():
         if value is not None:
@@ -63,12 +63,12 @@ def tag(name: str, /, *children: Child, **attributes: object) -> Markup:
 
 
 def joined(children: Iterable[Child]) -> Markup:
-    """Several, one after the other."""
+    """Concatenate texts and markup; texts are escaped."""
     return Markup("".join(c if isinstance(c, Markup) else html.escape(visible(c)) for c in children))
 
 
 def table(headings: Sequence[Child], rows: Iterable[Sequence[Child]], classes: Sequence[str] = ()) -> Markup:
-    """A table; `classes`: of the cells of each column, empty for none."""
+    """Build a table; `classes` are the CSS classes of the columns, empty for none."""
     classes = [*classes, *[""] * (len(headings) - len(classes))]
 
     def row(name: str, cells: Sequence[Child]) -> Markup:
@@ -79,12 +79,12 @@ def table(headings: Sequence[Child], rows: Iterable[Sequence[Child]], classes: S
 
 
 def facts_table(facts: Iterable[Sequence[Child]]) -> Markup:
-    """Names and what they are."""
+    """Build a table of names and values."""
     return tag("table", *(tag("tr", tag("th", name), tag("td", value)) for name, value in facts), class_="facts")
 
 
 def page(title: str, *body: Child) -> str:
-    """A whole page."""
+    """Build a complete page."""
     head = tag(
         "head", tag("meta", charset="utf-8"), tag("meta", http_equiv="Content-Security-Policy", content=_POLICY),
         tag("meta", name="viewport", content="width=device-width"), tag("title", title),

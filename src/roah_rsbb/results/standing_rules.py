@@ -1,7 +1,7 @@
-"""How the runs of a benchmark are ranked: read from a YAML file (docs/results.md, "Standings").
+"""The rules by which runs are ranked, read from a YAML file (docs/results.md, "Standings").
 
-A benchmark has criteria. The first decides; where it ties the next one does, and so on. Each criterion is a
-weighted sum of items of the referee's sheet and of values of the benchmarking module.
+A benchmark has criteria. The first one decides; in a tie the next one does, and so on. Each criterion is a weighted
+sum of items of the referee's sheet and of values of the benchmarking module.
 """
 
 import enum
@@ -19,7 +19,7 @@ _TERM_OPTIONAL = {"group": "Achievements", "item": "Detects a changed object", "
 
 
 class OfRuns(enum.Enum):
-    """What of a team's runs counts."""
+    """Which of a team's runs counts."""
 
     BEST = "best"
     MEAN = "mean"
@@ -27,16 +27,16 @@ class OfRuns(enum.Enum):
 
 
 class Term(NamedTuple):
-    """A part of a criterion: items of the sheet, or a value of the module (`score`), times `weight`."""
+    """Part of a criterion: items of the sheet, or a value of the module (`score`), multiplied by `weight`."""
 
     group: str = ""  # of the sheet; empty: any group
-    item: str = ""  # of the sheet; empty: all of the group
+    item: str = ""  # of the sheet; empty: all items of the group
     score: str = ""  # the name of a value of the whole run
     weight: float = 1.0
 
 
 class Criterion(NamedTuple):
-    """A number for a run, by which runs are compared."""
+    """A number by which runs are compared."""
 
     name: str
     more_is_better: bool
@@ -47,16 +47,16 @@ class Rules(NamedTuple):
     """How a benchmark is ranked."""
 
     of_runs: OfRuns
-    disqualified_by: Tuple[str, ...]  # groups of the sheet: a run with anything in them is worth nothing
+    disqualified_by: Tuple[str, ...]  # groups of the sheet: an entry in one of them disqualifies the run
     criteria: Tuple[Criterion, ...]
 
 
-# For a benchmark that the file does not name.
+# Applies to benchmarks that the file does not name.
 DEFAULT = Rules(OfRuns.BEST, (), (Criterion("Sum of the sheet", True, (Term(),)),))
 
 
 def read_rules(path: str) -> Dict[str, Rules]:
-    """The rules by the benchmark's code; raises `ConfigErrors` with all that is wrong in the file."""
+    """Read the rules by benchmark code; raises `ConfigErrors` with all errors of the file."""
     report = Report()
     rules: Dict[str, Rules] = {}
     root = read_yaml(path, report, "the file with the standings' rules (--rules)", _SHAPE)
@@ -67,7 +67,7 @@ def read_rules(path: str) -> Dict[str, Rules]:
             if code is not None and found is not None:
                 rules[code] = found
     elif root is not None and not isinstance(root, Unusable):
-        report.error(root.place, "something else as the file's content", _SHAPE)
+        report.error(root.place, "unexpected content", _SHAPE)
     report.raise_errors()
     return rules
 
@@ -116,7 +116,7 @@ def _term(report: Report, node: Node) -> Optional[Term]:
                      "either a value of the benchmarking module (score), or items of the referee's sheet")
         return None
     if not words:
-        report.error(node.place, "a term of nothing", "'group', 'item' or 'score'")
+        report.error(node.place, "an empty term", "'group', 'item' or 'score'")
         return None
     if weight is None or None in words.values():
         return None

@@ -1,6 +1,6 @@
-"""The file of one run log: a bag that grows, and a whole one that is put in place at once.
+"""The file of one run log: a bag that grows, or a complete bag that replaces another one atomically.
 
-A bag that is being written is locked (flock): by this another process knows that it is in use.
+A bag that is being written is locked (flock), so that other processes know that it is in use.
 """
 
 import collections
@@ -21,15 +21,15 @@ from roah_rsbb.core.run_log import KINDS, LogKind
 from roah_rsbb.msg import Score
 from roah_rsbb.run_logs.salvage import Message, NotABag, Salvage
 
-# What is written anew is in a file of this ending until it is complete.
+# A bag that is being rewritten has this suffix until it is complete.
 DRAFT = ".draft"
-# A damaged bag that was replaced by what could be read of it is kept under this ending.
+# A damaged bag is kept with this suffix after its readable part has replaced it.
 DAMAGED = ".damaged"
 
 # topic (of `roah_rsbb.core.run_log`), value, UTC (s)
 LogEntry = Tuple[str, object, float]
 
-# What writing a bag may raise.
+# Errors that writing a bag may raise.
 WRITE_ERRORS = (OSError, ValueError, rosbag.ROSBagException)
 
 _TYPES = {LogKind.UINT8: UInt8, LogKind.STRING: String, LogKind.SCORE: Score, LogKind.EMPTY: Empty}
@@ -40,11 +40,11 @@ _HEADERS = {
 
 
 class BadEntry(Exception):
-    """An entry that no message can hold."""
+    """The entry does not fit into a message."""
 
 
 def message_of(entry: LogEntry) -> Message:
-    """The message of an entry; raises `BadEntry`."""
+    """Build the message of an entry; raises `BadEntry`."""
     topic, value, utc = entry
     try:
         kind = KINDS[topic]
@@ -58,7 +58,7 @@ def message_of(entry: LogEntry) -> Message:
 
 
 class GrowingBag:
-    """A bag that grows. All methods raise `WRITE_ERRORS`, then only `abandon` may still be called."""
+    """A bag that grows. All methods raise `WRITE_ERRORS`; after that, only `abandon` may be called."""
 
     def __init__(self, path: str, is_new: bool = True) -> None:
         """`is_new`: raise FileExistsError rather than overwrite a file."""
@@ -68,7 +68,7 @@ class GrowingBag:
         self._stamp = (0, 0)
         self._same = 0
         try:
-            # Some network file systems know no locks: there is none who asks, either.
+            # Some network file systems do not support locks.
             with contextlib.suppress(OSError):
                 fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             self._bag = rosbag.Bag(self._file, "w")
@@ -78,9 +78,9 @@ class GrowingBag:
             raise
 
     def write(self, message: Message) -> None:
-        """Append a message and hand it to the system, so that it outlives this process.
+        """Append a message and hand it to the operating system, where it survives this process.
 
-        Messages of one moment get stamps of their own: a reader sorts them by these.
+        Simultaneous messages get different stamps, because readers sort by them.
         """
         self._same = self._same + 1 if message.stamp == self._stamp else 0
         self._stamp = message.stamp
@@ -93,33 +93,33 @@ class GrowingBag:
         self._file.flush()
 
     def flush(self) -> None:
-        """End the chunk: of a file that is not closed `rosbag reindex` finds what is in ended chunks."""
+        """End the chunk. `rosbag reindex` can read ended chunks of a file that was not closed."""
         if self._dirty:
             self._dirty = False
             self._bag.flush()
             self._file.flush()
 
     def is_in_place(self) -> bool:
-        """Whether the file is still at its path: one that was removed goes on to take what is written to it."""
+        """Whether the file is still at its path. A deleted file stays writable through its open descriptor."""
         try:
             return os.path.samestat(os.stat(self.path), os.fstat(self._file.fileno()))
         except FileNotFoundError:
             return False
 
     def move(self, path: str) -> None:
-        """Put the file at another path, and go on there."""
+        """Move the file to another path and continue there."""
         os.rename(self.path, path)
         self.path = path
         with contextlib.suppress(OSError):
             _sync_directory(path)
 
     def settle(self) -> None:
-        """Bring all that was written onto the disk."""
+        """Sync everything that was written to the disk."""
         self.flush()
         os.fsync(self._file.fileno())
 
     def close(self) -> None:
-        """Write the index, and bring all onto the disk."""
+        """Write the index and sync the file to the disk."""
         fd = os.dup(self._file.fileno())
         try:
             self._bag.close()
@@ -128,7 +128,7 @@ class GrowingBag:
             os.close(fd)
 
     def abandon(self) -> None:
-        """Give up the file as it is."""
+        """Close the file without completing it."""
         with contextlib.suppress(*WRITE_ERRORS):
             self._file.close()
 
@@ -145,12 +145,12 @@ def _text(value) -> str:
     return value if isinstance(value, str) else value.decode()
 
 
-def write_whole(path: str, entries: Iterable[LogEntry], goes_on: bool = False) -> Tuple[GrowingBag, str]:
-    """Write a run log anew. What is in a file at `path` and is not among the entries stays in the log.
+def write_whole(path: str, entries: Iterable[LogEntry], stays_open: bool = False) -> Tuple[GrowingBag, str]:
+    """Rewrite a run log. Messages of the old file at `path` that are not among the entries are kept.
 
-    Returns the bag, which is closed unless the run `goes_on`, and where a damaged file that was there is kept now;
-    empty: there was none. Entries that no message can hold are left out. Raises `WRITE_ERRORS`; nothing that was
-    there is lost then.
+    Returns the bag, which is closed unless it `stays_open`, and the path where a damaged old file is kept; empty if
+    the old file was not damaged. Entries that do not fit into a message are omitted. Raises `WRITE_ERRORS`; then the
+    old file is unchanged.
     """
     draft = path + DRAFT
     messages = list(_messages(entries))
@@ -158,7 +158,7 @@ def write_whole(path: str, entries: Iterable[LogEntry], goes_on: bool = False) -
     try:
         with _opened(path) as file:
             is_whole = _fill(bag, messages, file)
-        if goes_on:
+        if stays_open:
             bag.settle()
         else:
             bag.close()
@@ -173,7 +173,7 @@ def write_whole(path: str, entries: Iterable[LogEntry], goes_on: bool = False) -
 
 
 def try_out(path: str, room: int) -> None:
-    """See whether `write_whole` could be done, with `room` bytes more than are there; raises OSError."""
+    """Check that `write_whole` would succeed with `room` additional bytes; raises OSError if not."""
     os.makedirs(os.path.dirname(path), exist_ok=True)
     size = os.stat(path).st_size if os.path.exists(path) else 0
     draft = path + DRAFT
@@ -181,7 +181,7 @@ def try_out(path: str, room: int) -> None:
         with open(draft, "wb") as file:
             os.posix_fallocate(file.fileno(), 0, size + room)
     except OSError as error:
-        if error.errno not in (errno.EOPNOTSUPP, errno.EINVAL):  # a file system that cannot tell
+        if error.errno not in (errno.EOPNOTSUPP, errno.EINVAL):  # the file system does not support it
             raise
     finally:
         with contextlib.suppress(OSError):
@@ -200,7 +200,7 @@ def _opened(path: str) -> Iterator[Optional[io.BufferedReader]]:
 
 
 def _fill(bag: GrowingBag, messages: List[Message], old_file: Optional[IO[bytes]]) -> bool:
-    """Write the messages, and what else is in the old file; returns whether all of that could be read."""
+    """Write the messages and the rest of the old file; returns whether all of the old file could be read."""
     if old_file is None:
         old, is_bag = (), True
     else:
@@ -217,7 +217,7 @@ def _fill(bag: GrowingBag, messages: List[Message], old_file: Optional[IO[bytes]
 
 
 def _extra(messages: List[Message], old: Iterable[Message]) -> Tuple[List[Message], bool]:
-    """Messages of an old bag that are not among these; and whether one bag can hold both."""
+    """Messages of an old bag that are not among these, and whether one bag can hold both."""
     known: Counter[Tuple[str, bytes]] = collections.Counter((message.topic, message.data) for message in messages)
     kinds = {message.topic: message.kind["md5sum"] for message in messages}
     extra: List[Message] = []
@@ -226,7 +226,7 @@ def _extra(messages: List[Message], old: Iterable[Message]) -> Tuple[List[Messag
         key = message.topic, message.data
         md5sum = _text(message.kind["md5sum"])
         if md5sum != kinds.setdefault(message.topic, md5sum):
-            fits = False  # another version of roah_rsbb wrote it
+            fits = False  # written by another version of roah_rsbb
         elif known[key] > 0:
             known[key] -= 1
         else:
@@ -241,14 +241,14 @@ def _messages(entries: Iterable[LogEntry]) -> Iterator[Message]:
 
 
 def _keep_aside(path: str) -> str:
-    """Give a file another name as well; returns it."""
+    """Give a file a second name; returns that name."""
     number, aside = 1, path + DAMAGED
     while os.path.lexists(aside):
         number += 1
         aside = f"{path}{DAMAGED}{number}"
     try:
         os.link(path, aside)
-    except OSError:  # a file system without links
+    except OSError:  # the file system does not support links
         os.rename(path, aside)
     return aside
 

@@ -1,9 +1,9 @@
-"""Reads run logs that nobody closed: everything that is in the file, whether it has an index or not.
+"""Reads run logs that were not closed: all messages in the file, with or without an index.
 
-Theory of operation. A bag (format 2.0, not compressed) is a row of records, each a header and data with their
-lengths before them. A chunk is a record too, whose data are records again: passing over its own few bytes only,
-one reads all messages in one row, also those of a chunk that was not ended. A process that was killed leaves a
-last record that is torn; whoever cut the power may leave zeros. What else cannot be read is damage.
+Theory of operation. A bag (format 2.0, not compressed) is a sequence of records. Each record has a header and data,
+with their lengths in front. The data of a chunk record are records themselves. The reader skips only the chunk's own
+header, so it finds all messages, including those of an unfinished chunk. A killed process leaves an incomplete last
+record; a power failure may leave zeros. Everything else that cannot be read is damage.
 """
 
 import os
@@ -11,7 +11,7 @@ import struct
 from typing import IO, Dict, Iterator, NamedTuple, Optional, Tuple
 
 MAGIC = b"#ROSBAG V2.0\n"
-# No record of a run log is longer; what says so is no length.
+# Longest record of a run log (bytes). A larger length is damage.
 MAX_RECORD = 1 << 24
 _MSG_DATA, _FILE_HEADER, _INDEX_DATA, _CHUNK, _CHUNK_INFO, _CONNECTION = 0x02, 0x03, 0x04, 0x05, 0x06, 0x07
 _LENGTH = struct.Struct("<L")
@@ -19,11 +19,11 @@ _STAMP = struct.Struct("<LL")
 
 
 class NotABag(ValueError):
-    """The file is something else."""
+    """The file is not a bag."""
 
 
 class Message(NamedTuple):
-    """A message as it is in a bag."""
+    """A message as stored in a bag."""
 
     topic: str
     stamp: Tuple[int, int]  # UTC: seconds, nanoseconds
@@ -32,9 +32,10 @@ class Message(NamedTuple):
 
 
 class Salvage:
-    """Iterates over the messages of a bag, in the order in which they were written.
+    """Iterates over the messages of a bag in the order in which they were written.
 
-    After that `damage` says where the file cannot be read on; empty: it was read to its end, or to a torn record.
+    Afterwards `damage` says where the file became unreadable; empty if it was read to its end or to an incomplete
+    last record.
     """
 
     def __init__(self, file: IO[bytes]) -> None:
@@ -44,7 +45,7 @@ class Salvage:
         self._size = os.fstat(file.fileno()).st_size
         magic = file.read(len(MAGIC))
         if not MAGIC.startswith(magic):
-            raise NotABag("it does not begin as a bag")
+            raise NotABag("it does not begin like a bag")
 
     def __iter__(self) -> Iterator[Message]:
         connections: Dict[bytes, Tuple[str, Dict[str, bytes]]] = {}
@@ -114,7 +115,7 @@ def _named(fields: Dict[bytes, bytes]) -> Dict[str, bytes]:
 
 
 def is_closed(file: IO[bytes]) -> bool:
-    """Whether a bag has its index, which is written when it is closed. `file`: open for reading, at its beginning."""
+    """Whether a bag was closed, that is, has its index. `file`: open for reading, at its beginning."""
     if file.read(len(MAGIC)) != MAGIC:
         return False
     length = file.read(_LENGTH.size)

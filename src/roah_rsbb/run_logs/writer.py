@@ -1,16 +1,17 @@
-"""Run logs: one rosbag for each run, written by a thread of its own (docs/ros_interface.md, "Run log").
+"""Writes run logs, one rosbag per run, in a separate thread (docs/ros_interface.md, "Run log").
 
-Theory of operation. Nothing slow may stand between a datagram and its answer, so the loop only puts jobs into a
-queue. Entries are handed to the system as they come, and the bags' chunks are ended once a second.
+Theory of operation. Disk access must not delay the answer to a datagram, so the loop only puts jobs into a queue.
+The thread hands entries to the operating system as they arrive, and ends the bags' chunks once a second.
 
-The journal knows every entry of a run. So whatever goes wrong with a file (the disk is full, somebody removed it,
-the process was killed) ends neither run nor log: what arrives meanwhile is not kept here, and once the file can be
-written, it is written anew as a whole. The loop gives the journal's entries for that, and puts them into the same
-queue: those that came before are among them, those that come after follow in the queue. None is lost or doubled.
+The journal has every entry of a run. If a file fails (the disk is full, the file was removed, the process was
+killed), run and log continue: entries that arrive in the meantime are dropped here. When the file can be written
+again, it is rewritten completely. The loop puts the journal's entries into the same queue: earlier entries are among
+them, later entries follow in the queue. No entry is lost or duplicated.
 """
 
 import contextlib
 import errno
+import fcntl
 import os
 import queue
 import threading
@@ -20,19 +21,19 @@ from typing import Callable, Dict, Iterator, List, Mapping, Optional, Sequence, 
 import rospy
 
 from roah_rsbb.core import effects
-from roah_rsbb.run_logs.bag_file import WRITE_ERRORS, GrowingBag, LogEntry, message_of, try_out, write_whole
-from roah_rsbb.run_logs.names import log_name, unused
-from roah_rsbb.run_logs.repair import mend, unclosed
+from roah_rsbb.run_logs.bag_file import DRAFT, WRITE_ERRORS, GrowingBag, LogEntry, message_of, try_out, write_whole
+from roah_rsbb.run_logs.names import is_log_name, log_name, unused
+from roah_rsbb.run_logs.salvage import is_closed
 
-# Chunks are ended, and files looked after, this often.
-LOOK_S = 1.0
-# A file that cannot be written is tried again after this long.
+# Interval at which chunks are ended and files checked.
+CHECK_S = 1.0
+# A file that cannot be written is retried after this time.
 RETRY_S = 2.0
-# A log is written anew only where there is room for so much more than it had (bytes).
+# A log is rewritten only if the disk has this much space (bytes) beyond the size of the old file.
 ROOM = 32 * 1024
-# A disk that is behind by so many jobs gets the rest from the journal, later.
+# When this many jobs wait for a slow disk, further entries come from the journal later.
 MAX_WAITING = 10_000
-# At the end of the node, logs may take so long to be completed.
+# Time limit for completing the logs when the node ends.
 STOP_S = 5.0
 
 _REMEDIES = {
@@ -45,40 +46,40 @@ _REMEDIES = {
 
 
 class _Log:
-    """The log of a run; only the writer's thread knows it."""
+    """The log of a run. Only the writer's thread uses it."""
 
     def __init__(self, path: str) -> None:
         self.path = path
-        self.bag: Optional[GrowingBag] = None  # None: it is to be written anew when that is possible
-        self.asked = False  # the loop will give its entries
+        self.bag: Optional[GrowingBag] = None  # None: to be rewritten when possible
+        self.requested = False  # the loop was asked for its entries
         self.retry_at = 0.0  # monotonic time (s)
-        self.is_over = False  # nothing will be added
-        self.told: List[str] = []  # troubles that the referee was told
+        self.is_over = False  # no further entries
+        self.reported: List[str] = []  # problems that the referee was informed of
 
 
 class RunLogWriter:
-    """Writes the bags of all runs. All methods but `check` are to be called in the loop's thread."""
+    """Writes the bags of all runs. Call all methods except `check` in the loop's thread."""
 
     def __init__(
-        self, log_dir: str, box_uuid: str, on_trouble: Callable[[str], None],
-        on_mended: Optional[Callable[[str, str], None]] = None,
+        self, log_dir: str, box_uuid: str, on_problem: Callable[[str], None],
+        on_repaired: Optional[Callable[[str, str], None]] = None,
         entries_of: Callable[[int], Sequence[LogEntry]] = lambda port: (),
         post: Callable[[Callable[[], None]], None] = lambda function: function(),
     ) -> None:
-        """`on_trouble` is called from the writer's thread with what is wrong and the remedy; `on_mended` with such a
-        text that holds no more, and with what to say instead. `entries_of` gives all entries of the run with this
-        port, in their order; `post` calls a function in the loop's thread, and is where `entries_of` is called."""
+        """`on_problem` is called in the writer's thread with a problem and its remedy; `on_repaired` with the text of
+        a problem that is solved and with what to report instead. `entries_of` returns all entries of the run with
+        this port, in order; it is called in the loop's thread, through `post`."""
         self._log_dir = log_dir
         self._box_uuid = box_uuid
-        self._on_trouble = on_trouble
-        self._on_mended = on_mended or (lambda trouble, text: on_trouble(text))
+        self._on_problem = on_problem
+        self._on_repaired = on_repaired or (lambda problem, text: on_problem(text))
         self._entries_of = entries_of
         self._post = post
         self._jobs: queue.Queue[Optional[Callable[[], None]]] = queue.Queue()
-        self._asks: queue.Queue[Optional[int]] = queue.Queue()
+        self._requests: queue.Queue[Optional[int]] = queue.Queue()
         self._skipped: Set[int] = set()
         self.files: Dict[int, str] = {}  # path of each run's log by the run's port
-        # The thread's own:
+        # Used in the thread only:
         self._logs: Dict[int, _Log] = {}
         self._left_open: Optional[Iterator[str]] = None
         self._known: Dict[str, int] = {}
@@ -87,30 +88,30 @@ class RunLogWriter:
         self._thread.start()
 
     def check(self) -> str:
-        """Why no logs can be written into the log directory, with the remedy; empty: they can."""
+        """Why logs cannot be written to the log directory, with the remedy; empty if they can."""
         try:
             os.makedirs(self._log_dir, exist_ok=True)
         except OSError as error:
-            return f"log_dir {self._log_dir} cannot be made: {error.strerror}. Give another log_dir"
+            return f"log_dir {self._log_dir} cannot be created: {error.strerror}. Choose another log_dir"
         if not os.access(self._log_dir, os.W_OK | os.X_OK):
-            return f"log_dir {self._log_dir} is not writable: give another log_dir, or make it writable"
+            return f"log_dir {self._log_dir} is not writable: choose another log_dir, or make it writable"
         return ""
 
     def opened(self, effect: effects.RunOpened, utc: float) -> None:
-        """A run begins."""
+        """A run has begun."""
         name = log_name(utc, effect.team, effect.robot, effect.round, effect.run, self._box_uuid)
         path = unused(os.path.join(self._log_dir, name), effect.port, self.files.values())
         self.files[effect.port] = path
         self._jobs.put(lambda: self._open(effect.port, path))
 
     def resumed(self, port: int, path: str) -> None:
-        """A run goes on after the process was killed; `path` was its log's, empty: it is not known."""
+        """A run continues after a restart; `path` is its log, empty if unknown."""
         name = os.path.basename(path) or log_name(time.time(), f"port{port}", "", 0, 0, self._box_uuid)
         self.files[port] = path = os.path.join(self._log_dir, name)
-        self._jobs.put(lambda: self._write_anew(port, _Log(path)))
+        self._jobs.put(lambda: self._rewrite(port, _Log(path)))
 
     def logged(self, effect: effects.RunLogged, utc: float) -> None:
-        """An entry of a run's log."""
+        """Add an entry to a run's log."""
         port = effect.port
         if port in self._skipped:
             return
@@ -121,29 +122,32 @@ class RunLogWriter:
             self._jobs.put(lambda: self._fall_behind(port))
 
     def closed(self, effect: effects.RunClosed) -> None:
-        """A run is over."""
+        """A run has ended."""
         self.files.pop(effect.port, None)
         self._jobs.put(lambda: self._close(effect.port))
 
-    def mend(self, known: Mapping[int, str]) -> None:
-        """To be called once at the start, after `resumed` of all runs that go on: index again what other logs a
-        killed process left open, in spare time. `known`: paths of the journal's runs, by the port."""
-        self._jobs.put(lambda: self._begin_mending({os.path.basename(path): port for port, path in known.items()}))
+    def repair(self, known: Mapping[int, str]) -> None:
+        """Repair the logs that a killed process left open, when there is nothing else to do.
+
+        Call it once at the start, after `resumed` for all runs that continue. `known` has the paths of the journal's
+        runs by port.
+        """
+        self._jobs.put(lambda: self._begin_repairs({os.path.basename(path): port for port, path in known.items()}))
 
     def stop(self) -> None:
-        """Write what is left, close every bag and end the thread."""
+        """Write the remaining entries, close all bags and end the thread."""
         self._jobs.put(None)
         deadline = time.monotonic() + STOP_S
         with contextlib.suppress(queue.Empty):
             while True:
-                port = self._asks.get(timeout=max(0.0, deadline - time.monotonic()))
+                port = self._requests.get(timeout=max(0.0, deadline - time.monotonic()))
                 if port is None:
                     self._thread.join()
                     return
                 self._answer(port)
 
     def _answer(self, port: int) -> None:
-        """Give the writer a run's entries; what is logged from now on follows them."""
+        """Give the thread a run's entries. Entries that are logged later follow in the queue."""
         try:
             entries = list(self._entries_of(port))
         except Exception:
@@ -151,66 +155,66 @@ class RunLogWriter:
             self._jobs.put(lambda: self._not_now(port))
             return
         self._skipped.discard(port)
-        self._jobs.put(lambda: self._begin_whole(port, entries))
+        self._jobs.put(lambda: self._rewrite_with(port, entries))
 
     # -- in the writer's thread ---------------------------------------------------------------------
 
     def _work(self) -> None:
-        look_at = time.monotonic() + LOOK_S
+        check_at = time.monotonic() + CHECK_S
         while True:
             try:
-                job = self._jobs.get(timeout=0.0 if self._left_open else max(0.0, look_at - time.monotonic()))
+                job = self._jobs.get(timeout=0.0 if self._left_open else max(0.0, check_at - time.monotonic()))
             except queue.Empty:
-                job = self._mend_next
+                job = self._repair_next
             if job is None:
                 break
             self._do(job)
-            if time.monotonic() >= look_at:
-                self._do(self._look)
-                look_at = time.monotonic() + LOOK_S
+            if time.monotonic() >= check_at:
+                self._do(self._check_all)
+                check_at = time.monotonic() + CHECK_S
         self._do(self._end)
-        self._asks.put(None)
+        self._requests.put(None)
 
     @staticmethod
     def _do(job: Callable[[], None]) -> None:
         try:
             job()
         except Exception:
-            # One log that fails must not end the others.
+            # A failure in one log must not end the others.
             rospy.logerr("internal error, please report it: a run log could not be written", exc_info=True)
 
     def _end(self) -> None:
-        """Close all logs. The loop stands, and answers at once."""
+        """Close all logs. The loop waits in `stop` and answers requests immediately."""
         self._ending = True
         for port, log in list(self._logs.items()):
             log.is_over = True
             if log.bag is None:
-                self._ask(port, log)
+                self._request(port, log)
             else:
                 self._finish(port, log)
         with contextlib.suppress(queue.Empty):
-            while any(log.asked for log in self._logs.values()):
+            while any(log.requested for log in self._logs.values()):
                 self._do(self._jobs.get(timeout=STOP_S))
 
-    def _look(self) -> None:
+    def _check_all(self) -> None:
         for port, log in list(self._logs.items()):
             if log.bag is not None:
-                self._look_after(log)
-            elif not log.asked and time.monotonic() >= log.retry_at:
-                self._ask(port, log)
+                self._check_file(log)
+            elif not log.requested and time.monotonic() >= log.retry_at:
+                self._request(port, log)
 
-    def _look_after(self, log: _Log) -> None:
+    def _check_file(self, log: _Log) -> None:
         try:
             log.bag.flush()
             is_in_place = log.bag.is_in_place()
         except WRITE_ERRORS as error:
-            self._lapse(log, error)
+            self._fail(log, error)
             return
         if not is_in_place:
-            # Wherever it may be now, it is readable up to here.
+            # The file may have been moved: close it so that it is readable.
             with contextlib.suppress(*WRITE_ERRORS):
                 log.bag.close()
-            self._lapse(log, None)
+            self._fail(log, None)
 
     # -- jobs ---------------------------------------------------------------------------------------
 
@@ -220,7 +224,7 @@ class RunLogWriter:
             os.makedirs(self._log_dir, exist_ok=True)
             log.bag = GrowingBag(path)
         except WRITE_ERRORS as error:
-            self._lapse(log, error)
+            self._fail(log, error)
 
     def _write(self, port: int, entry: LogEntry) -> None:
         log = self._logs.get(port)
@@ -229,12 +233,12 @@ class RunLogWriter:
         try:
             log.bag.write(message_of(entry))
         except WRITE_ERRORS as error:
-            self._lapse(log, error)
+            self._fail(log, error)
 
     def _fall_behind(self, port: int) -> None:
         log = self._logs.get(port)
         if log is not None and log.bag is not None:
-            self._lapse(log, OSError("its disk is too slow"))
+            self._fail(log, OSError("its disk is too slow"))
 
     def _close(self, port: int) -> None:
         log = self._logs.get(port)
@@ -248,79 +252,81 @@ class RunLogWriter:
         try:
             log.bag.close()
         except WRITE_ERRORS as error:
-            self._lapse(log, error)
+            self._fail(log, error)
         else:
             del self._logs[port]
 
-    # -- written anew -------------------------------------------------------------------------------
+    # -- rewriting ----------------------------------------------------------------------------------
 
-    def _lapse(self, log: _Log, error: Optional[Exception]) -> None:
-        """A log cannot be written; `error` None: its file was removed."""
+    def _fail(self, log: _Log, error: Optional[Exception]) -> None:
+        """Stop writing a log for now. `error` None: its file was removed."""
         if log.bag is not None:
             log.bag.abandon()
             log.bag = None
-        self._tell(log, error)
+        self._report(log, error)
 
-    def _tell(self, log: _Log, error: Optional[Exception]) -> None:
+    def _report(self, log: _Log, error: Optional[Exception]) -> None:
         log.retry_at = time.monotonic() + RETRY_S
-        text = f"The run log {log.path} was removed, and is written anew: leave log_dir where it is"
+        text = (f"The run log {log.path} was removed and is being written again: do not move or delete log_dir while "
+                "the box runs")
         if error is not None:
-            remedy = _REMEDIES.get(getattr(error, "errno", None), "mend the disk of log_dir")
+            remedy = _REMEDIES.get(getattr(error, "errno", None), "check the disk of log_dir")
             text = (f"The run log {log.path} cannot be written: {getattr(error, 'strerror', None) or error}. "
-                    f"The run goes on, and its log will be complete: {remedy}")
-        if text not in log.told:
-            log.told.append(text)
-            self._on_trouble(text)
+                    f"The run continues, and its log will be completed later: {remedy}")
+        if text not in log.reported:
+            log.reported.append(text)
+            self._on_problem(text)
 
-    def _write_anew(self, port: int, log: _Log) -> None:
+    def _rewrite(self, port: int, log: _Log) -> None:
         self._logs[port] = log
-        self._ask(port, log)
+        self._request(port, log)
 
-    def _ask(self, port: int, log: _Log) -> None:
-        """Ask the loop for a run's entries, if they can be written."""
-        log.asked = False
+    def _request(self, port: int, log: _Log) -> None:
+        """Ask the loop for a run's entries if they can be written."""
+        log.requested = False
         try:
             try_out(log.path, ROOM)
         except OSError as error:
-            self._tell(log, error)
+            self._report(log, error)
             return
-        log.asked = True
+        log.requested = True
         if self._ending:
-            self._asks.put(port)
+            self._requests.put(port)
         else:
             self._post(lambda: self._answer(port))
 
     def _not_now(self, port: int) -> None:
         log = self._logs[port]
-        log.asked, log.retry_at = False, time.monotonic() + RETRY_S
+        log.requested, log.retry_at = False, time.monotonic() + RETRY_S
 
-    def _begin_whole(self, port: int, entries: Sequence[LogEntry]) -> None:
+    def _rewrite_with(self, port: int, entries: Sequence[LogEntry]) -> None:
         log = self._logs.get(port)
         if log is None or log.bag is not None:
             return
-        log.asked = False
+        log.requested = False
         try:
-            bag, kept = write_whole(log.path, entries, goes_on=not log.is_over)
+            bag, kept = write_whole(log.path, entries, stays_open=not log.is_over)
         except WRITE_ERRORS as error:
-            self._tell(log, error)
+            self._report(log, error)
             return
-        told, log.told = log.told, []
-        for trouble in told:
-            self._on_mended(trouble, f"The run log {log.path} is complete again")
+        reported, log.reported = log.reported, []
+        for problem in reported:
+            self._on_repaired(problem, f"The run log {log.path} is complete again")
         if kept:
-            self._on_trouble(f"The run log {log.path} was damaged, and is written anew. What it was is kept as {kept}")
+            self._on_problem(f"The run log {log.path} was damaged and has been written again. The damaged file is kept "
+                             f"as {kept}")
         if log.is_over:
             del self._logs[port]
         else:
             log.bag = bag
 
-    # -- what others left open ----------------------------------------------------------------------
+    # -- logs that were left open -------------------------------------------------------------------
 
-    def _begin_mending(self, known: Dict[str, int]) -> None:
+    def _begin_repairs(self, known: Dict[str, int]) -> None:
         self._known = known
-        self._left_open = unclosed(self._log_dir)
+        self._left_open = _unclosed(self._log_dir)
 
-    def _mend_next(self) -> None:
+    def _repair_next(self) -> None:
         if self._left_open is None:
             return
         path = next(self._left_open, None)
@@ -333,10 +339,67 @@ class RunLogWriter:
         if port is not None:
             log = _Log(path)
             log.is_over = True
-            self._write_anew(port, log)
+            self._rewrite(port, log)
             return
-        text = mend(path)
+        text = _repair_log(path)
         if text:
-            self._on_trouble(text)
+            self._on_problem(text)
         else:
-            rospy.loginfo("The run log %s was left open, and is readable again", path)
+            rospy.loginfo("The run log %s was left open and is repaired", path)
+
+
+def _unclosed(log_dir: str) -> Iterator[str]:
+    """Find the run logs in a directory that were not closed and that no process writes.
+
+    Removes leftover draft files. Their contents can be rebuilt from the journal.
+    """
+    for name in _file_names(log_dir):
+        path = os.path.join(log_dir, name)
+        with contextlib.suppress(OSError):
+            if name.endswith(DRAFT):
+                if is_log_name(name[:-len(DRAFT)]) and _is_unlocked(path):
+                    os.remove(path)
+            elif is_log_name(name) and _is_unlocked(path) and not _has_index(path):
+                yield path
+
+
+def _file_names(log_dir: str) -> List[str]:
+    try:
+        return sorted(os.listdir(log_dir))
+    except OSError:
+        return []
+
+
+def _has_index(path: str) -> bool:
+    with open(path, "rb") as file:
+        return is_closed(file)
+
+
+def _is_unlocked(path: str) -> bool:
+    """Whether this is a file that no process has locked."""
+    if not os.path.isfile(path):
+        return False
+    with open(path, "rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        except OSError:
+            pass  # the file system does not support locks
+    return True
+
+
+def _repair_log(path: str) -> str:
+    """Repair a run log that was not closed. Returns a warning with its remedy; empty if all is well.
+
+    Works on a copy. A damaged file is kept.
+    """
+    try:
+        _, kept = write_whole(path, ())
+    except WRITE_ERRORS as error:
+        return (f"The run log {path} was not closed and could not be repaired: {error}. It is unchanged: "
+                "solve the problem, then try 'rosbag reindex'")
+    if kept:
+        return (f"The run log {path} is damaged. It now has everything that could be read. The damaged file is kept as "
+                f"{kept}; 'rosbag reindex' may recover more from it")
+    return ""

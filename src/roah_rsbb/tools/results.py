@@ -1,4 +1,4 @@
-"""`rosrun roah_rsbb results`: shows and exports what remains of a competition's runs (docs/results.md)."""
+"""`rosrun roah_rsbb results`: shows and exports the runs of a competition (docs/results.md)."""
 
 import argparse
 import glob
@@ -15,11 +15,19 @@ from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover
-from roah_rsbb.results import json_export, standing_texts, tables, text_sheet
-from roah_rsbb.results.html_sheet import sheet_page
-from roah_rsbb.results.run_result import NoSuchRun, RobotPart, RunResult, find, records, run_result
-from roah_rsbb.results.standing import Choice, Standing, standings
+from roah_rsbb.results.export import (
+    RESULT_COLUMNS,
+    STANDING_COLUMNS,
+    exported,
+    exported_standings,
+    result_rows,
+    standing_rows,
+    write_table,
+)
+from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, find, records, run_result
+from roah_rsbb.results.sheet import list_lines, sheet_lines, sheet_page
 from roah_rsbb.results.standing_rules import OfRuns, Rules, read_rules
+from roah_rsbb.results.standings import Choice, Standing, index_page, standing_lines, standings, standings_page
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.wording import result_texts
 
@@ -27,60 +35,61 @@ LOG_DIR = "~/.ros/roah_rsbb"
 RULES_FILE = "standings.yaml"
 
 _DESCRIPTION = """\
-Shows and exports the results of a competition from its journal: while the box runs, and of past competitions.
+Shows and exports the results of a competition from its journal, during the competition and afterwards.
 """
 _EPILOG = """\
 Examples:
   results list                                   all runs
-  results show 3                                 the whole score sheet of the third one
-  results export --html results                  a printable sheet for each run, and a page that leads to them
-  results export --csv results.csv --json -      for spreadsheets, and for programs (- is the standard output)
-  results standings HGTKMH --signed-off          who is first
+  results show 3                                 the complete score sheet of run 3
+  results export --html results                  a printable sheet for each run, and an index
+  results export --csv results.csv --json -      for spreadsheets and programs (- is standard output)
+  results standings HGTKMH --signed-off          ranking of the teams
   results --journal /media/usb/roah_rsbb_journal.sqlite3 list
 
-Times are local ones with their offset; --utc shows UTC. Nothing is ever changed in a journal.
-The exit status is 0 if all is well, 1 if something cannot be read or written, 2 for wrong usage.
+Times are local times with their UTC offset; --utc shows UTC. The journal is never changed.
+The exit status is 0 on success, 1 if something cannot be read or written, 2 for wrong usage.
 """
 _EXPORT = """\
-Exports all runs, or those that are named by their number or identity.
+Exports all runs, or the runs with these numbers or identities.
 """
 _STANDINGS = """\
-Ranks the teams of each benchmark, or of those that are named. Counted are runs that were started and are over; of
-an event that was run again only the last one.
+Ranks the teams of all benchmarks, or of the given ones. Runs count if they started and ended. Of an event that was
+repeated, only the last run counts.
 """
 _BAG = """\
-Writes a bag with all that belongs into a run's log, where that was lost. It needs ROS's Python, but no ROS master.
+Writes a run's log (rosbag) again from the journal, for example after it was lost. This needs ROS's Python modules,
+but no ROS master.
 """
 _RULES = """\
-How teams are ranked is in a YAML file (docs/results.md, "Standings"); a benchmark that is not in it is ranked by the
-sum of the score sheet.
+A YAML file defines how teams are ranked (docs/results.md, "Standings"). Benchmarks that it does not name are ranked by
+the sum of the score sheet.
 """
 
 
 class _NoBag(Exception):
-    """The bag cannot be written; the text names the remedy."""
+    """The bag cannot be written. The text names the remedy."""
 
 
 class _Usage(Exception):
-    """What is asked for cannot be; the text names the remedy."""
+    """The request cannot be fulfilled. The text names the remedy."""
 
 
 def main(config_dir: str, arguments: Optional[List[str]] = None) -> NoReturn:
-    """Run the program; `config_dir` has the shipped rules of the standings."""
+    """Run the program; `config_dir` contains the default rules of the standings."""
     options = _parser().parse_args(sys.argv[1:] if arguments is None else arguments)
     options.config_dir = config_dir
-    sys.stdout.reconfigure(errors="backslashreplace")  # whatever this terminal cannot show
+    sys.stdout.reconfigure(errors="backslashreplace")  # escape what this terminal cannot show
     try:
         status = options.do(options)
     except (JournalError, _NoBag, NoSuchRun, _Usage) as error:
         status = _fail(str(error))
     except ConfigErrors as error:
-        status = _fail(f"the rules of the standings cannot be used:\n{error}")
+        status = _fail(f"the rules of the standings are invalid:\n{error}")
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nobody reads on
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader has closed the pipe
         status = 0
     except OSError as error:
-        status = _fail(f"{error.filename}: {error.strerror}: name another place, or make room there")
+        status = _fail(f"{error.filename}: {error.strerror}: choose another place or free some space")
     sys.exit(status)
 
 
@@ -90,25 +99,25 @@ def _parser() -> argparse.ArgumentParser:
     _add_source(parser)
     commands = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=_sub_parser)
     _add_views(commands)
-    _add_mending(commands)
+    _add_recovery(commands)
     return parser
 
 
 def _add_views(commands: Any) -> None:
-    """What shows or exports results."""
-    listed = commands.add_parser("list", help="all runs, one a line")
+    """Commands that show or export results."""
+    listed = commands.add_parser("list", help="list all runs")
     listed.set_defaults(do=_list)
-    show = commands.add_parser("show", help="the whole score sheet of a run")
-    show.add_argument("run", metavar="RUN", help="number in the list, or identity, or the beginning of that")
+    show = commands.add_parser("show", help="show the complete score sheet of a run")
+    show.add_argument("run", metavar="RUN", help="number in the list, identity, or beginning of the identity")
     show.set_defaults(do=_show)
     export = commands.add_parser("export", help="write files", description=_EXPORT, epilog=_RULES)
     export.add_argument("runs", metavar="RUN", nargs="*", help="only these runs")
-    export.add_argument("--csv", metavar="FILE", help="a row for each scoring item and module's value")
-    export.add_argument("--json", metavar="FILE", help="all that there is")
+    export.add_argument("--csv", metavar="FILE", help="one row for each scoring item and each value of a module")
+    export.add_argument("--json", metavar="FILE", help="everything that is recorded")
     export.add_argument("--html", metavar="DIR", help="a printable score sheet for each run, and index.html")
     _add_choice(export)
     export.set_defaults(do=_export)
-    ranks = commands.add_parser("standings", help="who is first", description=_STANDINGS, epilog=_RULES)
+    ranks = commands.add_parser("standings", help="rank the teams", description=_STANDINGS, epilog=_RULES)
     ranks.add_argument("benchmarks", metavar="CODE", nargs="*", help="only these benchmarks, such as HGTKMH")
     ranks.add_argument("--csv", metavar="FILE")
     ranks.add_argument("--json", metavar="FILE")
@@ -117,23 +126,23 @@ def _add_views(commands: Any) -> None:
     ranks.set_defaults(do=_standings)
 
 
-def _add_mending(commands: Any) -> None:
-    """What helps where something was lost."""
+def _add_recovery(commands: Any) -> None:
+    """Commands that recover lost data."""
     bag = commands.add_parser("bag", help="write a run's log (rosbag) from the journal", description=_BAG)
     bag.add_argument("run", metavar="RUN")
     bag.add_argument("bag", metavar="FILE")
-    bag.add_argument("--port", type=int, help="the robot's, where several were in the run")
+    bag.add_argument("--port", type=int, help="port of the robot, if the run had several")
     bag.set_defaults(do=_bag)
-    journals = commands.add_parser("journals", help="the journals in the log_dir, also those that were put aside")
+    journals = commands.add_parser("journals", help="list the journals in the log_dir, including old ones")
     journals.set_defaults(do=_journals)
-    recovery = commands.add_parser("recover", help="take what can be read of a damaged journal into a new one")
+    recovery = commands.add_parser("recover", help="copy the readable part of a damaged journal into a new one")
     recovery.add_argument("damaged", metavar="FILE")
     recovery.add_argument("new", metavar="NEW_FILE")
     recovery.set_defaults(do=_recover)
 
 
 def _add_source(parser: argparse.ArgumentParser) -> None:
-    """What may stand before and after the command."""
+    """Options that are allowed before and after the command."""
     parser.add_argument("--journal", metavar="FILE", default=argparse.SUPPRESS,
                         help=f"the journal; default: {FILE_NAME} in the log_dir")
     parser.add_argument("--log-dir", metavar="DIR", default=argparse.SUPPRESS,
@@ -148,12 +157,12 @@ def _sub_parser(**options: str) -> Parser:
 
 
 def _add_choice(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--rules", metavar="YAML", help=f"how teams are ranked; default: the shipped {RULES_FILE}")
+    parser.add_argument("--rules", metavar="YAML", help=f"rules of the ranking; default: the included {RULES_FILE}")
     parser.add_argument("--runs", choices=[of.value for of in OfRuns], dest="of_runs", default=None,
-                        help="which of a team's runs counts in a standing, instead of what the rules say")
-    parser.add_argument("--signed-off", action="store_true", help="only runs that are signed off count in standings")
+                        help="which of a team's runs counts; overrides the rules")
+    parser.add_argument("--signed-off", action="store_true", help="count only signed-off runs in standings")
     parser.add_argument("--without", metavar="RUN", action="append", default=[],
-                        help="a run that does not count in standings; may be given several times")
+                        help="exclude a run from standings; may be repeated")
 
 
 # -- commands ---------------------------------------------------------------------------------------
@@ -165,7 +174,7 @@ def _list(options: argparse.Namespace) -> int:
     if not known:
         print("There are no runs yet.")
         return 0
-    for text in text_sheet.list_lines(known, options.utc):
+    for text in list_lines(known, options.utc):
         print(text)
     return 0
 
@@ -176,14 +185,14 @@ def _show(options: argparse.Namespace) -> int:
         place = find(known, options.run)
         result = run_result(reader, place + 1, known[place], _warn)
     strike = sys.stdout.isatty()
-    for text in text_sheet.sheet_lines(result, options.utc, strike):
+    for text in sheet_lines(result, options.utc, strike):
         print(text)
     return 0
 
 
 def _export(options: argparse.Namespace) -> int:
     if not (options.csv or options.json or options.html):
-        raise _Usage("say what to write: --csv FILE, --json FILE or --html DIR (several are possible)")
+        raise _Usage("choose what to write: --csv FILE, --json FILE, --html DIR, or several of them")
     now = time.time()
     with _open(options) as reader:
         known = records(reader, _warn)
@@ -191,11 +200,11 @@ def _export(options: argparse.Namespace) -> int:
         chosen = [(place + 1, known[place]) for place in places]
         ranked = _ranked(options, known)
         if options.csv:
-            _write(options.csv, lambda file: tables.write_table(
-                file, tables.RESULT_COLUMNS, tables.result_rows((r for _, r in chosen), options.utc)), "utf-8-sig")
+            _write(options.csv, lambda file: write_table(
+                file, RESULT_COLUMNS, result_rows((r for _, r in chosen), options.utc)), "utf-8-sig")
         results = (run_result(reader, number, record, _warn) for number, record in chosen)
         if options.json:
-            value = json_export.exported(list(results), ranked, reader.path, now)
+            value = exported(list(results), ranked, reader.path, now)
             _write(options.json, lambda file: _dump(value, file))
             results = (run_result(reader, number, record, _warn) for number, record in chosen)
         if options.html:
@@ -209,7 +218,7 @@ def _write_pages(options, results, chosen, ranked: List[Standing], now: float) -
     for result in results:
         sheets[result.record.identity] = name = _file_name(result)
         _write(os.path.join(options.html, name), lambda file, r=result: file.write(sheet_page(r, options.utc)))
-    index = standing_texts.index_page(chosen, sheets, ranked, now, options.utc)
+    index = index_page(chosen, sheets, ranked, now, options.utc)
     _write(os.path.join(options.html, "index.html"), lambda file: file.write(index))
     print(f"{len(sheets)} score sheets and index.html are in {options.html}")
 
@@ -232,18 +241,18 @@ def _standings(options: argparse.Namespace) -> int:
         ranked = [standing for standing in ranked if standing.benchmark in options.benchmarks]
     now = time.time()
     if options.csv:
-        _write(options.csv, lambda file: tables.write_table(
-            file, tables.STANDING_COLUMNS, tables.standing_rows(ranked)), "utf-8-sig")
+        _write(options.csv, lambda file: write_table(
+            file, STANDING_COLUMNS, standing_rows(ranked)), "utf-8-sig")
     if options.json:
-        _write(options.json, lambda file: _dump(json_export.exported_standings(ranked, path, now), file))
+        _write(options.json, lambda file: _dump(exported_standings(ranked, path, now), file))
     if options.html:
-        _write(options.html, lambda file: file.write(standing_texts.standings_page(ranked, now, options.utc)))
+        _write(options.html, lambda file: file.write(standings_page(ranked, now, options.utc)))
     if not (options.csv or options.json or options.html):
         for standing in ranked:
-            for text in standing_texts.standing_lines(standing):
+            for text in standing_lines(standing):
                 print(text)
         if not ranked:
-            print("There is no run yet that was started.")
+            print("No run has started yet.")
     return 0
 
 
@@ -257,24 +266,24 @@ def _bag(options: argparse.Namespace) -> int:
 
 
 def _write_bag(result: RunResult, port: Optional[int], path: str) -> int:
-    """Write a new bag with all that belongs into the run log of a robot; returns the number of messages.
+    """Write the run log of a robot to a new bag; returns the number of messages. Raises `_NoBag`.
 
-    `port`: of the robot; None: the run has only one. Raises `_NoBag`.
+    `port`: private port of the robot; None if the run has only one robot.
     """
     try:
         from roah_rsbb.run_logs.bag_file import WRITE_ERRORS, write_whole
     except ImportError as error:
         raise _NoBag(
-            f"a bag cannot be written here ({error}): do it on a computer with ROS, from a copy of the journal"
+            f"a bag cannot be written here ({error}): use a computer with ROS and a copy of the journal"
         ) from None
     if os.path.exists(path):
-        raise _NoBag(f"{path}: there is such a file already: name another one")
+        raise _NoBag(f"{path}: this file already exists: choose another name")
     robot = _robot_of(result, port)
     entries = [(e.kind, e.value, e.utc) for e in result.entries if e.port == robot.port and e.kind in run_log.KINDS]
     try:
         write_whole(path, entries)
     except WRITE_ERRORS as error:
-        raise _NoBag(f"{path}: {error}: name another place, or make room there") from None
+        raise _NoBag(f"{path}: {error}: choose another place or free some space") from None
     return len(entries)
 
 
@@ -283,7 +292,7 @@ def _robot_of(result: RunResult, port: Optional[int]) -> RobotPart:
     if len(robots) == 1:
         return robots[0]
     known = ", ".join(f"{robot.port} ({robot.robot} of team {robot.team})" for robot in result.robots)
-    raise _NoBag(f"say which robot's log it shall be, with --port: {known or 'this run has none'}")
+    raise _NoBag(f"choose a robot with --port: {known or 'this run has none'}")
 
 
 def _journals(options: argparse.Namespace) -> int:
@@ -291,7 +300,7 @@ def _journals(options: argparse.Namespace) -> int:
     base, suffix = os.path.splitext(FILE_NAME)
     paths = sorted(glob.glob(os.path.join(glob.escape(log_dir), f"{base}*{suffix}")))
     if not paths:
-        raise _Usage(f"there are no journals in {log_dir}: name the box's log_dir with --log-dir DIR")
+        raise _Usage(f"there are no journals in {log_dir}: give the box's log_dir with --log-dir DIR")
     for path in paths:
         try:
             with JournalReader(path) as reader:
@@ -299,7 +308,7 @@ def _journals(options: argparse.Namespace) -> int:
         except JournalError as error:
             print(error)
             continue
-        begun = f"begun {result_texts.moment(sessions[0].utc, options.utc)}" if sessions else "empty"
+        begun = f"started {result_texts.moment(sessions[0].utc, options.utc)}" if sessions else "empty"
         last = f", last connected {result_texts.moment(known[-1].opened_utc, options.utc)}" if known else ""
         print(f"{path}: {begun}, {len(known)} runs{last}")
     return 0
@@ -327,7 +336,7 @@ def _ranked(options: argparse.Namespace, known: List[RunRecord]) -> List[Standin
 
 
 def _write(path: str, write: Callable[[TextIO], object], encoding: str = "utf-8") -> None:
-    """Write a file whole, or leave what is there; `-` is the standard output."""
+    """Write a complete file, or leave the old one unchanged; `-` is standard output."""
     if path == "-":
         write(sys.stdout)
         return

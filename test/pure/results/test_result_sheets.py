@@ -9,11 +9,10 @@ from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_full_run
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.journal.reader import JournalReader
-from roah_rsbb.results.html_sheet import sheet_page
+from roah_rsbb.results.events import box_states, robot_states, sections
 from roah_rsbb.results.page import tag
-from roah_rsbb.results.run_result import NoSuchRun, find, records, run_result
-from roah_rsbb.results.story import box_states, robot_states, sections
-from roah_rsbb.results.text_sheet import list_lines, sheet_lines
+from roah_rsbb.results.runs import NoSuchRun, find, records, run_result
+from roah_rsbb.results.sheet import list_lines, sheet_lines, sheet_page
 from roah_rsbb.wording import result_texts
 
 
@@ -99,11 +98,11 @@ def test_what_cannot_be_printed_is_seen():
 def test_a_run_is_found_by_number_identity_or_its_beginning():
     known = [task_record("Alpha", 1), task_record("Beta", 2), task_record("Beta", 12, benchmark="HWV")]
     assert [find(known, word) for word in ("1", "3", known[1].identity, "HWV")] == [0, 2, 1, 2]
-    for word, text in (("0", "there are 1 to 3"), ("4", "there are 1 to 3"), ("HG", "any of 2 runs"), ("", "list"),
+    for word, text in (("0", "there are 1 to 3"), ("4", "there are 1 to 3"), ("HG", "matches 2 runs"), ("", "list"),
                        ("x", "results list")):
         with pytest.raises(NoSuchRun, match=text):
             find(known, word)
-    with pytest.raises(NoSuchRun, match="none yet"):
+    with pytest.raises(NoSuchRun, match="no runs yet"):
         find([], "1")
 
 
@@ -125,8 +124,8 @@ def test_a_record_that_cannot_be_read_costs_only_itself(writer):
 # -- what happened ----------------------------------------------------------------------------------
 
 
-def test_the_story(result):
-    told = {section.title: [h.text for h in section.happenings] for section in sections(result)}
+def test_the_events_of_a_run(result):
+    told = {section.title: [h.text for h in section.events] for section in sections(result)}
     assert told["Timeline of states"] == [
         "Box: STOP: Connected", "Robot: STOP", "Robot's address: 10.0.0.7",
         "Box: PREPARE: Robot preparing for the task", "Robot: PREPARING",
@@ -144,7 +143,7 @@ def test_the_story(result):
 
 
 def test_what_is_bad_and_who_did_it(result):
-    by_title = {section.title: section.happenings for section in sections(result)}
+    by_title = {section.title: section.events for section in sections(result)}
     assert [(h.bad, h.who) for h in by_title["Referee's commands"]] == [(True, "anna"), (False, "anna")]
     assert by_title["Warnings"][0].bad
     assert by_title["Online data"][0].who == "10.0.0.7"
@@ -156,7 +155,7 @@ def test_a_robots_state_that_is_said_again_is_told_once(writer):
     for state in (3, 3, 4, 9):
         writer.entry("/rsbb_log/client_state", state, record.identity)
     [section] = sections(read(writer))
-    assert [h.text for h in section.happenings] == ["Robot: EXECUTING", "Robot: RESULT_TX", "Robot: 9"]
+    assert [h.text for h in section.events] == ["Robot: EXECUTING", "Robot: RESULT_TX", "Robot: 9"]
 
 
 def test_of_several_robots_each_is_named(writer):
@@ -164,7 +163,7 @@ def test_of_several_robots_each_is_named(writer):
     writer.run(record, ((6667, "r1"), (6668, "r2")))
     writer.entry("/notification", "hello", record.identity, port=6668)
     writer.entry("command", {"command": "start"}, record.identity, port=None)
-    named = [h.robot for section in sections(read(writer)) for h in section.happenings]
+    named = [h.robot for section in sections(read(writer)) for h in section.events]
     assert sorted(named) == ["", "r2 of team ALL"]
     assert "r2 of team ALL: notification: hello" in "\n".join(sheet_lines(read(writer), True, False))
 
@@ -304,6 +303,6 @@ def test_evil_names_everywhere(writer):
 def test_a_page_of_a_run_with_hardly_anything(writer):
     writer.run(task_record("Alpha", 1, started_utc=0.0, closed_utc=0.0, end_reason="", items=()), ())
     page = Page(sheet_page(read(writer), in_utc=True))
-    assert "not signed off: it may still change" in page.text()
+    assert "not signed off: may still change" in page.text()
     assert "connected, not started yet" in page.text()
     assert "svg" not in page.elements

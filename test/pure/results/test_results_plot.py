@@ -7,9 +7,9 @@ import pytest
 
 from helpers.journals import UTC0
 from roah_rsbb.core.link.record import LinkSample
-from roah_rsbb.results.link_plot import LEFT, MAX_COLUMNS, RIGHT, WIDTH, Rows, link_plot
-from roah_rsbb.results.run_result import LinkSecond
-from roah_rsbb.results.story import Stretch
+from roah_rsbb.results.events import Stretch
+from roah_rsbb.results.link_report import LEFT, MAX_COLUMNS, RIGHT, WIDTH, Rows, link_plot
+from roah_rsbb.results.runs import LinkSecond
 
 NAME = "{http://www.w3.org/2000/svg}"
 INSIDE = WIDTH - LEFT - RIGHT

@@ -17,7 +17,7 @@ from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_competition
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry, ScoreValue
-from roah_rsbb.results import tables
+from roah_rsbb.results import export
 from roah_rsbb.tools import results as program
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -71,17 +71,17 @@ def test_a_journal_without_runs(run, tmp_path):
     Writer(tmp_path).close()
     source = ("--log-dir", tmp_path)
     assert run("list", source=source)[:2] == (0, "There are no runs yet.\n")
-    assert "no run yet" in run("standings", source=source)[1]
+    assert "No run has started yet" in run("standings", source=source)[1]
     assert run("export", "--html", tmp_path / "html", source=source)[0] == 0
 
 
 @pytest.mark.parametrize(("arguments", "status", "told"), [
     (("show", "9"), 1, "there is no run '9': there are 1 to 5"),
-    (("export",), 1, "say what to write"),
+    (("export",), 1, "choose what to write"),
     (("export", "--csv", "/nowhere/x"), 1, "/nowhere/x.draft: No such file or directory"),
     (("standings", "HOPF"), 1, "there are no runs of HOPF; there are some of HGTKMH, HNF"),
     (("standings", "--without", "77"), 1, "there is no run '77'"),
-    (("standings", "--rules", "/nowhere/rules"), 1, "the rules of the standings cannot be used:\n/nowhere/rules"),
+    (("standings", "--rules", "/nowhere/rules"), 1, "the rules of the standings are invalid:\n/nowhere/rules"),
     (("standings", "--runs", "worst"), 2, "best"),
     ((), 2, "COMMAND"),
     (("--journal", "/nowhere/j", "list"), 1, "there is no such file"),
@@ -137,15 +137,15 @@ def test_the_journals_of_a_log_dir(run, journal, tmp_path):
     assert status == 0
     first, second, aside = out.splitlines()
     assert "no journal at all" in second
-    assert aside.endswith("begun 2025-11-21 11:00:00Z, 5 runs, last connected 2025-11-21 16:00:00Z")
-    assert first.endswith("roah_rsbb_journal.sqlite3: begun 2025-11-21 11:00:00Z, 0 runs")
+    assert aside.endswith("started 2025-11-21 11:00:00Z, 5 runs, last connected 2025-11-21 16:00:00Z")
+    assert first.endswith("roah_rsbb_journal.sqlite3: started 2025-11-21 11:00:00Z, 0 runs")
     assert "there are no journals in" in run("journals", "--log-dir", tmp_path / "none", source=())[2]
 
 
 def test_a_bag_needs_ros_and_a_file_that_is_not_there(run, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "roah_rsbb.run_logs.bag_file", None)
     status, _, err = run("bag", "1", tmp_path / "x.bag")
-    assert (status, "do it on a computer with ROS" in err) == (1, True)
+    assert (status, "use a computer with ROS" in err) == (1, True)
     bags = types.SimpleNamespace(WRITE_ERRORS=(OSError,), write_whole=lambda path, entries: written.append(entries))
     written = []
     monkeypatch.setitem(sys.modules, "roah_rsbb.run_logs.bag_file", bags)
@@ -167,7 +167,7 @@ def test_a_row_for_each_item_and_value(run, tmp_path):
     assert run("export", "--csv", path)[0] == 0
     assert path.read_bytes().startswith(b"\xef\xbb\xbf"), "by this spreadsheet programs know UTF-8"
     rows = rows_of(path.read_text(encoding="utf-8-sig"))
-    assert tuple(rows[0]) == tables.RESULT_COLUMNS
+    assert tuple(rows[0]) == export.RESULT_COLUMNS
     first = [row for row in rows if row["run_id"] == full_record().identity]
     assert [(row["kind"], row["name"], row["value"]) for row in first[:5]] == [
         ("item", "Detects the door", "0"), ("item", "Detects a changed object", "2"),
@@ -184,14 +184,14 @@ def test_the_last_entry_that_counts_is_who_changed_an_item():
         ScoreEntry(n, UTC0 + n, f"who{n}", "Achievements", "Detects the door", 0, 1, withdrawn_utc=withdrawn)
         for n, withdrawn in ((1, 0.0), (2, 9.0))
     )
-    rows = list(tables.result_rows([record._replace(history=history)], in_utc=True))
+    rows = list(export.result_rows([record._replace(history=history)], in_utc=True))
     assert (rows[0]["changed_by"], rows[0]["changed"]) == ("who1", "2025-11-21T11:00:01.000+00:00")
     assert "changed_by" not in rows[1]
 
 
 def test_a_run_with_nothing_has_a_row_of_its_own():
     record = RunRecord("x", "z", "HSUF", "ALL", 1, 1, UTC0, UTC0)
-    [row] = tables.result_rows([record], in_utc=True)
+    [row] = export.result_rows([record], in_utc=True)
     assert (row["kind"], row["run_id"], row["started"], row["elapsed_s"]) == ("none", "x", None, None)
 
 
@@ -201,7 +201,7 @@ def test_a_run_with_nothing_has_a_row_of_its_own():
     (None, ""), (True, "true"), (False, "false"),
 ])
 def test_no_cell_is_a_formula(cell, shown):
-    assert tables.safe(cell) == shown
+    assert export.safe(cell) == shown
 
 
 def test_no_formula_reaches_a_file(tmp_path, run):
@@ -277,7 +277,7 @@ def test_no_name_leads_out_of_the_directory(run, tmp_path):
 def test_a_file_is_written_whole_or_not_at_all(run, tmp_path, monkeypatch):
     path = tmp_path / "results.csv"
     path.write_text("old")
-    monkeypatch.setattr(tables, "safe", lambda _: 1 / 0)
+    monkeypatch.setattr(export, "safe", lambda _: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         program.main(str(ROOT / "config"), ["--log-dir", str(tmp_path), "--journal", _journal(tmp_path), "export",
                                             "--csv", str(path)])
@@ -313,7 +313,7 @@ def test_standings_as_files(run, tmp_path):
     files = (option for kind in ("csv", "json", "html") for option in (f"--{kind}", tmp_path / f"s.{kind}"))
     assert run("standings", *files)[0] == 0
     rows = rows_of((tmp_path / "s.csv").read_text(encoding="utf-8-sig"))
-    assert tuple(rows[0]) == tables.STANDING_COLUMNS
+    assert tuple(rows[0]) == export.STANDING_COLUMNS
     assert [(r["rank"], r["team"], r["criterion"], r["number"]) for r in rows[:2]] == [
         ("1", "Beta", "Achievements", "5.0"), ("1", "Beta", "Penalties", "1.0")
     ]

@@ -15,9 +15,8 @@ from helpers.results_of import (
     task_record,
 )
 from roah_rsbb.core.scoring.records import ScoreValue, SignOff
-from roah_rsbb.results.standing import Choice, standing, standings
 from roah_rsbb.results.standing_rules import DEFAULT, Criterion, OfRuns, Rules, Term, read_rules
-from roah_rsbb.results.standing_texts import run_text, standing_lines, standing_markup
+from roah_rsbb.results.standings import Choice, run_text, standing, standing_lines, standing_markup, standings
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config" / "standings.yaml"
@@ -160,14 +159,14 @@ def test_only_runs_that_were_started_and_are_over_count():
     ]
     assert [team for _, team, _ in ranks(records)] == ["C"]
     assert "HGTKMH-6668" in remarks(records)
-    assert "goes on" in remarks(records)
+    assert "still running" in remarks(records)
     assert "HGTKMH-6667" not in remarks(records)
 
 
 def test_only_signed_off_runs_or_all():
     records = [task_record("A", 1, objects=5), task_record("A", 2, objects=1, sign_off=SIGNED), task_record("B", 3)]
     assert ranks(records)[0] == (1, "A", (5.0, 0.0))
-    assert remarks(records).count("it may still change") == 2
+    assert remarks(records).count("may still change") == 2
     signed = Choice(signed_off=True)
     assert ranks(records, choice=signed) == [(1, "A", (1.0, 0.0))]
     assert remarks(records, signed).count("does not count") == 2
@@ -177,7 +176,7 @@ def test_of_an_event_that_was_run_again_the_last_run_counts():
     first = task_record("A", 1, objects=5)
     again = task_record("A", 2, objects=1, round=first.round, run=first.run, scheduled=first.scheduled)
     assert ranks([again, first]) == [(1, "A", (1.0, 0.0))]
-    assert f"run {first.identity} of team A was run again" in remarks([first, again])
+    assert f"run {first.identity} of team A was repeated" in remarks([first, again])
     assert ranks([first, again], choice=Choice(without=(again.identity,))) == [(1, "A", (5.0, 0.0))]
     never = again._replace(started_utc=0.0, end_reason="")
     assert ranks([first, never]) == [(1, "A", (5.0, 0.0))]
@@ -187,7 +186,7 @@ def test_a_run_of_all_teams_has_no_standing():
     records = [task_record("ALL", 1, benchmark="HSUF", items=())]
     [table] = standings(records, {}, Choice())
     assert table.lines == ()
-    assert table.remarks == ("all robots run at once: the box has no score of each team",)
+    assert table.remarks == ("all robots run at once: there is no score for each team",)
     assert standings([records[0]._replace(started_utc=0.0)], {}, Choice()) == []
 
 

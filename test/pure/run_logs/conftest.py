@@ -5,7 +5,7 @@ import pytest
 
 @pytest.fixture
 def quick_writer(monkeypatch):
-    monkeypatch.setattr("roah_rsbb.run_logs.writer.LOOK_S", 0.02)
+    monkeypatch.setattr("roah_rsbb.run_logs.writer.CHECK_S", 0.02)
     monkeypatch.setattr("roah_rsbb.run_logs.writer.RETRY_S", 0.05)
 
 

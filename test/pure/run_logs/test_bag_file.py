@@ -60,7 +60,7 @@ def test_an_entry_that_no_message_can_hold_is_left_out(path):
 
 
 def test_a_whole_log_goes_on_in_its_file(path):
-    bag, _ = write_whole(str(path), entries(5), goes_on=True)
+    bag, _ = write_whole(str(path), entries(5), stays_open=True)
     bag.write(message_of(entries(1, first=5)[0]))
     bag.close()
     assert read(path) == plain(entries(6))
@@ -181,7 +181,7 @@ def test_when_it_cannot_be_written_anew_the_old_file_stays(path, monkeypatch):
         with monkeypatch.context() as context:
             context.setattr(GrowingBag, step, full)
             with pytest.raises(OSError, match="No space"):
-                write_whole(str(path), entries(9), goes_on=True)
+                write_whole(str(path), entries(9), stays_open=True)
         assert path.read_bytes() == before
         assert list(path.parent.iterdir()) == [path]
 

@@ -15,7 +15,7 @@ from roah_rsbb.run_logs.salvage import Salvage
 
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch):
-    monkeypatch.setattr(writer, "LOOK_S", 0.02)
+    monkeypatch.setattr(writer, "CHECK_S", 0.02)
     monkeypatch.setattr(writer, "RETRY_S", 0.05)
 
 
@@ -115,7 +115,7 @@ def test_the_core_is_ended_while_the_disk_is_full(disk):
 def test_a_read_only_directory(disk):
     disk.make_read_only()
     loop = Loop(disk.path / "logs")
-    assert "cannot be made" in loop.writer.check()
+    assert "cannot be created" in loop.writer.check()
     path = loop.open()
     loop.log(entries(20))
     loop.wait(loop.troubles)
@@ -140,14 +140,14 @@ def test_old_logs_on_a_full_disk_stay_as_they_are(disk):
     path.write_bytes(open_log)
     disk.fill()
     again = Loop(disk.path / "logs")
-    again.writer.mend({})
+    again.writer.repair({})
     again.wait(again.troubles)
     assert "No space left" in again.troubles[0] and "rosbag reindex" in again.troubles[0]
     assert path.read_bytes() == open_log
     again.writer.stop()
     disk.free()
     once_more = Loop(disk.path / "logs")
-    once_more.writer.mend({})
+    once_more.writer.repair({})
     assert complete(path) == plain(entries(20))
     once_more.writer.stop()
 

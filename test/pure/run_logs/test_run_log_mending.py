@@ -20,7 +20,7 @@ def name(number):
 
 def test_logs_that_were_left_open_are_indexed_again(loop, log_dir):
     paths = [left_open(log_dir / name(number), number) for number in range(1, 4)]
-    loop.writer.mend({})
+    loop.writer.repair({})
     for number, path in enumerate(paths, 1):
         assert complete(path) == plain(entries(number))
     assert sorted(log_dir.iterdir()) == paths
@@ -30,7 +30,7 @@ def test_logs_that_were_left_open_are_indexed_again(loop, log_dir):
 def test_of_runs_in_the_journal_the_whole_log_is_written(loop, log_dir):
     path = left_open(log_dir / NAME, 2)
     loop.journal[PORT] = entries(5)
-    loop.writer.mend({PORT: f"/elsewhere/{NAME}", OTHER: str(log_dir / name(2))})
+    loop.writer.repair({PORT: f"/elsewhere/{NAME}", OTHER: str(log_dir / name(2))})
     loop.answer()
     assert complete(path) == plain(entries(5))
     loop.settle()
@@ -58,7 +58,7 @@ def test_only_our_own_logs_that_nobody_closed_or_writes_are_touched(loop, log_di
     other_draft = log_dir / ("notes" + DRAFT)
     other_draft.write_text("notes")
 
-    loop.writer.mend({PORT: str(own)})
+    loop.writer.repair({PORT: str(own)})
     assert complete(last) == plain(entries(4))
     loop.settle()
     assert closed.stat() == before
@@ -80,7 +80,7 @@ def test_a_log_that_cannot_be_mended_stays_and_is_told(loop, log_dir):
     log_dir.mkdir()
     (log_dir / name(1)).write_text("no bag")
     after = left_open(log_dir / name(2), 3)
-    loop.writer.mend({})
+    loop.writer.repair({})
     assert complete(after) == plain(entries(3))
     assert len(loop.troubles) == 1
     assert str(log_dir / name(1)) in loop.troubles[0] and "rosbag reindex" in loop.troubles[0]
@@ -91,7 +91,7 @@ def test_of_a_damaged_log_what_can_be_read_is_saved_and_all_of_it_kept(loop, log
     path = left_open(log_dir / NAME, 3)
     data = path.read_bytes() + b"\xee" * 100
     path.write_bytes(data)
-    loop.writer.mend({})
+    loop.writer.repair({})
     loop.wait(loop.troubles)
     assert complete(path) == plain(entries(3))
     kept = log_dir / (NAME + ".damaged")
@@ -103,7 +103,7 @@ def test_runs_are_logged_before_old_logs_are_mended(loop, log_dir):
     for number in range(2, 40):
         left_open(log_dir / name(number), 50)
     path = loop.open()
-    loop.writer.mend({})
+    loop.writer.repair({})
     loop.log(entries(100))
     loop.settle()
     assert not complete_yet(log_dir / name(39))

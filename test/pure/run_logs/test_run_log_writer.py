@@ -153,7 +153,7 @@ def test_a_run_that_goes_on_when_the_core_is_ended_at_once(log_dir):
 
 @pytest.mark.parametrize("number, remedy", [
     (errno.ENOSPC, "free space on the disk"), (errno.EROFS, "make the disk of log_dir writable"),
-    (errno.EACCES, "make log_dir writable for this user"), (errno.EIO, "mend the disk"),
+    (errno.EACCES, "make log_dir writable for this user"), (errno.EIO, "check the disk"),
 ])
 def test_what_cannot_be_written_is_told_and_written_later(loop, monkeypatch, number, remedy):
     path = loop.open()
@@ -283,7 +283,7 @@ def test_a_log_that_somebody_removed_is_written_anew(loop, log_dir, tmp_path, ho
 
 def test_a_directory_that_cannot_be_made(loop, log_dir):
     log_dir.write_text("in the way")
-    assert "cannot be made" in loop.writer.check()
+    assert "cannot be created" in loop.writer.check()
     path = loop.open()
     loop.log(entries(3))
     loop.wait(loop.troubles)

@@ -14,15 +14,11 @@ from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.core.restart.restart import BOX, BoxSaved, Saved, ZoneState, key_of
 from roah_rsbb.core.restart.saved import Anchor, BadState, freeze, thaw
 from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.journal import kinds
 from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
 from roah_rsbb.journal.before import Before
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.rulebook.config import Config
-
-# Kinds of entries that are no topic of a run log.
-NOTICE = "notice"
-ADDRESS = "address"
-TIMEOUT = "timeout"
 
 BOX_STATE = "box"
 ZONE_STATE = "zone:"
@@ -149,15 +145,15 @@ class CoreJournal:
         self._places.pop(effect.port, None)
 
     def _aimed(self, now: Now, effect: effects.AimChannel) -> None:
-        self._add(now, self._place(effect.port), effect.port, effect.host, ADDRESS, effect.host)
+        self._add(now, self._place(effect.port), effect.port, effect.host, kinds.ADDRESS, effect.host)
 
     def _rung(self, now: Now, effect: effects.TimeoutRung) -> None:
-        self._add(now, self._place_of_zone(effect.zone), None, "", TIMEOUT, None)
+        self._add(now, self._place_of_zone(effect.zone), None, "", kinds.TIMEOUT, None)
 
     def _noticed(self, now: Now, effect: effects.Notice) -> None:
         if effect.zone and effect.level >= Level.WARNING:
             said = {"level": effect.level.name, "text": effect.text}
-            self._add(now, self._place_of_zone(effect.zone), None, "", NOTICE, said)
+            self._add(now, self._place_of_zone(effect.zone), None, "", kinds.NOTICE, said)
 
     def _recorded(self, now: Now, effect: effects.Recorded) -> None:
         self._add(now, _Place(effect.zone, effect.identity), effect.port, effect.who, effect.kind, effect.value)

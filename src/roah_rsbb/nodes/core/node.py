@@ -160,7 +160,7 @@ class CoreNode:
         for warning in warnings:
             self._driver.event(self._box.on_trouble, warning)
         self._driver.event(self._box.resume, saved)
-        self._run_logs.mend(self._store.before.log_files)
+        self._run_logs.repair(self._store.before.log_files)
 
     def run(self) -> int:
         """Run until shut down; returns the process's exit status."""

@@ -1,29 +1,30 @@
-"""Results for spreadsheets: CSV, one row for each scoring item and each value of a benchmarking module.
+"""Exports results for spreadsheets (CSV) and programs (JSON); docs/results.md has the formats.
 
-A cell that begins like a formula and came from somebody (a robot's name, a referee's note) gets an apostrophe in
-front: spreadsheet programs would carry it out. Numbers are left as they are.
+The CSV has one row for each scoring item and each value of a benchmarking module. Texts come from robots and
+referees; a spreadsheet program would run those that look like formulas.
 """
 
 import csv
 import json
-from typing import Dict, Iterable, Iterator, List, Optional, TextIO, Tuple, Union
+from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, TextIO, Tuple, Union
 
 from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry
-from roah_rsbb.results.standing import Standing
+from roah_rsbb.results.runs import RunResult
+from roah_rsbb.results.standings import Standing
 from roah_rsbb.wording import result_texts
 from roah_rsbb.wording.result_texts import iso, visible
 
 Cell = Union[str, int, float, None]
 
-# What a spreadsheet program takes for the beginning of a formula.
+# A text that begins with one of these is a formula for a spreadsheet program.
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "|", "%", "＝", "＋", "－", "＠")
 
-# Of each run.
+# Columns about the run.
 _RUN_COLUMNS = (
     "run_id", "zone", "benchmark", "team", "round", "run", "robots", "scheduled", "connected", "started",
     "disconnected", "end_reason", "elapsed_s", "signed_off", "signed_off_by",
 )
-# Of each row.
+# Columns about the item or value.
 _ROW_COLUMNS = (
     "kind", "group", "name", "value", "unit", "not_attempted", "corrected", "changed", "changed_by", "note",
 )
@@ -35,7 +36,7 @@ STANDING_COLUMNS = (
 
 
 def safe(cell: Cell) -> Union[str, int, float]:
-    """A cell as it may stand in a spreadsheet."""
+    """Make a value safe for a spreadsheet: text that looks like a formula gets an apostrophe in front."""
     if cell is None:
         return ""
     if isinstance(cell, bool):
@@ -47,7 +48,7 @@ def safe(cell: Cell) -> Union[str, int, float]:
 
 
 def write_table(file: TextIO, columns: Tuple[str, ...], rows: Iterable[Dict[str, Cell]]) -> None:
-    """Write rows under a line of their columns' names; what a row lacks is empty."""
+    """Write a header line and rows. Missing cells are empty."""
     writer = csv.writer(file)
     writer.writerow(columns)
     for row in rows:
@@ -55,7 +56,7 @@ def write_table(file: TextIO, columns: Tuple[str, ...], rows: Iterable[Dict[str,
 
 
 def result_rows(records: Iterable[RunRecord], in_utc: bool) -> Iterator[Dict[str, Cell]]:
-    """All rows of all runs; a run with neither items nor values has one of kind "none"."""
+    """Return the rows of all runs. A run without items and values has one row of kind "none"."""
     for record in records:
         of_run = _of_run(record, in_utc)
         rows = [*_item_rows(record, in_utc), *_module_rows(record)]
@@ -109,7 +110,7 @@ def _module_cell(text: str) -> Cell:
 
 
 def standing_rows(standings: Iterable[Standing]) -> Iterator[Dict[str, Cell]]:
-    """One row for each benchmark, team and criterion."""
+    """Return one row for each benchmark, team and criterion."""
     for standing in standings:
         for team in standing.lines:
             identities: List[str] = [run.record.identity for run in team.runs]
@@ -119,3 +120,73 @@ def standing_rows(standings: Iterable[Standing]) -> Iterator[Dict[str, Cell]]:
                     criterion.name, "more" if criterion.more_is_better else "less", number, len(identities),
                     " ".join(identities),
                 )))
+
+
+# -- JSON -------------------------------------------------------------------------------------------
+
+
+FORMAT = "roah_rsbb results"
+# Incremented when a field changes its meaning or disappears.
+VERSION = 1
+
+
+def exported(results: Sequence[RunResult], standings: Sequence[Standing], journal: str, utc: float) -> Dict[str, Any]:
+    """Return the runs and the standings as JSON values."""
+    return {
+        **_head(journal, utc),
+        "runs": [_run_value(result) for result in results],
+        "standings": [_standing_value(standing) for standing in standings],
+    }
+
+
+def exported_standings(standings: Sequence[Standing], journal: str, utc: float) -> Dict[str, Any]:
+    """Return only the standings as JSON values."""
+    return {**_head(journal, utc), "standings": [_standing_value(standing) for standing in standings]}
+
+
+def _head(journal: str, utc: float) -> Dict[str, Any]:
+    return {"format": FORMAT, "version": VERSION, "journal": journal, "written_utc": utc,
+            "written": result_texts.iso(utc, in_utc=True)}
+
+
+def _run_value(result: RunResult) -> Dict[str, Any]:
+    return {
+        **_plain(result.record),
+        "state": result_texts.state_of(result.record),
+        "robot_parts": [
+            {"port": r.port, "team": r.team, "robot": r.robot, "log_file": r.log_file,
+             "link": [{"utc": second.utc, **_plain(second.sample)} for second in r.link]}
+            for r in result.robots
+        ],
+        "entries": [
+            {"number": e.number, "utc": e.utc, "port": e.port, "who": e.who, "kind": e.kind, "value": e.value}
+            for e in result.entries
+        ],
+    }
+
+
+def _standing_value(standing: Standing) -> Dict[str, Any]:
+    return {
+        "benchmark": standing.benchmark, "of_runs": standing.of_runs.value,
+        "criteria": [{"name": c.name, "better": "more" if c.more_is_better else "less"} for c in standing.criteria],
+        "teams": [
+            {"rank": t.rank, "tied": t.tied, "team": t.team, "numbers": list(t.numbers), "disqualified": t.disqualified,
+             "runs": [
+                 {"identity": r.record.identity, "disqualified": r.disqualified, "numbers": list(r.numbers),
+                  "signed_off": r.record.sign_off is not None, "counts": t.best in (None, i)}
+                 for i, r in enumerate(t.runs)
+             ]}
+            for t in standing.lines
+        ],
+        "remarks": list(standing.remarks),
+    }
+
+
+def _plain(value: Any) -> Any:
+    """A record with all its fields, including those with default values."""
+    if hasattr(value, "_fields"):
+        return {name: _plain(field) for name, field in zip(value._fields, value)}
+    if isinstance(value, (list, tuple)):
+        items: List[Any] = [_plain(item) for item in value]
+        return items
+    return value

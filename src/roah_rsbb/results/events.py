@@ -1,40 +1,35 @@
-"""What happened in a run, from the journal's entries, sorted by what it is about."""
+"""What happened in a run: the journal's entries as lines of text, grouped by subject."""
 
 import json
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import run_log
+from roah_rsbb.journal import kinds
 from roah_rsbb.journal.reader import JournalEntry
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.results.run_result import RunResult
+from roah_rsbb.results.runs import RunResult
 from roah_rsbb.wording.result_texts import plain
 
-# Kinds of entries that are no topic of a run log.
-COMMAND = "command"
-NOTICE = "notice"
-ADDRESS = "address"
-TIMEOUT = "timeout"
 
-
-class Happening(NamedTuple):
+class RunEvent(NamedTuple):
     """One line of a section."""
 
-    utc: float  # UTC seconds
+    utc: float  # seconds
     who: str  # empty: the box
-    robot: str  # where the run has several
+    robot: str  # empty if the run has only one robot
     text: str
     bad: bool = False  # refused, or a warning
 
 
 class Section(NamedTuple):
-    """All of a kind, in order."""
+    """All events on one subject, in order."""
 
     title: str
-    happenings: Tuple[Happening, ...]
+    events: Tuple[RunEvent, ...]
 
 
 class Stretch(NamedTuple):
-    """A state that lasted."""
+    """A state with its duration."""
 
     begin_utc: float
     end_utc: float
@@ -42,30 +37,30 @@ class Stretch(NamedTuple):
 
 
 def sections(result: RunResult) -> List[Section]:
-    """All sections that have anything in them."""
-    found: Dict[str, List[Happening]] = {title: [] for title in _TITLES}
+    """Return all sections that are not empty."""
+    found: Dict[str, List[RunEvent]] = {title: [] for title in _TITLES}
     memory = _Memory()
     for entry in result.entries:
-        teller = _TELLERS.get(entry.kind)
-        if teller is None:
-            if entry.kind not in _TOLD_ELSEWHERE:
-                found[_OTHER].append(_happening(result, entry, f"{entry.kind}: {plain(entry.value)}"))
+        known = _WORDINGS.get(entry.kind)
+        if known is None:
+            if entry.kind not in _NOT_SHOWN:
+                found[_OTHER].append(_run_event(result, entry, f"{entry.kind}: {plain(entry.value)}"))
             continue
-        title, tell = teller
-        text = tell(memory, entry)
+        title, wording = known
+        text = wording(memory, entry)
         if text:
-            found[title].append(_happening(result, entry, text))
-    return [Section(title, tuple(happenings)) for title, happenings in found.items() if happenings]
+            found[title].append(_run_event(result, entry, text))
+    return [Section(title, tuple(events)) for title, events in found.items() if events]
 
 
 def box_states(result: RunResult, port: int, end_utc: float) -> List[Stretch]:
-    """What the box asked of a robot, and from when to when; the last one ends at `end_utc`."""
+    """The states that the box sent to a robot. The last one ends at `end_utc`."""
     changes = [(e.utc, plain(e.value)) for e in result.entries if e.kind == run_log.STATE_NAME and e.port == port]
     return _stretches(changes, end_utc)
 
 
 def robot_states(result: RunResult, port: int, end_utc: float) -> List[Stretch]:
-    """What a robot said that it was doing."""
+    """The states that a robot reported. The last one ends at `end_utc`."""
     changes = [(e.utc, _robot_state(e.value)) for e in result.entries
                if e.kind == run_log.CLIENT_STATE and e.port == port]
     return _stretches(changes, end_utc)
@@ -81,9 +76,9 @@ def _stretches(changes: List[Tuple[float, str]], end_utc: float) -> List[Stretch
     return found
 
 
-def _happening(result: RunResult, entry: JournalEntry, text: str) -> Happening:
-    bad = entry.kind == NOTICE or (entry.kind == COMMAND and "refused" in _dict(entry.value))
-    return Happening(entry.utc, entry.who, result.robot_at(entry.port), text, bad)
+def _run_event(result: RunResult, entry: JournalEntry, text: str) -> RunEvent:
+    bad = entry.kind == kinds.NOTICE or (entry.kind == kinds.COMMAND and "refused" in _dict(entry.value))
+    return RunEvent(entry.utc, entry.who, result.robot_at(entry.port), text, bad)
 
 
 def _robot_state(value: object) -> str:
@@ -98,15 +93,15 @@ def _dict(value: object) -> Dict[str, object]:
 
 
 class _Memory:
-    """What the text of the next entry needs of those before, by port."""
+    """The latest states by port, which the texts of later entries need."""
 
     def __init__(self) -> None:
         self.state: Dict[Optional[int], str] = {}
         self.robot: Dict[Optional[int], str] = {}
 
 
-# Makes the text of an entry; an empty one: nothing that was not said yet.
-_Tell = Callable[[_Memory, JournalEntry], str]
+# Makes the text of an entry; empty if it says nothing new.
+_Wording = Callable[[_Memory, JournalEntry], str]
 
 
 def _state_name(memory: _Memory, entry: JournalEntry) -> str:
@@ -130,13 +125,13 @@ def _as_it_is(_memory: _Memory, entry: JournalEntry) -> str:
     return plain(entry.value)
 
 
-def _saying(word: str) -> _Tell:
-    """The value behind a word."""
+def _saying(word: str) -> _Wording:
+    """A word, a colon and the value."""
     return lambda _memory, entry: f"{word}: {plain(entry.value)}"
 
 
-def _only(text: str) -> _Tell:
-    """Always the same."""
+def _only(text: str) -> _Wording:
+    """A fixed text."""
     return lambda _memory, _entry: text
 
 
@@ -161,7 +156,7 @@ def _notice(_memory: _Memory, entry: JournalEntry) -> str:
 
 
 def _goal_parts(value: object) -> Iterator[str]:
-    """What is said in a goal (`core/module_texts.py`), with as few words as it takes."""
+    """Name the parts of a goal (`core/modules/texts.py`) that are set."""
     try:
         goal = json.loads(value) if isinstance(value, str) else value
     except ValueError:
@@ -188,28 +183,28 @@ _WARNINGS = "Warnings"
 _OTHER = "Other"
 _TITLES = (_STATES, _GOALS, _OPERATIONS, _COMMANDS, _ONLINE_DATA, _DEVICES, _WARNINGS, _OTHER)
 
-_TELLERS: Dict[str, Tuple[str, _Tell]] = {
+_WORDINGS: Dict[str, Tuple[str, _Wording]] = {
     run_log.STATE_NAME: (_STATES, _state_name),
     run_log.STATE_DESC: (_STATES, _state_desc),
     run_log.CLIENT_STATE: (_STATES, _client_state),
-    ADDRESS: (_STATES, _saying("Robot's address")),
-    TIMEOUT: (_STATES, _only("Timeout")),
+    kinds.ADDRESS: (_STATES, _saying("Robot's address")),
+    kinds.TIMEOUT: (_STATES, _only("Timeout")),
     run_log.END: (_STATES, _only("Disconnected")),
     run_log.GOAL: (_GOALS, _goal),
     run_log.RESULT: (_GOALS, _saying("Result")),
     run_log.MANUAL_OPERATION: (_OPERATIONS, _as_it_is),
     run_log.SWITCHES: (_OPERATIONS, _saying("Switches")),
-    COMMAND: (_COMMANDS, _command),
+    kinds.COMMAND: (_COMMANDS, _command),
     run_log.NOTIFICATION: (_ONLINE_DATA, _saying("notification")),
     run_log.ACTIVATION_EVENT: (_ONLINE_DATA, _saying("activation event")),
     run_log.VISITOR: (_ONLINE_DATA, _saying("visitor")),
     run_log.COMMAND: (_ONLINE_DATA, _saying("final command")),
     run_log.DISPLAY_MAP: (_DEVICES, _saying("display_map")),
     **{run_log.device_topic(device): (_DEVICES, _saying(device)) for device in run_log.DEVICES},
-    NOTICE: (_WARNINGS, _notice),
+    kinds.NOTICE: (_WARNINGS, _notice),
 }
-# The same again, or what the score sheet says better.
-_TOLD_ELSEWHERE = frozenset((
+# Entries that repeat others, or that the score sheet shows.
+_NOT_SHOWN = frozenset((
     run_log.STATE, run_log.BOX_STATE, run_log.BOX_PAYLOAD, run_log.CLIENT_PAYLOAD, run_log.SCORE,
     run_log.MODULE_SCORE, run_log.HOPF_RESULT,
 ))

@@ -1,21 +1,60 @@
-"""The link record of a robot over the time of its run, as a picture (SVG) that needs nothing else."""
+"""The link record of a robot: a summary in words, and a plot over time (SVG without external parts)."""
 
 import math
 from typing import Callable, List, NamedTuple, Optional, Sequence
 
 from roah_rsbb.core.link.record import LinkSample
+from roah_rsbb.results.events import Stretch
 from roah_rsbb.results.page import Markup, joined, tag
-from roah_rsbb.results.run_result import LinkSecond
-from roah_rsbb.results.story import Stretch
-from roah_rsbb.wording.result_texts import clock
+from roah_rsbb.results.runs import LinkSecond
+from roah_rsbb.wording.result_texts import clock, line
+
+# One lost datagram does not make a silence this long.
+GAP_S = 2.5
+
+
+def link_lines(link: Sequence[LinkSecond]) -> List[str]:
+    """Summarize the link record of a robot in words; empty without a record."""
+    if not link:
+        return []
+    samples = [second.sample for second in link]
+    received, lost = sum(s.received for s in samples), sum(s.lost for s in samples)
+    due = received + lost
+    share = f" ({lost / due:.1%})" if due else ""
+    lines = [
+        f"{received} messages in {sum(s.seconds for s in samples):.0f} s; {lost} lost on the way to the box{share}, "
+        f"{sum(s.duplicates for s in samples)} duplicates, {sum(s.stale for s in samples)} out of order, "
+        f"{sum(s.unreadable for s in samples)} unreadable",
+        f"longest silence {max(s.gap_s for s in samples):.1f} s; seconds with a silence over {GAP_S:g} s: "
+        f"{sum(1 for s in samples if s.gap_s > GAP_S)}; latest message {max(s.late_s for s in samples):.3f} s behind",
+        f"{sum(s.answers for s in samples)} reactions to the box, {sum(s.unanswered for s in samples)} datagrams of "
+        "the box that the robot had not received half a second later",
+    ]
+    trips = [s.round_trip_s for s in samples if s.round_trip_s is not None]
+    longest = [s.round_trip_max_s for s in samples if s.round_trip_max_s is not None]
+    if trips:
+        lines.append(
+            f"round trip with the robot's own delay: {min(trips):.3f} s at best, {max(longest):.3f} s at worst")
+    skews = [s.skew_s for s in samples if s.skew_s is not None]
+    if skews:
+        lines.append(f"clock skew {min(skews):+.3f} s to {max(skews):+.3f} s")
+    hosts = list(dict.fromkeys(s.host for s in samples if s.host))
+    if hosts:
+        lines.append(f"robot's address: {', '.join(line(host) for host in hosts)}")
+    return lines
+
+
+# -- the plot ---------------------------------------------------------------------------------------
+
 
 WIDTH, LEFT, RIGHT = 720.0, 86.0, 8.0
 STRIP, SPACE, ROW = 54.0, 13.0, 15.0
-# More columns than that cannot be told apart on paper.
+# More columns cannot be distinguished on paper.
 MAX_COLUMNS = 600
-# Samples further apart have no record between them: the box was down.
+# A larger distance between samples means that the box was down.
 NO_RECORD_S = 3.0
-# A robot is called silent after this long (`core/link.py`); the usual limit of the skew (docs/protocol.md, "Timing").
+# Marked in the plot: when a robot counts as silent (`core/link`), and the usual limit of the skew
+# (docs/protocol.md, "Timing").
 SILENT_S = 3.0
 ALLOWED_SKEW_S = 0.1
 
@@ -30,14 +69,14 @@ _LETTER = 5.4  # width of a letter of the states' names
 
 
 class Rows(NamedTuple):
-    """What is drawn under the record."""
+    """The states that are drawn below the link record."""
 
     box: Sequence[Stretch]
     robot: Sequence[Stretch]
 
 
 class _Column(NamedTuple):
-    """Some seconds of the record, as one."""
+    """Consecutive seconds of the record that are drawn together."""
 
     begin_utc: float
     end_utc: float
@@ -45,7 +84,7 @@ class _Column(NamedTuple):
 
 
 class _Scale(NamedTuple):
-    """From UTC seconds to x."""
+    """Maps UTC seconds to x coordinates."""
 
     begin: float
     end: float
@@ -56,7 +95,7 @@ class _Scale(NamedTuple):
 
 
 class _Strip:
-    """One of the record's quantities: its place, and the scale of its values."""
+    """The strip of one quantity: where it is, and the scale of its values."""
 
     def __init__(self, top: float, low: float, high: float) -> None:
         self.top, self.low, self.high = top, low, high
@@ -75,7 +114,7 @@ class _Strip:
         ))
 
     def level(self, value: float) -> Markup:
-        """A line across."""
+        """A horizontal line at a value."""
         if not self.low < value < self.high:
             return Markup("")
         y = _n(self.y(value))
@@ -83,7 +122,7 @@ class _Strip:
 
 
 def link_plot(link: Sequence[LinkSecond], begin_utc: float, end_utc: float, rows: Rows, in_utc: bool) -> Markup:
-    """The picture; `begin_utc` and `end_utc` of the run, which all of the record is within."""
+    """Draw the link record of a run from `begin_utc` to `end_utc`."""
     scale = _Scale(begin_utc, max(end_utc, begin_utc + 1.0))
     columns = _columns(link, scale)
     parts: List[Markup] = []
@@ -102,7 +141,7 @@ def link_plot(link: Sequence[LinkSecond], begin_utc: float, end_utc: float, rows
 
 
 def _columns(link: Sequence[LinkSecond], scale: _Scale) -> List[_Column]:
-    """The samples, or so many of them together that there are no more than `MAX_COLUMNS`."""
+    """Combine neighbouring samples so that there are at most `MAX_COLUMNS`."""
     together = max(1, math.ceil(len(link) / MAX_COLUMNS))
     found: List[_Column] = []
     for i in range(0, len(link), together):
@@ -126,7 +165,7 @@ def _extreme(of: Callable[..., float], values: List[Optional[float]]) -> Optiona
 
 def _bars(columns: List[_Column], scale: _Scale, strip: _Strip, value: Callable[[LinkSample], float],
           fill: str) -> Markup:
-    """A bar from 0 to a value of each column."""
+    """A bar from 0 to the value of each column."""
     path, base = [], _n(strip.y(0.0))
     for column in columns:
         height = value(column.sample)
@@ -144,7 +183,7 @@ def _silence(columns: List[_Column], scale: _Scale, top: float) -> Markup:
 
 
 def _losses(columns: List[_Column], scale: _Scale, top: float) -> Markup:
-    """Lost on the way to the box above the middle, on the way to the robot below it."""
+    """Bars above the middle: lost on the way to the box. Below: lost on the way to the robot."""
     most = max([5, *(max(c.sample.lost, c.sample.unanswered) for c in columns)])
     strip = _Strip(top, -most, most)
     return joined((
@@ -184,7 +223,7 @@ def _skews(columns: List[_Column], scale: _Scale, top: float) -> Markup:
 
 
 def _no_record(link: Sequence[LinkSecond], scale: _Scale, bottom: float) -> Markup:
-    """Grey where nobody took a record."""
+    """Grey areas where there is no record."""
     recorded = [(second.utc - second.sample.seconds, second.utc) for second in link]
     parts: List[Markup] = []
     for (_, end), (begin, _) in zip([(0.0, scale.begin), *recorded], [*recorded, (scale.end, 0.0)]):
@@ -227,5 +266,5 @@ def _text(x: float, y: float, text: str, anchor: Optional[str] = None, weight: O
 
 
 def _n(number: float) -> float:
-    """Short enough for a picture."""
+    """Round a coordinate to two decimals."""
     return round(number, 2)

@@ -1,0 +1,303 @@
+"""The standing of a benchmark: its teams, ranked, with the runs that count; as data, as text and as pages."""
+
+import json
+import math
+import statistics
+from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+from roah_rsbb.core.scoring.records import RunRecord, ScoreValue
+from roah_rsbb.results.page import Child, Markup, joined, page, table, tag
+from roah_rsbb.results.standing_rules import DEFAULT, Criterion, OfRuns, Rules, Term
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS
+from roah_rsbb.wording import result_texts
+from roah_rsbb.wording.result_texts import line, moment
+
+# Sums of weighted values are rounded to this many decimals, so that rounding errors do not decide.
+DIGITS = 9
+
+# A number for each criterion; None (missing) is worse than any number.
+Numbers = Tuple[Optional[float], ...]
+
+
+class Choice(NamedTuple):
+    """Which runs count."""
+
+    signed_off: bool = False  # only those whose sheet is signed off
+    without: Tuple[str, ...] = ()  # identities of excluded runs
+    of_runs: Optional[OfRuns] = None  # overrides the rules
+
+
+class RunLine(NamedTuple):
+    """A run in a standing."""
+
+    record: RunRecord
+    disqualified: bool
+    numbers: Numbers
+
+
+class TeamLine(NamedTuple):
+    """A team in a standing."""
+
+    rank: int
+    tied: bool  # another team has the same rank
+    team: str
+    numbers: Numbers
+    disqualified: bool  # all its runs are disqualified
+    runs: Tuple[RunLine, ...]  # those that count, in order
+    best: Optional[int]  # index in `runs` of the best run; None: mean or median counts
+
+
+class Standing(NamedTuple):
+    """The standing of a benchmark."""
+
+    benchmark: str  # code
+    of_runs: OfRuns
+    criteria: Tuple[Criterion, ...]
+    lines: Tuple[TeamLine, ...]
+    remarks: Tuple[str, ...]  # notes for the reader
+
+
+def standings(records: Sequence[RunRecord], rules: Dict[str, Rules], choice: Choice) -> List[Standing]:
+    """Return the standings of all benchmarks with runs, in the order of the benchmarks."""
+    codes = {record.benchmark for record in records}
+    found = [standing(code, records, rules.get(code, DEFAULT), choice) for code in KINDS if code in codes]
+    return [s for s in found if s.lines or s.remarks]
+
+
+def standing(code: str, records: Sequence[RunRecord], rules: Rules, choice: Choice) -> Standing:
+    """Return the standing of one benchmark."""
+    of_runs = choice.of_runs or rules.of_runs
+    remarks: List[str] = []
+    records = [record for record in records if record.benchmark == code]
+    if any(record.team == ALL_TEAMS and record.started_utc for record in records):
+        remarks.append("all robots run at once: there is no score for each team")
+    by_team: Dict[str, List[RunLine]] = {}
+    for record in _counting([record for record in records if record.team != ALL_TEAMS], choice, remarks):
+        by_team.setdefault(record.team, []).append(_run_line(record, rules, remarks))
+    lines = [_team_line(team, runs, of_runs, rules.criteria) for team, runs in by_team.items()]
+    return Standing(code, of_runs, rules.criteria, _ranked(lines, rules.criteria), tuple(dict.fromkeys(remarks)))
+
+
+def _counting(records: List[RunRecord], choice: Choice, remarks: List[str]) -> List[RunRecord]:
+    """Select runs that started and ended; of a repeated event only the last run."""
+    newest: Dict[Tuple[object, ...], RunRecord] = {}
+    for record in sorted(records, key=lambda r: r.opened_utc):
+        if not record.started_utc or record.identity in choice.without:
+            continue
+        if not record.end_reason:
+            remarks.append(f"run {record.identity} is still running: it does not count yet")
+            continue
+        if choice.signed_off and record.sign_off is None:
+            remarks.append(f"run {record.identity} of team {record.team} is not signed off and does not count")
+            continue
+        event = (record.zone, record.team, record.round, record.run, record.scheduled)
+        if event in newest:
+            again = newest[event].identity
+            remarks.append(f"run {again} of team {record.team} was repeated: only the last run counts")
+        newest[event] = record
+    remarks += [
+        f"run {record.identity} of team {record.team} is not signed off and may still change"
+        for record in newest.values() if record.sign_off is None
+    ]
+    return list(newest.values())
+
+
+# -- the numbers of a run ---------------------------------------------------------------------------
+
+
+def _run_line(record: RunRecord, rules: Rules, remarks: List[str]) -> RunLine:
+    disqualified = any(item.value and item.group in rules.disqualified_by for item in record.items)
+    missing: Dict[str, None] = {}
+    numbers = tuple(_number(record, criterion, missing) for criterion in rules.criteria)
+    if missing:
+        names = ", ".join(f"'{name}'" for name in missing)
+        remarks.append(f"run {record.identity} of team {record.team} has no {names}")
+    return RunLine(record, disqualified, numbers)
+
+
+def _number(record: RunRecord, criterion: Criterion, missing: Dict[str, None]) -> Optional[float]:
+    parts = [_term(record, term, missing) for term in criterion.terms]
+    return None if None in parts else round(sum(parts), DIGITS) + 0.0
+
+
+def _term(record: RunRecord, term: Term, missing: Dict[str, None]) -> Optional[float]:
+    """Evaluate a term. Names that the run lacks go to `missing`: items count as 0, values as None."""
+    if term.score:
+        value = next((s for s in record.module_scores if not s.group and s.name == term.score), None)
+        if value is None:
+            missing[term.score] = None
+            return None
+        number = _module_number(value)
+        return None if number is None else term.weight * number
+    items = [i for i in record.items if term.group in ("", i.group) and term.item in ("", i.desc)]
+    if not items and (term.group or term.item):
+        missing[term.item or term.group] = None
+    return term.weight * sum(item.value for item in items)
+
+
+def _module_number(score: ScoreValue) -> Optional[float]:
+    """A module's value as a number; None if it is missing or not a number."""
+    try:
+        value = json.loads(score.value)
+    except ValueError:
+        return None
+    if not isinstance(value, (bool, int, float)) or not math.isfinite(value):
+        return None
+    return float(value)
+
+
+# -- the numbers of a team --------------------------------------------------------------------------
+
+
+def _key(numbers: Numbers, disqualified: bool, criteria: Sequence[Criterion]) -> Tuple[float, ...]:
+    """A sort key: smaller is better."""
+    worth = [
+        math.inf if number is None else -number if criterion.more_is_better else number
+        for number, criterion in zip(numbers, criteria)
+    ]
+    return (1.0, *[0.0 for _ in worth]) if disqualified else (0.0, *worth)
+
+
+def _team_line(team: str, runs: List[RunLine], of_runs: OfRuns, criteria: Sequence[Criterion]) -> TeamLine:
+    disqualified = all(run.disqualified for run in runs)
+    if of_runs is OfRuns.BEST:
+        best = min(range(len(runs)), key=lambda i: _key(runs[i].numbers, runs[i].disqualified, criteria))
+        return TeamLine(0, False, team, runs[best].numbers, disqualified, tuple(runs), best)
+    together = statistics.mean if of_runs is OfRuns.MEAN else statistics.median
+    numbers = tuple(_together(together, [_of_run(run, i, c) for run in runs]) for i, c in enumerate(criteria))
+    return TeamLine(0, False, team, numbers, disqualified, tuple(runs), None)
+
+
+def _of_run(run: RunLine, place: int, criterion: Criterion) -> Optional[float]:
+    """What a run contributes to the mean. A disqualified run scores 0 where more is better, else it is left out."""
+    if run.disqualified:
+        return 0.0 if criterion.more_is_better else None
+    return run.numbers[place]
+
+
+def _together(of: Callable[[List[float]], float], numbers: List[Optional[float]]) -> Optional[float]:
+    known = [number for number in numbers if number is not None]
+    return round(of(known), DIGITS) + 0.0 if known else None
+
+
+def _ranked(lines: List[TeamLine], criteria: Sequence[Criterion]) -> Tuple[TeamLine, ...]:
+    keys = {line.team: _key(line.numbers, line.disqualified, criteria) for line in lines}
+    ordered = sorted(lines, key=lambda line: (keys[line.team], line.team))
+    all_keys = [keys[line.team] for line in ordered]
+    return tuple(
+        line._replace(rank=all_keys.index(keys[line.team]) + 1, tied=all_keys.count(keys[line.team]) > 1)
+        for line in ordered
+    )
+
+
+# -- as text and pages ------------------------------------------------------------------------------
+
+
+DISQUALIFIED = "disqualified"
+OF_RUNS = {
+    OfRuns.BEST: "the best run of each team counts", OfRuns.MEAN: "the mean of each team's runs counts",
+    OfRuns.MEDIAN: "the median of each team's runs counts",
+}
+
+
+def number_text(number: Optional[float]) -> str:
+    """A number with at most three decimals."""
+    return result_texts.NOTHING if number is None else f"{number:.3f}".rstrip("0").rstrip(".")
+
+
+def rank_text(team: TeamLine) -> str:
+    """A rank; "=" marks ties."""
+    return f"{team.rank}{'=' if team.tied else ''}"
+
+
+def criteria_of(standing: Standing) -> List[str]:
+    """The names of the criteria in the order of comparison."""
+    return [c.name if c.more_is_better else f"{c.name} (less is better)" for c in standing.criteria]
+
+
+def _number_cells(standing: Standing, numbers: Numbers, disqualified: bool) -> List[str]:
+    if disqualified:
+        return [DISQUALIFIED, *("" for _ in standing.criteria[1:])]
+    return [number_text(number) for number in numbers]
+
+
+def run_text(run: RunLine) -> str:
+    """Name a run and its state."""
+    mark = f", {DISQUALIFIED}" if run.disqualified else ""
+    open_mark = "" if run.record.sign_off else ", not signed off"
+    return f"round {run.record.round}, run {run.record.run}{mark}{open_mark}"
+
+
+def standing_lines(standing: Standing) -> Iterator[str]:
+    """Return the lines for the terminal."""
+    yield f"{standing.benchmark}: {OF_RUNS[standing.of_runs]}"
+    rows = [("Rank", "Team", *criteria_of(standing), "Runs")]
+    rows += [
+        (rank_text(team), line(team.team), *_number_cells(standing, team.numbers, team.disqualified),
+         str(len(team.runs)))
+        for team in standing.lines
+    ]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    for row in rows:
+        yield "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
+    for remark in standing.remarks:
+        yield f"  * {line(remark)}"
+
+
+def standing_markup(standing: Standing, sheets: Mapping[str, str]) -> Markup:
+    """Build the section of a page; `sheets` has the files of the runs' sheets by identity."""
+    names = criteria_of(standing)
+    parts: List[Child] = [
+        tag("h2", standing.benchmark),
+        tag("p", f"Ranked by {'; then '.join(names)}; {OF_RUNS[standing.of_runs]}."),
+        table(("Rank", "Team", *names, "Runs"), [
+            (rank_text(team), team.team, *_number_cells(standing, team.numbers, team.disqualified),
+             _runs(standing, team, sheets))
+            for team in standing.lines
+        ], ("number", "team", *("number" for _ in names), "")),
+    ]
+    parts += [tag("p", remark, class_="small") for remark in standing.remarks]
+    return joined(parts)
+
+
+def _runs(standing: Standing, team: TeamLine, sheets: Mapping[str, str]) -> Markup:
+    parts: List[Child] = []
+    for i, run in enumerate(team.runs):
+        numbers = ", ".join(number_text(number) for number in run.numbers)
+        text = f"{run_text(run)}: {numbers}"
+        link = linked(text, run.record.identity, sheets)
+        parts += [tag("br")] if i else []
+        parts.append(tag("b", link) if i == team.best else link)
+    return joined(parts)
+
+
+def linked(text: str, identity: str, sheets: Mapping[str, str]) -> Child:
+    """Link a text to the run's sheet if there is one."""
+    return tag("a", text, href=sheets[identity]) if identity in sheets else text
+
+
+def standings_page(standings: Sequence[Standing], written_utc: float, in_utc: bool) -> str:
+    """Build a page of standings only."""
+    return page(
+        "Standings", tag("h1", "Standings"), tag("p", f"As of {moment(written_utc, in_utc)}", class_="small"),
+        *(standing_markup(standing, {}) for standing in standings),
+    )
+
+
+def index_page(
+    numbered: Sequence[Tuple[int, RunRecord]], sheets: Dict[str, str], standings: Sequence[Standing],
+    written_utc: float, in_utc: bool,
+) -> str:
+    """Build the page with the standings and links to all sheets."""
+    rows = [
+        (str(number), moment(r.opened_utc, in_utc), r.zone, linked(r.benchmark, r.identity, sheets), r.team,
+         f"{r.round} / {r.run}", result_texts.state_of(r), result_texts.sign_off_text(r, in_utc))
+        for number, r in numbered
+    ]
+    return page(
+        "Results", tag("h1", "Results"), tag("p", f"As of {moment(written_utc, in_utc)}", class_="small"),
+        *(standing_markup(standing, sheets) for standing in standings),
+        tag("h2", "Runs"),
+        table(("No.", "Connected", "Zone", "Benchmark", "Team", "Round / run", "State", "Sheet"), rows,
+              ("number", "time", "", "", "team")),
+    )
