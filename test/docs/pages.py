@@ -15,7 +15,7 @@ from typing import Iterator, List, NamedTuple
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = [
     ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "bench" / "README.md",
-    ROOT / "test" / "ros" / "README.md",
+    *sorted((ROOT / "test").glob("*/README.md")),
 ]
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 

@@ -55,8 +55,9 @@ class ScoringItem:
 class Benchmark:
     """One benchmark of the benchmarks file.
 
-    `timeout` (s) ends a goal, and the next one follows; `total_timeout` (s) ends the run. Both count
-    from *start*. A task benchmark has no goals: both are the same unless the file says otherwise.
+    `total_timeout` (s) ends the run and counts from *start*. `timeout` (s) is what panels show. Unless the file
+    says otherwise, both are the same. In a functionality benchmark `timeout` is that of one goal; the module's
+    parameter `goal_timeout` ends the goal.
     """
 
     code: str
