@@ -15,7 +15,7 @@ from python_qt_binding.QtGui import QMouseEvent, QWheelEvent
 from roah_rsbb.rqt.panels import devices, overview
 from roah_rsbb.rqt.panels.devices import DevicesPanel
 from roah_rsbb.rqt.panels.overview import OverviewPanel, Shape, best_shape
-from roah_rsbb.rqt.widgets.hold_button import KEEP_MS
+from roah_rsbb.rqt.widgets.basic import KEEP_MS
 
 
 class TestOverview(PanelCase):

@@ -21,7 +21,7 @@ from roah_rsbb.msg import PublicDetails
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.rqt.public import node
 from roah_rsbb.rqt.public.display import OLD_BACKGROUND, RUNNING, TOPIC, PublicDisplay
-from roah_rsbb.rqt.public.screen import ScreenChoice
+from roah_rsbb.rqt.public.node import ScreenChoice
 from roah_rsbb.srv import UInt8
 
 LAUNCH = pathlib.Path(__file__).resolve().parent.parent.parent / "launch" / "roah_rsbb_public.launch"
@@ -308,7 +308,7 @@ class TestScreens(DisplayCase):
         both = app.screens()
         self.call(1)
         self.wait_on(1, SECOND_SCREEN)
-        with mock.patch("roah_rsbb.rqt.public.screen.QGuiApplication.screens", return_value=both[:1]):
+        with mock.patch("roah_rsbb.rqt.public.node.QGuiApplication.screens", return_value=both[:1]):
             self.wait_on(0, SCREEN)
         self.wait_on(1, SECOND_SCREEN)
 

@@ -4,7 +4,7 @@ import re
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.referee.state import Box, Operation, Zone, lines_of
-from roah_rsbb.rqt.widgets import tail
+from roah_rsbb.ros import tail
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 
 # Numbers in a warning (seconds, skews) change all the time: the warning stays the same one.

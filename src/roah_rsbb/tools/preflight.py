@@ -12,7 +12,7 @@ import rospkg
 
 from roah_rsbb.arguments import Parser, number
 from roah_rsbb.nodes.sounds import PLAYER
-from roah_rsbb.rqt.app.display import has_display
+from roah_rsbb.ros.display import has_display
 from roah_rsbb.tools import preflight_checks as checks
 from roah_rsbb.tools.preflight_checks import Finding, Level
 

@@ -5,7 +5,8 @@ import sys
 
 import pytest
 
-from roah_rsbb.rqt.app import display, gui
+from roah_rsbb.ros import display
+from roah_rsbb.rqt.app import gui
 
 
 @pytest.mark.parametrize(("wanted", "has_rqt", "command"), [

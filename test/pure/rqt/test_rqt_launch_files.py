@@ -36,11 +36,25 @@ def test_arguments_are_explained(path):
     assert undocumented == []
 
 
-def test_each_plugin_names_a_class_that_there_is():
-    source = ast.parse((ROOT / "src" / "roah_rsbb" / "rqt" / "app" / "plugins.py").read_text(encoding="utf-8"))
-    classes = {node.name for node in source.body if isinstance(node, ast.ClassDef)} - {"PanelPlugin"}
+def listed_panels():
+    """The plugins' names of all panels in the list, which is read without Qt."""
+    source = ast.parse((ROOT / "src" / "roah_rsbb" / "rqt" / "app" / "panel_list.py").read_text(encoding="utf-8"))
+    panels = next(node.value for node in source.body if isinstance(node, ast.AnnAssign) and node.target.id == "PANELS")
+    return [name.id[:-len("Panel")] for name in panels.elts]
+
+
+def test_each_panel_of_the_list_is_a_plugin():
     named = {element.get("name"): element.get("type") for element in PLUGINS.iter("class")}
-    assert named == {f"rqt_roah_rsbb/{name}": f"roah_rsbb.rqt.app.plugins.{name}" for name in classes}
+    assert named == {f"rqt_roah_rsbb/{name}": f"roah_rsbb.rqt.app.plugins.{name}" for name in listed_panels()}
+
+
+def test_each_file_of_a_panel_is_in_the_list():
+    files = (ROOT / "src" / "roah_rsbb" / "rqt" / "panels").glob("*.py")
+    classes = [node for file in files for node in ast.parse(file.read_text(encoding="utf-8")).body
+               if isinstance(node, ast.ClassDef)]
+    titled = {node.name for node in classes for line in node.body
+              if isinstance(line, ast.Assign) and line.targets[0].id == "TITLE" and line.value.value}
+    assert titled == {f"{name}Panel" for name in listed_panels()}
 
 
 def test_all_plugins_are_in_one_group_of_the_menu():

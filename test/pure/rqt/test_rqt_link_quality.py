@@ -1,6 +1,6 @@
 """How well a robot is heard."""
 
-from roah_rsbb.rqt.widgets.link_quality import SILENT, WINDOW_S, LinkQuality, text
+from roah_rsbb.rqt.model.link_quality import SILENT, WINDOW_S, LinkQuality, text
 
 TICK_S = 0.1
 

@@ -10,10 +10,11 @@ from typing import Type
 import rospy
 from python_qt_binding.QtCore import QSettings
 
+from roah_rsbb.ros import display
 from roah_rsbb.ros.command_line import explain_panel
-from roah_rsbb.rqt.app import application, display
+from roah_rsbb.rqt.app import application
+from roah_rsbb.rqt.app.application import PanelSettings
 from roah_rsbb.rqt.model.client import Client
-from roah_rsbb.rqt.model.panel_settings import PanelSettings
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.widgets import basic
 

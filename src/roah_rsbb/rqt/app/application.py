@@ -7,7 +7,7 @@ from typing import List
 
 import rosgraph
 import rospy
-from python_qt_binding.QtCore import Qt, QTimer
+from python_qt_binding.QtCore import QSettings, Qt, QTimer
 from python_qt_binding.QtWidgets import QApplication
 
 from roah_rsbb.ros import connections
@@ -52,3 +52,19 @@ def _report(kind, error, trace) -> None:
     """An exception in a panel: PyQt would end the process, and with it the referee's view of all runs."""
     text = "".join(traceback.format_exception(kind, error, trace))
     rospy.logerr("a panel failed, please report this: %s", text)
+
+
+class PanelSettings:
+    """QSettings with rqt's names, for one panel."""
+
+    def __init__(self, settings: QSettings, name: str) -> None:
+        self._settings = settings
+        self._name = name
+
+    def set_value(self, key: str, value) -> None:
+        """Keep a value."""
+        self._settings.setValue(f"{self._name}/{key}", value)
+
+    def value(self, key: str, default=None):
+        """The value kept, or `default`."""
+        return self._settings.value(f"{self._name}/{key}", default)

@@ -12,7 +12,7 @@ import sys
 import time
 from typing import List, NamedTuple, Optional
 
-from roah_rsbb.rqt.app import display
+from roah_rsbb.ros import display
 
 RQT_MODULES = ("rqt_gui", "rqt_gui_py", "qt_gui")
 NO_RQT = "rqt is not installed: install ros-noetic-rqt-gui and ros-noetic-rqt-gui-py, or use gui:=window"

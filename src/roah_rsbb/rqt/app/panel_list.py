@@ -1,4 +1,9 @@
-"""All panels: those of the original RSBB first, then the others."""
+"""The list of all panels.
+
+To add a panel, write its file and add it here. Its plugin class is made from this list; a test
+(test/pure/rqt/test_rqt_launch_files.py) reports what is still missing: the entry in plugin.xml, the program, the
+place in rqt's layout.
+"""
 
 from typing import Tuple, Type
 
@@ -30,3 +35,8 @@ PANELS: Tuple[Type[Panel], ...] = (
     OverviewPanel,
     ResultsPanel,
 )
+
+
+def plugin_name(panel: Type[Panel]) -> str:
+    """The name of a panel's plugin in rqt."""
+    return panel.__name__[:-len("Panel")]

@@ -1,27 +1,16 @@
-"""The panels as rqt plugins; plugin.xml lists them."""
+"""The panels as rqt plugins: a class for each panel of the list, such as `Scoring` for `ScoringPanel`."""
 
 from typing import Type
 
 from rqt_gui_py.plugin import Plugin
 
+from roah_rsbb.rqt.app.panel_list import PANELS, plugin_name
 from roah_rsbb.rqt.model.client import Client
-from roah_rsbb.rqt.panels.active_robots import ActiveRobotsPanel
-from roah_rsbb.rqt.panels.benchmark_control import BenchmarkControlPanel
-from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
-from roah_rsbb.rqt.panels.devices import DevicesPanel
-from roah_rsbb.rqt.panels.log_display import LogDisplayPanel
-from roah_rsbb.rqt.panels.manual_operation import ManualOperationPanel
-from roah_rsbb.rqt.panels.omf_switches import OmfSwitchesPanel
-from roah_rsbb.rqt.panels.online_data import OnlineDataPanel
-from roah_rsbb.rqt.panels.overview import OverviewPanel
 from roah_rsbb.rqt.panels.panel import Panel
-from roah_rsbb.rqt.panels.results import ResultsPanel
-from roah_rsbb.rqt.panels.scoring import ScoringPanel
-from roah_rsbb.rqt.panels.tablet_status import TabletStatusPanel
 
 
 class PanelPlugin(Plugin):
-    """A panel in rqt's hands."""
+    """Shows a panel in rqt."""
 
     PANEL: Type[Panel]
 
@@ -44,49 +33,8 @@ class PanelPlugin(Plugin):
         self.panel.restore_settings(instance_settings)
 
 
-class BenchmarkControl(PanelPlugin):
-    PANEL = BenchmarkControlPanel
-
-
-class CoreStatus(PanelPlugin):
-    PANEL = CoreStatusPanel
-
-
-class TabletStatus(PanelPlugin):
-    PANEL = TabletStatusPanel
-
-
-class Scoring(PanelPlugin):
-    PANEL = ScoringPanel
-
-
-class ManualOperation(PanelPlugin):
-    PANEL = ManualOperationPanel
-
-
-class ActiveRobots(PanelPlugin):
-    PANEL = ActiveRobotsPanel
-
-
-class OnlineData(PanelPlugin):
-    PANEL = OnlineDataPanel
-
-
-class LogDisplay(PanelPlugin):
-    PANEL = LogDisplayPanel
-
-
-class OmfSwitches(PanelPlugin):
-    PANEL = OmfSwitchesPanel
-
-
-class Devices(PanelPlugin):
-    PANEL = DevicesPanel
-
-
-class Overview(PanelPlugin):
-    PANEL = OverviewPanel
-
-
-class Results(PanelPlugin):
-    PANEL = ResultsPanel
+# rqt looks the classes up by the names in plugin.xml.
+globals().update({
+    plugin_name(panel): type(plugin_name(panel), (PanelPlugin,), {"PANEL": panel, "__module__": __name__})
+    for panel in PANELS
+})

@@ -8,10 +8,11 @@ import rospy
 from python_qt_binding.QtCore import QSettings, Qt
 from python_qt_binding.QtWidgets import QApplication, QDockWidget, QMainWindow
 
-from roah_rsbb.rqt.app import application, display
+from roah_rsbb.ros import display
+from roah_rsbb.rqt.app import application
+from roah_rsbb.rqt.app.application import PanelSettings
 from roah_rsbb.rqt.app.panel_list import PANELS
 from roah_rsbb.rqt.model.client import Client
-from roah_rsbb.rqt.model.panel_settings import PanelSettings
 from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.widgets import basic

@@ -2,12 +2,29 @@
 
 from typing import Optional
 
+from python_qt_binding.QtCore import QObject, Signal
+
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.rqt.model.calls import Calls
 from roah_rsbb.rqt.model.model import TOPICS, Model
-from roah_rsbb.rqt.model.referee_name import RefereeName
+from roah_rsbb.rqt.model.presses import DoublePress
 from roah_rsbb.rqt.model.zone_parameter import ZoneParameter
-from roah_rsbb.rqt.widgets.presses import DoublePress
+
+
+class RefereeName(QObject):
+    """One for all panels of a process."""
+
+    changed = Signal(str)
+
+    def __init__(self, parent: Optional[QObject] = None) -> None:
+        super().__init__(parent)
+        self.name = ""
+
+    def set(self, name: str) -> None:
+        """Somebody else referees now."""
+        if name != self.name:
+            self.name = name
+            self.changed.emit(name)
 
 
 class Client:

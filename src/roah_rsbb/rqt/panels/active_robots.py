@@ -6,8 +6,9 @@ from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTableWidgetItem
 
 from roah_rsbb.msg import RobotInfo
+from roah_rsbb.rqt.model import link_quality
 from roah_rsbb.rqt.panels.panel import Panel
-from roah_rsbb.rqt.widgets import basic, link_quality
+from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import times
 
 COLUMNS = ("Team", "Robot", "Link", "Clock skew", "Run in zone", "Last heard")

@@ -1,8 +1,37 @@
 """Log Display: the log of the zone's run, as it is written (docs/referee.md, "Log Display")."""
 
+import re
+
+from python_qt_binding.QtGui import QColor, QSyntaxHighlighter, QTextCharFormat, QTextDocument
+
 from roah_rsbb.msg import ZoneState
 from roah_rsbb.rqt.panels.text_panel import TextPanel
-from roah_rsbb.rqt.widgets.log_levels import LevelColours
+from roah_rsbb.rqt.widgets import basic
+
+# A time, then the level of what is no plain information.
+LINE = re.compile(r"^\S+ (WARNING|ERROR): ")
+TONES = {"WARNING": basic.OLD, "ERROR": basic.ALARM}
+
+
+class LevelColours(QSyntaxHighlighter):
+    """Colours the lines of a document, also those that come later."""
+
+    def __init__(self, document: QTextDocument) -> None:
+        super().__init__(document)
+        self._looks = {level: _look(tone) for level, tone in TONES.items()}
+
+    def highlightBlock(self, text: str) -> None:
+        match = LINE.match(text)
+        if match:
+            self.setFormat(0, len(text), self._looks[match.group(1)])
+
+
+def _look(tone: basic.Tone) -> QTextCharFormat:
+    look = QTextCharFormat()
+    look.setBackground(QColor(tone.background))
+    look.setForeground(QColor(tone.text))
+    look.setFontWeight(75)
+    return look
 
 
 class LogDisplayPanel(TextPanel):

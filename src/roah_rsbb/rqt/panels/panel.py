@@ -1,13 +1,15 @@
 """What every panel is: a widget under a line that says which zone it shows and whether that is current."""
 
-from typing import Optional
+from typing import Callable, Optional
 
 from python_qt_binding.QtCore import Qt, QTimer
-from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QMessageBox, QSizePolicy, QVBoxLayout, QWidget
+from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QMessageBox, QSizePolicy, QVBoxLayout, QWidget
 
+from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.rqt.model.calls import Outcome
-from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.model.client import Client, RefereeName
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.srv import StopRun
 from roah_rsbb.wording import times
 
 
@@ -49,6 +51,14 @@ class Panel(QWidget):
         if zone is None:
             return self.model.zone_name
         return f"{zone.zone}  ·  {zone.code}  ·  {zone.team}  ·  round {zone.round}, run {zone.run}"
+
+    def stop_run(self, zone: str, details: Optional[ZoneDetails], done: Callable[[Outcome], None]) -> None:
+        """Stop the run that the referee sees.
+
+        A run that ends at the moment of the click is not left, as /core/stop would do with a run that is over.
+        """
+        identity = "" if details is None else details.identity
+        self.client.calls.service(self, "/core/stop_run", StopRun, (zone, identity), done)
 
     def shutdown(self) -> None:
         """End: nothing is delivered to this panel any more."""
@@ -140,3 +150,58 @@ class Answer(QLabel):
         if not self._reserved:
             self.setVisible(text != " ")
         basic.set_style(self, f"QLabel {{ padding: 0.2em; {style} }}")
+
+
+# The key in the settings.
+REFEREE_KEY = "referee"
+MAX_NAME = 60
+
+
+class RefereeLine(QLineEdit):
+    """Where the name is typed."""
+
+    def __init__(self, shared: RefereeName, parent: Optional[QWidget] = None) -> None:
+        super().__init__(shared.name, parent)
+        self._shared = shared
+        self.setMaxLength(MAX_NAME)
+        self.setFocusPolicy(Qt.ClickFocus)  # a stray press of a key must not change the name
+        self.setPlaceholderText("Referee's name")
+        self.setToolTip("It stands beside each score, note and sign-off; without it, only the computer's program does")
+        self.textEdited.connect(lambda text: shared.set(text.strip()))
+        shared.changed.connect(self._show)
+
+    def end(self) -> None:
+        """Follow the name no more."""
+        self._shared.changed.disconnect(self._show)
+
+    def save(self, settings) -> None:
+        """Keep the name; see `Panel.save_settings`."""
+        settings.set_value(REFEREE_KEY, self._shared.name)
+
+    def restore(self, settings) -> None:
+        """The name of last time, unless another one was typed since."""
+        name = settings.value(REFEREE_KEY, "")
+        if name and not self._shared.name:
+            self._shared.set(str(name))
+
+    def _show(self, name: str) -> None:
+        if name != self.text().strip():
+            self.setText(name)
+
+
+class RefereePanel(Panel):
+    """Base of such panels. A subclass puts `self.referee` where it belongs."""
+
+    def __init__(self, client: Client, parent: Optional[QWidget] = None) -> None:
+        super().__init__(client, parent)
+        self.referee = RefereeLine(client.referee)
+
+    def shutdown(self) -> None:
+        self.referee.end()
+        super().shutdown()
+
+    def save_settings(self, settings) -> None:
+        self.referee.save(settings)
+
+    def restore_settings(self, settings) -> None:
+        self.referee.restore(settings)

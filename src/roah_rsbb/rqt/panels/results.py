@@ -6,10 +6,8 @@ from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSplitter, QTabWidget, QVBoxLayout, QWidget
 
 from roah_rsbb.msg import RunSheet, RunSummary, ScoreItem, ZoneScoreGroup
-from roah_rsbb.rqt.model.run_sheets import RunSheets
-from roah_rsbb.rqt.panels.history import History, why_fixed
-from roah_rsbb.rqt.panels.panel import Answer, ask
-from roah_rsbb.rqt.panels.referee_panel import RefereePanel
+from roah_rsbb.rqt.panels.history import History, RunSheets, why_fixed
+from roah_rsbb.rqt.panels.panel import Answer, RefereePanel, ask
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog

@@ -23,8 +23,7 @@ from roah_rsbb.msg import ModuleScore, ZoneDetails, ZoneScoreGroup, ZoneState
 from roah_rsbb.rqt.model.calls import Outcome
 from roah_rsbb.rqt.model.edits import Edits
 from roah_rsbb.rqt.panels.history import HistoryDialog
-from roah_rsbb.rqt.panels.panel import Answer
-from roah_rsbb.rqt.panels.referee_panel import RefereePanel
+from roah_rsbb.rqt.panels.panel import Answer, RefereePanel
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
 from roah_rsbb.srv import ScoreMark

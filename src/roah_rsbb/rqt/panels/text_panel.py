@@ -4,8 +4,8 @@ from python_qt_binding.QtGui import QFontDatabase, QTextCursor
 from python_qt_binding.QtWidgets import QCheckBox, QPlainTextEdit
 
 from roah_rsbb.msg import ZoneState
+from roah_rsbb.ros.tail import added
 from roah_rsbb.rqt.panels.panel import Panel
-from roah_rsbb.rqt.widgets.tail import added
 from roah_rsbb.rqt.widgets.text_search import TextSearch
 
 # The core publishes only the last characters; the panel keeps what it saw since it was opened.

@@ -2,17 +2,95 @@
 
 import sys
 import time
+from typing import List
 
 import rospy
 from python_qt_binding.QtCore import QTimer
+from python_qt_binding.QtGui import QGuiApplication, QScreen
+from python_qt_binding.QtWidgets import QWidget
 
 from roah_rsbb.msg import PublicDetails
+from roah_rsbb.ros import display
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.feed import Feed
-from roah_rsbb.rqt.app import application, display
+from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.model.model import RENEW_S
 from roah_rsbb.rqt.public.display import TOPIC, PublicDisplay
-from roah_rsbb.rqt.public.screen import ScreenChoice
+from roah_rsbb.srv import UInt8, UInt8Response
+
+SERVICE = "screen"
+
+
+class ScreenChoice:
+    """Keeps a window full screen on the chosen screen; 0 is the first one.
+
+    The service is answered in a thread of rospy's; everything that touches the window is in `look`, in Qt's.
+    """
+
+    def __init__(self, window: QWidget, chosen: int) -> None:
+        self._window = window
+        self._chosen = chosen
+        self._told = -1  # the missing screen that the log was told of
+        self._count = len(QGuiApplication.screens())
+        self._look_anew = True
+        self._service = rospy.Service(SERVICE, UInt8, self._choose)
+        if self._count > 1:
+            for number, screen in enumerate(QGuiApplication.screens()):
+                rospy.loginfo("Screen %d (%s): rosservice call %s %d", number, _describe(screen),
+                              self._service.resolved_name, number)
+
+    def close(self) -> None:
+        """Take the service away."""
+        self._service.shutdown("public display closed")
+
+    def look(self) -> None:
+        """Go to the chosen screen, or to the first one while that is unplugged; call it several times a second."""
+        screens = QGuiApplication.screens()
+        self._count = len(screens)
+        if not screens:
+            return
+        screen = self._screen(screens)
+        handle = self._window.windowHandle()
+        if self._look_anew or handle is None or handle.screen() is not screen:
+            self._look_anew = False
+            self._show_on(screen)
+            rospy.loginfo("On screen %d (%s)", screens.index(screen), _describe(screen))
+        elif self._window.geometry() != screen.geometry():
+            self._window.setGeometry(screen.geometry())  # another resolution
+
+    def _screen(self, screens: List[QScreen]) -> QScreen:
+        if self._chosen < len(screens):
+            self._told = -1
+            return screens[self._chosen]
+        if self._told != self._chosen:
+            self._told = self._chosen
+            rospy.logwarn("%s", _missing(self._chosen, len(screens)) + ". Until then screen 0 is used")
+        return screens[0]
+
+    def _show_on(self, screen: QScreen) -> None:
+        """A window may have to be made anew to get to a screen of another X server's screen: so hide it before."""
+        self._window.hide()
+        self._window.winId()
+        self._window.windowHandle().setScreen(screen)
+        self._window.setGeometry(screen.geometry())  # for a screen without a window manager
+        self._window.showFullScreen()
+
+    def _choose(self, request) -> UInt8Response:
+        if request.data >= self._count:
+            raise rospy.ServiceException(_missing(request.data, self._count))
+        self._chosen, self._look_anew = request.data, True
+        return UInt8Response()
+
+
+def _missing(number: int, count: int) -> str:
+    there_are = "there is only screen 0" if count == 1 else f"there are screens 0 to {count - 1}"
+    return f"no screen {number}: {there_are}. Plug it in, or call the service '{SERVICE}' with one that is there"
+
+
+def _describe(screen: QScreen) -> str:
+    size = screen.geometry()
+    return f"{screen.name()}, {size.width()}x{size.height()}"
+
 
 LOOK_MS = 100
 MAX_SCREEN = 255

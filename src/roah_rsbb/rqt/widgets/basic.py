@@ -4,10 +4,11 @@ import html
 import re
 from typing import Iterable, NamedTuple, Optional, Sequence, Tuple
 
-from python_qt_binding.QtCore import QSize, Qt, QTimer
+from python_qt_binding.QtCore import QSize, Qt, QTimer, Signal
 from python_qt_binding.QtGui import QFont, QFontMetricsF, QPainter, QPalette
 from python_qt_binding.QtWidgets import QApplication, QLabel, QPushButton, QSizePolicy, QTextEdit, QWidget
 
+from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import texts
 
 
@@ -205,3 +206,42 @@ def _button_style(tone: Tone) -> str:
         f"QPushButton:hover, QPushButton:focus {{ border-color: {tone.text}; }}"
         f"QPushButton:disabled {{ background: palette(button); color: {FADED}; border-color: {FADED}; }}"
     )
+
+
+KEEP_MS = 800
+KEEP_HOLDING = "… keep holding"
+
+
+class HoldButton(basic.CommandButton):
+    """`kept` comes when it was held for KEEP_MS, `too_short` when it was let go before."""
+
+    kept = Signal()
+    too_short = Signal()
+
+    def __init__(self, text: str, explanation: str, factor: float = 1.3, parent: Optional[QWidget] = None) -> None:
+        super().__init__(text, explanation, factor, parent)
+        self._text = text
+        # Its text changes, its size must not.
+        self.setText(KEEP_HOLDING)
+        self.setMinimumWidth(self.sizeHint().width())
+        self.setText(text)
+        self._keeping = QTimer(self, singleShot=True)
+        self._keeping.timeout.connect(self._on_kept)
+        self.pressed.connect(self._on_pressed)
+        self.released.connect(self._on_released)
+
+    def _on_pressed(self) -> None:
+        self.setText(KEEP_HOLDING)
+        self._keeping.start(KEEP_MS)
+
+    def _on_released(self) -> None:
+        early = self._keeping.isActive()
+        self._keeping.stop()
+        self.setText(self._text)
+        if early and self.is_on():  # where there is nothing to do any more, Qt lets it go by itself
+            self.too_short.emit()
+
+    def _on_kept(self) -> None:
+        self.setText(self._text)
+        if self.is_on():
+            self.kept.emit()

@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from roah_rsbb.rqt.panels.todo import Urgency, todo
+from roah_rsbb.wording.todo import Urgency, todo
 
 
 def zone(**fields):

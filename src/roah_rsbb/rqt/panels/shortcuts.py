@@ -7,8 +7,8 @@ from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtGui import QKeySequence
 from python_qt_binding.QtWidgets import QShortcut
 
+from roah_rsbb.rqt.model import presses
 from roah_rsbb.rqt.panels.panel import Answer, Panel
-from roah_rsbb.rqt.widgets import presses
 from roah_rsbb.rqt.widgets.basic import CommandButton
 
 
