@@ -58,9 +58,10 @@ class Standing(NamedTuple):
 
 
 def standings(records: Sequence[RunRecord], rules: Dict[str, Rules], choice: Choice) -> List[Standing]:
-    """Return the standings of all benchmarks with runs, in the order of the benchmarks."""
+    """Return the standings of all benchmarks with runs: in the order of the benchmarks, unknown ones last."""
     codes = {record.benchmark for record in records}
-    found = [standing(code, records, rules.get(code, DEFAULT), choice) for code in KINDS if code in codes]
+    ordered = [code for code in KINDS if code in codes] + sorted(codes.difference(KINDS))
+    found = [standing(code, records, rules.get(code, DEFAULT), choice) for code in ordered]
     return [s for s in found if s.lines or s.remarks]
 
 

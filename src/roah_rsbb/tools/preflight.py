@@ -14,6 +14,7 @@ from roah_rsbb.arguments import Parser, number
 from roah_rsbb.nodes.sounds import PLAYER
 from roah_rsbb.ros.display import has_display
 from roah_rsbb.tools import preflight_checks as checks
+from roah_rsbb.tools.competition.files import MODULES
 from roah_rsbb.tools.preflight_checks import Finding, Level
 
 PROGRAM = "preflight"
@@ -42,6 +43,9 @@ def _parser() -> argparse.ArgumentParser:
     for name in FILES:
         parser.add_argument(f"--{name}-file", metavar="FILE",
                             help="default: that of the competition, or the shipped one")
+    parser.add_argument("--modules-dir", metavar="DIR",
+                        help="the benchmarking modules' parameters (default: modules/ of the competition if it is "
+                        "there, else the shipped ones)")
     parser.add_argument("--log-dir", metavar="DIR", help=f"default: log/ of the competition, or {_LOG_DIR}")
     parser.add_argument("--listen", type=number(0.0, 3600.0), default=5.0, metavar="S",
                         help="how long to listen for another box, seconds; 0: not at all (default: %(default)s)")
@@ -49,11 +53,15 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def complete(options: argparse.Namespace, config_dir: str) -> None:
-    """Set the files and log_dir that were not given."""
+    """Set the files and directories that were not given."""
     folder = options.competition or config_dir
     for name in FILES:
         if getattr(options, f"{name}_file") is None:
             setattr(options, f"{name}_file", os.path.join(folder, f"{name}.yaml"))
+    if options.modules_dir is None:
+        # The launch file of a competition without a folder of its own uses the shipped one.
+        own = os.path.join(folder, MODULES)
+        options.modules_dir = own if os.path.isdir(own) else os.path.join(config_dir, MODULES)
     if options.log_dir is None:
         options.log_dir = os.path.join(options.competition, "log") if options.competition else _LOG_DIR
 
@@ -68,7 +76,7 @@ def findings(options: argparse.Namespace) -> List[Finding]:
         found.append(checks.check_other_box(options.rsbb_host, options.rsbb_port, options.bind_host, options.listen))
     found.append(checks.check_clock(checks.is_synchronised()))
     found += checks.check_log_dir(os.path.expanduser(options.log_dir))
-    found += checks.check_configuration(files)
+    found += checks.check_configuration(files, options.modules_dir)
     found.append(checks.check_player(PLAYER))
     found.append(checks.check_display(has_display()))
     return found

@@ -19,6 +19,7 @@ from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Config
+from roah_rsbb.tools.competition.check import module_errors, scheduled_modules
 
 # A competition's run logs take megabytes; below the first a disk is a worry, below the second it will be full.
 ENOUGH_BYTES = 2 * 1024**3
@@ -179,7 +180,7 @@ def check_log_dir(log_dir: str, usage: Callable[[str], object] = shutil.disk_usa
     return found
 
 
-def check_configuration(files: Dict[str, str]) -> List[Finding]:
+def check_configuration(files: Dict[str, str], modules_dir: str) -> List[Finding]:
     """The configuration files; `files`: benchmarks_file, schedule_file, passwords_file."""
     try:
         loaded, warnings = config.load(files["benchmarks_file"], files["schedule_file"], files["passwords_file"])
@@ -188,7 +189,18 @@ def check_configuration(files: Dict[str, str]) -> List[Finding]:
     events = sum(len(zone.events) for zone in loaded.zones)
     found = [Finding(Level.OK, f"the configuration is good: {len(loaded.zones)} zones, {events} events")]
     found += [Finding(Level.WARNING, warning, "") for warning in warnings]
-    return [*found, _check_passwords(loaded)]
+    return [*found, *_check_modules(loaded, modules_dir), _check_passwords(loaded)]
+
+
+def _check_modules(loaded: Config, modules_dir: str) -> List[Finding]:
+    """The parameters of the benchmarking modules that the schedule needs."""
+    codes = scheduled_modules(loaded)
+    if not codes:
+        return []
+    errors = module_errors(modules_dir, codes)
+    if errors:
+        return [Finding(Level.FAILED, line, "") for line in errors]
+    return [Finding(Level.OK, f"the parameters of the benchmarking modules are valid: {', '.join(codes)}")]
 
 
 def _check_passwords(loaded: Config) -> Finding:

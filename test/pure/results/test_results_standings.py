@@ -254,3 +254,11 @@ def test_what_is_wrong_in_the_file_is_told_with_its_line(tmp_path, text, line, e
     [error] = caught.value.errors
     assert error.line == line
     assert expected in str(error)
+
+
+def test_runs_of_a_benchmark_that_this_version_does_not_know_are_ranked_last():
+    records = [task_record("A", 1, objects=1, benchmark="XNEW"), task_record("B", 2, objects=2, benchmark="XNEW"),
+               task_record("A", 3, benchmark="STB")]
+    found = standings(records, {}, ALL)
+    assert [s.benchmark for s in found] == ["STB", "XNEW"]
+    assert [line.team for line in found[1].lines] == ["B", "A"]

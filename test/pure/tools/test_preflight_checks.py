@@ -2,6 +2,8 @@
 
 import os
 import pathlib
+import re
+import shutil
 import socket
 import threading
 from types import SimpleNamespace
@@ -118,8 +120,12 @@ def files(**others):
     return {**shipped, **others}
 
 
+def check_configuration(files, modules_dir=SHIPPED / "modules"):
+    return checks.check_configuration(files, str(modules_dir))
+
+
 def test_the_shipped_configuration_is_good_but_its_passwords_are_known():
-    found = checks.check_configuration(files())
+    found = check_configuration(files())
     assert found[0].level is Level.OK
     assert "zones" in found[0].text
     assert (found[-1].level, "TestingTeam" in found[-1].text) == (Level.WARNING, True)
@@ -138,17 +144,28 @@ def test_passwords_that_were_changed(tmp_path):
         for i, line in enumerate(shipped.splitlines())
     ), encoding="utf-8")
     new.chmod(0o600)
-    found = checks.check_configuration(files(passwords_file=str(new)))
-    assert [f.level for f in found] == [Level.OK, Level.OK]
+    found = check_configuration(files(passwords_file=str(new)))
+    assert [f.level for f in found] == [Level.OK, Level.OK, Level.OK]
 
 
 def test_every_error_of_the_configuration_is_a_line(tmp_path):
     wrong = tmp_path / "benchmarks.yaml"
     wrong.write_text("- name: a\n- name: b\n", encoding="utf-8")
-    found = checks.check_configuration(files(benchmarks_file=str(wrong)))
+    found = check_configuration(files(benchmarks_file=str(wrong)))
     assert len(found) >= 2
     assert {f.level for f in found} == {Level.FAILED}
     assert all("benchmarks.yaml:" in f.text and "\n" not in f.text for f in found[:2])
+
+
+def test_a_wrong_parameter_of_a_scheduled_module_fails(tmp_path):
+    modules_dir = tmp_path / "modules"
+    shutil.copytree(str(SHIPPED / "modules"), str(modules_dir))
+    hnf = modules_dir / "HNF.yaml"
+    hnf.write_text(re.sub("goal_timeout: [0-9]+", "goal_timeout: sixty", hnf.read_text(encoding="utf-8")))
+    failed = [f.text for f in check_configuration(files(), modules_dir) if f.level is Level.FAILED]
+    assert len(failed) == 1
+    assert "HNF.yaml:" in failed[0]
+    assert "goal_timeout" in failed[0]
 
 
 def test_player_and_display():

@@ -1,7 +1,7 @@
 """Whether a competition's directory is right: what the box would refuse, and what is probably not meant."""
 
 import os
-from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 from xml.parsers import expat
 
 from roah_rsbb.bmbox.framework import ground_truth_config
@@ -118,7 +118,7 @@ def _check_teams(report: Report, path: str, loaded: Config) -> None:
 
 def _check_modules(report: Report, directory: str, loaded: Config) -> List[str]:
     """Errors in the parameters of the benchmarking modules that the schedule needs."""
-    needed = module_codes(sorted({event.benchmark.code for _, event in _events(loaded)}))
+    needed = scheduled_modules(loaded)
     folder = os.path.join(directory, files.MODULES)
     if not needed:
         return []
@@ -126,11 +126,21 @@ def _check_modules(report: Report, directory: str, loaded: Config) -> List[str]:
         report.warn(Place(folder, 0, 0), f"there is none, so the shipped parameters of {listing(needed)} count: they "
                     "are those of no real venue; copy config/modules of roah_rsbb there")
         return []
+    return module_errors(folder, needed)
+
+
+def scheduled_modules(loaded: Config) -> List[str]:
+    """The codes of the scheduled benchmarks that a benchmarking module runs."""
+    return module_codes(sorted({event.benchmark.code for zone in loaded.zones for event in zone.events}))
+
+
+def module_errors(folder: str, codes: Sequence[str]) -> List[str]:
+    """Every error in the files that the benchmarking modules of these codes read in `folder`."""
     known = modules()
     errors: List[str] = []
-    for code in needed:
+    for code in codes:
         try:
-            read_parameters(os.path.join(directory, files.module_file(code)), code, known[code].PARAMETERS)
+            read_parameters(os.path.join(folder, f"{code}.yaml"), code, known[code].PARAMETERS)
         except ConfigErrors as found:
             errors += str(found).splitlines()
     try:
