@@ -33,7 +33,7 @@ class Core(Program):
 
     def kill(self) -> None:
         """End it as nothing can be worse: in the middle of whatever it does."""
-        self._process.kill()
+        super().kill()
         self.wait_ended()
 
 

@@ -54,6 +54,10 @@ class Program:
         self._reader.join(END_S)
         self._process.stdout.close()
 
+    def kill(self) -> None:
+        """End it as nothing can be worse; its children live on."""
+        self._process.kill()
+
     @property
     def text(self) -> str:
         """All that it printed so far."""

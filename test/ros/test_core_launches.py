@@ -11,6 +11,7 @@ from box_case import LISTENER, PACKAGE, NetworkCase, main
 from box_client import BoxClient
 from programs import Program
 from robots import BOX, BROADCAST, CONFIG, RSBB_PORT, empty_beacon
+from roslib.packages import find_node
 from std_srvs.srv import Empty
 from waiting import LIMIT_S, happened, wait_until
 
@@ -108,6 +109,17 @@ class TestCoresThatCannotStart(unittest.TestCase):
         core = self.ended("lost_core")
         self.assertIn(f"{LOST} is not an address of this machine", core.text)
         self.assertIn("correct bind_host", core.text)
+
+
+class TestShutdownNode(unittest.TestCase):
+    def test_it_ends_when_whoever_started_it_is_killed(self) -> None:
+        node, = find_node(PACKAGE, "roah_rsbb_shutdown")  # rosrun would stay between them
+        command = f"'{node}' __name:=orphan_shutdown roah_rsbb_shutdown:=/orphan & wait"
+        starter = Program("sh", "-c", command)
+        self.addCleanup(starter.close)
+        rospy.wait_for_service("/orphan", LIMIT_S)
+        starter.kill()
+        starter.wait_ended()  # the node holds the output open, too
 
 
 class TestLaunchesThatCannotWork(LaunchCase):

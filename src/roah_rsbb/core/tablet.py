@@ -8,6 +8,9 @@ So there is one tablet, the host that was heard first; another one takes over on
 time that is older than the one forwarded is a datagram that was overtaken, unless the tablet stays with
 it: then its clock was set back. A time of zero means "never", which undoes nothing: the tablet, or its
 program, was started again.
+
+Only a few changes a second are accepted: each is saved and sent to all robots, so a flood of tablet beacons would
+otherwise fill the disk and the network.
 """
 
 import math
@@ -25,6 +28,9 @@ SILENT_S = 5.0
 REMEMBER_SILENT_S = 300.0
 # An overtaken datagram is late by milliseconds; who says the same again after this long means it.
 MEANT_S = 0.5
+# Every change is saved and sent to all robots. A person presses and moves less often; a tablet repeats what it says.
+CHANGES_AT_ONCE = 5
+CHANGES_PER_S = 4.0
 # What a ROS time holds, in seconds.
 LAST_SECOND = 2**32 - 1
 # Farther from the map's origin than any test bed reaches, in metres.
@@ -65,6 +71,23 @@ class _Newest(Generic[T]):
             self.said, self._older = said, None
 
 
+class _Allowance:
+    """How many changes are accepted: some at once, then a few a second."""
+
+    def __init__(self) -> None:
+        self._left = float(CHANGES_AT_ONCE)
+        self._mono = 0.0
+
+    def take(self, now: Now) -> bool:
+        """Whether one more change is accepted now."""
+        self._left = min(CHANGES_AT_ONCE, self._left + (now.mono - self._mono) * CHANGES_PER_S)
+        self._mono = now.mono
+        if self._left < 1.0:
+            return False
+        self._left -= 1.0
+        return True
+
+
 class Tablet:
     """The tablet as the box knows it."""
 
@@ -72,6 +95,7 @@ class Tablet:
         self.display_map = False  # the view it is to show: True: map, False: call button
         self.heard: Optional[Now] = None
         self._host = ""
+        self._allowance = _Allowance()
         self._call = _Newest(None)
         self._position = _Newest((0.0, 0.0))
 
@@ -97,9 +121,12 @@ class Tablet:
             return Heard(rival_of=self._host)
         self._host = host
         self.heard = now
+        before = self._call.said, self._position.said
         self._call.take(now, _Said(beacon.call_time, None), is_certain)
         place = (beacon.position_x, beacon.position_y)
         self._position.take(now, _Said(beacon.position_time, place), is_certain)
+        if before != (self._call.said, self._position.said) and not self._allowance.take(now):
+            self._call.said, self._position.said = before  # the tablet repeats it
         return Heard()
 
     def silence(self, now: Now) -> float:

@@ -2,8 +2,12 @@
 
 Launch files start one as *required*. Its service `roah_rsbb_shutdown` (in the node's namespace) ends it,
 and with it the whole RSBB, or only one client (docs/ros_interface.md, "Core node").
+
+The node also ends when roslaunch was killed: a killed roslaunch leaves its nodes running, and this one could end
+nothing any more.
 """
 
+import os
 import threading
 
 import rospy
@@ -14,6 +18,8 @@ from roah_rsbb.ros.command_line import explain
 
 # The answer must be on its way to the caller before the node is gone.
 ANSWER_S = 0.2
+# How often to check that roslaunch is still there.
+LOOK_S = 0.5
 
 
 def _on_call(_request: object) -> EmptyResponse:
@@ -25,6 +31,10 @@ def _on_call(_request: object) -> EmptyResponse:
 def main() -> None:
     """Entry point of the node."""
     explain(__doc__)
+    parent = os.getppid()
     connections.init_node("roah_rsbb_shutdown")
     rospy.Service("roah_rsbb_shutdown", Empty, _on_call)
-    rospy.spin()
+    while not rospy.is_shutdown():
+        if os.getppid() != parent:
+            rospy.signal_shutdown("the process that started this node is gone")
+        rospy.rostime.wallsleep(LOOK_S)

@@ -9,7 +9,15 @@ from helpers.competition import competition
 from roah_rsbb.core.effects import Level, SendBeacon
 from roah_rsbb.core.messages import NEVER, TabletState
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.core.tablet import LAST_SECOND, MAX_DISTANCE_M, MEANT_S, REMEMBER_SILENT_S, SILENT_S
+from roah_rsbb.core.tablet import (
+    CHANGES_AT_ONCE,
+    CHANGES_PER_S,
+    LAST_SECOND,
+    MAX_DISTANCE_M,
+    MEANT_S,
+    REMEMBER_SILENT_S,
+    SILENT_S,
+)
 from roah_rsbb.core.views import views
 
 HOST, OTHER = "10.0.0.3", "10.0.0.4"
@@ -202,3 +210,13 @@ def test_times_of_the_robots_clock_play_no_part(box):
     """Tablet and box need not agree on the time."""
     box.hear(said(wire(box.now.utc + 1e6)))
     assert box.shown.call_time == wire(box.now.utc + 1e6)
+
+
+def test_a_flood_of_changes_is_accepted_only_a_few_times_a_second(box):
+    for number in range(2000):
+        box.hear(said((1000, number), (1000, number), float(number), 0.0), after=0.001)
+    changes = len(box.taken(SendBeacon))
+    assert CHANGES_AT_ONCE <= changes <= CHANGES_AT_ONCE + 2 * CHANGES_PER_S
+    for _ in range(2):  # the tablet repeats its last state each second
+        box.hear(said((1000, 1999), (1000, 1999), 1999.0, 0.0), after=1.0)
+    assert box.shown == said((1000, 1999), (1000, 1999), 1999.0, 0.0)
