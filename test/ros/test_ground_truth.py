@@ -130,7 +130,7 @@ class TestNoPose(GroundTruthCase):
         self.assert_no_pose("^ghost: frame 'test_ghost' was never seen: put the marker into the cameras' view", "ghost")
 
     def test_a_subject_that_is_not_configured_is_named(self) -> None:
-        self.assert_no_pose("^table: has no marker; add 'table: {frame: name}'", "table")
+        self.assert_no_pose("^table: has no marker: add 'table: {frame: name}'", "table")
 
     def test_a_reference_frame_that_was_never_seen_is_named(self) -> None:
         self.shown(0.0)

@@ -1,4 +1,5 @@
-"""Benchmarking modules: one file of rules for each functionality benchmark, and what they share.
+"""Benchmarking modules: one file of rules per functionality benchmark, and the framework that they share.
 
-No ROS, no clock, no robot: a module asks, `runner` passes it on. How to write one: docs/write_a_benchmark.md.
+There is no ROS and no clock here. A module makes requests, which `framework/runner.py` passes on. How to write a
+module: docs/write_a_benchmark.md.
 """

@@ -1,4 +1,4 @@
-"""HGMF, Grasping and Manipulation: the robot puts objects where it is told (docs/benchmarks.md, "HGMF")."""
+"""HGMF, Grasping and Manipulation: the robot puts objects at given places (docs/benchmarks.md, "HGMF")."""
 
 import random
 from types import SimpleNamespace
@@ -11,20 +11,20 @@ from roah_rsbb.bmbox.framework.score import Value
 
 OBJECT, TABLE = "object", "table"
 PERIOD_S = 0.1
-GRASPED_M = 0.03  # so much higher than before
-EDGE_M, OBJECT_M = 0.15, 0.05  # so far from table's edges and object is a target
-# On a smaller one there might be no target far enough from the object.
+GRASPED_M = 0.03  # an object that rises this much counts as grasped
+EDGE_M, OBJECT_M = 0.15, 0.05  # least distance of a target from the table's edges and from the object
+# On a smaller table there may be no target far enough from the object.
 SMALLEST_TABLE_M = 0.5
-# 3 cm are 3 cm, whatever floating point makes of them.
+# Tolerates rounding errors in GRASPED_M.
 _ROUNDING_M = 1e-6
 
 
 class HGMF(Module):
-    """Each object once, in random order; places in the table's frame.
+    """Each object once, in random order. Targets are in the table's frame.
 
-    At the end of a goal, done or timed out, the object is measured where it is then. If that cannot be had the
-    referee sees to it, or skips it (an object on the floor): then there is no distance error. The mean is over all
-    objects that have one, grasped or not.
+    When a goal ends, by result or timeout, the object's pose is measured. If it is not available, the referee makes
+    it available or skips it (an object on the floor); a skipped object has no distance error. The mean is over all
+    objects with a distance error, grasped or not.
     """
 
     CODE = "HGMF"
@@ -37,7 +37,7 @@ class HGMF(Module):
     SUBJECTS = (OBJECT, TABLE)
     SCORES = {
         "grasped": Value("Objects grasped"),
-        "objects": Value("Objects in all"),
+        "objects": Value("Objects in total"),
         "distance_error": Value("Mean distance error", "m"),
         "execution_time": Value("Execution time", "s"),
     }
@@ -78,7 +78,7 @@ class HGMF(Module):
         self._sum_up()
 
     async def _end(self) -> Optional[Pose3]:
-        """Where the object is at the end, in the table's frame; None: the referee says that nobody knows."""
+        """The object's final pose in the table's frame; None if the referee skips it."""
         end = await self.pose(OBJECT, may_skip=True)
         return None if end is None else seen_from(await self.pose(TABLE), end)
 
@@ -101,12 +101,12 @@ class HGMF(Module):
 
 
 def is_grasped(begin: Pose3, now: Pose3) -> bool:
-    """Whether an object rose so far that something must have lifted it."""
+    """Whether an object has risen so far that the robot must have lifted it."""
     return now.z - begin.z >= GRASPED_M - _ROUNDING_M
 
 
 def draw_target(chance: random.Random, table_size: SimpleNamespace, thing: Pose3) -> Pose2D:
-    """A place on the table, far enough inside its edges and from the object; metres, in the table's frame."""
+    """Draw a target on the table, away from its edges and from the object; metres, in the table's frame."""
     while True:
         target = Pose2D(*(chance.uniform(EDGE_M, size - EDGE_M) for size in (table_size.x, table_size.y)), 0.0)
         if distance(target, thing) >= OBJECT_M:

@@ -1,4 +1,4 @@
-"""HNF, Navigation: the robot drives to one waypoint after the other (docs/benchmarks.md, "HNF")."""
+"""HNF, Navigation: the robot drives to several waypoints in order (docs/benchmarks.md, "HNF")."""
 
 import math
 from typing import List
@@ -12,7 +12,7 @@ ROBOT = "robot"
 
 
 class HNF(Module):
-    """Waypoints in the test bed's frame. A waypoint counts as reached when the robot says so in time."""
+    """Waypoints in the test bed's frame. A waypoint is reached if the robot reports it before the timeout."""
 
     CODE = "HNF"
     PARAMETERS = {"starting_pose": Pose(), "waypoints": ListOf(Pose()), "goal_timeout": Seconds()}
@@ -20,8 +20,8 @@ class HNF(Module):
     SCORES = {
         "reached": Value("Waypoints reached"),
         "timed_out": Value("Waypoints timed out"),
-        "position_accuracy": Value("Position accuracy (mean distance error of those reached)", "m"),
-        "orientation_accuracy": Value("Orientation accuracy (of those reached)", "rad"),
+        "position_accuracy": Value("Position accuracy (mean distance error, reached waypoints)", "m"),
+        "orientation_accuracy": Value("Orientation accuracy (reached waypoints)", "rad"),
         "execution_time": Value("Execution time", "s"),
     }
     EACH = {
@@ -59,10 +59,10 @@ class HNF(Module):
 
 
 def mean_angle(errors: List[float]) -> float:
-    """Mean of angles without a sign (radians), as directions: atan2(|Σ sin|Δθ||, Σ cos Δθ)."""
+    """Circular mean of unsigned angles (radians): atan2(|Σ sin|Δθ||, Σ cos Δθ)."""
     return math.atan2(abs(sum(math.sin(abs(e)) for e in errors)), sum(math.cos(e) for e in errors))
 
 
 def in_words(pose: Pose2D) -> str:
-    """A pose for the referee."""
+    """Describe a pose to the referee."""
     return f"x {pose.x:.2f} m, y {pose.y:.2f} m, {math.degrees(pose.theta):.0f}°"

@@ -1,6 +1,6 @@
 """HOMF, Object Manipulation (2014): the robot toggles switches in a given order (docs/benchmarks.md, "HOMF").
 
-Switches are numbered from 1, for the robot, the referee and in the parameters.
+Switches are numbered from 1 everywhere: for the robot, for the referee and in the parameters.
 """
 
 from typing import Sequence
@@ -9,7 +9,7 @@ from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.parameters import ListOf, Record, Seconds, Whole, YesNo
 from roah_rsbb.bmbox.framework.score import Value
 
-# As many as the referee's panel shows.
+# The referee's panel shows this many.
 MAX_SWITCHES = 10
 
 GOAL = Record({
@@ -19,13 +19,13 @@ GOAL = Record({
 
 
 class HOMF(Module):
-    """What changed is entered by the referee after each goal, done or timed out; that time does not count."""
+    """After each goal the referee enters which switches changed; that time does not count."""
 
     CODE = "HOMF"
     PARAMETERS = {"goals": ListOf(GOAL), "goal_timeout": Seconds()}
     SCORES = {
-        "right": Value("Switches toggled as asked, in order"),
-        "wrong": Value("Other changes of switches"),
+        "right": Value("Switches toggled as requested, in order"),
+        "wrong": Value("Other changed switches"),
         "damaged": Value("Switches damaged"),
         "execution_time": Value("Execution time", "s"),
     }
@@ -33,7 +33,7 @@ class HOMF(Module):
         "time": Value("Time", "s"),
         "timed_out": Value("Timed out"),
         "changed": Value("Switches that changed, in order"),
-        "right": Value("Toggled as asked, in order"),
+        "right": Value("Toggled as requested, in order"),
         "wrong": Value("Other changes"),
         "damaged": Value("Damaged"),
     }
@@ -63,7 +63,7 @@ class HOMF(Module):
 
 
 def in_order(asked: Sequence[int], done: Sequence[int]) -> int:
-    """How many of the switches that were asked for were toggled in that order: the longest common subsequence."""
+    """Count the requested switches that were toggled in the right order: the longest common subsequence."""
     best = [0] * (len(done) + 1)
     for want in asked:
         before = 0

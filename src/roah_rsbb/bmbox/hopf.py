@@ -1,4 +1,4 @@
-"""HOPF, Object Perception: the robot says what stands on the table, and where (docs/benchmarks.md, "HOPF")."""
+"""HOPF, Object Perception: the robot reports which object is on the table, and where (docs/benchmarks.md, "HOPF")."""
 
 import math
 from types import SimpleNamespace
@@ -9,16 +9,15 @@ from roah_rsbb.bmbox.framework.parameters import FARTHEST_M, ListOf, Number, Rec
 from roah_rsbb.bmbox.framework.score import Value
 
 POSITIONER, TABLE = "positioner", "table"
-AS_IT_IS = "Use it as it is"
+KEEP = "Use this position"
 
 
 class HOPF(Module):
-    """Items on the table, one a goal, each at most once; a positioner shows where the item stands.
+    """One item per goal, each item at most once. A positioner with markers gives the item's true pose.
 
-    All accuracies are shares of all goals that the parameters ask for: one that was not reached in time has no
-    result. Where there are fewer items than goals there are as many goals as items, and the referee is warned.
-    Class and instance must be the configured texts exactly. A result that lacks its pose still has a class, and
-    the other way round.
+    All accuracies are shares of all goals of the run; a goal that timed out counts as wrong. With fewer items than
+    configured goals, the run has one goal per item, and the referee is warned. Class and instance must match the
+    configured texts exactly. A result without a pose is still scored for its class, and the other way round.
     """
 
     CODE = "HOPF"
@@ -36,17 +35,17 @@ class HOPF(Module):
     SCORES = {
         "class_accuracy": Value("Class accuracy (share of the goals)"),
         "instance_accuracy": Value("Instance accuracy (share of the goals)"),
-        "pose_score": Value("Pose score (mean over the goals, at best 1)"),
+        "pose_score": Value("Pose score (mean over the goals, at most 1)"),
         "execution_time": Value("Execution time", "s"),
     }
     EACH = {
         "item": Value("Item"),
         "time": Value("Time", "s"),
-        "class_right": Value("Class right"),
-        "instance_right": Value("Instance right"),
+        "class_right": Value("Class correct"),
+        "instance_right": Value("Instance correct"),
         "distance_error": Value("Distance error", "m"),
         "orientation_error": Value("Orientation error", "rad"),
-        "pose_score": Value("Pose score, at best 1"),
+        "pose_score": Value("Pose score, at most 1"),
     }
 
     async def execute(self) -> None:
@@ -60,27 +59,27 @@ class HOPF(Module):
             self.score[name, "item"] = item.description
             await self.referee(f"Place the positioner and the item on the table: {item.description} (item {item.id})")
             truth = await self._item_on_table(item)
-            await self.referee("Remove the positioner; the item stays")
+            await self.referee("Remove the positioner. Leave the item in place")
             outcome = await self.goal(timeout=self.parameters.goal_timeout, text=f"{name}: {item.description}")
             self._judge(name, item, truth, outcome)
             self._sum_up(goals)
         self.status = "All goals done"
 
     async def _item_on_table(self, item: SimpleNamespace) -> Pose3:
-        """The item's pose in the table's frame; where it cannot be on the table, the referee is asked about it."""
+        """The item's pose in the table's frame. If it is not on the table, the referee decides what to do."""
         size = self.parameters.table_size
         while True:
             table, positioner = await self.pose(TABLE), await self.pose(POSITIONER)
             pose = seen_from(table, compose(positioner, item.transform))
             if 0.0 <= pose.x <= size.x and 0.0 <= pose.y <= size.y:
                 return pose
-            asked = (f"The item was measured beside the table, at x {pose.x:.2f} m, y {pose.y:.2f} m of "
-                     f"{size.x:g} m by {size.y:g} m: look at the positioner and at the markers")
-            if await self.referee(asked, (TRY_AGAIN, AS_IT_IS)) == AS_IT_IS:
+            asked = (f"The measured item position is not on the table: x {pose.x:.2f} m, y {pose.y:.2f} m on a table "
+                     f"of {size.x:g} m by {size.y:g} m. Check the positioner and the markers")
+            if await self.referee(asked, (TRY_AGAIN, KEEP)) == KEEP:
                 return pose
 
     def _judge(self, name: str, item: SimpleNamespace, truth: Pose3, outcome: GoalOutcome) -> None:
-        """One goal's scores."""
+        """Score one goal."""
         self.score[name, "time"] = outcome.executing_s
         said = self.record(outcome, {"class": str, "instance": str})
         self.score[name, "class_right"] = said is not None and said.class_ == getattr(item, "class")
@@ -88,7 +87,7 @@ class HOPF(Module):
         self.score[name, "pose_score"] = 0.0
         seen = self.record(outcome, {"x": float, "y": float, "theta": float})
         if seen is not None:
-            # However far away a robot says that something is, sums stay numbers.
+            # Limits what a robot reports, so that sums stay finite.
             far = min(distance(seen, truth), FARTHEST_M)
             turned = abs(angle_difference(seen.theta, truth.theta))
             self.score[name, "distance_error"], self.score[name, "orientation_error"] = far, turned
@@ -103,8 +102,8 @@ class HOPF(Module):
 
 
 def pose_score(distance_m: float, angle: float) -> float:
-    """How good a pose is, from 0 to 1: 1 − e_trans/2 − e_rot/2, from a distance and an angle of at least 0 (radians).
+    """The score of a pose from 0 to 1: 1 − e_trans/2 − e_rot/2. `angle` is in radians and not negative.
 
-    e_trans is the distance in metres, e_rot the angle as a share of π; both are cut at 1.
+    e_trans is the distance in metres, e_rot the angle as a share of π; both are limited to 1.
     """
     return 1.0 - min(distance_m, 1.0) / 2.0 - min(angle / math.pi, 1.0) / 2.0

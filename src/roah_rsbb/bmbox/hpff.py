@@ -1,4 +1,4 @@
-"""HPFF, Person Following: the robot stays behind a person who walks (docs/benchmarks.md, "HPFF")."""
+"""HPFF, Person Following: the robot follows a walking person (docs/benchmarks.md, "HPFF")."""
 
 from typing import Any, Dict
 
@@ -8,23 +8,23 @@ from roah_rsbb.bmbox.framework.parameters import Number, Seconds
 from roah_rsbb.bmbox.framework.score import Value
 
 ROBOT, PERSON = "robot", "person"
-# Seconds after the goal was sent, in which the robot takes its position.
+# The robot gets this time to take its position (s).
 POSITION_S = 8.0
 PERIOD_S = 0.5
-# What lies between two samples that are further apart (the module was started again) is not known.
+# Between samples that are further apart (the module restarted), no distance is counted.
 LONGEST_STEP_S = 1.5
 RELIABLE = 0.5
-# Seconds by which a run may be shorter or longer than the goal's timeout.
+# A run may be this much shorter or longer than the goal's timeout (s).
 TOLERANCE_S = 15.0
 
 
 class HPFF(Module):
-    """One goal: follow. The robot need not end it.
+    """One goal: follow the person. The robot need not end it.
 
-    Distances are measured from the eighth second of executing on. A way that the robot went counts as covered if
-    it was between minimum and maximum at both ends, half a second apart; where a pose is missing, no way is assumed.
-    A run's length is from the start to the end of the goal; one that the referee stops, or that runs out of time
-    altogether, is judged by it, too.
+    Measuring begins in the eighth second of execution. The path between two samples half a second apart counts as
+    covered if the distance was between minimum and maximum at both. Without both poses, no path is counted. The
+    length of a run is the time from the start to the end of the goal. It also decides about runs that the referee
+    stops or that time out.
     """
 
     CODE = "HPFF"
@@ -48,7 +48,7 @@ class HPFF(Module):
         self.kept = {"samples": 0, "both": 0, "deviation": 0.0, "covered": 0.0, "last": None, "last_s": 0.0}
         self._show()
         if self.parameters.minimum_distance >= self.parameters.maximum_distance:
-            self.warn("no way will count: minimum_distance is not below maximum_distance in HPFF.yaml")
+            self.warn("no distance can be scored: in HPFF.yaml, minimum_distance must be less than maximum_distance")
         self.status = "The robot follows the person"
         try:
             await self.note(lambda: "start")
@@ -58,7 +58,7 @@ class HPFF(Module):
         except RunEnded:
             self._conclude(self.run.elapsed_s)
             raise
-        # The run's time begins with its first step: nothing is asked of the referee.
+        # The run's time begins with its first step, which needs no referee.
         self._conclude(outcome.ended_utc - self.run.steps[0].outcome.ended_utc)
 
     def _look(self, executing_s: float) -> None:
@@ -79,16 +79,16 @@ class HPFF(Module):
         self.score["run_length"] = length_s
         self.score["failed_run"] = is_failed(length_s, self.parameters.goal_timeout)
         if self.score["failed_run"]:
-            self.warn(f"failed run: it took {length_s:.0f} s, and should take {self.parameters.goal_timeout:g} s")
+            self.warn(f"failed run: it took {length_s:.0f} s instead of {self.parameters.goal_timeout:g} s")
         reliability = self.score["reliability"]
         if reliability is None:
-            self.warn("the distance was never measured: there is no score")
+            self.warn("the distance could not be measured: there is no score")
         elif reliability < RELIABLE:
             self.warn(f"unreliable: only {reliability:.0%} of the samples have the poses of both robot and person")
 
 
 def add_sample(sums: Dict[str, Any], executing_s: float, robot: Any, person: Any, parameters: Any) -> None:
-    """Add a sample to the sums so far; a pose that is None could not be had."""
+    """Add a sample to the sums. A pose is None if it is not available."""
     sums["samples"] += 1
     last, last_s = sums["last"], sums["last_s"]
     sums["last"], sums["last_s"] = None, executing_s

@@ -1,4 +1,4 @@
-"""HPPF, People Perception: the robot says who stands in front of it, and where (docs/benchmarks.md, "HPPF")."""
+"""HPPF, People Perception: the robot reports who stands in front of it, and where (docs/benchmarks.md, "HPPF")."""
 
 from types import SimpleNamespace
 from typing import Optional
@@ -14,9 +14,9 @@ PERSON = "person"
 class HPPF(Module):
     """Each person once, in random order.
 
-    Detected is who the robot gave a result for that can be read, be it a name or a place. Where a person stood is
-    what was measured at the time of the result; if that is unknown, the person stands there again, or the
-    referee skips it: then there is no distance error. The mean is over those who have one.
+    A person counts as detected if the result contains a readable name or position. The person's true position is the
+    one measured at the time of the result. If it is unknown, the person returns to the same place, or the referee
+    skips the measurement; then there is no distance error. The mean is over all people with a distance error.
     """
 
     CODE = "HPPF"
@@ -43,8 +43,8 @@ class HPPF(Module):
             group = f"person {number}"
             self.status = f"Person {number} of {len(people)}: {name}"
             self.score[group, "name"] = name
-            await self.referee(f"{name} enters the target area")
-            await self.pose(PERSON)  # that it can be had, before the team's time runs
+            await self.referee(f"Ask {name} to enter the target area")
+            await self.pose(PERSON)  # checks that it is available before the team's time runs
             outcome = await self.goal(timeout=self.parameters.goal_timeout, text=f"{group}: {name}")
             said = self.record(outcome, {"person_name": str})
             seen = self.record(outcome, {"x": float, "y": float})
@@ -58,17 +58,18 @@ class HPPF(Module):
         self.status = "All people done"
 
     async def _stood(self, name: str, utc: float) -> Optional[Pose3]:
-        """Where the person stood at the time of the result; None: nobody knows."""
+        """Where the person stood at the time of the result; None if the referee skips it."""
         pose = await self.pose_at(PERSON, utc)
         if pose is not None:
             return pose
-        asked = f"Where {name} stood at the robot's result is not known: have {name} stand there again, then try again"
+        asked = (f"The position of {name} at the time of the robot's result is unknown. Ask {name} to return to "
+                 "that place, then try again")
         if await self.referee(asked, (TRY_AGAIN, SKIP)) == SKIP:
             return None
         return await self.pose(PERSON, may_skip=True)
 
     def _measure_error(self, group: str, seen: SimpleNamespace, truth: Optional[Pose3]) -> None:
-        # However far away a robot says that somebody is, sums stay numbers.
+        # Limits what a robot reports, so that sums stay finite.
         self.score[group, "distance_error"] = None if truth is None else min(distance(seen, truth), FARTHEST_M)
 
     def _sum_up(self) -> None:
@@ -81,5 +82,5 @@ class HPPF(Module):
 
 
 def is_same_name(a: str, b: str) -> bool:
-    """Whether two names are the same, upper and lower case and blanks around them ignored."""
+    """Whether two names are equal, ignoring case and surrounding blanks."""
     return a.strip().casefold() == b.strip().casefold()

@@ -6,7 +6,7 @@ from roah_rsbb.bmbox.framework.score import Value
 
 
 class STB(Module):
-    """Tries out every step that there is."""
+    """Uses a manual operation before and after the goals."""
 
     CODE = "STB"
     PARAMETERS = {"goals": ListOf(Text("GOAL 1")), "goal_timeout": Seconds("15")}

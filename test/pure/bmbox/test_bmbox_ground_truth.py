@@ -97,7 +97,7 @@ def test_yaw(quaternion, angle):
 
 @pytest.mark.parametrize("quaternion", [(0, 0, 0, 0), (0, 0, math.nan, 1), (0, math.inf, 0, 1)])
 def test_no_rotation(quaternion):
-    with pytest.raises(ValueError, match="is no rotation"):
+    with pytest.raises(ValueError, match="is not a rotation"):
         yaw(quaternion)
 
 

@@ -60,17 +60,17 @@ def test_a_team_with_a_marker_of_its_own(read):
 
 
 def test_no_marker_names_the_remedy(read):
-    with pytest.raises(NoPose, match="^table: has no marker; add 'table: {frame: name}' to the markers in"):
+    with pytest.raises(NoPose, match="^table: has no marker: add 'table: {frame: name}' to the markers in"):
         read(GOOD).marker("table", "Reds")
     with pytest.raises(NoPose, match="hat: has no marker"):
         read(GOOD).marker("hat", "Blues")
 
 
-def test_anybodys_marker(read):
-    assert read(GOOD).anybodys_marker("robot").frame == "mocap_robot"
-    assert read(GOOD).anybodys_marker("hat").frame == "red_hat"
+def test_any_marker(read):
+    assert read(GOOD).any_marker("robot").frame == "mocap_robot"
+    assert read(GOOD).any_marker("hat").frame == "red_hat"
     with pytest.raises(NoPose):
-        read(GOOD).anybodys_marker("table")
+        read(GOOD).any_marker("table")
 
 
 def test_all_markers(read):
@@ -85,7 +85,7 @@ def test_teams_may_be_left_out(read):
 
 
 @pytest.mark.parametrize("old, new, line, found", [
-    ("testbed", "/testbed", 1, "found '/testbed' as reference_frame; expected a frame's name without '/' at its"),
+    ("testbed", "/testbed", 1, "found '/testbed' as reference_frame; expected a frame name without a leading '/'"),
     ("0.5", "0", 2, "found the number '0' as maximum_age; expected a number of seconds above 0 and at most 10"),
     ("frame: mocap_person", "fame: mocap_person", 5, "found the unknown key 'fame' in the marker of 'person'"),
     ("{ frame: mocap_person }", "mocap_person", 5, "found the text 'mocap_person' as the marker of 'person'"),
@@ -93,7 +93,7 @@ def test_teams_may_be_left_out(read):
     ("[0.1, 0.0, 0.0, 0.0]", "[0.1, 0.0, 0.0]", 4, "found 3 numbers as transform of the marker of 'robot'"),
     ("[0.0, 0.2, -1.0, 1.5]", "[0.0, x, -1.0, 1.5]", 8, "found the text 'x' as y of transform of the marker"),
     ("-1.0, 1.5", "-1.0, 90", 8, "expected a number of radians"),
-    ("frame: blue_robot", "frame: /blue_robot", 11, "frame's name without '/'"),
+    ("frame: blue_robot", "frame: /blue_robot", 11, "frame name without a leading '/'"),
     ("{ transform: [0.0, 0.2, -1.0, 1.5] }", "[]", 8, "found a sequence"),
 ])
 def test_what_is_wrong_is_named_with_its_line(errors, old, new, line, found):

@@ -84,7 +84,7 @@ def test_a_robot_that_nobody_sees_is_asked_for_again():
     r.truth.subjects["robot"] = None
     r.result(seconds=5.0)
     assert (r.asked.text, r.asked.choices) == (
-        "Pose of robot cannot be had. See to it, then try again", ("Try again", "Skip")
+        "The pose of robot is not available. Solve the problem, then try again", ("Try again", "Skip")
     )
     r.answer("Try again")
     assert r.asked.choices == ("Try again", "Skip")

@@ -49,7 +49,7 @@ def test_the_steps_of_a_goal():
     r = hopf()
     assert r.asked.text == "Place the positioner and the item on the table: thing 1 (item 1)"
     r.answer()
-    assert r.asked.text == "Remove the positioner; the item stays"
+    assert r.asked.text == "Remove the positioner. Leave the item in place"
     assert [step.request.kind for step in r.run.steps] == [
         RequestKind.REFEREE, RequestKind.NOTE, RequestKind.NOTE, RequestKind.REFEREE
     ]
@@ -209,19 +209,19 @@ def test_a_pose_that_cannot_be_had_is_asked_for_again(missing):
     r.answer()
     assert r.asked.choices == ("Try again",)
     r.answer()
-    assert f"Pose of {missing}" in r.asked.text
+    assert f"The pose of {missing}" in r.asked.text
     r.truth.subjects[missing] = pose
     r.answer()
-    assert r.asked.text == "Remove the positioner; the item stays"
+    assert r.asked.text == "Remove the positioner. Leave the item in place"
 
 
 @pytest.mark.parametrize("x, y", [(-0.1, 0.4), (1.3, 0.4), (0.6, -0.1), (0.6, 0.9)])
 def test_an_item_beside_the_table_is_asked_about(x, y):
     r = hopf(positioner=Pose3(x, y, 0.8, 0.0))
     r.answer()
-    assert r.asked.text.startswith(f"The item was measured beside the table, at x {x:.2f} m, y {y:.2f} m of 1.2 m by")
+    assert r.asked.text.startswith(f"The measured item position is not on the table: x {x:.2f} m, y {y:.2f} m on a")
     r.answer("Try again")
-    assert r.asked.text.startswith("The item was measured beside the table")
+    assert r.asked.text.startswith("The measured item position is not on the table")
     r.truth.subjects["positioner"] = HERE
     r.answer("Try again")
     answered_at_goal(r)
@@ -236,7 +236,7 @@ def answered_at_goal(r):
 def test_an_item_beside_the_table_may_be_used_as_it_is():
     r = hopf(positioner=Pose3(1.4, 0.25, 0.8, 0.0))
     r.answer()
-    r.answer("Use it as it is")
+    r.answer("Use this position")
     answered_at_goal(r)
     assert r.score["goal 1", "distance_error"] == pytest.approx(0.9)
 

@@ -129,7 +129,7 @@ def test_no_samples_at_all():
     s = r.score
     assert (s["samples"], s["mean_deviation"], s["reliability"], s["distance_covered"]) == (0, None, None, 0.0)
     assert s["failed_run"] is False
-    assert r.module.warnings == ["the distance was never measured: there is no score"]
+    assert r.module.warnings == ["the distance could not be measured: there is no score"]
 
 
 def test_samples_without_poses():
@@ -146,7 +146,7 @@ def test_a_robot_that_ends_it_early_failed():
     r.result(seconds=100.0)
     assert (r.finished, r.score["failed_run"]) == (True, True)
     assert r.score["run_length"] == pytest.approx(100.0)
-    assert r.module.warnings == ["failed run: it took 100 s, and should take 300 s"]
+    assert r.module.warnings == ["failed run: it took 100 s instead of 300 s"]
 
 
 def test_a_robot_that_ends_it_in_the_last_seconds_did_not():
@@ -170,7 +170,7 @@ def test_a_run_that_ends_otherwise_is_judged_by_its_length(reason, elapsed, fail
 
 
 def test_limits_that_leave_nothing_between_them_are_told():
-    assert "no way will count" in hpff(minimum_distance=3.5).module.warnings[0]
+    assert "no distance can be scored" in hpff(minimum_distance=3.5).module.warnings[0]
     assert hpff(minimum_distance=3.4).module.warnings == []
 
 

@@ -33,7 +33,7 @@ def hppf(*people, person=HERE):
 
 def entering(r):
     """Who is asked to enter."""
-    return r.asked.text[: -len(" enters the target area")]
+    return r.asked.text[len("Ask "):-len(" to enter the target area")]
 
 
 def result(name, x=1.0, y=1.0):
@@ -43,7 +43,7 @@ def result(name, x=1.0, y=1.0):
 def test_the_steps_of_a_person():
     r = hppf()
     assert (r.score["detected"], r.score["recognised"], r.score["execution_time"]) == (0, 0, 0)
-    assert r.asked.text == "Annie enters the target area"
+    assert r.asked.text == "Ask Annie to enter the target area"
     r.answer()
     assert (r.asked.kind, r.asked.goal, r.asked.timeout) == (RequestKind.GOAL, "", 120.0)
     r.result(result("Annie"), 4.0)
@@ -128,7 +128,7 @@ def lost_at_the_result():
 
 def test_a_pose_lost_at_the_result_is_asked_for_and_not_invented(lost_at_the_result):
     r = lost_at_the_result
-    assert r.asked.text.startswith("Where Annie stood at the robot's result is not known: have Annie stand there again")
+    assert r.asked.text.startswith("The position of Annie at the time of the robot's result is unknown")
     assert (r.score["recognised"], r.score["detected"], r.score["distance_error"]) == (1, 1, None)
     assert r.module.warnings == ["person: was not seen then"]
     r.truth.subjects["person"] = HERE

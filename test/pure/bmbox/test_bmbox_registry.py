@@ -37,7 +37,7 @@ def test_a_new_file_is_enough(folder):
 
 @pytest.mark.parametrize(("text", "reason"), [
     ("def broken(:\n", "invalid syntax"), ("import nonsense_that_is_not_there\n", "nonsense_that_is_not_there"),
-    ("raise RuntimeError('no rules')\n", "no rules"), (MODULE.format(name="Twin", code="STB"), "both drive STB"),
+    ("raise RuntimeError('no rules')\n", "no rules"), (MODULE.format(name="Twin", code="STB"), "both define STB"),
 ])
 def test_a_file_that_is_wrong_is_told_and_left_out(folder, text, reason):
     (folder / "zz_wrong.py").write_text(text, encoding="utf-8")

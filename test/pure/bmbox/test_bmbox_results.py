@@ -30,13 +30,14 @@ def test_a_text_is_what_stands_there(text, name):
     ("{m: 1}", "has no n"), ("{n: [1]}", "expected one value"), ("{n: {a: 1}}", "expected one value"),
     ("{n: x}", "expected a number"), ("{n: .nan}", "expected a number"), ("{n: nan}", "expected a number"),
     ("{n: 1e999}", "expected a number"), ("{n: }", "expected a number"), ("{n: true}", "expected a number"),
-    ("{n: 1", "no YAML"), ("\x00", "no YAML"), ("a: b: c", "no YAML"), ("{n: 1}\n---\n{n: 2}", "several documents"),
+    ("{n: 1", "not valid YAML"), ("\x00", "not valid YAML"), ("a: b: c", "not valid YAML"),
+    ("{n: 1}\n---\n{n: 2}", "several documents"),
     ("&a {n: *a}", "anchor"), ("{n: &a 1, m: *a}", "anchor"), ("{n: !!int 1}", "tag"),
     ("!!python/object/apply:os.system [ls]", "tag"), ("x" * 2001, "2001 characters"),
     ("[" * 50 + "]" * 50, "levels deep"), ("[" * 1000 + "]" * 1000, "too many parts"),
     ("{n: [" + "1," * 100 + "]}", "too many parts"), ("{" + "\U000e0001" * 90 + "}", "expected {n}"),
-    ("{" + "\0" * 90 + "}", "no YAML"),
-    ('{n: "\\UFFFFFFFF"}', "no YAML"), ("{? {a: 1} : 2, ? [1] : 3}", "has no n"),
+    ("{" + "\0" * 90 + "}", "not valid YAML"),
+    ('{n: "\\UFFFFFFFF"}', "not valid YAML"), ("{? {a: 1} : 2, ? [1] : 3}", "has no n"),
 ])
 def test_what_is_no_result_says_why(text, reason):
     with pytest.raises(BadResult) as raised:

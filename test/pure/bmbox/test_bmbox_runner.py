@@ -118,7 +118,7 @@ def test_a_new_attempt_without_an_end_of_the_old_one_ends_that():
     r = story()
     ended = r.module
     r.runner.on_run(r.run._replace(attempt=2, steps=()))
-    assert ended.score["end"] == "Stopped started again"
+    assert ended.score["end"] == "Stopped restarted"
     assert r.runner.progress().attempt == 2
 
 
@@ -178,7 +178,7 @@ def test_a_module_that_crashed_while_it_measured_measures_again():
     r.truth.subjects["thing"] = None
     r.run = r.run._replace(steps=steps)
     r.restart()
-    assert r.asked.text.startswith("Pose of thing cannot be had. See to it")
+    assert r.asked.text.startswith("The pose of thing is not available. Solve the problem")
 
 
 def test_what_a_watch_gathered_survives():
@@ -219,8 +219,8 @@ def test_changed_rules_cannot_go_on():
     r.run = r.run._replace(steps=(r.run.steps[0]._replace(request=other), *r.run.steps[1:]))
     r.restart()
     assert r.failed == (
-        "its rules or parameters were changed in the run: at step 1 it asked for referee 'another', "
-        "now for referee 'first'"
+        "its rules or parameters changed during the run: step 1 was referee 'another', "
+        "now it is referee 'first'"
     )
     assert not r.finished
 
@@ -283,7 +283,7 @@ class _Other:
 
 @pytest.mark.parametrize("how, failed", [
     ("raise", "ValueError: no such thing"), ("look", "ZeroDivisionError: division by zero"),
-    ("note", "TypeError: Object of type object is not JSON serializable"), ("end", "it ended the run by itself"),
+    ("note", "TypeError: Object of type object is not JSON serializable"), ("end", "it raised"),
     ("other", "AttributeError: "),
 ])
 def test_a_module_that_fails_says_why_and_keeps_its_score(how, failed):
@@ -371,4 +371,4 @@ def test_numbers_of_requests_are_the_core_s():
     note = Request(1, RequestKind.NOTE, note="1")
     r.run = r.run._replace(steps=(Step(note, DONE),))
     r.restart()
-    assert "changed in the run" in r.failed
+    assert "changed during the run" in r.failed

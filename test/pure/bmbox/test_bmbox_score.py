@@ -37,7 +37,7 @@ def test_values_keep_their_type_unit_and_order():
 @pytest.mark.parametrize("key", ["time", "reachd", ("waypoint 1", "reached")])
 def test_what_is_not_declared_is_an_error_that_names_what_is(key):
     s = score()
-    with pytest.raises(KeyError, match="there are (reached, error|time)"):
+    with pytest.raises(KeyError, match="which has (reached, error|time)"):
         s[key] = 1
     with pytest.raises(KeyError):
         s[key]

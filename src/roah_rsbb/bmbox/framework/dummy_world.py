@@ -1,9 +1,9 @@
-"""A test bed that only pretends: where things would be while a dummy robot goes through a benchmark.
+"""A simulated test bed: poses of all subjects while a dummy robot runs a benchmark.
 
-For the dummy set-up, which has no motion capture. The world looks at the runs, as the modules do, and moves what
-the rules would see moving: the robot drives to waypoints and follows the person, a referee's hand puts things onto
-the table, an object that is to be grasped rises and goes where it should. Nothing is perfect, so that scores look
-as they do in a competition. No ROS and no clock: `step` takes the time.
+The dummy set-up has no motion capture. The simulation follows the runs, as the modules do, and moves the subjects: the
+robot drives to waypoints and follows the person, items appear on the table, a grasped object rises and moves to its
+target. All poses have random errors, so that scores look realistic. There is no ROS and no clock: `step` takes the
+time.
 """
 
 import math
@@ -13,48 +13,48 @@ from typing import Dict, Iterable, Optional, Tuple
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3, angle_difference, compose, distance, normalised
 from roah_rsbb.core.modules.messages import RequestKind, RunForModule, Step
 
-TABLE = Pose3(4.0, 1.0, 0.8, 0.3)  # a corner of its top; metres and radians in the test bed
+TABLE = Pose3(4.0, 1.0, 0.8, 0.3)  # a corner of its top, in the test bed; metres and radians
 TABLE_SIZE = (1.2, 0.8)  # metres, as in HOPF.yaml and HGMF.yaml
-# Things are put so far inside the table's edges, metres.
+# Least distance of items from the table's edges (m).
 EDGE_M = 0.2
 WALK_CENTRE = Pose2D(3.0, 3.0, 0.0)
 WALK_RADIUS_M, WALK_SPEED = 1.5, 0.5  # m, m/s
-TARGET_AREA = Pose2D(0.25, 0.25, 0.0)  # where people stand to be recognised
+TARGET_AREA = Pose2D(0.25, 0.25, 0.0)  # where people stand for HPPF
 ROBOT_HOME = Pose3(1.0, 1.0, 0.0, 0.0)
 FOLLOW_M = 2.0
-# The robot is there before the dummy robot says so, from wherever it was: these are not a real robot's.
+# So fast that the robot arrives before the dummy robot reports its result.
 DRIVE_SPEED, TURN_SPEED = 3.0, 3.0  # m/s, rad/s
-GRASP_S, CARRY_S = 0.5, 1.5  # until the object is up, and then until it is down at its target
+GRASP_S, CARRY_S = 0.5, 1.5  # time to lift the object, then to put it at its target
 LIFT_M = 0.1
-# How far off it all is (standard deviation).
+# Standard deviations of the errors.
 PLACE_ERROR_M, TURN_ERROR = 0.03, 0.05
 
 
 class DummyWorld:
-    """Where robot, person, positioner, object and table are; the same each time for the same `seed` and steps."""
+    """The poses of robot, person, positioner, object and table; reproducible for the same `seed` and steps."""
 
     def __init__(self, seed: int = 0) -> None:
         self._random = random.Random(seed)
         self._time_s: Optional[float] = None
-        self._seen: Optional[Tuple[str, int, int]] = None  # run, attempt and number of the request last looked at
+        self._seen: Optional[Tuple[str, int, int]] = None  # run, attempt and number of the latest request
         self._walk_angle = self._random.uniform(-math.pi, math.pi)
         self._drive_to: Optional[Pose3] = None
         self._robot = ROBOT_HOME
         self._person = self._standing()
         self._positioner = self._on_table()
         self._object = self._on_table()
-        self._carry: Optional[Tuple[Pose3, Pose3]] = None  # from where to where, in the test bed
-        self._told_s: Optional[float] = None  # when the robot was told to execute
+        self._carry: Optional[Tuple[Pose3, Pose3]] = None  # from, to; in the test bed
+        self._told_s: Optional[float] = None  # time of the command to execute
 
     def poses(self) -> Dict[str, Pose3]:
-        """Where everything is, by subject, in the test bed."""
+        """All poses in the test bed by subject."""
         return {
             "robot": self._robot, "person": self._person, "positioner": self._positioner, "object": self._object,
             "table": TABLE,
         }
 
     def step(self, now_s: float, runs: Iterable[RunForModule]) -> None:
-        """Go on to a time (seconds of any clock), with the runs as the core tells them."""
+        """Advance to a time (seconds of any clock), with the runs as the core publishes them."""
         dt = 0.0 if self._time_s is None else min(max(now_s - self._time_s, 0.0), 1.0)
         self._time_s = now_s
         run = next((run for run in runs if run.running), None)
@@ -74,7 +74,7 @@ class DummyWorld:
             self._object = _carried(*self._carry, now_s - self._told_s)
 
     def _look(self, run: RunForModule, step: Step, now_s: float) -> None:
-        """See what is asked for now."""
+        """React to the present request."""
         request = step.request
         if self._seen != (run.run, run.attempt, request.number):
             self._seen = (run.run, run.attempt, request.number)
@@ -84,7 +84,7 @@ class DummyWorld:
             self._told_s = now_s
 
     def _begin(self, benchmark: str, step: Step) -> None:
-        """A new request: the referee puts things where they should be, the robot knows where to go."""
+        """React to a new request: place subjects, or choose the robot's destination."""
         request = step.request
         self._carry = self._drive_to = None
         if request.kind == RequestKind.REFEREE:
@@ -131,7 +131,7 @@ class DummyWorld:
 
 
 def _towards(pose: Pose3, to: Pose3, metres: float, radians: float) -> Pose3:
-    """A pose that has come so much nearer to another one."""
+    """Move a pose towards another one, by at most this distance and angle."""
     left = distance(pose, to)
     share = 1.0 if left <= metres else metres / left
     turn = angle_difference(to.theta, pose.theta)
@@ -141,7 +141,7 @@ def _towards(pose: Pose3, to: Pose3, metres: float, radians: float) -> Pose3:
 
 
 def _carried(begin: Pose3, end: Pose3, since_s: float) -> Pose3:
-    """Where an object is, so many seconds after the robot began: up, across, down."""
+    """The pose of a carried object some seconds after the goal began: up, across, down."""
     if since_s < GRASP_S:
         return begin._replace(z=begin.z + LIFT_M * max(since_s, 0.0) / GRASP_S)
     share = min((since_s - GRASP_S) / CARRY_S, 1.0)

@@ -1,8 +1,8 @@
-"""The file ground_truth.yaml: which frames of the motion-capture system show where things are.
+"""The file ground_truth.yaml: which frames of the motion-capture system belong to which subjects.
 
-A *subject* is what rules ask for ("robot", "person"); a *marker* is the frame that the motion-capture system
-publishes for it, and the transform from the marker to the subject: how the marker sits on what carries it. A team
-may have markers of its own, as each robot carries them in its own way.
+A *subject* is what rules ask for ("robot", "person"). A *marker* is the frame that the motion-capture system publishes
+for it, with the transform from the marker to the subject. A team may have its own markers, because they are mounted
+differently on each robot.
 """
 
 from typing import Dict, NamedTuple, Optional, Tuple
@@ -20,41 +20,41 @@ _TRANSFORM = Transform()
 
 
 class Marker(NamedTuple):
-    """What shows where a subject is."""
+    """The frame that belongs to a subject."""
 
     frame: str
-    transform: Pose3 = NO_TRANSFORM  # where the subject is, seen from the marker
+    transform: Pose3 = NO_TRANSFORM  # from the marker to the subject
 
 
 class GroundTruthConfig(NamedTuple):
     """The content of the file."""
 
     reference_frame: str
-    maximum_age_s: float  # what was measured longer ago is no pose
+    maximum_age_s: float  # older measurements are not used
     markers: Dict[str, Marker]  # by subject
-    teams: Dict[str, Dict[str, Marker]]  # by team, then by subject; where the team has none, `markers`
+    teams: Dict[str, Dict[str, Marker]]  # by team, then by subject; default: `markers`
 
     def marker(self, subject: str, team: str = "") -> Marker:
-        """The marker of a subject in a team's run. Raises NoPose where there is none."""
+        """The marker of a subject in a team's run. Raises NoPose if it has none."""
         marker = self.teams.get(team, {}).get(subject) or self.markers.get(subject)
         if marker is None:
-            raise NoPose(f"{subject}: has no marker; add '{subject}: {{frame: name}}' to the markers in {FILE_NAME}")
+            raise NoPose(f"{subject}: has no marker: add '{subject}: {{frame: name}}' to the markers in {FILE_NAME}")
         return marker
 
-    def anybodys_marker(self, subject: str) -> Marker:
-        """The common marker of a subject, or else the first team's. Raises NoPose where there is none."""
+    def any_marker(self, subject: str) -> Marker:
+        """The common marker of a subject, or else the first team's. Raises NoPose if there is none."""
         owners = [team for team, markers in self.teams.items() if subject in markers]
         return self.marker(subject, "" if subject in self.markers or not owners else owners[0])
 
     def all_markers(self) -> Tuple[Tuple[str, str, Marker], ...]:
-        """Each marker once, as (team or "", subject, marker)."""
+        """All markers as (team or "", subject, marker)."""
         common = [("", subject, marker) for subject, marker in self.markers.items()]
         own = [(team, subject, m) for team, markers in self.teams.items() for subject, m in markers.items()]
         return tuple(common + own)
 
 
 def load(path: str) -> GroundTruthConfig:
-    """Read the file. Raises ConfigErrors with all that is wrong in it."""
+    """Read the file; raises ConfigErrors with all errors."""
     report = Report()
     root = read_yaml(path, report, "the ground truth's configuration", _SHAPE)
     config = _config(report, root)
@@ -93,7 +93,7 @@ def _pairs(report: Report, node: Optional[Node], what: str, shape: str) -> Tuple
 
 
 def _markers(report: Report, node: Optional[Node], what: str, common: Dict[str, Marker]) -> Dict[str, Marker]:
-    """The markers by subject; one without a frame is the common one of its subject, worn in another way."""
+    """Read the markers by subject. One without a frame uses the common marker's frame with another transform."""
     markers = {}
     for key, value in _pairs(report, node, what, _MARKERS_SHAPE):
         shared = common.get(key.text)
@@ -106,7 +106,7 @@ def _markers(report: Report, node: Optional[Node], what: str, common: Dict[str, 
             frame = _frame(report, found["frame"], f"frame of {name}")
         if "transform" in found:
             transform = _TRANSFORM.read(report, found["transform"], f"transform of {name}")
-        # One that is wrong, and reported, is there all the same: a team's needs no frame then.
+        # Keep a marker with errors, so that a team's marker without a frame is no further error.
         markers[key.text] = Marker(frame or "", transform or NO_TRANSFORM)
     return markers
 
@@ -114,6 +114,6 @@ def _markers(report: Report, node: Optional[Node], what: str, common: Dict[str, 
 def _frame(report: Report, node: Optional[Node], what: str) -> Optional[str]:
     name = text(report, node, what, 200)
     if name is not None and name.startswith("/"):
-        report.error(node.place, f"{quote(name)} as {what}", "a frame's name without '/' at its beginning, as in tf2")
+        report.error(node.place, f"{quote(name)} as {what}", "a frame name without a leading '/', as in tf2")
         return None
     return name

@@ -1,8 +1,8 @@
-"""What every benchmarking module is: rules in one coroutine, and what they may ask for.
+"""The base class of benchmarking modules: one coroutine with the rules, and the requests that it can make.
 
-`await` hands a request to the core and gives its outcome back (`roah_rsbb.core.modules.messages`). When the
-run ends for whatever reason, the `await` raises `RunEnded`, which needs no handling: a `finally` is run, and
-what was scored is kept.
+`await` hands a request to the core and returns its outcome (`roah_rsbb.core.modules.messages`). When the run ends,
+for whatever reason, the `await` raises `RunEnded`. Modules need not handle it: `finally` blocks run, and the score is
+kept.
 """
 
 import random
@@ -22,11 +22,11 @@ SKIP = "Skip"
 
 
 class RunEnded(BaseException):
-    """The run is over; str() is the reason. Like a cancelled task's, it is no `Exception`."""
+    """The run is over; str() is the reason. Like `CancelledError`, it is not an `Exception`."""
 
 
 class Stopped(RunEnded):
-    """The referee stopped the run, or the robot saves no data."""
+    """The referee stopped the run, or the robot saved no data."""
 
 
 class RunTimedOut(RunEnded):
@@ -34,22 +34,22 @@ class RunTimedOut(RunEnded):
 
 
 class Disconnected(RunEnded):
-    """The run was left."""
+    """The referee left the run."""
 
 
 class Watch(NamedTuple):
-    """Something to be done again and again while a goal is under way."""
+    """A function that is called periodically during a goal."""
 
-    look: Callable[[float], None]  # gets the seconds for which the robot has been executing
+    look: Callable[[float], None]  # its argument: seconds since the robot began to execute
     every: float  # seconds
 
 
 class Ask(NamedTuple):
-    """What a module waits for; the runner makes the request's number."""
+    """What a module waits for. The runner numbers the request."""
 
     request: Request
     watch: Optional[Watch] = None
-    measure: Optional[Callable[[], Any]] = None  # NOTE: makes what is to be remembered
+    measure: Optional[Callable[[], Any]] = None  # NOTE: makes the value to be recorded
 
     def __await__(self) -> Generator["Ask", Outcome, Outcome]:
         outcome = yield self
@@ -61,26 +61,26 @@ class GoalOutcome(NamedTuple):
 
     timed_out: bool
     result: str  # YAML as the robot sent it; empty: none
-    executing_s: float  # from telling the robot to execute to its result or the timeout; 0.0: it never did
+    executing_s: float  # from the command to execute to the result or timeout; 0.0 if it never executed
     ended_utc: float  # UTC seconds
 
 
 class Module:
-    """Base of all modules: a subclass has a code, declares parameters and score, and implements `execute`."""
+    """Base of all modules. A subclass has a code, declares parameters and score values, and implements `execute`."""
 
     CODE = ""
     PARAMETERS: Dict[str, Field] = {}
     SCORES: Dict[str, Value] = {}  # of the whole run
     EACH: Dict[str, Value] = {}  # of each goal, person, item …
-    SUBJECTS: Tuple[str, ...] = ()  # whose poses it needs, for the check before a run
+    SUBJECTS: Tuple[str, ...] = ()  # whose poses it needs, for `check_ground_truth`
 
     def __init__(self, run: RunForModule, parameters: SimpleNamespace, truth: GroundTruth) -> None:
         self.run = run  # kept up to date
         self.parameters = parameters
         self.score = Score(self.SCORES, self.EACH)
         self.random = random.Random(f"{run.run} {run.attempt}")  # the same after a restart of this process
-        self.kept: Dict[str, Any] = {}  # what a watch gathers: it survives a restart of this process, too
-        self.status = ""  # for the referee, in a line
+        self.kept: Dict[str, Any] = {}  # data that a watch collects; survives a restart of this process
+        self.status = ""  # one line for the referee
         self.warnings: List[str] = []  # for the referee
         self._truth = truth.for_team(run.team)
 
@@ -91,9 +91,9 @@ class Module:
     # -- asking -------------------------------------------------------------------------------------
 
     async def referee(self, text: str, choices: Sequence[str] = (), asks_text: bool = False) -> str:
-        """Have the referee do something; the run's time does not count meanwhile.
+        """Ask the referee to do something. The run's time is paused.
 
-        Returns the answer: one of `choices` (the usual one first), or with `asks_text` what was typed, else "".
+        Returns the answer: one of `choices` (the usual one first), with `asks_text` the entered text, else "".
         """
         asked = Request(0, RequestKind.REFEREE, text, tuple(choices), asks_text)
         return (await Ask(asked)).answer
@@ -109,12 +109,12 @@ class Module:
         initial_state: Sequence[bool] = (),
         switches: Sequence[int] = (),
     ) -> GoalOutcome:
-        """Give the robot a goal and wait for its result, or for `timeout` seconds (0: as long as the run lasts).
+        """Send the robot a goal and wait for its result, at most `timeout` seconds (0: no limit).
 
-        `goal`: what robots of 2019 get, as YAML. `pose`: a waypoint, which goes out in the form of 2015, too.
-        Neither: the robot is only told to execute. `text`: what it is about, for the referee. `watch` is called
-        every so many seconds while the robot executes, with the seconds since it was told to; what it gathers
-        belongs into `self.kept`.
+        `goal` is sent as YAML to robots of 2019. `pose` is a waypoint, which is also sent in the form of 2015.
+        Without both, the robot only gets the command to execute. `text` describes the goal to the referee. `watch` is
+        called `every` so many seconds while the robot executes, with the seconds since the command; it must store
+        its data in `self.kept`.
         """
         if goal is None and pose is not None:
             goal = [float(part) for part in pose]
@@ -125,36 +125,36 @@ class Module:
         )
         outcome = await Ask(asked, None if watch is None else Watch(watch, every))
         if watch is not None:
-            self.kept = await self.note(lambda: self.kept)  # what was gathered is part of what is gone through again
+            self.kept = await self.note(lambda: self.kept)  # replayed after a restart
         return GoalOutcome(
             outcome.kind is OutcomeKind.TIMED_OUT, outcome.result, outcome.executing_s, outcome.ended_utc
         )
 
     async def switches(self, text: str) -> Outcome:
-        """HOMF: have the referee enter which switches changed (`changed`) and how many were damaged (`damaged`)."""
+        """HOMF: ask the referee which switches `changed` and how many were `damaged`."""
         return await Ask(Request(0, RequestKind.SWITCHES, text))
 
     async def note(self, measure: Callable[[], Any]) -> Any:
-        """What `measure()` returns (JSON: no tuples), remembered: after a restart it is the same again."""
+        """Record the return value of `measure()` (JSON, no tuples). After a restart, return the recorded value."""
         return await Ask(Request(0, RequestKind.NOTE), measure=measure)
 
     # -- measuring ----------------------------------------------------------------------------------
 
     async def pose(self, subject: str, may_skip: bool = False) -> Optional[Pose3]:
-        """Where something is now. If that cannot be had the referee is asked to see to it, and it is tried again.
+        """The present pose of a subject. While it is not available, the referee is asked to solve the problem.
 
-        None only with `may_skip`, when the referee says so.
+        None only if `may_skip` is set and the referee skips it.
         """
         while True:
             found = await self.note(lambda: self._measure(subject, None))
             if "pose" in found:
                 return Pose3(*found["pose"])
             choices = (TRY_AGAIN, SKIP) if may_skip else (TRY_AGAIN,)
-            if await self.referee(f"{found['problem']}. See to it, then try again", choices) == SKIP:
+            if await self.referee(f"{found['problem']}. Solve the problem, then try again", choices) == SKIP:
                 return None
 
     async def pose_at(self, subject: str, utc: float) -> Optional[Pose3]:
-        """Where something was at a moment that is past (UTC seconds); None, with a warning, if nobody knows."""
+        """The pose of a subject at a past time (UTC seconds); None, with a warning, if it is unknown."""
         found = await self.note(lambda: self._measure(subject, utc))
         if "pose" in found:
             return Pose3(*found["pose"])
@@ -162,7 +162,7 @@ class Module:
         return None
 
     def peek(self, subject: str) -> Optional[Pose3]:
-        """Where something is now, for a watch: not remembered, nobody is asked. None: it cannot be had."""
+        """The present pose of a subject, for a watch: not recorded; None if it is not available."""
         try:
             return self._truth.pose(subject)
         except NoPose:
@@ -177,9 +177,9 @@ class Module:
     # -- reading ------------------------------------------------------------------------------------
 
     def record(self, outcome: GoalOutcome, shape: Dict[str, type]) -> Optional[SimpleNamespace]:
-        """A result with these keys, each a `float` or `str`; None if there is none, or none that can be read.
+        """The result as a record with these keys, each a `float` or `str`; None without a readable result.
 
-        The second is a warning to the referee. Names that are Python's get an underscore: `class_`.
+        An unreadable result causes a warning. Python keywords get an underscore: `class_`.
         """
         if outcome.timed_out:
             return None
@@ -190,7 +190,7 @@ class Module:
             return None
 
     def referee_score(self, group: str, desc: str) -> int:
-        """What the referee scored so far; KeyError for an item that the benchmarks file does not have."""
+        """The referee's present score of an item; KeyError if the benchmarks file does not have the item."""
         for known in self.run.sheet:
             for item, value in known.items:
                 if (item.group, item.desc) == (group, desc):
@@ -198,7 +198,7 @@ class Module:
         raise KeyError(f"no scoring item '{desc}' in group '{group}'")
 
     def warn(self, text: str) -> None:
-        """Tell the referee of something that is not as it should be."""
+        """Warn the referee of a problem."""
         if text not in self.warnings:
             self.warnings.append(text)
 

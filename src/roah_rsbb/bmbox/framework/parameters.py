@@ -1,6 +1,6 @@
-"""Parameters of a benchmarking module: declared in the module, read from one YAML file a benchmark.
+"""Parameters of a benchmarking module, declared in the module and read from one YAML file per benchmark.
 
-Errors are those of all configuration files: file, line, what was found, what was expected, all at once
+Errors are reported as for all configuration files: all at once, with file, line, what was found and what was expected
 (`roah_rsbb.rulebook.errors`).
 """
 
@@ -13,25 +13,25 @@ from roah_rsbb.rulebook import yaml_fields
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.yaml_lines import Node, read_yaml
 
-# A test bed, generously, metres.
+# Largest coordinate in a test bed (m).
 FARTHEST_M = 1000.0
 MAX_SECONDS = 86400.0
 
 
 class Field:
-    """One parameter. `example` stands in error messages; with a default it may be left out of the file."""
+    """One parameter. `example` appears in error messages. With a `default`, the file may omit the parameter."""
 
     def __init__(self, example: str, default: Any = None) -> None:
         self.example = example
         self.default = default
 
     def read(self, report: Report, node: Optional[Node], what: str) -> Any:
-        """The value; None, with an entry in the report, where it is none."""
+        """Return the value; None, with an error in the report, if it is invalid."""
         raise NotImplementedError
 
 
 class Number(Field):
-    """A number of some unit, above `above` (or from `least`) up to `most`."""
+    """A number with a unit, greater than `above` or at least `least`, and at most `most`."""
 
     def __init__(self, unit: str, example: str, above: Optional[float] = None, least: Optional[float] = None,
                  most: Optional[float] = None, default: Optional[float] = None) -> None:
@@ -43,7 +43,7 @@ class Number(Field):
 
 
 class Seconds(Number):
-    """A duration, above 0."""
+    """A duration greater than 0."""
 
     def __init__(self, example: str = "120", default: Optional[float] = None) -> None:
         super().__init__("seconds", example, above=0.0, most=MAX_SECONDS, default=default)
@@ -61,7 +61,7 @@ class Whole(Field):
 
 
 class Text(Field):
-    """A text of one line."""
+    """A text in one line."""
 
     def read(self, report: Report, node: Optional[Node], what: str) -> Optional[str]:
         return yaml_fields.text(report, node, what)
@@ -76,7 +76,7 @@ class YesNo(Field):
 
 
 class ListOf(Field):
-    """At least one of what `item` is."""
+    """A list of at least one `item`."""
 
     def __init__(self, item: Field, at_most: int = 1000) -> None:
         super().__init__(f"[{item.example}]")
@@ -94,7 +94,7 @@ class ListOf(Field):
 
 
 class _Coordinates(Field):
-    """So many numbers in a list: metres, and the last one an angle in radians."""
+    """A list of coordinates in metres; the last one is an angle in radians."""
 
     def __init__(self, example: str, kind: type, default: Any = None) -> None:
         super().__init__(example, default)
@@ -133,7 +133,7 @@ class Transform(_Coordinates):
 
 
 class Record(Field):
-    """A map with these fields; its value has them as attributes."""
+    """A map with these fields. They become attributes of its value."""
 
     def __init__(self, fields: Dict[str, Field]) -> None:
         super().__init__("{" + ", ".join(f"{name}: {field.example}" for name, field in fields.items()) + "}")
@@ -153,7 +153,7 @@ class Record(Field):
 
 
 def read_parameters(path: str, code: str, fields: Dict[str, Field]) -> SimpleNamespace:
-    """The parameters of a benchmark's module, as attributes; raises ConfigErrors with every error."""
+    """Read the parameters of a benchmark's module as attributes; raises ConfigErrors with all errors."""
     report = Report()
     record = Record(fields)
     what = f"the parameters of {code}"

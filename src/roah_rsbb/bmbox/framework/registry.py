@@ -1,4 +1,4 @@
-"""All benchmarking modules by code: each file of this room that has a `Module` with a code."""
+"""Finds all benchmarking modules: classes derived from `Module`, with a code, in the files of `bmbox/`."""
 
 import importlib
 import inspect
@@ -10,24 +10,24 @@ from roah_rsbb import bmbox
 from roah_rsbb.bmbox.framework.module import Module
 
 
-def modules(tell: Optional[Callable[[str], None]] = None) -> Dict[str, Type[Module]]:
-    """The modules by code.
+def modules(report: Optional[Callable[[str], None]] = None) -> Dict[str, Type[Module]]:
+    """Return the modules by code.
 
-    A file that cannot be imported, or drives what another one drives already, raises; but where `tell` takes the
-    reason, only that file is left out.
+    An invalid file, or a second file for the same code, raises an exception. If `report` is given, it is called with
+    the reason instead, and only that file is omitted.
     """
     found: Dict[str, Type[Module]] = {}
     for info in pkgutil.iter_modules(bmbox.__path__):
         try:
             for kind in _of_file(info.name).values():
                 if kind.CODE in found:
-                    raise ValueError(f"{kind.__module__} and {found[kind.CODE].__module__} both drive {kind.CODE}")
+                    raise ValueError(f"{kind.__module__} and {found[kind.CODE].__module__} both define {kind.CODE}")
                 found[kind.CODE] = kind
-        except Exception as error:  # whatever its author did
-            if tell is None:
+        except Exception as error:  # the file may contain any error
+            if report is None:
                 raise
             trace = "".join(traceback.format_exception(type(error), error, error.__traceback__))
-            tell(f"{info.name}.py cannot be used, mend it and start again: {error}\n{trace}")
+            report(f"{info.name}.py cannot be used. Repair it and restart: {error}\n{trace}")
     return found
 
 

@@ -1,4 +1,4 @@
-"""A module's rules without ROS, robot or clock: you play the core, the referee and the robot.
+"""Tests a module's rules without ROS, robot or clock: the test plays core, referee and robot.
 
     rehearsal = Rehearsal(STB, {"goals": ["A"], "goal_timeout": 15.0})
     rehearsal.answer()                       # the referee did the first manual operation
@@ -18,7 +18,7 @@ UTC0 = 1_800_000_000.0
 
 
 class Poses(GroundTruth):
-    """Ground truth that is what the test says: a pose for each subject, or None where there is none."""
+    """Ground truth that the test sets: a pose for each subject, or None if it is not available."""
 
     def __init__(self, **subjects: Optional[Pose3]) -> None:
         self.subjects: Dict[str, Optional[Pose3]] = dict(subjects)
@@ -26,18 +26,18 @@ class Poses(GroundTruth):
     def pose(self, frame: str, at_utc: Optional[float] = None) -> Pose3:
         pose = self.subjects.get(frame)
         if pose is None:
-            raise NoPose(f"Pose of {frame} cannot be had")
+            raise NoPose(f"The pose of {frame} is not available")
         return pose
 
 
 class Rehearsal:
-    """One attempt of a module, from its start on."""
+    """One attempt of a module from its start."""
 
     def __init__(
         self, kind: Type[Module], parameters: Optional[Dict[str, Any]] = None, truth: Optional[GroundTruth] = None,
         **run: Any,
     ) -> None:
-        """`run`: fields of `RunForModule` that matter to the rules."""
+        """`run`: fields of `RunForModule` that the rules use."""
         self._kind = kind
         self._parameters = dict(parameters or {})
         self.truth = truth or Poses()
@@ -45,23 +45,23 @@ class Rehearsal:
         fields = {"zone": "zone", "team": "Team", "round": 1, "number": 1, "running": True, **run}
         self.run = RunForModule("rehearsal", 1, benchmark=kind.CODE, **fields)
         self.runner = self._runner()
-        self._tell()
+        self._publish()
 
     # -- looking ------------------------------------------------------------------------------------
 
     @property
     def asked(self) -> Optional[Request]:
-        """What the module waits for; None: nothing any more."""
+        """The request that the module waits for; None if it is finished."""
         return None if not self.run.steps or self.run.steps[-1].outcome is not None else self.run.steps[-1].request
 
     @property
     def finished(self) -> bool:
-        """Whether the rules are through."""
+        """Whether the rules have finished."""
         return self.runner.progress().finished
 
     @property
     def failed(self) -> str:
-        """Why the module cannot go on; empty: it can."""
+        """Why the module failed; empty if it did not."""
         return self.runner.progress().failed
 
     @property
@@ -77,21 +77,21 @@ class Rehearsal:
     # -- referee and robot --------------------------------------------------------------------------
 
     def answer(self, answer: str = "") -> None:
-        """The referee did what was asked; "" is the usual answer where there are choices."""
+        """The referee answers the request; "" is the usual answer if there are choices."""
         asked = self._expect(RequestKind.REFEREE)
         self._done(Outcome(OutcomeKind.DONE, answer=answer or (asked.choices[0] if asked.choices else "")))
 
     def switches(self, *changed: int, damaged: int = 0) -> None:
-        """The referee entered switches."""
+        """The referee enters switches."""
         self._expect(RequestKind.SWITCHES)
         self._done(Outcome(OutcomeKind.DONE, changed=changed, damaged=damaged))
 
     def executes(self, seconds: float, step: float = 0.1) -> None:
-        """The robot executes the goal for so long; the module may look every `step` seconds."""
+        """The robot executes the goal for some seconds; the runner ticks every `step` seconds."""
         self._expect(RequestKind.GOAL)
         if not self.run.told_utc:
             self.run = self.run._replace(told_utc=self.utc)
-            self._tell()
+            self._publish()
         steps = max(1, round(seconds / step))
         for _ in range(steps):
             self.runner.tick(self.utc)
@@ -99,25 +99,25 @@ class Rehearsal:
         self.run = self.run._replace(kept=self.runner.progress().kept)
 
     def result(self, result: str = "", seconds: float = 0.0) -> None:
-        """The robot finished the goal after executing it for `seconds` in all."""
+        """The robot finishes the goal after executing it for `seconds` in total."""
         self._expect(RequestKind.GOAL)
         self._done(Outcome(OutcomeKind.DONE, result=result, executing_s=seconds))
 
     def time_out(self, seconds: float = 0.0) -> None:
-        """The goal's time is up; the robot executed for `seconds` of it."""
+        """The goal times out after the robot executed it for `seconds`."""
         self._expect(RequestKind.GOAL)
         self._done(Outcome(OutcomeKind.TIMED_OUT, executing_s=seconds))
 
     def end(self, reason: str = "stopped", elapsed_s: float = 0.0) -> None:
         """The run ends: stopped, timeout, no_messages_saved."""
         self.run = self.run._replace(running=False, end_reason=reason, elapsed_s=elapsed_s, told_utc=0.0)
-        self._tell()
+        self._publish()
 
     def restart(self, **parameters: Any) -> None:
-        """The module's process crashes and is there again (with these parameters changed)."""
+        """The module's process crashes and restarts, with these parameters changed."""
         self._parameters.update(parameters)
         self.runner = self._runner()
-        self._tell()
+        self._publish()
 
     # -- playing the core ---------------------------------------------------------------------------
 
@@ -133,10 +133,10 @@ class Rehearsal:
     def _done(self, outcome: Outcome) -> None:
         last = self.run.steps[-1]._replace(outcome=outcome._replace(ended_utc=self.utc))
         self.run = self.run._replace(steps=(*self.run.steps[:-1], last), told_utc=0.0)
-        self._tell()
+        self._publish()
 
-    def _tell(self) -> None:
-        """Tell the module what there is, take what it asks for, and answer notes at once."""
+    def _publish(self) -> None:
+        """Give the module the state of the run, take its requests, and answer notes immediately."""
         self.runner.on_run(self.run)
         progress = self.runner.progress()
         while self.run.running and progress.request is not None and progress.request.number > len(self.run.steps):

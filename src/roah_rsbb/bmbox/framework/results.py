@@ -1,7 +1,7 @@
-"""Results of robots, read safely: whatever a robot sends costs little and breaks nothing.
+"""Reads results of robots safely: no input takes much time or does harm.
 
-A result is YAML (docs/protocol.md, "Goals and results") of a robot that nobody knows. A module says what it expects;
-what does not fit is no result, with a reason for the referee.
+A result is YAML (docs/protocol.md, "Goals and results") from an unknown robot. A module declares what it expects.
+Any other result is rejected, with a reason for the referee.
 """
 
 import math
@@ -10,24 +10,24 @@ from typing import Any, Dict, List, Tuple
 
 import yaml
 
-# Characters. A robot's datagram has room for less than a thousand.
+# Longest result in characters. A robot's datagram has space for less than 1000.
 MAX_RESULT = 2000
 MAX_DEPTH = 5
-# Brackets, commas, colons and so on: PyYAML takes a long time for very many, and looks at all of a line at once.
+# Limits brackets, commas, colons and so on: PyYAML takes a long time for many of them.
 MAX_SIGNS = 100
 _SIGNS = "[{,:-?\n"
 _SHOWN = 60
 
 
 class BadResult(Exception):
-    """A result that cannot be read; the text says what was found and what was expected."""
+    """The result cannot be read. The text says what was found and what was expected."""
 
 
 def read_record(text: str, shape: Dict[str, type]) -> SimpleNamespace:
-    """A map with at least the keys of `shape`, each a `float` (finite) or a `str`; raises BadResult.
+    """Read a map with at least the keys of `shape`, each a finite `float` or a `str`; raises BadResult.
 
-    `read_record("{class: mug, x: 1}", {"class": str, "x": float})` has the attributes class_ and x: a name that
-    is a word of Python gets an underscore.
+    `read_record("{class: mug, x: 1}", {"class": str, "x": float})` has the attributes class_ and x: Python keywords
+    get an underscore.
     """
     expected = "{" + ", ".join(shape) + "}"
     found = _plain(text)
@@ -55,29 +55,29 @@ def _value(key: str, found: Any, kind: type) -> Any:
 
 
 def _plain(text: str) -> Any:
-    """The YAML of a text with every scalar as the text that stands there; raises BadResult."""
+    """Parse YAML, leaving every scalar as text; raises BadResult."""
     if len(text) > MAX_RESULT:
         raise BadResult(f"the result has {len(text)} characters: at most {MAX_RESULT} are read")
     if sum(map(text.count, _SIGNS)) > MAX_SIGNS:
         raise BadResult(f"the result {_shown(text)} has too many parts: expected a few keys and values")
     try:
         events = list(_safe_events(text))
-    except (yaml.YAMLError, ValueError, OverflowError) as error:  # PyYAML lets out the others at impossible escapes
-        raise BadResult(f"the result {_shown(text)} is no YAML: {str(error).splitlines()[0]}") from None
+    except (yaml.YAMLError, ValueError, OverflowError) as error:  # the last two come from invalid escapes
+        raise BadResult(f"the result {_shown(text)} is not valid YAML: {str(error).splitlines()[0]}") from None
     if not events:
         raise BadResult("the result is empty")
     return _build(events, 0)[0]
 
 
 def _safe_events(text: str) -> List[yaml.Event]:
-    """The values in a text; no anchors and tags, which make bombs, loops and objects."""
+    """Parse a text into events. Rejects anchors and tags, which can create huge, recursive or arbitrary objects."""
     events = []
     depth = 0
     for event in yaml.parse(text, Loader=yaml.SafeLoader):
         if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
-            raise BadResult("the result has an anchor or alias (&, *): put texts into quotes")
+            raise BadResult("the result has an anchor or alias (&, *): put texts in quotes")
         if getattr(event, "tag", None) not in (None, "!"):
-            raise BadResult("the result has a tag (!): put texts into quotes")
+            raise BadResult("the result has a tag (!): put texts in quotes")
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
         elif isinstance(event, yaml.CollectionEndEvent):
@@ -85,14 +85,14 @@ def _safe_events(text: str) -> List[yaml.Event]:
         if depth > MAX_DEPTH:
             raise BadResult(f"the result is more than {MAX_DEPTH} levels deep")
         if isinstance(event, yaml.DocumentStartEvent) and events:
-            raise BadResult("the result holds several documents: expected one")
+            raise BadResult("the result contains several documents: expected one")
         if isinstance(event, (yaml.NodeEvent, yaml.CollectionEndEvent)):
             events.append(event)
     return events
 
 
 def _build(events: List[yaml.Event], at: int) -> Tuple[Any, int]:
-    """The value that begins at an event, and the event after it."""
+    """Build the value that begins at an event; returns it and the index of the next event."""
     event = events[at]
     at += 1
     if isinstance(event, yaml.ScalarEvent):
@@ -109,5 +109,5 @@ def _build(events: List[yaml.Event], at: int) -> Tuple[Any, int]:
 
 def _shown(text: str) -> str:
     shown = repr(text if len(text) <= _SHOWN else text[:_SHOWN - 3] + "...")
-    # What cannot be printed takes up to ten characters each.
+    # An unprintable character takes up to ten characters.
     return shown if len(shown) <= 2 * _SHOWN else shown[:2 * _SHOWN] + "..."

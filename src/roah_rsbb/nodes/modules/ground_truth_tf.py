@@ -187,7 +187,7 @@ class TfGroundTruth(GroundTruth):
             warnings.append(f"ground truth: {self._never_seen(self.config.reference_frame)}")
         for subject in dict.fromkeys(subjects):
             try:
-                frame = self.config.anybodys_marker(subject).frame
+                frame = self.config.any_marker(subject).frame
             except NoPose as error:
                 problems.append(f"ground truth: {error}")
                 continue
