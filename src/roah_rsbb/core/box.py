@@ -8,7 +8,7 @@ import math
 from typing import Callable, Dict, List, Mapping, Optional, Tuple
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.capacity import LAST_PORT, Capacity
+from roah_rsbb.core.capacity import LAST_PORT, Capacity, ports_warning
 from roah_rsbb.core.clock import ClockWatch, Now
 from roah_rsbb.core.commands import COMMANDS, NO_RUN, robots_to_connect
 from roah_rsbb.core.effects import Effect, Level
@@ -156,7 +156,8 @@ class Box(ModuleEvents, ScoreEvents, Restart):
         """What every referee should know now."""
         catering = any(zone.event.benchmark.code == CATERING for zone in self.zones.values())
         devices = self.watches.devices_warnings() if catering else []
-        return self.watches.warnings(now) + devices + self.tablet.warnings(now, catering)
+        ports = ports_warning(self.settings.rsbb_port, self._last_port)
+        return self.watches.warnings(now) + devices + self.tablet.warnings(now, catering) + ports
 
     def reasons_off(self, now: Now, zone: Zone, command: str) -> List[str]:
         """Every reason why a command to a zone would be refused now; empty: it is allowed."""

@@ -7,11 +7,26 @@ from roah_rsbb.core.robots import RobotId
 from roah_rsbb.protocol import WireTime
 
 LAST_PORT = 65535
+# UDP ports from rsbb_port on that the documented firewall rules let pass: 6666 to 7000.
+PORTS = 335
+# So many runs before the last of them every referee is warned.
+PORTS_LEFT = 10
 
 # A beacon must still fit when somebody rings the bell: negative times are the longest on the wire.
 LONGEST_TIME: WireTime = (-1, -1)
 LONGEST_DEVICES = DevicesState(bell=LONGEST_TIME, dimmer=100, blinds=100)
 LONGEST_TABLET = TabletState(call_time=LONGEST_TIME, position_time=LONGEST_TIME)
+
+
+def ports_warning(rsbb_port: int, last_port: int) -> List[str]:
+    """Says that the next private ports are beyond those that firewalls let pass; empty: they are not."""
+    end = rsbb_port + PORTS - 1
+    if last_port + PORTS_LEFT <= end:
+        return []
+    return [
+        f"{max(0, end - last_port)} UDP ports are left of {rsbb_port} to {end}, which firewalls let pass if they were "
+        "set up as documented. Open more on the box and on the robots, or start the box with another log_dir"
+    ]
 
 
 class Capacity(NamedTuple):

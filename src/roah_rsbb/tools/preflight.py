@@ -14,13 +14,15 @@ from roah_rsbb.arguments import Parser, number
 from roah_rsbb.nodes.sounds import PLAYER
 from roah_rsbb.ros.display import has_display
 from roah_rsbb.tools import preflight_checks as checks
-from roah_rsbb.tools.competition.files import MODULES
+from roah_rsbb.tools.competition.files import FIREWALL, MODULES
+from roah_rsbb.tools.interfaces import interfaces
+from roah_rsbb.tools.open_ports import listeners
 from roah_rsbb.tools.preflight_checks import Finding, Level
 
 PROGRAM = "preflight"
 _DESCRIPTION = """\
 Look before a competition whether all is well, with the settings that roah_rsbb.launch will get: network, UDP
-ports, another box, clock, disk, configuration, passwords, sounds, display.
+ports, firewall, another box, clock, disk, configuration, passwords, sounds, display.
 """
 _EPILOG = """\
 The exit status is 0 if nothing failed (there may be warnings), 1 if something did, 2 for wrong usage.
@@ -69,9 +71,12 @@ def complete(options: argparse.Namespace, config_dir: str) -> None:
 def findings(options: argparse.Namespace) -> List[Finding]:
     """All that was found, in the order in which an organiser would look."""
     files = {f"{name}_file": getattr(options, f"{name}_file") for name in FILES}
-    network = checks.check_network(options.rsbb_host, checks.interfaces())
+    own = interfaces()
+    network = checks.check_network(options.rsbb_host, own)
     ports = checks.check_ports(options.bind_host, options.rsbb_port)
     found = [network, *ports]
+    firewall_file = os.path.join(options.competition or "COMPETITION", FIREWALL)
+    found += checks.check_exposure(options.rsbb_host, own, listeners(), checks.list_firewall(), firewall_file)
     if options.listen and network.level is not Level.FAILED:
         found.append(checks.check_other_box(options.rsbb_host, options.rsbb_port, options.bind_host, options.listen))
     found.append(checks.check_clock(checks.is_synchronised()))

@@ -6,11 +6,9 @@ Each check returns its findings and raises nothing. `roah_rsbb.tools.preflight` 
 import asyncio
 import ctypes
 import enum
-import fcntl
 import os
 import shutil
-import socket
-import struct
+import subprocess
 import tempfile
 from typing import Callable, Dict, List, NamedTuple, Optional
 
@@ -19,7 +17,10 @@ from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import Config
+from roah_rsbb.tools.competition import firewall
 from roah_rsbb.tools.competition.check import module_errors, scheduled_modules
+from roah_rsbb.tools.interfaces import Interface
+from roah_rsbb.tools.open_ports import Listener, open_to
 
 # A competition's run logs take megabytes; below the first a disk is a worry, below the second it will be full.
 ENOUGH_BYTES = 2 * 1024**3
@@ -28,7 +29,8 @@ FULL_BYTES = 200 * 1024**2
 PORTS = 50
 # Those of config/passwords.yaml as it is shipped: it may have been edited in its place.
 SHIPPED_PASSWORDS = frozenset({"PASSWORD", "DefaultKey", "randomkey", "t9Kd2wQx", "Hb7mZ4pe", "vR3sY8nu", "J6cfW1ga"})
-_SIOCGIFADDR, _SIOCGIFBRDADDR = 0x8915, 0x8919
+# Open TCP ports that a line names.
+MAX_SHOWN = 10
 _TIME_ERROR = 5  # of adjtimex: the clock is not synchronised
 
 
@@ -48,36 +50,6 @@ class Finding(NamedTuple):
     remedy: str = ""
 
 
-class Interface(NamedTuple):
-    """An IPv4 interface of this computer."""
-
-    name: str
-    address: str
-    broadcast: str  # empty: it has none
-
-
-def interfaces() -> List[Interface]:
-    """The interfaces of this computer that have an IPv4 address."""
-    found = []
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
-        for _, name in socket.if_nameindex():
-            address = _ask(asking, name, _SIOCGIFADDR)
-            if address:
-                broadcast = _ask(asking, name, _SIOCGIFBRDADDR)
-                if address.startswith("127."):
-                    broadcast = sockets.LOOPBACK_BROADCAST
-                found.append(Interface(name, address, "" if broadcast == "0.0.0.0" else broadcast))
-    return found
-
-
-def _ask(asking: socket.socket, name: str, what: int) -> str:
-    try:
-        answer = fcntl.ioctl(asking.fileno(), what, struct.pack("256s", name.encode()[:15]))
-    except OSError:
-        return ""
-    return socket.inet_ntoa(answer[20:24])
-
-
 def check_network(rsbb_host: str, found: List[Interface]) -> Finding:
     """Whether robots can be reached at `rsbb_host`."""
     there_are = ", ".join(f"{i.broadcast} ({i.name}, {i.address})" for i in found if i.broadcast) or "none"
@@ -89,6 +61,46 @@ def check_network(rsbb_host: str, found: List[Interface]) -> Finding:
             return Finding(Level.OK, f"rsbb_host {rsbb_host} is the broadcast address of {interface.name}")
     return Finding(Level.FAILED, f"rsbb_host {rsbb_host} is no broadcast address of this computer's networks",
                    f"connect the network with the robots, or set rsbb_host to one of: {there_are}")
+
+
+def list_firewall() -> Optional[str]:
+    """The loaded firewall table, as nft prints it; "": it is not loaded; None: this user may not see it."""
+    for nft in ("nft", "/usr/sbin/nft"):
+        try:
+            asked = subprocess.run([nft, "list", "table", "inet", firewall.TABLE], capture_output=True, timeout=10,
+                                   check=False)
+        except (OSError, subprocess.TimeoutExpired):
+            continue
+        if asked.returncode == 0:
+            return asked.stdout.decode("utf-8", "replace")
+        return None if b"not permitted" in asked.stderr else ""
+    return ""
+
+
+def check_exposure(
+    rsbb_host: str, found: List[Interface], listening: List[Listener], loaded: Optional[str], file: str
+) -> List[Finding]:
+    """Whether the robots' network reaches more of this computer than the box.
+
+    `listening`: all TCP ports that are open; `loaded`: see `list_firewall`; `file`: the firewall's.
+    """
+    interface = next((i for i in found if i.broadcast == rsbb_host and not i.address.startswith("127.")), None)
+    if interface is None:
+        return []
+    if loaded and interface.name in firewall.loaded_for(loaded):
+        return [Finding(Level.OK, f"the firewall is loaded: {interface.name} reaches only the box's ports")]
+    remedy = f"load the firewall: sudo nft -f {file}"
+    if loaded:
+        return [Finding(Level.WARNING, f"the firewall is loaded, but not for {interface.name}",
+                        f"write that name into {file}, and load it again: sudo nft -f {file}")]
+    if loaded is None:
+        remedy += f", or see whether it is: sudo nft list table inet {firewall.TABLE}"
+    reached = [port for port in open_to(listening, interface.address) if port.port != firewall.TABLET_PORT]
+    shown = ", ".join(map(str, reached[:MAX_SHOWN])) + (", …" if len(reached) > MAX_SHOWN else "")
+    text = f"robots' network on {interface.name}: no firewall of the box is seen there, and ROS has no password"
+    if reached:
+        text += f"; open now: TCP {shown}"
+    return [Finding(Level.WARNING, text, remedy)]
 
 
 def check_ports(bind_host: str, port: int) -> List[Finding]:

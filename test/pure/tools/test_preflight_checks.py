@@ -17,7 +17,10 @@ from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
 from roah_rsbb.core.messages import Beacon, DevicesState, TabletState
 from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.tools import preflight_checks as checks
-from roah_rsbb.tools.preflight_checks import Interface, Level
+from roah_rsbb.tools.competition.firewall import firewall_text
+from roah_rsbb.tools.interfaces import Interface, interfaces
+from roah_rsbb.tools.open_ports import Listener, listeners, open_to
+from roah_rsbb.tools.preflight_checks import Level
 
 LO = Interface("lo", "127.0.0.1", LOOPBACK_BROADCAST)
 ETH = Interface("eth0", "192.168.1.2", "192.168.1.255")
@@ -25,7 +28,7 @@ VPN = Interface("tun0", "10.8.0.1", "")
 
 
 def test_the_interfaces_of_this_computer():
-    assert LO in checks.interfaces()
+    assert LO in interfaces()
 
 
 @pytest.mark.parametrize("host, found, level, text", [
@@ -42,6 +45,49 @@ def test_the_broadcast_address(host, found, level, text):
     if level is Level.FAILED:
         assert ("192.168.1.255 (eth0, 192.168.1.2)" in finding.remedy) is (ETH in found)
         assert "tun0" not in finding.remedy, "it has no broadcast address"
+
+
+def test_the_open_tcp_ports_of_this_computer():
+    with socket.socket() as everywhere, socket.socket() as here, socket.socket(socket.AF_INET6) as newer:
+        for sock, host in ((everywhere, "0.0.0.0"), (here, HOST), (newer, "::")):
+            sock.bind((host, 0))
+            sock.listen(1)
+        ports = [sock.getsockname()[1] for sock in (everywhere, here, newer)]
+        with socket.create_connection((HOST, ports[1])):  # a connection is no listener
+            found = listeners()
+    mine = [next(listener for listener in found if listener.port == port) for port in ports]
+    assert [listener.address for listener in mine] == ["0.0.0.0", HOST, "::"]
+    assert all(listener.program for listener in mine)
+    assert [listener in open_to(found, "192.168.1.2") for listener in mine] == [True, False, True]
+    assert mine[1] in open_to(found, HOST)
+
+
+LOADED = firewall_text("x", "eth0", 6666, tablet=True)
+MASTER, TABLET, LOCAL = (Listener("0.0.0.0", 11311, "rosmaster"), Listener("::", 8080, "tablet"),
+                         Listener("127.0.0.1", 631, ""))
+
+
+@pytest.mark.parametrize("host, loaded, level, text", [
+    ("192.168.1.255", LOADED, Level.OK, "eth0 reaches only"),
+    ("192.168.1.255", LOADED.replace("eth0", "wlan0"), Level.WARNING, "not for eth0"),
+    ("192.168.1.255", "", Level.WARNING, "open now: TCP 11311 (rosmaster)"),
+    ("192.168.1.255", None, Level.WARNING, "open now: TCP 11311 (rosmaster)"),
+])
+def test_what_the_robots_network_reaches(host, loaded, level, text):
+    # nft prints a definition as its value.
+    printed = loaded and loaded.replace("$robots", loaded.partition("define robots = ")[2].partition("\n")[0])
+    finding, = checks.check_exposure(host, [LO, ETH], [LOCAL, MASTER, TABLET], printed, "erl/firewall.nft")
+    assert finding.level is level
+    assert text in finding.text
+    assert "8080" not in finding.text
+    assert "631" not in finding.text
+    if level is Level.WARNING:
+        assert "sudo nft -f erl/firewall.nft" in finding.remedy
+
+
+@pytest.mark.parametrize("host", [LOOPBACK_BROADCAST, "10.255.255.255"])
+def test_where_no_robots_network_is_there_is_nothing_to_close(host):
+    assert checks.check_exposure(host, [LO, ETH], [MASTER], "", "x") == []
 
 
 @pytest.fixture

@@ -5,11 +5,14 @@ import os
 from typing import Dict, Iterator, List, NamedTuple, Optional
 
 from roah_rsbb.tools.competition import texts
+from roah_rsbb.tools.competition.firewall import firewall_text
 from roah_rsbb.tools.competition.moments import VenueClock
 from roah_rsbb.tools.competition.plan import Plan
 
 BENCHMARKS, SCHEDULE, PASSWORDS = "benchmarks.yaml", "schedule.yaml", "passwords.yaml"
 LAUNCH = "competition.launch"
+FIREWALL = "firewall.nft"
+RSBB_PORT = 6666  # roah_rsbb.launch's
 MODULES = "modules"
 GROUND_TRUTH = "ground_truth.yaml"
 _BEFORE = SCHEDULE + "~"
@@ -24,6 +27,7 @@ class Hosts(NamedTuple):
 
     rsbb: Optional[str]
     smartif: Optional[str]
+    interface: Optional[str] = None  # of this computer, to the robots
 
 
 def module_file(code: str) -> str:
@@ -39,6 +43,7 @@ def new_files(config_dir: str, plan: Plan, clock: VenueClock, hosts: Hosts) -> D
         PASSWORDS: texts.passwords_text(passwords),
         SCHEDULE: texts.schedule_text(_shipped(config_dir, SCHEDULE), plan.zones, clock),
         LAUNCH: texts.launch_text(plan, hosts.rsbb, hosts.smartif),
+        FIREWALL: firewall_text(FIREWALL, hosts.interface, RSBB_PORT, texts.needs_tablet(plan)),
     }
     modules = [module_file(code) for code in texts.module_codes(plan.codes)]
     if modules:

@@ -17,6 +17,7 @@ from roah_rsbb.tools.competition.moments import read_clock
 from roah_rsbb.tools.competition.plan import Day, Plan, timetable
 from roah_rsbb.tools.competition.questions import QUESTIONS, Missing, known_answers
 from roah_rsbb.tools.competition.sheet import OPTIONAL, REQUIRED, Known, read_sheet
+from roah_rsbb.tools.interfaces import interfaces
 
 _DESCRIPTION = """\
 Make the directory of a competition: benchmarks, passwords (made by chance), schedule, parameters of the
@@ -110,7 +111,8 @@ def _plan(report: Report, options: argparse.Namespace, found: Dict[str, object])
 
 
 def _new(options: argparse.Namespace, config_dir: str, plan: Plan, found: Dict[str, object]) -> None:
-    hosts = Hosts(found["rsbb-host"], found["smartif-host"])
+    interface = next((i.name for i in interfaces() if i.broadcast == found["rsbb-host"]), None)
+    hosts = Hosts(found["rsbb-host"], found["smartif-host"], interface)
     written = files.new_files(config_dir, plan, found["time-zone"], hosts)
     files.write_new(options.directory, written)
     print(f"Written to {options.directory}: {', '.join(written)}")
@@ -171,6 +173,8 @@ def _next_steps(options: argparse.Namespace, found: Dict[str, object]) -> int:
         print("Now ", end="")
     print(f"give each team its own password of {files.PASSWORDS}.")
     example = host or "192.168.1.255"
+    print(f"Close the robots' network: check the interface in {files.FIREWALL}, then: sudo nft -f "
+          f"{shlex.quote(os.path.join(directory, files.FIREWALL))}")
     print(f"Look whether all is well: rosrun roah_rsbb preflight --rsbb-host {example} --competition "
           f"{shlex.quote(directory)}")
     print(f"Start the box: roslaunch {path}" + ("" if host else f" rsbb_host:={example}"))

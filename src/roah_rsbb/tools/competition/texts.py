@@ -92,6 +92,11 @@ def module_codes(codes: Iterable[str]) -> List[str]:
     return [code for code in codes if KINDS[code] is Kind.FUNCTIONALITY]
 
 
+def needs_tablet(plan: Plan) -> bool:
+    """Whether a benchmark of the competition uses the tablet."""
+    return any(code in plan.codes for code in _WITH_TABLET)
+
+
 def launch_text(plan: Plan, rsbb_host: Optional[str], smartif_host: Optional[str]) -> str:
     """The launch file, which starts what these benchmarks need."""
     beside = "$(dirname)"
@@ -106,7 +111,7 @@ def launch_text(plan: Plan, rsbb_host: Optional[str], smartif_host: Optional[str
         ("modules", yes[bool(module_codes(plan.codes))], "Drive functionality benchmarks here"),
         ("modules_dir", f"{beside}/modules",
          "Directory with the parameters of the benchmarking modules and ground_truth.yaml"),
-        ("tablet", yes[any(code in plan.codes for code in _WITH_TABLET)], "Serve the tablet's page, for HCFGAC"),
+        ("tablet", yes[needs_tablet(plan)], "Serve the tablet's page, for HCFGAC"),
         ("devices", yes[any(code in plan.codes for code in _WITH_DEVICES)],
          "Drive the home devices: the door's bell in HWV, all of them in HCFGAC"),
         ("smartif_host", smartif_host or "192.168.1.56", "IP address of the SmartIF devices controller"),

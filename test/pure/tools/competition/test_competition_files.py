@@ -2,7 +2,9 @@
 
 import datetime
 import os
+import shutil
 import stat
+import subprocess
 from xml.etree import ElementTree
 
 import pytest
@@ -14,6 +16,7 @@ from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import KINDS
 from roah_rsbb.tools.competition import files, texts
 from roah_rsbb.tools.competition.files import CannotWrite, Hosts
+from roah_rsbb.tools.competition.firewall import TABLE, firewall_text, loaded_for
 from roah_rsbb.tools.competition.moments import VenueClock
 from roah_rsbb.tools.competition.plan import Plan, PlannedZone, Run
 
@@ -152,6 +155,31 @@ def test_only_what_the_benchmarks_need_is_started(code, started):
 def test_addresses_in_the_launch_file():
     arguments = launch_arguments(texts.launch_text(plan(run("HWV", "A")), "10.0.0.255", "10.0.0.9"))
     assert (arguments["rsbb_host"], arguments["smartif_host"]) == ("10.0.0.255", "10.0.0.9")
+
+
+def test_the_firewall_lets_only_the_box_pass():
+    text = firewall_text("firewall.nft", "enp3s0", 6666, tablet=True)
+    assert 'define robots = "enp3s0"' in text
+    assert "udp dport 6666-7000 accept" in text
+    assert "tcp dport 8080 accept" in text
+    assert "CHECK" not in text
+    unknown = firewall_text("firewall.nft", None, 6666, tablet=False)
+    assert "CHECK THIS NAME" in unknown
+    assert "tcp dport" not in unknown
+
+
+@pytest.mark.skipif(shutil.which("nft", path="/usr/sbin:/usr/bin") is None, reason="nft is not installed")
+def test_nft_takes_the_firewall(tmp_path):
+    (tmp_path / "firewall.nft").write_text(firewall_text("firewall.nft", "eth0", 6666, tablet=True), encoding="utf-8")
+    nft = shutil.which("nft", path="/usr/sbin:/usr/bin")
+    inside = ["unshare", "--user", "--map-root-user", "--net"]
+    if subprocess.run([*inside, "true"], check=False).returncode:
+        pytest.skip("no network namespaces here")
+    listing = subprocess.run([*inside, "sh", "-c", f"{nft} -f firewall.nft && {nft} -f firewall.nft && "
+                              f"{nft} list table inet {TABLE}"],
+                             cwd=str(tmp_path), stdout=subprocess.PIPE, check=True).stdout.decode()
+    assert loaded_for(listing) == ["eth0"]
+    assert "udp dport 6666-7000 accept" in listing
 
 
 def launch_arguments(text):

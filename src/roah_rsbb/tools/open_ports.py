@@ -1,0 +1,73 @@
+"""Which TCP ports of this computer an interface opens to others: read from /proc, as far as this user may see."""
+
+import contextlib
+import os
+import pathlib
+import socket
+import struct
+from typing import Dict, Iterator, List, NamedTuple
+
+_LISTEN = "0A"
+_EVERYWHERE = ("0.0.0.0", "::")
+
+
+class Listener(NamedTuple):
+    """A TCP port on which a program takes connections."""
+
+    address: str
+    port: int
+    program: str  # empty: another user's
+
+    def __str__(self) -> str:
+        return f"{self.port} ({self.program})" if self.program else str(self.port)
+
+
+def listeners(proc: str = "/proc") -> List[Listener]:
+    """All TCP ports on which this computer takes connections."""
+    programs = _programs(proc)
+    return [
+        Listener(_address(address), int(port, 16), programs.get(inode, ""))
+        for name in ("tcp", "tcp6")
+        for address, port, inode in _sockets(os.path.join(proc, "net", name))
+    ]
+
+
+def open_to(found: List[Listener], address: str) -> List[Listener]:
+    """Those that are reached at an address of this computer, in the order of their ports, each once."""
+    reached = {listener.port: listener for listener in found if listener.address in (*_EVERYWHERE, address)}
+    return [reached[port] for port in sorted(reached)]
+
+
+def _sockets(path: str) -> Iterator[tuple]:
+    try:
+        lines = pathlib.Path(path).read_text("ascii").splitlines()[1:]
+    except OSError:
+        return
+    for line in lines:
+        fields = line.split()
+        if fields[3] == _LISTEN:
+            address, _, port = fields[1].partition(":")
+            yield address, port, fields[9]
+
+
+def _address(text: str) -> str:
+    """An address as the kernel prints it: words of 32 bits in this computer's byte order."""
+    words = [int(text[i:i + 8], 16) for i in range(0, len(text), 8)]
+    packed = struct.pack(f"={len(words)}I", *words)
+    if packed.startswith(b"\0" * 10 + b"\xff\xff"):  # IPv4 in IPv6
+        packed = packed[12:]
+    return socket.inet_ntop(socket.AF_INET if len(packed) == 4 else socket.AF_INET6, packed)
+
+
+def _programs(proc: str) -> Dict[str, str]:
+    """The program's name by the inode of each socket that this user may see."""
+    found: Dict[str, str] = {}
+    for process in pathlib.Path(proc).glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            name = (process / "comm").read_text("utf-8", "replace").strip()
+            for handle in (process / "fd").iterdir():
+                with contextlib.suppress(OSError):
+                    target = os.readlink(str(handle))
+                    if target.startswith("socket:["):
+                        found[target[8:-1]] = name
+    return found
