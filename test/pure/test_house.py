@@ -27,7 +27,7 @@ CORE_TYPES = ("core.clock", "core.modules.messages", "core.scoring.records")
 RECORDS = ("core.scoring.records", "core.link.record", "core.run_log", "core.restart.saved")
 LIBRARIES = ("rulebook", "comm", "core", "journal", "devices", "run_logs", "results", "bmbox", "robot", "tablet", "web",
              "ros", "pb", "msg", "srv")
-PROGRAMS = Room((*BASE, *LIBRARIES, "nodes"), (*ROS, "yaml", "google"))
+PROGRAMS = Room((*BASE, *LIBRARIES, "nodes"), (*ROS, "rosmaster", "yaml", "google"))
 
 ROOMS: Dict[str, Room] = {
     "__init__": Room(),
