@@ -62,7 +62,7 @@ class TestResults(ResultsCase):
         robot = self.robot("Alpha")
         port = self.box.connect(ZONE)
         identity = self.box.wait_details(ZONE, lambda d: d.identity, "the run has a name")
-        self.assertIn("connected, not started yet", self.results("list"))
+        self.assertIn("  connected", self.results("list"))
         self.box.start(ZONE)
         robot.wait_did("execute HGTKMH")
         robot.tell("notify", "<b>at the door</b>")
@@ -71,7 +71,7 @@ class TestResults(ResultsCase):
         self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 2, False, "the vase", "Anna")
         wait_until(lambda: self.links(port), "the first second of the link record")
         shown = self.results("show", identity, "--utc")
-        for expected in ("running", "yes  Detects the door", "2  Bumps into", "(the vase)", "[Anna (", "0 -> 2",
+        for expected in ("running", "yes  Detects the door", "2  Bumps into", "(the vase)", " Anna (", "0 → 2",
                          "notification: <b>at the door</b>", "Box: WAITING_RESULT", "Robot: EXECUTING",
                          "start", f"robot's address: {host_of('Alpha')}"):
             self.assertIn(expected, shown)

@@ -8,7 +8,7 @@ from roah_rsbb.journal import kinds
 from roah_rsbb.journal.reader import JournalEntry
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.results.runs import RunResult
-from roah_rsbb.wording.result_texts import plain
+from roah_rsbb.wording.texts import plain
 
 
 class RunEvent(NamedTuple):

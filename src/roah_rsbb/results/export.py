@@ -9,10 +9,10 @@ import json
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, TextIO, Tuple, Union
 
 from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry
-from roah_rsbb.results.runs import RunResult
+from roah_rsbb.results.runs import RunResult, state_of
 from roah_rsbb.results.standings import Standing
-from roah_rsbb.wording import result_texts
-from roah_rsbb.wording.result_texts import iso, visible
+from roah_rsbb.wording.texts import plain, visible
+from roah_rsbb.wording.times import iso
 
 Cell = Union[str, int, float, None]
 
@@ -106,7 +106,7 @@ def _module_cell(text: str) -> Cell:
         value = json.loads(text)
     except ValueError:
         return text
-    return value if value is None or isinstance(value, (bool, int, float, str)) else result_texts.plain(value)
+    return value if value is None or isinstance(value, (bool, int, float, str)) else plain(value)
 
 
 def standing_rows(standings: Iterable[Standing]) -> Iterator[Dict[str, Cell]]:
@@ -146,13 +146,13 @@ def exported_standings(standings: Sequence[Standing], journal: str, utc: float) 
 
 def _head(journal: str, utc: float) -> Dict[str, Any]:
     return {"format": FORMAT, "version": VERSION, "journal": journal, "written_utc": utc,
-            "written": result_texts.iso(utc, in_utc=True)}
+            "written": iso(utc, in_utc=True)}
 
 
 def _run_value(result: RunResult) -> Dict[str, Any]:
     return {
         **_plain(result.record),
-        "state": result_texts.state_of(result.record),
+        "state": state_of(result.record),
         "robot_parts": [
             {"port": r.port, "team": r.team, "robot": r.robot, "log_file": r.log_file,
              "link": [{"utc": second.utc, **_plain(second.sample)} for second in r.link]}

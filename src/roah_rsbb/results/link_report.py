@@ -7,7 +7,8 @@ from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.results.events import Stretch
 from roah_rsbb.results.page import Markup, joined, tag
 from roah_rsbb.results.runs import LinkSecond
-from roah_rsbb.wording.result_texts import clock, line
+from roah_rsbb.wording.texts import one_line
+from roah_rsbb.wording.times import skew, time_with_tenths
 
 # One lost datagram does not make a silence this long.
 GAP_S = 2.5
@@ -37,10 +38,10 @@ def link_lines(link: Sequence[LinkSecond]) -> List[str]:
             f"round trip with the robot's own delay: {min(trips):.3f} s at best, {max(longest):.3f} s at worst")
     skews = [s.skew_s for s in samples if s.skew_s is not None]
     if skews:
-        lines.append(f"clock skew {min(skews):+.3f} s to {max(skews):+.3f} s")
+        lines.append(f"clock skew {skew(min(skews))} to {skew(max(skews))}")
     hosts = list(dict.fromkeys(s.host for s in samples if s.host))
     if hosts:
-        lines.append(f"robot's address: {', '.join(line(host) for host in hosts)}")
+        lines.append(f"robot's address: {', '.join(one_line(host) for host in hosts)}")
     return lines
 
 
@@ -255,7 +256,7 @@ def _axis(scale: _Scale, top: float, in_utc: bool) -> Markup:
         x = _n(scale.x(tick))
         parts += [
             tag("line", x1=x, x2=x, y1=4, y2=_n(top), stroke="#000", stroke_opacity="0.15"),
-            _text(x, top + 12, clock(tick, in_utc)[:8], anchor="middle" if x < WIDTH - 40 else "end"),
+            _text(x, top + 12, time_with_tenths(tick, in_utc)[:8], anchor="middle" if x < WIDTH - 40 else "end"),
         ]
         tick += step
     return joined(parts)

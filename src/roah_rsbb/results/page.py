@@ -7,7 +7,7 @@ external parts, and its content security policy forbids the browser to load, run
 import html
 from typing import Iterable, Sequence, Union
 
-from roah_rsbb.wording.result_texts import visible
+from roah_rsbb.wording.texts import visible
 
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
 

@@ -1,11 +1,14 @@
 """A run with everything that the journal recorded about it."""
 
+from functools import partial
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.restart.saved import BadState, thaw
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.reader import JournalEntry, JournalReader, JournalRun
+from roah_rsbb.wording import sheets
+from roah_rsbb.wording.times import date_time
 
 
 class LinkSecond(NamedTuple):
@@ -76,6 +79,17 @@ def find(known: List[RunRecord], word: str) -> int:
         raise NoSuchRun(f"'{word}' matches {len(begin)} runs ({names} …): be more specific")
     numbers = f"there are 1 to {len(known)}" if known else "there are no runs yet"
     raise NoSuchRun(f"there is no run '{word}': {numbers}. 'results list' lists them")
+
+
+def state_of(record: RunRecord) -> str:
+    """Return how a run ended, or how far it is."""
+    return sheets.run_state(record.started_utc, record.closed_utc, record.end_reason)
+
+
+def signature_of(record: RunRecord, in_utc: bool) -> str:
+    """Return who signed a run's sheet off, and when."""
+    signed = record.sign_off
+    return sheets.signature(signed and signed.utc, signed.who if signed else "", partial(date_time, in_utc=in_utc))
 
 
 def _record(run: JournalRun, warn: Callable[[str], None]) -> RunRecord:

@@ -1,15 +1,17 @@
 """A run's score sheet, for the terminal and as a page that can be printed."""
 
+from functools import partial
 from typing import Iterator, List, Tuple
 
-from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry, grouped
+from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord, grouped
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
 from roah_rsbb.results.link_report import Rows, link_lines, link_plot
 from roah_rsbb.results.page import Child, Markup, facts_table, joined, page, table, tag
-from roah_rsbb.results.runs import RobotPart, RunResult
-from roah_rsbb.wording import result_texts
+from roah_rsbb.results.runs import RobotPart, RunResult, signature_of, state_of
+from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
-from roah_rsbb.wording.result_texts import line, moment, optional_moment
+from roah_rsbb.wording.texts import one_line as line
+from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_time, time_with_tenths
 
 # Begin and end of struck-through text, on terminals that support it.
 _STRUCK, _PLAIN = "\033[9m", "\033[29m"
@@ -26,18 +28,17 @@ def list_lines(records: List[RunRecord], in_utc: bool) -> Iterator[str]:
 
 def _row(number: int, record: RunRecord, in_utc: bool) -> Tuple[str, ...]:
     return (
-        str(number), moment(record.opened_utc, in_utc), line(record.zone), line(record.benchmark), line(record.team),
+        str(number), date_time(record.opened_utc, in_utc), line(record.zone), line(record.benchmark), line(record.team),
         str(record.round), str(record.run),
-        result_texts.duration(record.elapsed_s) if record.started_utc else result_texts.NOTHING,
-        "signed off" if record.sign_off else "open", line(result_texts.state_of(record)),
+        elapsed(record.elapsed_s) if record.started_utc else NOTHING,
+        sheets.sheet_state(record.closed_utc, record.sign_off), line(state_of(record)),
     )
 
 
 def sheet_lines(result: RunResult, in_utc: bool, strike: bool) -> Iterator[str]:
     """Return the lines of the sheet. `strike`: the terminal supports struck-through text."""
     record = result.record
-    yield (f"{line(record.benchmark)}, team {line(record.team)}, round {record.round}, run {record.run} "
-           f"({line(record.identity)})")
+    yield f"{line(_title(record))} ({line(record.identity)})"
     yield ""
     for name, value in facts(result, in_utc):
         yield f"{name + ':':14}{value}"
@@ -48,7 +49,7 @@ def sheet_lines(result: RunResult, in_utc: bool, strike: bool) -> Iterator[str]:
         yield from _titled(f"Module's score: {line(title)}", [f"{line(s.name)}: {line(s.value)}" for s in lines])
     for section in sections(result):
         yield from _titled(section.title, [
-            f"{result_texts.clock(h.utc, in_utc)}  {_by(h.who)}{line(h.robot) + ': ' if h.robot else ''}{line(h.text)}"
+            f"{time_with_tenths(h.utc, in_utc)}  {_by(h.who)}{line(h.robot) + ': ' if h.robot else ''}{line(h.text)}"
             for h in section.events
         ])
     for robot in result.robots:
@@ -61,16 +62,24 @@ def facts(result: RunResult, in_utc: bool) -> List[Tuple[str, str]]:
     return [
         ("Zone", line(record.zone)),
         ("Robots", ", ".join(f"{line(r.robot)} of team {line(r.team)} (port {r.port})" for r in result.robots)
-         or result_texts.robots_text(record)),
-        ("Scheduled", moment(record.scheduled, in_utc)),
-        ("Connected", moment(record.opened_utc, in_utc)),
-        ("Started", optional_moment(record.started_utc, in_utc)),
-        ("Disconnected", optional_moment(record.closed_utc, in_utc)),
-        ("Time", result_texts.duration(record.elapsed_s) if record.started_utc else result_texts.NOTHING),
-        ("End", line(result_texts.state_of(record))),
-        ("Sheet", result_texts.sign_off_text(record, in_utc)),
-        ("Run logs", ", ".join(line(r.log_file) for r in result.robots if r.log_file) or result_texts.NOTHING),
+         or ", ".join(map(line, record.robots)) or NOTHING),
+        ("Scheduled", date_time(record.scheduled, in_utc)),
+        ("Connected", date_time(record.opened_utc, in_utc)),
+        ("Started", optional_date_time(record.started_utc, in_utc)),
+        ("Disconnected", optional_date_time(record.closed_utc, in_utc)),
+        ("Time", elapsed(record.elapsed_s) if record.started_utc else NOTHING),
+        ("End", line(state_of(record))),
+        ("Sheet", line(signature_of(record, in_utc))),
+        ("Run logs", ", ".join(line(r.log_file) for r in result.robots if r.log_file) or NOTHING),
     ]
+
+
+def _title(record: RunRecord) -> str:
+    return sheets.run_name(record.benchmark, record.team, record.round, record.run)
+
+
+def _value(item: ItemRecord) -> str:
+    return sheets.item_value(item.kind == "bool", item.value, item.not_attempted)
 
 
 def _titled(title: str, lines: List[str]) -> Iterator[str]:
@@ -82,52 +91,59 @@ def _titled(title: str, lines: List[str]) -> Iterator[str]:
 
 
 def _by(who: str) -> str:
-    return f"[{line(who)}] " if who else ""
+    return f"{line(who)}: " if who else ""
 
 
 def _items(record: RunRecord) -> Iterator[str]:
     for group, items in grouped(record.items).items():
         yield from _titled(line(group), [
-            f"{result_texts.item_value(item.kind, item.value, item.not_attempted):>13}  {line(item.desc)}"
-            + ("  (CORRECTED)" if item.corrected else "")
+            f"{_value(item):>13}  {line(item.desc)}"
+            + (f"  ({sheets.CORRECTED})" if item.corrected else "")
             for item in items
         ])
 
 
-def change_text(record: RunRecord, entry: ScoreEntry) -> str:
-    """The old and the new value of an entry."""
-    kind = next((i.kind for i in record.items if (i.group, i.desc) == (entry.group, entry.desc)), "uint")
-    old = result_texts.item_value(kind, entry.old, entry.old_not_attempted)
-    return f"{old} -> {result_texts.item_value(kind, entry.value, entry.not_attempted)}"
+def _when(in_utc: bool) -> sheets.When:
+    return partial(date_time, in_utc=in_utc)
 
 
-def withdrawn_text(entry: ScoreEntry, in_utc: bool) -> str:
-    """Who withdrew an entry, when and why."""
-    by = f" by {line(entry.withdrawn_by)}" if entry.withdrawn_by else ""
-    note = f": {line(entry.withdrawn_note)}" if entry.withdrawn_note else ""
-    mark = ", a correction" if entry.withdrawal_corrects else ""
-    return f"withdrawn{by}, {moment(entry.withdrawn_utc, in_utc)}{mark}{note}"
+def _entries(record: RunRecord, in_utc: bool) -> Iterator[sheets.EntryTexts]:
+    """The history in words, in its order."""
+    kinds = {(item.group, item.desc): item.kind for item in record.items}
+    for e in record.history:
+        entry = sheets.HistoryEntry(
+            e.number, e.utc, e.who, e.group, e.desc, kinds.get((e.group, e.desc), "uint"), e.old, e.old_not_attempted,
+            e.value, e.not_attempted, e.note, e.correction, e.withdrawn_utc, e.withdrawn_by, e.withdrawn_note,
+            e.withdrawal_corrects,
+        )
+        yield sheets.entry_texts(entry, _when(in_utc))
 
 
 def _history(record: RunRecord, in_utc: bool, strike: bool) -> Iterator[str]:
-    def shown(entry: ScoreEntry) -> str:
-        mark = "CORRECTION: " if entry.correction else ""
-        note = f" ({line(entry.note)})" if entry.note else ""
-        text = f"{mark}{_by(entry.who)}{line(entry.group)}: {line(entry.desc)}: {change_text(record, entry)}{note}"
-        if entry.withdrawn_utc:
-            struck = f"{_STRUCK}{text}{_PLAIN}" if strike else text
-            text = f"{struck}  -- {withdrawn_text(entry, in_utc)}"
-        return f"{entry.number:3}  {moment(entry.utc, in_utc)}  {text}"
+    def shown(entry: sheets.EntryTexts) -> str:
+        text = sheets.entry_line(entry._replace(withdrawn=""))
+        if entry.withdrawn:
+            text = f"{_STRUCK}{text}{_PLAIN}; {entry.withdrawn}" if strike else sheets.entry_line(entry)
+        return f"{entry.number:>3}  {text}"
 
-    yield from _titled("History of the score sheet", [shown(entry) for entry in record.history])
+    entries = [sheets.EntryTexts(*map(line, entry)) for entry in _entries(record, in_utc)]
+    yield from _titled("History of the score sheet", [shown(entry) for entry in entries])
 
 
 def _stops(record: RunRecord, in_utc: bool) -> Iterator[str]:
     yield from _titled("Ends", [
-        f"{moment(s.utc, in_utc)}  {_by(s.who)}{line(s.desc) or result_texts.end_text(s.end_reason)}"
-        + (f"; reason given{' by ' + line(s.reason_by) if s.reason_by else ''}: {line(s.reason)}" if s.reason else "")
-        for s in record.stops
+        f"{date_time(stop.utc, in_utc)} {_by(stop.who)}{line(_end(stop))}"
+        + (f": {line(_reason(stop))}" if stop.reason else "")
+        for stop in record.stops
     ])
+
+
+def _end(stop: StopRecord) -> str:
+    return stop.desc or sheets.end_reason(stop.end_reason)
+
+
+def _reason(stop: StopRecord) -> str:
+    return sheets.stop_reason(stop.reason, stop.reason_by, stop.who)
 
 
 # -- as a page --------------------------------------------------------------------------------------
@@ -139,7 +155,7 @@ _SIGNERS = ("Referee: name, date, signature", "Team: name, date, signature")
 def sheet_page(result: RunResult, in_utc: bool) -> str:
     """Return the page of a run."""
     record = result.record
-    title = f"{record.benchmark}, team {record.team}, round {record.round}, run {record.run}"
+    title = _title(record)
     body: List[Child] = [
         tag("h1", title),
         tag("p", "Score sheet" if record.sign_off else "Score sheet, not signed off: may still change"),
@@ -172,8 +188,8 @@ def _items_markup(record: RunRecord) -> Iterator[Markup]:
         yield tag("h3", group)
         yield table(("Value", "Item", ""), [
             (
-                result_texts.item_value(i.kind, i.value, i.not_attempted), i.desc,
-                mark("corrected") if i.corrected else "",
+                _value(i), i.desc,
+                mark(sheets.CORRECTED) if i.corrected else "",
             )
             for i in items
         ], ("value", "", ""))
@@ -193,18 +209,19 @@ def _history_markup(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
         return
     yield tag("h2", "History of the score sheet")
     yield table(("No.", "When", "Who", "What", "Change", "Note"), [
-        _change(record, entry, in_utc) for entry in record.history
+        _change(entry) for entry in _entries(record, in_utc)
     ], ("number", "when", "who", "what", "change"))
 
 
-def _change(record: RunRecord, entry: ScoreEntry, in_utc: bool) -> Tuple[Child, ...]:
-    cells = (f"{entry.group}: {entry.desc}", change_text(record, entry).replace("->", "→"), entry.note)
-    what, change, note = (tag("del", cell) if entry.withdrawn_utc else cell for cell in cells)
+def _change(entry: sheets.EntryTexts) -> Tuple[Child, ...]:
+    what, change, note = (
+        tag("del", cell) if entry.withdrawn else cell for cell in (entry.item, entry.change, entry.note)
+    )
     if entry.correction:
-        what = joined((mark("correction"), " ", what))
-    if entry.withdrawn_utc:
-        note = joined((note, " ", mark("withdrawn"), " ", withdrawn_text(entry, in_utc)))
-    return str(entry.number), moment(entry.utc, in_utc), entry.who, what, change, note
+        what = joined((mark(entry.correction), " ", what))
+    if entry.withdrawn:
+        note = joined((note, " ", mark(entry.withdrawn)))
+    return entry.number, entry.when, entry.who, what, change, note
 
 
 def _stops_markup(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
@@ -212,9 +229,7 @@ def _stops_markup(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
         return
     yield tag("h2", "Ends")
     yield table(("When", "Who", "End", "Reason given"), [
-        (moment(s.utc, in_utc), s.who, s.desc or result_texts.end_text(s.end_reason),
-         f"{s.reason} ({s.reason_by})" if s.reason and s.reason_by else s.reason)
-        for s in record.stops
+        (date_time(stop.utc, in_utc), stop.who, _end(stop), _reason(stop)) for stop in record.stops
     ], ("when", "who", "what"))
 
 
@@ -222,7 +237,7 @@ def _section(section: Section, in_utc: bool) -> Markup:
     several = any(h.robot for h in section.events)
     headings = ("When", "Who", *(("Robot",) if several else ()), "What")
     rows = [
-        (result_texts.clock(h.utc, in_utc), h.who, *((h.robot,) if several else ()),
+        (time_with_tenths(h.utc, in_utc), h.who, *((h.robot,) if several else ()),
          tag("span", h.text, class_="bad") if h.bad else h.text)
         for h in section.events
     ]

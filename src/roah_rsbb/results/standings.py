@@ -7,10 +7,12 @@ from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional
 
 from roah_rsbb.core.scoring.records import RunRecord, ScoreValue
 from roah_rsbb.results.page import Child, Markup, joined, page, table, tag
+from roah_rsbb.results.runs import signature_of, state_of
 from roah_rsbb.results.standing_rules import DEFAULT, Criterion, OfRuns, Rules, Term
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS
-from roah_rsbb.wording import result_texts
-from roah_rsbb.wording.result_texts import line, moment
+from roah_rsbb.wording.sheets import NOT_SIGNED_OFF, turn
+from roah_rsbb.wording.texts import one_line
+from roah_rsbb.wording.times import NOTHING, date_time
 
 # Sums of weighted values are rounded to this many decimals, so that rounding errors do not decide.
 DIGITS = 9
@@ -203,7 +205,7 @@ OF_RUNS = {
 
 def number_text(number: Optional[float]) -> str:
     """A number with at most three decimals."""
-    return result_texts.NOTHING if number is None else f"{number:.3f}".rstrip("0").rstrip(".")
+    return NOTHING if number is None else f"{number:.3f}".rstrip("0").rstrip(".")
 
 
 def rank_text(team: TeamLine) -> str:
@@ -225,8 +227,8 @@ def _number_cells(standing: Standing, numbers: Numbers, disqualified: bool) -> L
 def run_text(run: RunLine) -> str:
     """Name a run and its state."""
     mark = f", {DISQUALIFIED}" if run.disqualified else ""
-    open_mark = "" if run.record.sign_off else ", not signed off"
-    return f"round {run.record.round}, run {run.record.run}{mark}{open_mark}"
+    open_mark = "" if run.record.sign_off else f", {NOT_SIGNED_OFF}"
+    return f"{turn(run.record.round, run.record.run)}{mark}{open_mark}"
 
 
 def standing_lines(standing: Standing) -> Iterator[str]:
@@ -234,7 +236,7 @@ def standing_lines(standing: Standing) -> Iterator[str]:
     yield f"{standing.benchmark}: {OF_RUNS[standing.of_runs]}"
     rows = [("Rank", "Team", *criteria_of(standing), "Runs")]
     rows += [
-        (rank_text(team), line(team.team), *_number_cells(standing, team.numbers, team.disqualified),
+        (rank_text(team), one_line(team.team), *_number_cells(standing, team.numbers, team.disqualified),
          str(len(team.runs)))
         for team in standing.lines
     ]
@@ -242,7 +244,7 @@ def standing_lines(standing: Standing) -> Iterator[str]:
     for row in rows:
         yield "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
     for remark in standing.remarks:
-        yield f"  * {line(remark)}"
+        yield f"  * {one_line(remark)}"
 
 
 def standing_markup(standing: Standing, sheets: Mapping[str, str]) -> Markup:
@@ -280,7 +282,7 @@ def linked(text: str, identity: str, sheets: Mapping[str, str]) -> Child:
 def standings_page(standings: Sequence[Standing], written_utc: float, in_utc: bool) -> str:
     """Build a page of standings only."""
     return page(
-        "Standings", tag("h1", "Standings"), tag("p", f"As of {moment(written_utc, in_utc)}", class_="small"),
+        "Standings", tag("h1", "Standings"), tag("p", f"As of {date_time(written_utc, in_utc)}", class_="small"),
         *(standing_markup(standing, {}) for standing in standings),
     )
 
@@ -291,12 +293,12 @@ def index_page(
 ) -> str:
     """Build the page with the standings and links to all sheets."""
     rows = [
-        (str(number), moment(r.opened_utc, in_utc), r.zone, linked(r.benchmark, r.identity, sheets), r.team,
-         f"{r.round} / {r.run}", result_texts.state_of(r), result_texts.sign_off_text(r, in_utc))
+        (str(number), date_time(r.opened_utc, in_utc), r.zone, linked(r.benchmark, r.identity, sheets), r.team,
+         f"{r.round} / {r.run}", state_of(r), signature_of(r, in_utc))
         for number, r in numbered
     ]
     return page(
-        "Results", tag("h1", "Results"), tag("p", f"As of {moment(written_utc, in_utc)}", class_="small"),
+        "Results", tag("h1", "Results"), tag("p", f"As of {date_time(written_utc, in_utc)}", class_="small"),
         *(standing_markup(standing, sheets) for standing in standings),
         tag("h2", "Runs"),
         table(("No.", "Connected", "Zone", "Benchmark", "Team", "Round / run", "State", "Sheet"), rows,

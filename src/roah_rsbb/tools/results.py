@@ -29,7 +29,7 @@ from roah_rsbb.results.sheet import list_lines, sheet_lines, sheet_page
 from roah_rsbb.results.standing_rules import OfRuns, Rules, read_rules
 from roah_rsbb.results.standings import Choice, Standing, index_page, standing_lines, standings, standings_page
 from roah_rsbb.rulebook.errors import ConfigErrors
-from roah_rsbb.wording import result_texts
+from roah_rsbb.wording.times import date_time
 
 LOG_DIR = "~/.ros/roah_rsbb"
 RULES_FILE = "standings.yaml"
@@ -308,8 +308,8 @@ def _journals(options: argparse.Namespace) -> int:
         except JournalError as error:
             print(error)
             continue
-        begun = f"started {result_texts.moment(sessions[0].utc, options.utc)}" if sessions else "empty"
-        last = f", last connected {result_texts.moment(known[-1].opened_utc, options.utc)}" if known else ""
+        begun = f"started {date_time(sessions[0].utc, options.utc)}" if sessions else "empty"
+        last = f", last connected {date_time(known[-1].opened_utc, options.utc)}" if known else ""
         print(f"{path}: {begun}, {len(known)} runs{last}")
     return 0
 

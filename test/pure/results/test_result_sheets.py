@@ -11,9 +11,9 @@ from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.events import box_states, robot_states, sections
 from roah_rsbb.results.page import tag
-from roah_rsbb.results.runs import NoSuchRun, find, records, run_result
+from roah_rsbb.results.runs import NoSuchRun, find, records, run_result, state_of
 from roah_rsbb.results.sheet import list_lines, sheet_lines, sheet_page
-from roah_rsbb.wording import result_texts
+from roah_rsbb.wording import texts, times
 
 
 @pytest.fixture
@@ -81,18 +81,11 @@ class Page(html.parser.HTMLParser):
 
 
 def test_times_are_local_with_their_offset_or_utc(lisbon):
-    assert result_texts.moment(UTC0) == "2025-11-21 12:00:00 +01:00"
-    assert result_texts.moment(UTC0, in_utc=True) == "2025-11-21 11:00:00Z"
-    assert result_texts.iso(UTC0 + 0.25) == "2025-11-21T12:00:00.250+01:00"
-    assert result_texts.clock(UTC0 + 0.98) == "12:00:00.9"
-    assert result_texts.clock(UTC0, in_utc=True) == "11:00:00.0"
-    assert [result_texts.duration(s) for s in (0.0, 599.96, 61.3)] == ["0:00.0", "10:00.0", "1:01.3"]
-
-
-def test_what_cannot_be_printed_is_seen():
-    assert result_texts.visible("a\x1b[31m\u202eb\nc\x00 ü") == "a\\x1b[31m\\u202eb\nc\\x00 ü"
-    assert result_texts.line("a\n  b\t") == "a b\\t"
-    assert result_texts.visible("\ud800") == "\\ud800"
+    assert times.date_time(UTC0) == "2025-11-21 12:00:00 +01:00"
+    assert times.date_time(UTC0, in_utc=True) == "2025-11-21 11:00:00Z"
+    assert times.iso(UTC0 + 0.25) == "2025-11-21T12:00:00.250+01:00"
+    assert times.time_with_tenths(UTC0 + 0.98) == "12:00:00.9"
+    assert times.time_with_tenths(UTC0, in_utc=True) == "11:00:00.0"
 
 
 def test_a_run_is_found_by_number_identity_or_its_beginning():
@@ -193,33 +186,34 @@ def test_the_list(lisbon):
     rows = list(list_lines([task_record("Beta", 2), task_record("Gamma", 3, started_utc=0.0, end_reason="")], False))
     assert rows[0].split() == "No. Connected Zone Benchmark Team Round Run Time Sheet State".split()
     assert " ".join(rows[1].split()) == (
-        "1 2025-11-21 14:00:00 +01:00 tbm HGTKMH Beta 1 2 10:00.5 open Benchmark completed by the robot"
+        "1 2025-11-21 14:00:00 +01:00 tbm HGTKMH Beta 1 2 10:00.5 not signed off completed"
     )
     assert rows[2].endswith("never started")
 
 
 @pytest.mark.parametrize(("fields", "state"), [
-    ({}, "Benchmark completed by the robot"), ({"end_reason": "", "closed_utc": 0.0}, "running"),
-    ({"started_utc": 0.0, "closed_utc": 0.0}, "connected, not started yet"), ({"started_utc": 0.0}, "never started"),
+    ({}, "completed"), ({"end_reason": "", "closed_utc": 0.0}, "running"),
+    ({"started_utc": 0.0, "end_reason": "", "closed_utc": 0.0}, "connected"),
+    ({"started_utc": 0.0, "end_reason": ""}, "never started"),
     ({"end_reason": "of a newer version"}, "of a newer version"),
 ])
 def test_where_a_run_is(fields, state):
-    assert result_texts.state_of(task_record("Alpha", 1, **fields)) == state
+    assert state_of(task_record("Alpha", 1, **fields)) == state
 
 
 def test_the_sheet_in_the_terminal(result, lisbon):
     text = "\n".join(sheet_lines(result, in_utc=False, strike=False))
     for expected in (
         "HGTKMH, team Alpha, round 1, run 1 (HGTKMH-6667-",
-        "signed off by chief, 2025-11-21 13:15:00 +01:00",
+        "signed off by chief at 2025-11-21 13:15:00 +01:00",
         "not attempted  Detects the door",
-        "2  Detects a changed object  (CORRECTED)",
-        "1  2025-11-21 13:00:40 +01:00  [anna] Achievements: Detects a changed object: 0 -> 1",
-        "-- withdrawn by bert, 2025-11-21 13:01:00 +01:00: seen twice",
-        "Detects the door: no -> not attempted",
-        "CORRECTION: [bert] Achievements: Detects a changed object: 1 -> 2 (from the video)",
-        "[anna] Benchmark stopped by the referee; reason given by anna: cable",
-        "2025-11-21 13:11:00 +01:00  Stopped due to timeout",
+        "2  Detects a changed object  (corrected)",
+        "1  2025-11-21 13:00:40 +01:00 anna: Achievements: Detects a changed object: 0 → 1",
+        "; withdrawn by bert at 2025-11-21 13:01:00 +01:00: seen twice",
+        "Detects the door: no → not attempted",
+        " bert: Achievements: Detects a changed object: 1 → 2 (from the video); correction",
+        "anna: Benchmark stopped by the referee: cable",
+        "2025-11-21 13:11:00 +01:00 Stopped due to timeout",
         "Waypoints reached: 2", "Distance error: 0.123 m",
         "9 lost on the way to the box (3.0%)", "3 datagrams of the box", "0.030 s at best, 0.050 s at worst",
         "longest silence 9.0 s", "silence over 2.5 s: 7", "robot's address: 10.0.0.7", "/logs/6667.bag",
@@ -231,8 +225,8 @@ def test_the_sheet_in_the_terminal(result, lisbon):
 def test_what_was_withdrawn_is_struck_through_where_that_can_be(result):
     struck = [text for text in sheet_lines(result, in_utc=True, strike=True) if "\033[9m" in text]
     assert len(struck) == 1
-    assert "1 -> 3" in struck[0]
-    assert struck[0].index("\033[29m") < struck[0].index("withdrawn by bert, 2025-11-21 12:01:00Z")
+    assert "1 → 3" in struck[0]
+    assert struck[0].index("\033[29m") < struck[0].index("withdrawn by bert at 2025-11-21 12:01:00Z")
 
 
 def test_attributes_are_escaped():
@@ -256,7 +250,7 @@ def test_the_page_has_all(result, lisbon):
     assert "1 → 2" not in page.text(within="del")
     assert page.elements.count("del") == 3, "what, change and note of the entry that was withdrawn"
     known = ("corrected", "correction", "withdrawn")
-    marks = [text for where, text in page.texts if where[-1:] == ("span",) and text in known]
+    marks = [text.split()[0] for where, text in page.texts if where[-1:] == ("span",) and text.startswith(known)]
     assert sorted(marks) == ["corrected", "correction", "withdrawn"]
 
 
@@ -267,7 +261,7 @@ def test_a_page_is_what_was_written_and_no_more(result):
         "html", "head", "meta", "title", "style", "body", "h1", "h2", "h3", "p", "table", "thead", "tbody", "tr", "th",
         "td", "div", "span", "del", "svg", "rect", "line", "text", "path", "circle",
     }
-    assert page.text().count(result_texts.visible(EVIL)) >= 7, "shown as it is, at all places"
+    assert page.text().count(texts.visible(EVIL)) >= 7, "shown as it is, at all places"
     names = {name for name, _ in page.attributes}
     assert not {"href", "src", "onload", "onclick"} & names
     assert re.findall(r"https?://[^\"<]*", page_text) == ["http://www.w3.org/2000/svg"]
@@ -304,5 +298,5 @@ def test_a_page_of_a_run_with_hardly_anything(writer):
     writer.run(task_record("Alpha", 1, started_utc=0.0, closed_utc=0.0, end_reason="", items=()), ())
     page = Page(sheet_page(read(writer), in_utc=True))
     assert "not signed off: may still change" in page.text()
-    assert "connected, not started yet" in page.text()
+    assert "connected" in page.text()
     assert "svg" not in page.elements
