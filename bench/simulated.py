@@ -51,7 +51,7 @@ class World:
 
     def reports(self) -> None:
         """All robots that are in runs do as the box asked, and say so."""
-        for i, run in enumerate(self.box.runs()):
+        for i, run in enumerate(self.box.zones.members()):
             report = RobotReport(self.wire_now(), messages_saved=1, state=FOLLOWS[run.message.state],
                                  notifications=(f"at {self.now.utc // 10:.0f}",))
             self.box.on_robot_report(self.now, run.port, f"127.0.2.{1 + i}", report)

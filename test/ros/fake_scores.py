@@ -7,7 +7,7 @@ from typing import Dict, Iterator, List
 import rospy
 
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.records import By, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.nodes.core.results_convert import sheet_message

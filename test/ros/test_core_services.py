@@ -6,8 +6,7 @@ import unittest
 import rospy
 import rostest
 
-from roah_rsbb.core.referee_record import RunName
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import Score

@@ -1,124 +1,249 @@
-"""The referee's commands: for each, every reason why it is refused now, and what it does.
+"""The referee's commands to a zone: for each, every reason why it is refused now, and what it does.
 
-The same reasons that switch a panel's button off refuse the command itself, because the state may have
-changed since the panel was drawn.
+The same reasons that switch off a panel's button refuse the command itself, because the state may have changed
+since the panel was drawn.
 """
 
-from typing import TYPE_CHECKING, Callable, Dict, List, NamedTuple, Sequence
+import contextlib
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
+from roah_rsbb.core.connections import Connections
+from roah_rsbb.core.effects import Outbox
 from roah_rsbb.core.link.skew import skew_off
-from roah_rsbb.core.robots import ActiveRobot
-from roah_rsbb.core.runs import all_robots_choice
+from roah_rsbb.core.referee import MAX_NOTE, Refused, RunName, checked_who, cut_note
+from roah_rsbb.core.robots import ActiveRobot, ActiveRobots
 from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.runs.zone_run import ZoneRun
 from roah_rsbb.core.scoring.records import By
-from roah_rsbb.core.zone import Zone
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.watches import Watches
+from roah_rsbb.core.zones import NO_RUN, Zone, Zones
 from roah_rsbb.rulebook.benchmarks import Kind
 
-if TYPE_CHECKING:  # the box holds the commands, not the other way round
-    from roah_rsbb.core.box import Box
-
 DISCONNECT_FIRST = "A run is connected: disconnect it first"
-NO_RUN = "No run is connected: press connect first"
+
+# All commands, in the order in which panels have them.
+COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next")
 
 
-class Command(NamedTuple):
-    """A command to a zone."""
+class CommandRecord:
+    """Records every command of a referee, also one that is refused."""
 
-    reasons_off: Callable[["Box", Zone, Now], List[str]]
-    execute: Callable[["Box", Zone, Now, By], None]
+    def __init__(self, zones: Zones, outbox: Outbox) -> None:
+        self._zones = zones
+        self._outbox = outbox
 
-
-# -- connect --------------------------------------------------------------------------------------
-
-
-def robots_to_connect(box: "Box", zone: Zone, now: Now) -> Sequence[ActiveRobot]:
-    """The robots that *connect* would take: all that can take part, or the team's one that is in no run, heard
-    just now, longest known."""
-    if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
-        return all_robots_choice.choose(box, zone, now).fit
-    return [robot for robot in box.robots.of_team(now, zone.event.team) if box.run_of(robot.id) is None][:1]
-
-
-def _connect_off(box: "Box", zone: Zone, now: Now) -> List[str]:
-    if zone.run is not None:
-        return ["Already connected"]
-    reasons: List[str] = []
-    listening = box.listening_left(now)
-    if listening > 0:
-        reasons.append(f"The box is still listening for another box, for {listening:.0f} s")
-    robots = robots_to_connect(box, zone, now)
-    if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
-        reasons += all_robots_choice.nobody_off(box, zone, now)
-    else:
-        reasons += _robot_off(box, zone, now, robots)
-    return reasons + box.capacity().off([robot.id for robot in robots])
+    @contextlib.contextmanager
+    def of(self, name: RunName, who: str, command: str, **arguments: object) -> Iterator[None]:
+        """Record a command before whatever it leads to, or with the reasons why it is refused."""
+        value: Dict[str, object] = {"command": command, **{k: _short(v) for k, v in arguments.items() if v != ""}}
+        zone = self._zones.get(name.zone)
+        run = None if zone is None else zone.run
+        place = self._outbox.place()
+        try:
+            yield
+        except Refused as refused:
+            value["refused"] = [_short(reason) for reason in refused.reasons]
+            raise
+        finally:
+            if run is None and zone is not None:
+                run = zone.run  # connected just now
+            identity = name.identity or ("" if run is None else run.identity)
+            port = _only_port(run, identity)
+            self._outbox.insert(place, effects.Recorded(
+                _short(name.zone), _short(identity), port, "command", value, checked_who(who)
+            ))
 
 
-def _robot_off(box: "Box", zone: Zone, now: Now, robots: Sequence[ActiveRobot]) -> List[str]:
-    team = zone.event.team
-    if not robots:
-        busy = [(r, box.run_of(r.id)) for r in box.robots.of_team(now, team)]
-        if not busy:
-            return [f"No robot of team {team} is active: none of its beacons arrives on UDP port "
-                    f"{box.settings.rsbb_port}"]
-        return [f"Robot {r.id} is in a run in zone {run.zone}" for r, run in busy if run is not None]
-    return skew_off(f"robot {robots[0].id}", robots[0].skew.seconds, box.settings.allowed_skew)
+def _short(value: object) -> object:
+    """Cut a text that is recorded: a wrong name must not fill the disk."""
+    return value[:MAX_NOTE] if isinstance(value, str) else value
 
 
-# -- start, stop, disconnect ----------------------------------------------------------------------
+def _only_port(run: Optional[ZoneRun], identity: str) -> Optional[int]:
+    if run is None or run.identity != identity or len(run.members()) != 1:
+        return None
+    return run.members()[0].port
 
 
-def _start_off(box: "Box", zone: Zone, now: Now) -> List[str]:
-    run = zone.run
-    if run is None:
-        return [NO_RUN]
-    if run.phase is Phase.RUNNING:
-        return ["Already started"]
-    reasons: List[str] = []
-    if run.end_reason is EndReason.TIMEOUT:
-        reasons.append("The run ended by timeout: disconnect, and connect for a new run")
-    elif run.clock.is_over(now):
-        reasons.append(
-            "The run's time is up (it went on after the stop): disconnect, and connect for a new run"
-        )
-    return reasons + run.start_off(now)
+class Choice(NamedTuple):
+    """All active robots that are not in the zone's run, by team and name."""
+
+    fit: Tuple[ActiveRobot, ...]
+    unfit: Tuple[str, ...]  # who cannot take part, and why, a text each
 
 
-def _stop_off(box: "Box", zone: Zone, now: Now) -> List[str]:
-    return [] if zone.run is not None else ["No run is connected: there is nothing to stop"]
+class Commands:
+    """Says which commands are allowed, and carries them out."""
 
+    def __init__(
+        self,
+        settings: Settings,
+        zones: Zones,
+        robots: ActiveRobots,
+        watches: Watches,
+        connections: Connections,
+        record: CommandRecord,
+        outbox: Outbox,
+    ) -> None:
+        self._settings = settings
+        self._zones = zones
+        self._robots = robots
+        self._watches = watches
+        self._connections = connections
+        self._record = record
+        self._outbox = outbox
+        self._reasons_off: Dict[str, Callable[[Now, Zone], List[str]]] = {
+            "connect": self._connect_off, "disconnect": self._disconnect_off, "start": self._start_off,
+            "stop": self._stop_off, "previous": self._previous_off, "next": self._next_off,
+        }
+        self._execute: Dict[str, Callable[[Now, Zone, By], None]] = {
+            "connect": lambda now, zone, by: connections.connect(now, zone, self.robots_to_connect(now, zone)),
+            "disconnect": connections.leave,
+            "start": lambda now, zone, by: zone.run.start(now),
+            "stop": self._stop,
+            "previous": lambda now, zone, by: zone.move(-1),
+            "next": lambda now, zone, by: zone.move(1),
+        }
 
-def _stop(box: "Box", zone: Zone, now: Now, by: By) -> None:
-    """The first press ends the run, the second one leaves it."""
-    if zone.run.phase is Phase.RUNNING:
-        zone.run.stop(now, by)
-    else:
-        box.leave(now, zone, by)
+    def give(self, now: Now, zone_name: str, command: str, who: str = "", reason: str = "") -> None:
+        """Carry out one of `COMMANDS`; raises `Refused`. `reason`: why the run is stopped, if this command does."""
+        with self._record.of(RunName(zone_name), who, command, reason=reason):
+            zone = self._zones.named(zone_name)
+            reasons = self.reasons_off(now, zone, command)
+            if reasons:
+                raise Refused(reasons)
+            by = By(checked_who(who), cut_note(reason))  # too long a reason must not prevent a stop
+            self._outbox.mark_changed(zone.name)
+            self._execute[command](now, zone, by)
 
+    def reasons_off(self, now: Now, zone: Zone, command: str) -> List[str]:
+        """Every reason why a command to a zone would be refused now; empty: it is allowed."""
+        return self._reasons_off[command](now, zone)
 
-def _disconnect_off(box: "Box", zone: Zone, now: Now) -> List[str]:
-    return [] if zone.run is not None else ["No run is connected"]
+    # -- connect ------------------------------------------------------------------------------------
 
+    def robots_to_connect(self, now: Now, zone: Zone) -> Sequence[ActiveRobot]:
+        """The robots that *connect* would take: all that can take part, or one of the team that is in no run. Of
+        several, it is one that was heard just now, and the longest known."""
+        if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
+            return self._choose(now, zone).fit
+        of_team = self._robots.of_team(now, zone.event.team)
+        return [robot for robot in of_team if self._zones.run_of(robot.id) is None][:1]
 
-# -- previous, next -------------------------------------------------------------------------------
+    def outsiders(self, now: Now, zone: Zone) -> List[str]:
+        """Warnings about robots that are not in the run of all robots, as long as that can be changed.
 
+        One robot that cannot take part keeps no other from it (docs/benchmarks.md, "HSUF"). The referee is told
+        who is left out and why, and may disconnect and connect again to include a late one.
+        """
+        if zone.event.benchmark.kind is not Kind.REFEREE_ONLY:
+            return []
+        if zone.run is not None and zone.run.phase is not Phase.CONNECTED:
+            return []
+        choice = self._choose(now, zone)
+        if zone.run is None:
+            return list(choice.unfit)
+        again = "is active, but not in this run: disconnect and connect again to have it"
+        return [f"{robot.id} {again}" for robot in choice.fit] + list(choice.unfit)
 
-def _previous_off(box: "Box", zone: Zone, now: Now) -> List[str]:
-    off = [DISCONNECT_FIRST] if zone.run is not None else []
-    return off + (["This is the zone's first event"] if zone.at_first else [])
+    def _connect_off(self, now: Now, zone: Zone) -> List[str]:
+        if zone.run is not None:
+            return ["Already connected"]
+        reasons: List[str] = []
+        listening = self._watches.listening_left(now)
+        if listening > 0:
+            reasons.append(f"The box is still listening for another box, for {listening:.0f} s")
+        robots = self.robots_to_connect(now, zone)
+        if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
+            reasons += self._nobody_off(now, zone)
+        else:
+            reasons += self._robot_off(now, zone, robots)
+        return reasons + self._connections.capacity().off([robot.id for robot in robots])
 
+    def _robot_off(self, now: Now, zone: Zone, robots: Sequence[ActiveRobot]) -> List[str]:
+        team = zone.event.team
+        if not robots:
+            busy = [(r, self._zones.run_of(r.id)) for r in self._robots.of_team(now, team)]
+            if not busy:
+                return [f"No robot of team {team} is active: none of its beacons arrives on UDP port "
+                        f"{self._settings.rsbb_port}"]
+            return [f"Robot {r.id} is in a run in zone {run.zone}" for r, run in busy if run is not None]
+        return skew_off(f"robot {robots[0].id}", robots[0].skew.seconds, self._settings.allowed_skew)
 
-def _next_off(box: "Box", zone: Zone, now: Now) -> List[str]:
-    off = [DISCONNECT_FIRST] if zone.run is not None else []
-    return off + (["This is the zone's last event"] if zone.at_last else [])
+    def _nobody_off(self, now: Now, zone: Zone) -> List[str]:
+        """Why a run of all robots would have none."""
+        choice = self._choose(now, zone)
+        if choice.fit:
+            return []
+        return list(choice.unfit) or [
+            f"No robot is active: no beacon arrives on UDP port {self._settings.rsbb_port}"
+        ]
 
+    def _choose(self, now: Now, zone: Zone) -> Choice:
+        """Who could be connected to a zone's run of all robots now."""
+        inside = () if zone.run is None else tuple(member.robot for member in zone.run.members())
+        fit: List[ActiveRobot] = []
+        unfit: List[str] = []
+        for robot in self._robots.all(now):
+            if robot.id in inside:
+                continue
+            reasons = self._unfit_for(now, robot)
+            if reasons:
+                unfit.append(f"{robot.id} cannot take part: {'; '.join(reasons)}")
+            else:
+                fit.append(robot)
+        return Choice(tuple(fit), tuple(unfit))
 
-COMMANDS: Dict[str, Command] = {
-    "connect": Command(_connect_off, lambda box, zone, now, by: box.connect(now, zone)),
-    "disconnect": Command(_disconnect_off, lambda box, zone, now, by: box.leave(now, zone, by)),
-    "start": Command(_start_off, lambda box, zone, now, by: zone.run.start(now)),
-    "stop": Command(_stop_off, _stop),
-    "previous": Command(_previous_off, lambda box, zone, now, by: zone.move(-1)),
-    "next": Command(_next_off, lambda box, zone, now, by: zone.move(1)),
-}
+    def _unfit_for(self, now: Now, robot: ActiveRobot) -> List[str]:
+        run = self._zones.run_of(robot.id)
+        if run is not None:
+            return [f"it is in a run in zone {run.zone}"]
+        reasons: List[str] = []
+        if not self._robots.has_password(robot.id.team):
+            reasons.append("its team has no password in the passwords file")
+        if robot.is_late(now):
+            reasons.append(f"it was not heard for {now.mono - robot.last_heard.mono:.0f} s")
+        return reasons + skew_off("the robot", robot.skew.seconds, self._settings.allowed_skew)
+
+    # -- start, stop, disconnect --------------------------------------------------------------------
+
+    def _start_off(self, now: Now, zone: Zone) -> List[str]:
+        run = zone.run
+        if run is None:
+            return [NO_RUN]
+        if run.phase is Phase.RUNNING:
+            return ["Already started"]
+        reasons: List[str] = []
+        if run.end_reason is EndReason.TIMEOUT:
+            reasons.append("The run ended by timeout: disconnect, and connect for a new run")
+        elif run.clock.is_over(now):
+            reasons.append(
+                "The run's time is up (it went on after the stop): disconnect, and connect for a new run"
+            )
+        return reasons + run.start_off(now)
+
+    def _stop_off(self, _now: Now, zone: Zone) -> List[str]:
+        return [] if zone.run is not None else ["No run is connected: there is nothing to stop"]
+
+    def _stop(self, now: Now, zone: Zone, by: By) -> None:
+        """The first press ends the run, the second one leaves it."""
+        if zone.run.phase is Phase.RUNNING:
+            zone.run.stop(now, by)
+        else:
+            self._connections.leave(now, zone, by)
+
+    def _disconnect_off(self, _now: Now, zone: Zone) -> List[str]:
+        return [] if zone.run is not None else ["No run is connected"]
+
+    # -- previous, next -----------------------------------------------------------------------------
+
+    def _previous_off(self, _now: Now, zone: Zone) -> List[str]:
+        off = [DISCONNECT_FIRST] if zone.run is not None else []
+        return off + (["This is the zone's first event"] if zone.at_first else [])
+
+    def _next_off(self, _now: Now, zone: Zone) -> List[str]:
+        off = [DISCONNECT_FIRST] if zone.run is not None else []
+        return off + (["This is the zone's last event"] if zone.at_last else [])

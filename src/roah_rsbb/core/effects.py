@@ -1,4 +1,4 @@
-"""What the core wants done: the effects that its methods leave behind, in the order to carry out.
+"""Effects: what the core wants done, in the order in which to carry it out.
 
 The core itself does no I/O (docs/architecture.md, "The core does no I/O"). Whoever drives it calls `Box.take_effects`
 after each event and carries them out one after the other; what must be on record comes before what leaves
@@ -6,7 +6,7 @@ the box because of it (docs/architecture.md, "First written, then done").
 """
 
 import enum
-from typing import Any, Dict, NamedTuple, Optional, Union
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Union
 
 from roah_rsbb.core.messages import BoxMessage
 from roah_rsbb.core.scoring.records import RunRecord
@@ -152,3 +152,67 @@ Effect = Union[
     RunOpened, RunResumed, RunLogged, RunClosed, RecordChanged, Recorded,
     ModuleRunsChanged, Notice, GiveUp,
 ]
+
+# The name under which `Outbox.take_changed` has the state that belongs to no zone.
+BOX = ""
+
+
+def _changes_state(effect: Effect) -> bool:
+    """Whether a state that is worth saving changed with this effect of a run."""
+    if isinstance(effect, SendState):
+        return effect.how is How.CHANGE
+    return not isinstance(effect, AimChannel)
+
+
+class Outbox:
+    """Collects the effects of an event, and the names of the states that changed with them."""
+
+    def __init__(self) -> None:
+        self._effects: List[Effect] = []
+        self._changed: Set[str] = set()
+
+    def emit(self, effect: Effect) -> None:
+        """Add an effect that belongs to no run."""
+        if isinstance(effect, SendBeacon):
+            self._changed.add(BOX)
+        self._effects.append(effect)
+
+    def of_zone(self, zone: str) -> Callable[[Effect], None]:
+        """Return the `emit` for the run in this zone."""
+
+        def emit(effect: Effect) -> None:
+            if _changes_state(effect):
+                self._changed.add(zone)
+            self.emit(effect)
+
+        return emit
+
+    def notice(self, level: Level, text: str, zone: str = "") -> None:
+        """Add a line for the log."""
+        self.emit(Notice(level, text, zone))
+
+    def mark_changed(self, zone: str) -> None:
+        """The zone's state changes by more than its run."""
+        self._changed.add(zone)
+
+    def place(self) -> int:
+        """The place behind the effects so far."""
+        return len(self._effects)
+
+    def insert(self, place: int, effect: Effect) -> None:
+        """Put an effect before those that were added since `place` was taken."""
+        self._effects.insert(place, effect)
+
+    def drop_since(self, place: int) -> None:
+        """Drop the effects that were added since `place` was taken."""
+        del self._effects[place:]
+
+    def take(self) -> List[Effect]:
+        """Return the effects since the last call."""
+        taken, self._effects = self._effects, []
+        return taken
+
+    def take_changed(self) -> Set[str]:
+        """Return the names of the zones whose state changed since the last call, and `BOX` for the rest."""
+        changed, self._changed = self._changed, set()
+        return changed

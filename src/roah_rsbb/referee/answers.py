@@ -5,7 +5,7 @@ import sys
 import threading
 from typing import Callable, List, Optional
 
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import Operation, Zone
 from roah_rsbb.referee.words import BadWord, answer_of, switches_of

@@ -12,7 +12,7 @@ from typing import Any, Callable, List, Optional
 import rosgraph
 import rospy
 
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunSheet, Score
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.sheets import RunLine, run_of

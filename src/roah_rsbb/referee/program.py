@@ -12,7 +12,7 @@ from typing import Any, Callable, Dict, List
 
 import rospy
 
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee import sheet_commands
 from roah_rsbb.referee import view as view
 from roah_rsbb.referee.args import PROG, parser

@@ -10,7 +10,7 @@ import sys
 import time
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
 
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.answers import Automatic, GivenUp, Keyboard, Note, Typed
 from roah_rsbb.referee.changes import Change, news
 from roah_rsbb.referee.exits import Exit, NoCore

@@ -2,7 +2,7 @@
 
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee import sheet_view as sheet_view
 from roah_rsbb.referee import view as view
 from roah_rsbb.referee.exits import Exit

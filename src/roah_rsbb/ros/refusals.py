@@ -27,7 +27,7 @@ def reason(raised: str) -> str:
 
 
 def reasons(raised: str) -> List[str]:
-    """The same, one for one: the core joins its reasons with semicolons (`roah_rsbb.core.refused`)."""
+    """The same, one for one: the core joins its reasons with semicolons (`roah_rsbb.core.referee`)."""
     return reason(raised).split("; ")
 
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import operator
 from typing import Iterator, List
 
 from fuzzing.frames import KEY
@@ -11,18 +12,19 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher
+from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.effects import RunOpened
 from roah_rsbb.core.link.link import HERE_S
 from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, RequestKind, ScoreValue
-from roah_rsbb.core.referee_record import RunName
-from roah_rsbb.core.refused import Refused
-from roah_rsbb.core.restart import restart
+from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.restart.restart import BoxSaved, Saved
 from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views import views
+from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.nodes.modules.limits import checked_state
 from roah_rsbb.protocol import RobotState
@@ -50,8 +52,8 @@ class ForgetfulDriver(BoxDriver):
     def restart(self) -> None:
         """The core is ended, and goes on from what it had saved."""
         box = self.box
-        zones = {name: _again(restart.ZoneState, box.saved_zone(name)) for name in box.zones}
-        saved = restart.Saved(self.now.utc, _again(restart.BoxSaved, box.saved_box()), zones)
+        zones = {name: _again(ZoneState, box.zones[name].saved()) for name in box.zones}
+        saved = Saved(self.now.utc, _again(BoxSaved, box.saved()), zones)
         self.box = Box(self.config, self.settings, box._beacon_size, max(self.channels, default=None))
         self._rules.restart()
         self.channels.clear()
@@ -84,7 +86,7 @@ class Play:
         self.driver.command("connect", "all")
         self.driver.jump(0.001)
         now = self.driver.robot().time()
-        for host, run in zip(HOSTS, self.driver.box.runs()):
+        for host, run in zip(HOSTS, self.driver.box.zones.members()):
             self.driver.event(self.driver.box.on_robot_report, run.port, host, RobotReport(now, 1, RobotState.STOP))
         self.driver.command("start", "all")
 
@@ -92,28 +94,29 @@ class Play:
         """The referee enters switches."""
         self.driver.command("next", "object")
         node = ModulesState(NODES[0], tuple(ModuleInfo(code) for code in CODES))
-        self.driver.event(self.driver.box.on_modules, node)
+        self.driver.event(self.driver.box.modules.on_modules, node)
         robot = self.driver.connected("object", team="Alpha", name="r1", host=HOSTS[0])
         self.driver.command("start", "object")
         identity = self.driver.run_in("object").identity
         goal = Request(1, RequestKind.GOAL, initial_state=(True, False), switches=(2,))
-        self.driver.event(self.driver.box.on_modules, node._replace(progress=(Progress(identity, 1, goal),)))
+        self.driver.event(self.driver.box.modules.on_modules, node._replace(progress=(Progress(identity, 1, goal),)))
         for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING, RobotState.RESULT_TX):
             robot.says(state)
         asked = Request(2, RequestKind.SWITCHES, "Enter")
-        self.driver.event(self.driver.box.on_modules, node._replace(progress=(Progress(identity, 1, asked),)))
+        self.driver.event(self.driver.box.modules.on_modules, node._replace(progress=(Progress(identity, 1, asked),)))
 
     def _begin_runs(self) -> None:
         """A robot executes in the first zone, another has a goal in a functionality benchmark."""
         self.driver.executing("catering", team="Alpha", name="r1", host=HOSTS[0])
         node = ModulesState(NODES[0], tuple(ModuleInfo(code) for code in CODES))
-        self.driver.event(self.driver.box.on_modules, node)
+        self.driver.event(self.driver.box.modules.on_modules, node)
         robot = self.driver.connected("waypoints", team="Gamma", name="r1", host=HOSTS[1])
-        self.driver.event(self.driver.box.on_modules, node)
+        self.driver.event(self.driver.box.modules.on_modules, node)
         self.driver.command("start", "waypoints")
         run = self.driver.run_in("waypoints")
         goal = Request(1, RequestKind.GOAL, "to the kitchen", goal="[1.0, 2.0, 0.0]", pose=(1.0, 2.0, 0.0))
-        self.driver.event(self.driver.box.on_modules, node._replace(progress=(Progress(run.identity, 1, goal),)))
+        node = node._replace(progress=(Progress(run.identity, 1, goal),))
+        self.driver.event(self.driver.box.modules.on_modules, node)
         for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
             robot.says(state)
 
@@ -135,7 +138,7 @@ class Play:
     def _event(self, name: str, *arguments: object) -> Step:
         def do() -> None:
             with contextlib.suppress(Refused):
-                self.driver.event(getattr(self.driver.box, name), *arguments)
+                self.driver.event(operator.attrgetter(name)(self.driver.box), *arguments)
         return do
 
     def _read_report(self, time) -> RobotReport:
@@ -152,7 +155,7 @@ class Play:
 
     def _report(self) -> Step:
         """A robot in a run says something, just now."""
-        runs = self.driver.box.runs()
+        runs = self.driver.box.zones.members()
         self.driver.jump(0.001)
         if not runs:
             return self._event("tick")
@@ -168,7 +171,7 @@ class Play:
         port, host = 6667 + self.reader.byte() % 6, self.reader.choice(HOSTS)
         say = self._event("on_robot_report", port, host, self._read_report(self._time()))
         self._event("tick")()
-        run = self.driver.box.run_at(port)
+        run = self.driver.box.zones.run_at(port)
         link = None if run is None else run.link
         if link is None or link.last_heard is None or link.host == host:
             return say
@@ -207,11 +210,11 @@ class Play:
         r = self.reader
         infos = tuple(ModuleInfo(code) for code in CODES)
         said = ModulesState(r.choice(NODES), infos, tuple(r.list_of(self._progress, 2)))
-        return lambda: self.driver.event(self.driver.box.on_modules, checked_state(said))
+        return lambda: self.driver.event(self.driver.box.modules.on_modules, checked_state(said))
 
     def _progress(self) -> Progress:
         r = self.reader
-        runs = self.driver.box.module_runs()
+        runs = self.driver.box.modules.runs()
         run = r.choice(runs) if runs and r.byte() < 224 else None
         identity, attempt = (r.text(), r.integer()) if run is None else (run.run, run.attempt)
         request = self._request(0 if run is None else len(run.steps)) if r.flag() else None
@@ -236,15 +239,16 @@ class Play:
     def _score(self) -> Step:
         r = self.reader
         group, desc = r.choice(("Achievements", "Penalized", "")), r.choice(("detects the door", "bumps", ""))
-        records = self.driver.box.records(self.driver.now)
+        records = self.driver.box.scores.records(self.driver.now)
         identity = r.choice(records).identity if records and r.flag() else ""
         name = RunName(r.choice(ZONES), identity)
         return r.choice((
-            lambda: self._event("set_score", name.zone, group, desc, r.integer(size=4), r.text(), r.text()),
-            lambda: self._event("score", name, Mark(group, desc, r.integer(size=4), r.flag(), r.text()), r.text()),
-            lambda: self._event("withdraw_score", name, r.byte(), r.text(), r.text()),
-            lambda: self._event("give_stop_reason", name, r.text(), r.text(), r.byte()),
-            lambda: self._event("sign_off", name, r.text()),
+            lambda: self._event("scores.mark", RunName(name.zone), Mark(group, desc, r.integer(size=4)), r.text()),
+            lambda: self._event(
+                "scores.mark", name, Mark(group, desc, r.integer(size=4), r.flag(), r.text()), r.text()),
+            lambda: self._event("scores.withdraw", name, r.byte(), r.text(), r.text()),
+            lambda: self._event("scores.give_stop_reason", name, r.text(), r.text(), r.byte()),
+            lambda: self._event("scores.sign_off", name, r.text()),
         ))()
 
     def _pass(self) -> Step:
@@ -266,10 +270,10 @@ class Play:
         r = self.reader
         zone = r.choice(ZONES)
         return r.choice((
-            lambda: self._event("manual_operation_complete", zone, r.byte(), r.text()),
-            lambda: self._event("omf_button", zone, r.byte()),
-            lambda: self._event("omf_damaged", zone, r.byte()),
-            lambda: self._event("omf_complete", zone),
+            lambda: self._event("modules.complete_operation", zone, r.byte(), r.text()),
+            lambda: self._event("modules.press_switch", zone, r.byte()),
+            lambda: self._event("modules.damage_switches", zone, r.byte()),
+            lambda: self._event("modules.complete_switches", zone),
         ))()
 
     def _restart(self) -> Step:
@@ -281,7 +285,7 @@ class Play:
         """What goes into the journal with every change."""
         box = self.driver.box
         for name in box.take_changed():
-            json.dumps(freeze(box.saved_box() if name == restart.BOX else box.saved_zone(name)))
+            json.dumps(freeze(box.saved() if name == effects.BOX else box.zones[name].saved()))
 
     def _look(self) -> None:
         """What is published and sent, at its own pace."""
@@ -291,13 +295,13 @@ class Play:
             assert view.timer >= 0
         assert views.status(driver.box, driver.now)
         frame.encode(wire_convert.beacon_message(driver.box.beacon()))
-        driver.box.module_runs()
+        driver.box.modules.runs()
         deadline = driver.box.deadline()
         assert deadline is None or deadline > driver.now.mono - 1e6
 
     def _check(self) -> None:
         box = self.driver.box
-        runs = box.runs()
+        runs = box.zones.members()
         assert len({run.robot for run in runs}) == len({run.port for run in runs}) == len(runs)
         for run in runs:
             datagram = frame.encode(wire_convert.state_message(run.message), Cipher.AES_128_CBC, KEY)

@@ -75,7 +75,7 @@ def _good() -> bytes:
     robot = driver.connected("waypoints", team="Gamma", host="10.0.0.3")
     driver.command("start", "waypoints")
     modules.asks(RequestKind.REFEREE, "waypoints", text="Doors open", choices=("Done", "Skip"))
-    driver.event(driver.box.manual_operation_complete, "waypoints")
+    driver.event(driver.box.modules.complete_operation, "waypoints")
     modules.asks(RequestKind.GOAL, "waypoints", goal="[1, 2, 3]", pose=(1.0, 2.0, 3.0), timeout=30.0)
     for state in (RobotState.PREPARING, RobotState.WAITING_GOAL):
         robot.says(state, notifications=("hello",))

@@ -5,10 +5,10 @@ import pytest
 from helpers.box_driver import BoxDriver, beacon_bytes
 from helpers.competition import competition, event
 from roah_rsbb.core import effects
-from roah_rsbb.core.box import MAX_PORTS_TRIED
+from roah_rsbb.core.connections import MAX_PORTS_TRIED
 from roah_rsbb.core.effects import Level, OpenChannel, PortTaken
 from roah_rsbb.core.messages import DevicesState, TabletState
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.settings import Settings
 
 

@@ -6,9 +6,9 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.commands import COMMANDS
-from roah_rsbb.core.referee_record import RunName
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 
@@ -209,20 +209,20 @@ def test_a_run_by_its_name_is_stopped_and_never_left():
     robot = driver.connected()
     run = driver.run_in()
     name = RunName("tbm", run.identity)
-    driver.event(driver.box.stop_run, name)
+    driver.event(driver.box.scores.stop, name)
     assert run.phase is Phase.CONNECTED
     driver.command("start")
     robot.executes()
-    driver.event(driver.box.stop_run, name, "Anna")
+    driver.event(driver.box.scores.stop, name, "Anna")
     assert (run.phase, run.end_reason, run.message.state) == (Phase.ENDED, EndReason.STOPPED, BoxState.STOP)
     assert run.record(driver.now).stops[0].who == "Anna"
-    driver.event(driver.box.stop_run, name)
-    driver.event(driver.box.stop_run, RunName("tbm"))
+    driver.event(driver.box.scores.stop, name)
+    driver.event(driver.box.scores.stop, RunName("tbm"))
     assert driver.run_in() is run
     driver.command("disconnect")
-    driver.event(driver.box.stop_run, name)  # it is over: that is what was wanted
+    driver.event(driver.box.scores.stop, name)  # it is over: that is what was wanted
     with pytest.raises(Refused, match="no run 'HWV-1' was started"):
-        driver.event(driver.box.stop_run, RunName("tbm", "HWV-1"))
+        driver.event(driver.box.scores.stop, RunName("tbm", "HWV-1"))
 
 
 def test_a_stop_that_was_meant_for_the_run_before_does_not_stop_this_one():
@@ -233,7 +233,7 @@ def test_a_stop_that_was_meant_for_the_run_before_does_not_stop_this_one():
     driver.command("disconnect")
     driver.run(2.0)
     driver.executing()
-    driver.event(driver.box.stop_run, before)
+    driver.event(driver.box.scores.stop, before)
     assert driver.run_in().phase is Phase.RUNNING
 
 
@@ -255,8 +255,9 @@ def test_scores_and_other_calls_need_a_run_in_a_zone():
     driver = BoxDriver()
     box = driver.box
     for method, arguments in (
-        (box.set_score, ("Penalized", "bumps", 1)), (box.manual_operation_complete, ()),
-        (box.omf_button, (1,)), (box.omf_damaged, (1,)), (box.omf_complete, ()),
+        (lambda now, zone: box.scores.mark(now, RunName(zone), Mark("Penalized", "bumps", 1)), ()),
+        (box.modules.complete_operation, ()),
+        (box.modules.press_switch, (1,)), (box.modules.damage_switches, (1,)), (box.modules.complete_switches, ()),
     ):
         with pytest.raises(Refused, match="No run is connected: press connect first"):
             driver.event(method, "tbm", *arguments)
@@ -268,9 +269,10 @@ def test_calls_that_make_no_sense_in_a_task_benchmark():
     driver = BoxDriver()
     driver.connected()
     with pytest.raises(Refused, match="no manual operation is asked for in zone 'tbm'"):
-        driver.event(driver.box.manual_operation_complete, "tbm")
+        driver.event(driver.box.modules.complete_operation, "tbm")
+    modules = driver.box.modules
     for method, arguments in (
-        (driver.box.omf_button, (1,)), (driver.box.omf_damaged, (1,)), (driver.box.omf_complete, ()),
+        (modules.press_switch, (1,)), (modules.damage_switches, (1,)), (modules.complete_switches, ()),
     ):
         with pytest.raises(Refused, match="zone 'tbm' runs HGTKMH: only HOMF has switches"):
             driver.event(method, "tbm", *arguments)

@@ -14,7 +14,7 @@ from roah_rsbb.comm.frame import decode_private, decode_public
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.messages import RequestKind
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs.phases import EndReason
 from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -86,7 +86,7 @@ class Replay:
     def _command(self, command):
         try:
             if command == OPERATION:
-                self.driver.event(self.driver.box.manual_operation_complete, "tbm")
+                self.driver.event(self.driver.box.modules.complete_operation, "tbm")
             else:
                 self.driver.command(command)
         except Refused as refused:

@@ -2,6 +2,7 @@
 
 import contextlib
 import itertools
+import operator
 import random
 
 import pytest
@@ -13,8 +14,7 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.link.timeline import Timeline, Verdict
 from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
-from roah_rsbb.core.referee_record import RunName
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.runs.phases import EndReason, Phase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
@@ -52,9 +52,8 @@ def _scores(draw, zone):
     group = draw(st.sampled_from(["Penalized", ""]))
     mark = Mark(group, "bumps", draw(INT64), draw(st.booleans()), draw(st.sampled_from(["", "note", "x" * 600])))
     return draw(st.sampled_from([
-        ("set_score", (zone, group, "bumps", mark.value)), ("score", (name, mark)), ("score", (name, mark)),
-        ("withdraw_score", (name, draw(st.integers(-1, 4)))), ("sign_off", (name,)),
-        ("give_stop_reason", (name, "reason", "", draw(st.integers(-1, 3)))),
+        *[("scores.mark", (name, mark))] * 3, ("scores.withdraw", (name, draw(st.integers(-1, 4)))),
+        ("scores.sign_off", (name,)), ("scores.give_stop_reason", (name, "reason", "", draw(st.integers(-1, 3)))),
     ]))
 
 
@@ -81,7 +80,8 @@ def _events(draw):
         ("on_trouble", ("bad",)), ("on_channel_failed", (6667, "in use")), ("on_devices", (DevicesState(dimmer=5),)),
         ("on_tablet", ("10.0.0.3", TabletState(True, (2**63 - 1, -1), (-(2**63), 0), float("nan"), float("inf")))),
         ("on_tablet", ("10.0.0.4", TabletState(False, (5, 0), (7, 999_999_999), 1.5, -2.5))),
-        ("manual_operation_complete", (zone,)), ("omf_complete", (zone,)), ("omf_button", (zone, 1)), ("tick", ()),
+        ("modules.complete_operation", (zone,)), ("modules.complete_switches", (zone,)),
+        ("modules.press_switch", (zone, 1)), ("tick", ()),
     ]))
 
 
@@ -108,10 +108,10 @@ def _apply(driver, name, arguments):
         arguments = (port, host, report._replace(time=now if report.time is None else report.time))
     elif name == "on_robot_beacon":
         arguments = (*arguments[:3], now if arguments[3] is None else arguments[3])
-    elif name in ("score", "withdraw_score", "sign_off", "give_stop_reason"):
+    elif name.startswith("scores."):
         arguments = (_meant(driver, arguments[0]), *arguments[1:])
     try:
-        driver.event(getattr(driver.box, name), *arguments)
+        driver.event(operator.attrgetter(name)(driver.box), *arguments)
     except Refused as refused:
         assert refused.reasons and all(refused.reasons)
 
@@ -144,7 +144,7 @@ def test_no_order_of_events_breaks_the_box(sequence):
     for name, arguments in sequence:
         _apply(driver, name, arguments)
         _check_records(driver, told)
-        runs = driver.box.runs()
+        runs = driver.box.zones.members()
         assert len({run.robot for run in runs}) == len(runs)
         assert len({run.port for run in runs}) == len(runs)
         for run in runs:
@@ -169,7 +169,7 @@ def test_what_is_off_is_refused_and_what_is_on_is_not(data):
     for _ in range(data.draw(st.integers(1, 25))):
         robot = data.draw(st.sampled_from(robots))
         robot.beacon()
-        for run in driver.box.runs():
+        for run in driver.box.zones.members():
             if run.robot == (robot.team, robot.name):
                 robot.port = run.port
                 robot.says(data.draw(st.sampled_from(RobotState)), after=data.draw(st.sampled_from([0.1, 1.0, 4.0])))
@@ -230,7 +230,7 @@ def test_every_string_is_logged_exactly_once_and_in_order_on_every_link(link, se
     robot = world.add_robot(execute_s=1000.0)
     world.press("connect", limit_s=300)
     port = world.box.run_in().port
-    assert world.run_until(lambda: world.box.box.run_at(port).robot_state is not None, 100)
+    assert world.run_until(lambda: world.box.box.zones.run_at(port).robot_state is not None, 100)
     # From here on the robot's channel stays open: a straggling beacon of before connect can no longer come.
     world.run(3.0)
     for field, text, after in said:

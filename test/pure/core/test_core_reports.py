@@ -5,7 +5,7 @@ import pytest
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from roah_rsbb.core.commands import COMMANDS
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import RobotState
 
@@ -70,7 +70,7 @@ class _Side:
 
     def _report(self, index, state, saved):
         robot = self.robots[index]
-        for run in self.driver.box.runs():
+        for run in self.driver.box.zones.members():
             if run.robot == (robot.team, robot.name):
                 self.driver.jump(0.001)
                 robot.port = run.port

@@ -6,7 +6,7 @@ import pytest
 
 from helpers.competition import competition
 from roah_rsbb.core.runs.phases import EndReason
-from roah_rsbb.core.zone import Zone
+from roah_rsbb.core.zones import Zone
 
 
 def _zone(*codes):

@@ -7,7 +7,7 @@ import tracemalloc
 from fuzzing.core import CODES, HOSTS, Play
 from roah_rsbb.core.messages import RobotReport, TabletState
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, ScoreValue
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.views import views
 from roah_rsbb.protocol import RobotState
 
@@ -22,7 +22,7 @@ def _round(driver, number):
     for i in range(20):
         name = f"{number} {i}"
         driver.jump(0.5)
-        for run in box.runs():
+        for run in box.zones.members():
             texts = tuple(f"{name} {k}" for k in range(80))
             report = RobotReport(
                 driver.robot().time(), i, RobotState(i % 4), texts, (name * 1000,), visitor=("v" * 20_000 + name,),
@@ -37,7 +37,7 @@ def _round(driver, number):
         driver.event(box.on_complaint, f"complaint {name}" * 20)
         driver.event(box.on_trouble, f"trouble {name}" * 100)
         driver.event(box.on_device_refused, "catering", f"device {name}", i, name)
-        driver.event(box.on_modules, ModulesState(f"node {name}", (ModuleInfo("HOPF", (name * 50,)),)))
+        driver.event(box.modules.on_modules, ModulesState(f"node {name}", (ModuleInfo("HOPF", (name * 50,)),)))
         _progress(driver, name)
         with contextlib.suppress(Refused):
             driver.event(box.command, "visitor", ("connect", "disconnect")[i % 2])
@@ -52,9 +52,9 @@ def _progress(driver, name):
             run.run, run.attempt, run.steps[-1].request, (ScoreValue("a", name, "1", "s"),), name * 100,
             (name,) * 20, name,
         )
-        for run in driver.box.module_runs() if run.steps
+        for run in driver.box.modules.runs() if run.steps
     )
-    driver.event(driver.box.on_modules, ModulesState("n1", tuple(ModuleInfo(code) for code in CODES), said))
+    driver.event(driver.box.modules.on_modules, ModulesState("n1", tuple(ModuleInfo(code) for code in CODES), said))
 
 
 def _held_after(driver, rounds):

@@ -72,7 +72,7 @@ def running(*more, **of_box):
 
 def box_states(driver, robots):
     """What the box sends each robot."""
-    return [driver.box.run_at(robot.port).message.state for robot in robots]
+    return [driver.box.zones.run_at(robot.port).message.state for robot in robots]
 
 
 def ends(driver):

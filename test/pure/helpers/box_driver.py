@@ -6,6 +6,8 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.core.referee import RunName
+from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
 from roah_rsbb.protocol import BoxState, RobotState
@@ -91,7 +93,7 @@ class BoxDriver:
 
     def score(self, group, desc, value, zone="tbm"):
         """The referee marks a scoring item; raises `Refused`."""
-        self.event(self.box.set_score, zone, group, desc, value)
+        self.event(self.box.scores.mark, RunName(zone), Mark(group, desc, value))
 
     def robot(self, team="Alpha", name="r1", host="10.0.0.2", skew=0.0):
         """A robot that was just switched on, and has not said anything yet."""
@@ -125,7 +127,7 @@ class BoxDriver:
 
     def off(self, command, zone="tbm"):
         """Every reason why a button is off."""
-        return self.box.reasons_off(self.now, self.box.zones[zone], command)
+        return self.box.commands.reasons_off(self.now, self.box.zones[zone], command)
 
     def box_state(self, zone="tbm"):
         """The state that the box sends."""
@@ -232,4 +234,4 @@ class FakeRobot:
         self.says(RobotState.STOP)
 
     def _box_state(self):
-        return self.driver.box.run_at(self.port).message.state
+        return self.driver.box.zones.run_at(self.port).message.state

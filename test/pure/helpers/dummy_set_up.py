@@ -99,12 +99,12 @@ class DummySetUp:
     def step(self, period_s=0.1):
         """Everybody does what there is to do, then so much time passes."""
         driver = self.driver
-        self.world.step(driver.now.mono, driver.box.module_runs())
+        self.world.step(driver.now.mono, driver.box.modules.runs())
         self._module()
         asked = self.run.asked
         if asked is not None:
-            driver.event(driver.box.manual_operation_complete, ZONE, asked.number, "")
-            self.world.step(driver.now.mono, driver.box.module_runs())
+            driver.event(driver.box.modules.complete_operation, ZONE, asked.number, "")
+            self.world.step(driver.now.mono, driver.box.modules.runs())
         self.worker.step(driver.now.mono, driver.box_state(ZONE))
         driver.run(period_s)
 
@@ -117,5 +117,5 @@ class DummySetUp:
             said = self.runner.progress()
             info = ModuleInfo(self.kind.CODE)
             state = ModulesState(f"node {self.restarts}", (info,), () if said is None else (said,))
-            self.driver.event(self.driver.box.on_modules, state)
+            self.driver.event(self.driver.box.modules.on_modules, state)
             self.runner.on_run(self.fake.run(ZONE))

@@ -15,7 +15,7 @@ from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import How
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState, wire_ns
@@ -214,7 +214,7 @@ class World:
             for robot in self.robots:
                 self._send(self._at_robot, robot, PUBLIC_PORT, datagram)
         for port, sender in self.box.senders.items():
-            run = box.run_at(port)
+            run = box.zones.run_at(port)
             if not sender.due(self.mono):
                 continue
             message = wire_convert.state_message(run.message)
@@ -238,7 +238,7 @@ class World:
             time = wire_convert.time_of(message.time)
             self.box.event(box.on_robot_beacon, host, message.team_name, message.robot_name, time)
             return
-        run = box.run_at(port)
+        run = box.zones.run_at(port)
         if run is None:
             return
         message = decode_private(datagram, self.keys[run.robot.team])

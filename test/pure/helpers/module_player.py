@@ -20,11 +20,11 @@ class FakeModules:
     def beat(self):
         """Say it all, once."""
         state = ModulesState(self.node, self.infos, tuple(self.progress.values()))
-        self.driver.event(self.driver.box.on_modules, state)
+        self.driver.event(self.driver.box.modules.on_modules, state)
 
     def run(self, zone="tbm"):
         """What the core tells of the run in a zone."""
-        return next(run for run in self.driver.box.module_runs() if run.zone == zone)
+        return next(run for run in self.driver.box.modules.runs() if run.zone == zone)
 
     def says(self, zone="tbm", **fields):
         """Go on from the last progress in this attempt, with these fields changed."""
@@ -66,7 +66,7 @@ class ScriptedModules(FakeModules):
 
     def go_on(self):
         """Say what there is to say now: the next request once the last has its outcome."""
-        for run in self.driver.box.module_runs():
+        for run in self.driver.box.modules.runs():
             steps = len(run.steps)
             if run.running and (not steps or run.steps[-1].outcome is not None):
                 if steps < len(self.script):

@@ -2,7 +2,7 @@
 
 from typing import Callable, Dict, List, Optional
 
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import (
     COMMANDS,

@@ -36,7 +36,7 @@ class Story:
         alpha.says(notifications=("at the bed",), switch_1=True, dimmer=20)
         driver.score(DOOR.group, DOOR.desc, 1, "tbm")
         modules.asks(RequestKind.REFEREE, "fbm", text="Place the robot")
-        driver.event(driver.box.manual_operation_complete, "fbm")
+        driver.event(driver.box.modules.complete_operation, "fbm")
         modules.asks(RequestKind.GOAL, "fbm", timeout=60.0, **WAYPOINT)
         alpha.says(notifications=("at the bed", "at the door"), switch_1=True, dimmer=30)
         does_goal(beta, generic_result="[1.0, 2.0]")
@@ -81,7 +81,7 @@ def essence(driver):
 
     found = {}
     for name in driver.box.zones:
-        state = freeze(driver.box.saved_zone(name))
+        state = freeze(driver.box.zones[name].saved())
         if state.get("run"):
             state["run"] = of_run(state["run"])
         if state.get("all_robots"):

@@ -4,7 +4,7 @@ import pytest
 
 from helpers.competition import DOOR, competition, event
 from helpers.journaled import CATERING, NAVIGATION, box
-from roah_rsbb.core.referee_record import RunName
+from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.journal.file import Resume
 
@@ -18,8 +18,8 @@ def test_a_run_that_cannot_go_on_can_be_corrected_and_signed_off(tmp_path):
     (record,) = driver.box.finished.records()
     assert (record.identity, record.end_reason, record.items[0].value) == (identity, "stopped", 1)
     name = RunName("tbm", identity)
-    driver.event(driver.box.score, name, Mark(DOOR.group, DOOR.desc, 0), "Anna")
-    driver.event(driver.box.sign_off, name, "Anna")
+    driver.event(driver.box.scores.mark, name, Mark(DOOR.group, DOOR.desc, 0), "Anna")
+    driver.event(driver.box.scores.sign_off, name, "Anna")
     signed = driver.box.finished.find(identity).record
     driver.kill()
     assert driver.box.finished.records() == [signed]

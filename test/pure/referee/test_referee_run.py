@@ -3,7 +3,7 @@
 import pytest
 
 from helpers.referee_box import EVENTS, FakeLink
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.run import Plan, RunScript
 from roah_rsbb.referee.words import event_wanted

@@ -3,7 +3,7 @@
 import pytest
 
 from helpers.referee_box import EVENTS, ITEMS
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.words import BadWord, event_wanted, pick_item, pick_zone, score_wanted, value_of
 
 ZONES = ["Testing TestingTeam", "Testing Other", "Home A", "Home AB"]

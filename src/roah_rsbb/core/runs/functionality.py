@@ -23,7 +23,7 @@ from roah_rsbb.core.modules.messages import (
 )
 from roah_rsbb.core.modules.presence import Driver, Modules
 from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs import machine
 from roah_rsbb.core.runs.goal import GOAL_OVERHEAD, Goal, GoalState
 from roah_rsbb.core.runs.manual_operations import Switches, SwitchesState, check_answer

@@ -6,7 +6,7 @@ Both are plain records of what was asked for and what was said; the run decides 
 from typing import List, NamedTuple, Tuple
 
 from roah_rsbb.core.modules.messages import Request
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 
 # An answer is shown, logged and sent to the module.
 MAX_ANSWER = 1000

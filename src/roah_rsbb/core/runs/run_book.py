@@ -7,7 +7,7 @@ change of it is a correction.
 from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.records import By, ItemRecord, RunRecord, StopRecord
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, standing_text
 from roah_rsbb.rulebook.benchmarks import ScoringItem

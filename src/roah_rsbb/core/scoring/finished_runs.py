@@ -7,7 +7,7 @@ again and its score may change.
 from typing import Dict, Iterable, List, NamedTuple, Tuple
 
 from roah_rsbb.core.clock import Now, clock_text
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs.phases import EndReason
 from roah_rsbb.core.runs.run_book import BookState, RunBook
 from roah_rsbb.core.scoring.records import By, ItemRecord, RunRecord, ScoreValue, SignOff, StopRecord

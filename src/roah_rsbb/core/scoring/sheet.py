@@ -15,7 +15,7 @@ run was over are never lost. The run log and the journal have each change in any
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.records import ItemRecord, ScoreEntry
 from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
 from roah_rsbb.wording.suggestions import did_you_mean

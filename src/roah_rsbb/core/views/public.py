@@ -10,7 +10,7 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.runs.phases import EndReason, Phase
 from roah_rsbb.core.scoring.finished_runs import Result
-from roah_rsbb.core.zone import Zone
+from roah_rsbb.core.zones import Zone
 from roah_rsbb.rulebook.benchmarks import Event
 
 # More fits on no screen.

@@ -4,18 +4,17 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.commands import COMMANDS, robots_to_connect
+from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.modules.messages import Request, RequestKind, ScoreValue
 from roah_rsbb.core.robots import ActiveRobot
 from roah_rsbb.core.runs.all_robots import AllRobotsRun, Counts
-from roah_rsbb.core.runs.all_robots_choice import outsiders
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.manual_operations import Switches
 from roah_rsbb.core.runs.phases import Phase
 from roah_rsbb.core.runs.run import Run
 from roah_rsbb.core.scoring.sheet import ScoreGroup
-from roah_rsbb.core.zone import Zone
-from roah_rsbb.rulebook.benchmarks import Event, Kind
+from roah_rsbb.core.zones import Zone
+from roah_rsbb.rulebook.benchmarks import Event
 
 # A zone without a run has no phase of a run.
 IDLE = "idle"
@@ -141,11 +140,8 @@ def schedule(box: Box) -> List[ScheduleLine]:
 
 def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
     run = zone.run
-    off = tuple(tuple(box.reasons_off(now, zone, command)) for command in COMMANDS)
+    off = tuple(tuple(box.commands.reasons_off(now, zone, command)) for command in COMMANDS)
     log, online_data = _texts(zone)
-    warnings = [] if run is None else box.restart_warnings(now, run) + run.warnings(now)
-    if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
-        warnings += outsiders(box, zone, now)
     view = ZoneView(
         zone=zone.name,
         event=zone.event,
@@ -156,7 +152,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         online_data=online_data,
         scoring=() if run is None else run.sheet.groups(),
         not_attempted=() if run is None else run.sheet.not_attempted(),
-        warnings=tuple(warnings),
+        warnings=tuple(box.warnings_of(now, zone.name)),
         phase=IDLE if run is None else run.phase.value,
         identity="" if run is None else run.identity,
         end_reason="" if run is None or run.end_reason is None else run.end_reason.name.lower(),
@@ -208,7 +204,7 @@ def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:
     """What is the matter first, then what the referee must know, a line each."""
     run = zone.run
     if run is None:
-        lines = list(view.reasons_off("connect")) or [_ready(robots_to_connect(box, zone, now))]
+        lines = list(view.reasons_off("connect")) or [_ready(box.commands.robots_to_connect(now, zone))]
         return lines + _warning_lines(view, lines)
     lines = [] if run.phase is Phase.CONNECTED else [run.desc]
     if run.phase is not Phase.RUNNING:

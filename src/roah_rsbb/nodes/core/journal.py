@@ -10,10 +10,11 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Tup
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.effects import Effect, Level
-from roah_rsbb.core.restart.restart import BOX, BoxSaved, Saved, ZoneState, key_of
+from roah_rsbb.core.effects import BOX, Effect, Level
+from roah_rsbb.core.restart.restart import BoxSaved, Saved
 from roah_rsbb.core.restart.saved import Anchor, BadState, freeze, thaw
 from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.core.zones import ZoneState, key_of
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
 from roah_rsbb.journal.before import Before
@@ -107,8 +108,8 @@ class CoreJournal:
 
     def _state(self, name: str) -> Tuple[str, str]:
         if name == BOX:
-            return BOX_STATE, _json(freeze(self._box.saved_box()))
-        return ZONE_STATE + name, _json(freeze(self._box.saved_zone(name)))
+            return BOX_STATE, _json(freeze(self._box.saved()))
+        return ZONE_STATE + name, _json(freeze(self._box.zones[name].saved()))
 
     def _place(self, port: int) -> _Place:
         return self._places.get(port, _Place("", ""))
@@ -118,7 +119,7 @@ class CoreJournal:
 
     def _opened(self, _now: Now, effect: effects.RunOpened) -> None:
         self._find_place(effect.port)
-        run = self._box.run_at(effect.port)
+        run = self._box.zones.run_at(effect.port)
         whole = self._box.zones[run.zone].run
         self._runs.append(RunRow(whole.identity, run.zone, *key_of(whole.event), whole.opened_utc))
         self._members.append(Member(effect.port, whole.identity, run.robot.team, run.robot.robot))
@@ -128,7 +129,7 @@ class CoreJournal:
 
     def _find_place(self, port: int) -> None:
         """A run begins or goes on: what is told of its port later, also after its end, belongs to it."""
-        self._places[port] = self._place_of_zone(self._box.run_at(port).zone)
+        self._places[port] = self._place_of_zone(self._box.zones.run_at(port).zone)
 
     def _place_of_zone(self, zone: str) -> _Place:
         run = self._box.zones[zone].run
@@ -137,7 +138,7 @@ class CoreJournal:
     def _logged(self, now: Now, effect: effects.RunLogged) -> None:
         who = ""
         if effect.topic in run_log.FROM_ROBOT:
-            run = self._box.run_at(effect.port)
+            run = self._box.zones.run_at(effect.port)
             who = "" if run is None else run.link.host or ""
         self._add(now, self._place(effect.port), effect.port, who, effect.topic, effect.value)
 

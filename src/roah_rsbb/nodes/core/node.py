@@ -147,7 +147,7 @@ class CoreNode:
             results_changed=self._results.on_record_changed, set_device=self._device_calls.set, give_up=self._give_up,
         )
         self._box = box
-        self._modules = Newest(self._ros.post, lambda state: self._event(box.on_modules, state), MAX_NODES)
+        self._modules = Newest(self._ros.post, lambda state: self._event(box.modules.on_modules, state), MAX_NODES)
         self._network = network
         self._log_dir = log_dir
         for warning in (*port_warnings, *self._store.warnings):
@@ -238,7 +238,7 @@ class CoreNode:
     # -- topics -------------------------------------------------------------------------------------
 
     def _tell_modules(self) -> None:
-        self._publish("module_runs", convert.runs_message(self._uuid, self._box.module_runs()))
+        self._publish("module_runs", convert.runs_message(self._uuid, self._box.modules.runs()))
 
     def _ring_timeout(self) -> None:
         """At once, unless the core has just started: a run's time ran out while it was down."""

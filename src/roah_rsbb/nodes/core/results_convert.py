@@ -34,7 +34,7 @@ class ResultsBoard:
         if not self._changed and connected == self._connected:
             return None
         self._changed, self._connected = False, connected
-        records = [_timeless(record) for record in self._box.records(now)]
+        records = [_timeless(record) for record in self._box.scores.records(now)]
         self._summaries = {record.identity: (record, self._summary(record)) for record in records}
         return Results(self._box_uuid, [summary for _, summary in self._summaries.values()])
 

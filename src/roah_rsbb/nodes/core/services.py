@@ -6,8 +6,7 @@ import rospy
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.commands import COMMANDS
-from roah_rsbb.core.referee_record import RunName
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.nodes.core.results_convert import sheet_message
@@ -43,33 +42,37 @@ class CoreServices:
         self._sync = sync
         for command in COMMANDS:
             self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c, who_of(r)))
-        self._serve("stop_run", StopRun, lambda r: (box.stop_run, _run_of(r), who_of(r)))
+        self._serve("stop_run", StopRun, lambda r: (box.scores.stop, _run_of(r), who_of(r)))
         self._serve("manual_operation_complete", Zone, lambda r: (
-            box.manual_operation_complete, r.zone, 0, "", who_of(r)
+            box.modules.complete_operation, r.zone, 0, "", who_of(r)
         ))
         self._serve("manual_operation_answer", ManualOperationAnswer, lambda r: (
-            box.manual_operation_complete, r.zone, r.operation, r.answer, who_of(r)
+            box.modules.complete_operation, r.zone, r.operation, r.answer, who_of(r)
         ))
-        self._serve("omf_switches/button", ZoneUInt8, lambda r: (box.omf_button, r.zone, r.data, who_of(r)))
-        self._serve("omf_switches/damaged", ZoneUInt8, lambda r: (box.omf_damaged, r.zone, r.data, who_of(r)))
-        self._serve("omf_switches/complete", Zone, lambda r: (box.omf_complete, r.zone, who_of(r)))
+        self._serve("omf_switches/button", ZoneUInt8, lambda r: (box.modules.press_switch, r.zone, r.data, who_of(r)))
+        self._serve("omf_switches/damaged", ZoneUInt8, lambda r: (
+            box.modules.damage_switches, r.zone, r.data, who_of(r)
+        ))
+        self._serve("omf_switches/complete", Zone, lambda r: (box.modules.complete_switches, r.zone, who_of(r)))
         self._serve_scores(box)
 
     def _serve_scores(self, box: Box) -> None:
         """What is on the disk when the call returns."""
         self._serve("set_score", ZoneScore, lambda r: (
-            box.set_score, r.zone, r.score.group, r.score.desc, r.score.value, who_of(r)
+            box.scores.mark, RunName(r.zone), Mark(r.score.group, r.score.desc, r.score.value), who_of(r)
         ), durable=True)
         self._serve("score", ScoreMark, lambda r: (
-            box.score, _run_of(r), Mark(r.group, r.desc, r.value, r.not_attempted, r.note), who_of(r, r.referee)
+            box.scores.mark, _run_of(r), Mark(r.group, r.desc, r.value, r.not_attempted, r.note), who_of(r, r.referee)
         ), durable=True)
         self._serve("score/withdraw", ScoreWithdraw, lambda r: (
-            box.withdraw_score, _run_of(r), r.number, who_of(r, r.referee), r.note
+            box.scores.withdraw, _run_of(r), r.number, who_of(r, r.referee), r.note
         ), durable=True)
         self._serve("stop_reason", StopReason, lambda r: (
-            box.give_stop_reason, _run_of(r), r.reason, who_of(r, r.referee), r.stop
+            box.scores.give_stop_reason, _run_of(r), r.reason, who_of(r, r.referee), r.stop
         ), durable=True)
-        self._serve("sign_off", SignOff, lambda r: (box.sign_off, _run_of(r), who_of(r, r.referee)), durable=True)
+        self._serve("sign_off", SignOff, lambda r: (
+            box.scores.sign_off, _run_of(r), who_of(r, r.referee)
+        ), durable=True)
         rospy.Service("/core/run_sheet", GetRunSheet, self._run_sheet)
 
     def _serve(
@@ -91,7 +94,7 @@ class CoreServices:
 
     def _run_sheet(self, request: Any) -> GetRunSheetResponse:
         found: List[RunRecord] = []
-        self._call(lambda: self._event(lambda now: found.append(self._box.record_of(now, _run_of(request)))))
+        self._call(lambda: self._event(lambda now: found.append(self._box.scores.record_of(now, _run_of(request)))))
         return GetRunSheetResponse(sheet_message(found[0]))
 
     def _call(self, function: Callable[[], None]) -> None:

@@ -19,7 +19,7 @@ from helpers.all_robots import (
 )
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs.phases import EndReason
 from roah_rsbb.core.settings import Settings
 
@@ -34,7 +34,7 @@ def test_all_active_robots_get_a_channel_each():
     )
     assert driver.channels == {6667: "10.0.0.2", 6668: "10.0.0.3", 6669: "10.0.0.4"}
     assert {message.benchmark for port in driver.channels for message in driver.states[port]} == {"HSUF"}
-    assert [run.robot.team for run in driver.box.runs()] == ["Alpha", "Beta", "Gamma"]
+    assert [run.robot.team for run in driver.box.zones.members()] == ["Alpha", "Beta", "Gamma"]
 
 
 def test_one_robot_alone_is_all_robots():
@@ -184,7 +184,7 @@ def test_robots_that_the_beacon_has_no_room_for_refuse_connect_with_how_many_fit
     for robot in robots[:28]:
         robot.beacon()
     connect_all(driver, robots[:28])
-    assert len(driver.box.runs()) == 28
+    assert len(driver.box.zones.members()) == 28
     driver.robot("Alpha", "r0").beacon()
     assert driver.off("connect", "other")[0].startswith("The beacon may need")
 

@@ -15,7 +15,7 @@ from helpers.all_robots import (
 from helpers.competition import event
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.views import views
 
 
@@ -49,7 +49,7 @@ def test_the_score_sheet_is_the_runs_and_every_robots_log_has_it():
     connect_all(driver, robots_of(driver))
     driver.score("Penalized", "bumps", 2)
     assert [(item.desc, value) for item, value in driver.view().scoring[1].items] == [("bumps", 2)]
-    ports = [run.port for run in driver.box.runs()]
+    ports = [run.port for run in driver.box.zones.members()]
     assert [driver.logged(port, run_log.SCORE) for port in ports] == [[("Penalized", "bumps", 2)]] * 3
     assert driver.view().log.count("Score: Penalized: bumps 0 -> 2") == 1
     with pytest.raises(Refused, match="no scoring group"):
@@ -69,9 +69,9 @@ def test_device_commands_are_ignored_and_said_once_a_robot():
 def test_manual_operations_and_switches_are_refused():
     driver, _ = running()
     with pytest.raises(Refused, match="no manual operation is asked for in zone 'tbm'"):
-        driver.event(driver.box.manual_operation_complete, "tbm")
+        driver.event(driver.box.modules.complete_operation, "tbm")
     with pytest.raises(Refused, match="only HOMF has switches"):
-        driver.event(driver.box.omf_complete, "tbm")
+        driver.event(driver.box.modules.complete_switches, "tbm")
 
 
 def test_a_step_of_the_boxs_clock_measures_all_skews_anew():

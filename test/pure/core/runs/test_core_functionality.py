@@ -9,7 +9,7 @@ from roah_rsbb.bmbox.framework.results import MAX_RESULT, BadResult, read_record
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.messages import NO_GOAL, GoalMessage
 from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs.phases import EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
@@ -49,7 +49,7 @@ def test_a_whole_run_with_waypoints_and_manual_operations():
     modules.asks(RequestKind.REFEREE, text="Place the robot")
     assert driver.run_in().asked.text == "Place the robot"
     assert driver.box_state() is BoxState.STOP
-    driver.event(driver.box.manual_operation_complete, "tbm")
+    driver.event(driver.box.modules.complete_operation, "tbm")
     assert modules.outcome().kind is OutcomeKind.DONE
     modules.asks(timeout=120.0, **WAYPOINT)
     assert driver.box_state() is BoxState.PREPARE
@@ -125,24 +125,24 @@ def test_a_goal_of_homf_carries_switches():
     goal = driver.run_in().message.goal
     assert (goal.initial_state, goal.switches) == ((True, False, False), (2, 3))
     box = driver.box
-    driver.event(box.omf_button, "tbm", 2)
+    driver.event(box.modules.press_switch, "tbm", 2)
     robot.says(RobotState.EXECUTING)
     with pytest.raises(Refused, match="the robot has not finished"):
-        driver.event(box.omf_complete, "tbm")
+        driver.event(box.modules.complete_switches, "tbm")
     robot.says(RobotState.RESULT_TX)
     modules.asks(RequestKind.SWITCHES, text="Enter the switches")
-    driver.event(box.omf_button, "tbm", 1)
-    driver.event(box.omf_damaged, "tbm", 1)
+    driver.event(box.modules.press_switch, "tbm", 1)
+    driver.event(box.modules.damage_switches, "tbm", 1)
     assert driver.run_in().switches.on == (2,)
     with pytest.raises(Refused, match="numbered 1 to 3"):
-        driver.event(box.omf_button, "tbm", 4)
+        driver.event(box.modules.press_switch, "tbm", 4)
     before = driver.run_in().clock.left(driver.now)
     modules.lives(30.0, robot)
     assert driver.run_in().clock.left(driver.now) == before, "the referee's time does not count"
-    driver.event(box.omf_complete, "tbm")
+    driver.event(box.modules.complete_switches, "tbm")
     driver.command("stop")
     with pytest.raises(Refused, match="zone 'tbm' has no switches to enter"):
-        driver.event(box.omf_button, "tbm", 2)
+        driver.event(box.modules.press_switch, "tbm", 2)
     assert (modules.outcome().changed, modules.outcome().damaged) == ((2, 1), 1)
 
 
@@ -199,27 +199,27 @@ def test_between_goals_nothing_that_the_robot_says_moves_the_state():
 def test_what_the_referee_does_not_know_is_refused():
     driver, modules, _ = started()
     with pytest.raises(Refused, match="no manual operation is asked for"):
-        driver.event(driver.box.manual_operation_complete, "tbm")
+        driver.event(driver.box.modules.complete_operation, "tbm")
     modules.asks(RequestKind.REFEREE, text="Try again?", choices=("try again", "skip"))
     with pytest.raises(Refused, match="there are try again, skip"):
-        driver.event(driver.box.manual_operation_complete, "tbm", 1, "perhaps")
+        driver.event(driver.box.modules.complete_operation, "tbm", 1, "perhaps")
     with pytest.raises(Refused, match="is over; now the referee is asked to: Try again"):
-        driver.event(driver.box.manual_operation_complete, "tbm", 7, "skip")
-    driver.event(driver.box.manual_operation_complete, "tbm", 1, "skip")
+        driver.event(driver.box.modules.complete_operation, "tbm", 7, "skip")
+    driver.event(driver.box.modules.complete_operation, "tbm", 1, "skip")
     assert modules.outcome().answer == "skip"
     with pytest.raises(Refused):
-        driver.event(driver.box.manual_operation_complete, "tbm", 1, "skip")
+        driver.event(driver.box.modules.complete_operation, "tbm", 1, "skip")
     modules.asks(RequestKind.REFEREE, text="Again?", choices=("try again", "skip"))
-    driver.event(driver.box.manual_operation_complete, "tbm")
+    driver.event(driver.box.modules.complete_operation, "tbm")
     assert modules.outcome().answer == "try again", "no answer is the usual one"
     modules.asks(RequestKind.REFEREE, text="Place it")
     with pytest.raises(Refused, match="takes no answer"):
-        driver.event(driver.box.manual_operation_complete, "tbm", 0, "done")
-    driver.event(driver.box.manual_operation_complete, "tbm")
+        driver.event(driver.box.modules.complete_operation, "tbm", 0, "done")
+    driver.event(driver.box.modules.complete_operation, "tbm")
     modules.asks(RequestKind.REFEREE, text="Which one?", asks_text=True)
     with pytest.raises(Refused, match="at most 1000 characters"):
-        driver.event(driver.box.manual_operation_complete, "tbm", 0, "x" * 1001)
-    driver.event(driver.box.manual_operation_complete, "tbm", 0, "the blue one")
+        driver.event(driver.box.modules.complete_operation, "tbm", 0, "x" * 1001)
+    driver.event(driver.box.modules.complete_operation, "tbm", 0, "the blue one")
     assert modules.outcome().answer == "the blue one"
 
 
@@ -271,7 +271,7 @@ def test_what_comes_twice_late_or_for_another_run_changes_nothing():
     driver, modules, robot = started()
     modules.asks(RequestKind.REFEREE, text="first")
     first = dict(modules.progress)
-    driver.event(driver.box.manual_operation_complete, "tbm")
+    driver.event(driver.box.modules.complete_operation, "tbm")
     modules.asks(RequestKind.REFEREE, text="second")
     steps = modules.run().steps
     identity, last = next(iter(modules.progress.items()))

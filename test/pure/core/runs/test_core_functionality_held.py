@@ -84,7 +84,7 @@ def test_the_referee_may_work_while_the_module_is_gone():
     driver, modules, robot = started()
     modules.asks(RequestKind.REFEREE, text="Place it")
     driver.run(3.0)
-    driver.event(driver.box.manual_operation_complete, "tbm")
+    driver.event(driver.box.modules.complete_operation, "tbm")
     driver.run(100.0)
     assert driver.run_in().clock.left(driver.now) == pytest.approx(600.0), "held, though nothing is asked any more"
     rejoined(driver, modules).beat()
@@ -104,7 +104,7 @@ def test_a_module_that_is_back_while_the_referee_works_does_not_start_the_clock(
 def test_a_module_that_has_not_arrived_where_it_was_changes_nothing():
     driver, modules, robot = started()
     first = modules.asks(RequestKind.REFEREE, text="first")
-    driver.event(driver.box.manual_operation_complete, "tbm")
+    driver.event(driver.box.modules.complete_operation, "tbm")
     modules.asks(**GOAL)
     modules.says(scores=(SCORE,), kept="{}")
     driver.run(3.0)
@@ -136,7 +136,7 @@ def test_of_two_nodes_only_the_first_is_listened_to():
     modules.asks(RequestKind.REFEREE, text="of the first")
     other = FakeModules(driver, "HNF", node="n2")
     other.beat()
-    driver.event(driver.box.manual_operation_complete, "tbm")
+    driver.event(driver.box.modules.complete_operation, "tbm")
     other.asks(RequestKind.REFEREE, text="of the second")
     assert len(modules.run().steps) == 1
     assert any("2 nodes drive HNF" in warning for warning in driver.view().warnings)

@@ -6,7 +6,7 @@ import pytest
 from helpers.module_player import does_goal, started
 from roah_rsbb.core import effects
 from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs.phases import EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
@@ -20,7 +20,7 @@ def test_manual_operations_do_not_count_and_goals_do():
     modules.asks(RequestKind.REFEREE, text="Place it")
     modules.lives(100.0, robot)
     assert driver.run_in().clock.left(driver.now) == pytest.approx(600.0)
-    driver.event(driver.box.manual_operation_complete, "tbm")
+    driver.event(driver.box.modules.complete_operation, "tbm")
     modules.lives(10.0, robot)
     assert driver.run_in().clock.left(driver.now) == pytest.approx(590.0)
     modules.asks(timeout=120.0, **WAYPOINT)
@@ -153,7 +153,7 @@ def test_stop_and_start_again_anywhere(reach):
     run = modules.run()
     assert (run.attempt, run.running, run.end_reason) == (1, False, "stopped")
     with pytest.raises(Refused):
-        driver.event(driver.box.manual_operation_complete, "tbm")
+        driver.event(driver.box.modules.complete_operation, "tbm")
     left = driver.run_in().clock.left(driver.now)
     modules.says(scores=(ScoreValue("", "reached", "2", ""),), finished=True)
     assert driver.run_in().scores[0].value == "2", "the last score of a module comes after the stop"

@@ -11,8 +11,7 @@ from helpers.competition import BUMPS, DOOR, OBJECTS, competition, event
 from helpers.module_player import started
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.modules.messages import ScoreValue
-from roah_rsbb.core.referee_record import MAX_NOTE, MAX_WHO, RunName
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import MAX_NOTE, MAX_WHO, Refused, RunName
 from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.core.runs.run_book import MAX_STOPS
 from roah_rsbb.core.scoring.records import SignOff
@@ -28,7 +27,7 @@ def driver():
 
 def _score(driver, item, value=0, name=None, who="Anna", **of_mark):
     name = name or RunName("tbm")
-    driver.event(driver.box.score, name, Mark(item.group, item.desc, value, **of_mark), who)
+    driver.event(driver.box.scores.mark, name, Mark(item.group, item.desc, value, **of_mark), who)
 
 
 def _record(driver, zone="tbm"):
@@ -121,24 +120,24 @@ def test_every_change_of_a_record_is_told(driver):
     assert last().started_utc == driver.now.utc
     _score(driver, BUMPS, 2)
     assert last() == _record(driver)
-    driver.event(driver.box.withdraw_score, RunName("tbm"), 1)
+    driver.event(driver.box.scores.withdraw, RunName("tbm"), 1)
     assert last() == _record(driver)
     robot.executes()
     assert last() is None
     robot.completes()
     assert last() == _record(driver)
-    driver.event(driver.box.give_stop_reason, RunName("tbm"), "well done", "Anna")
+    driver.event(driver.box.scores.give_stop_reason, RunName("tbm"), "well done", "Anna")
     assert last() == _record(driver)
     name = RunName("tbm", driver.run_in().identity)
     driver.command("disconnect")
     assert last() == driver.box.finished.records()[0]
     _score(driver, DOOR, 1, name)
     assert last() == driver.box.finished.records()[0]
-    driver.event(driver.box.withdraw_score, name, 2)
+    driver.event(driver.box.scores.withdraw, name, 2)
     assert last() == driver.box.finished.records()[0]
-    driver.event(driver.box.give_stop_reason, name, "very well done")
+    driver.event(driver.box.scores.give_stop_reason, name, "very well done")
     assert last() == driver.box.finished.records()[0]
-    driver.event(driver.box.sign_off, name, "Anna")
+    driver.event(driver.box.scores.sign_off, name, "Anna")
     assert last() == driver.box.finished.records()[0]
 
 
@@ -185,7 +184,8 @@ def test_all_robots_have_one_record():
 
 def test_a_score_has_who_and_note_and_the_log_the_value(driver):
     robot = driver.connected()
-    driver.event(driver.box.set_score, "tbm", BUMPS.group, BUMPS.desc, 2, "Anna", "both at the door")
+    mark = Mark(BUMPS.group, BUMPS.desc, 2, note="both at the door")
+    driver.event(driver.box.scores.mark, RunName("tbm"), mark, "Anna")
     (entry,) = _record(driver).history
     assert (entry.who, entry.note, entry.value, entry.correction) == ("Anna", "both at the door", 2, False)
     assert driver.logged(robot.port, run_log.SCORE) == [("Penalized", "bumps", 2)]
@@ -197,7 +197,7 @@ def test_not_attempted_and_withdrawn_are_logged_as_what_counts_then(driver):
     _score(driver, BUMPS, 2)
     _score(driver, BUMPS, not_attempted=True)
     assert _values(_record(driver))["bumps"] == "-"
-    driver.event(driver.box.withdraw_score, RunName("tbm"), 2, "Ben", "it did try")
+    driver.event(driver.box.scores.withdraw, RunName("tbm"), 2, "Ben", "it did try")
     assert _values(_record(driver))["bumps"] == 2
     assert driver.logged(robot.port, run_log.SCORE) == [("Penalized", "bumps", value) for value in (2, 0, 2)]
     assert "Score: Penalized: bumps not attempted -> 2 (entry 2 withdrawn, it did try)" in driver.view().log
@@ -211,7 +211,7 @@ def test_a_module_is_told_of_a_withdrawal():
     driver, modules, _ = started()
     _score(driver, BUMPS, 3)
     driver.taken()
-    driver.event(driver.box.withdraw_score, RunName("tbm"), 1)
+    driver.event(driver.box.scores.withdraw, RunName("tbm"), 1)
     assert effects.ModuleRunsChanged() in driver.effects
     assert {item.desc: value for group in modules.run().sheet for item, value in group.items}["bumps"] == 0
 
@@ -232,7 +232,8 @@ def test_what_is_typed_is_one_line_and_bounded(driver):
     (entry,) = _record(driver).history
     assert entry.note == "two lines"
     assert entry.who.startswith("A B xxx") and len(entry.who) == MAX_WHO
-    (reason,) = _refused(driver, driver.box.set_score, "tbm", BUMPS.group, BUMPS.desc, 2, "Anna", "y" * (MAX_NOTE + 1))
+    mark = Mark(BUMPS.group, BUMPS.desc, 2, note="y" * (MAX_NOTE + 1))
+    (reason,) = _refused(driver, driver.box.scores.mark, RunName("tbm"), mark, "Anna")
     assert "at most 500 are kept, shorten it" in reason
 
 
@@ -249,21 +250,21 @@ def test_no_stop_is_refused_for_many_words(driver):
 
 def test_a_reason_can_be_typed_after_the_stop_also_of_an_earlier_one(driver):
     robot = driver.executing()
-    assert _refused(driver, driver.box.give_stop_reason, RunName("tbm"), "x") == [
+    assert _refused(driver, driver.box.scores.give_stop_reason, RunName("tbm"), "x") == [
         "the run was not stopped yet: there is nothing to give a reason for"
     ]
     driver.command("stop")
     robot.says(RobotState.STOP)
     driver.command("start")
     driver.command("stop")
-    driver.event(driver.box.give_stop_reason, RunName("tbm"), "second", "Anna")
-    driver.event(driver.box.give_stop_reason, RunName("tbm"), "first", "Ben", 1)
+    driver.event(driver.box.scores.give_stop_reason, RunName("tbm"), "second", "Anna")
+    driver.event(driver.box.scores.give_stop_reason, RunName("tbm"), "first", "Ben", 1)
     assert [(stop.reason, stop.reason_by) for stop in _record(driver).stops] == [("first", "Ben"), ("second", "Anna")]
     assert "Benchmark stopped by the referee: second" in driver.view().log
-    assert _refused(driver, driver.box.give_stop_reason, RunName("tbm"), "x", "", 3) == [
+    assert _refused(driver, driver.box.scores.give_stop_reason, RunName("tbm"), "x", "", 3) == [
         "the run has no stop 3: there is 1 to 2, or 0 for the last one"
     ]
-    assert _refused(driver, driver.box.give_stop_reason, RunName("tbm"), "x", "", -1)
+    assert _refused(driver, driver.box.scores.give_stop_reason, RunName("tbm"), "x", "", -1)
 
 
 def test_stops_are_bounded_and_those_with_a_reason_stay_longest(driver):
@@ -296,11 +297,11 @@ def test_a_run_that_is_over_is_corrected_by_its_identity(driver):
 def test_a_sign_off_ends_all_corrections(driver):
     name = _finished(driver)
     _score(driver, BUMPS, 4, name)
-    driver.event(driver.box.sign_off, name, "Cleo")
+    driver.event(driver.box.scores.sign_off, name, "Cleo")
     assert driver.box.finished.find(name.identity).record.sign_off == SignOff(driver.now.utc, "Cleo")
     for method, arguments in (
-        (driver.box.score, (Mark(BUMPS.group, BUMPS.desc, 5),)), (driver.box.withdraw_score, (1,)),
-        (driver.box.give_stop_reason, ("x",)), (driver.box.sign_off, ()),
+        (driver.box.scores.mark, (Mark(BUMPS.group, BUMPS.desc, 5),)), (driver.box.scores.withdraw, (1,)),
+        (driver.box.scores.give_stop_reason, ("x",)), (driver.box.scores.sign_off, ()),
     ):
         (reason,) = _refused(driver, method, name, *arguments)
         assert "was signed off by Cleo at " in reason
@@ -309,26 +310,26 @@ def test_a_sign_off_ends_all_corrections(driver):
 def test_only_a_run_that_is_over_is_signed_off(driver):
     driver.executing()
     name = RunName("tbm", driver.run_in().identity)
-    assert _refused(driver, driver.box.sign_off, name) == [
+    assert _refused(driver, driver.box.scores.sign_off, name) == [
         f"run {name.identity} is still connected: disconnect it first"
     ]
-    assert _refused(driver, driver.box.sign_off, RunName("tbm")) == [
+    assert _refused(driver, driver.box.scores.sign_off, RunName("tbm")) == [
         "say which run is signed off: only one that is over can be"
     ]
     driver.command("disconnect")
     driver.connected()
     never = driver.run_in().identity
     driver.command("disconnect")
-    (reason,) = _refused(driver, driver.box.sign_off, RunName("tbm", never))
+    (reason,) = _refused(driver, driver.box.scores.sign_off, RunName("tbm", never))
     assert f"no run '{never}' was started and is over" in reason
 
 
 def test_a_run_of_another_zone_is_refused(driver):
     name = _finished(driver)
-    assert _refused(driver, driver.box.withdraw_score, RunName("other", name.identity), 1) == [
+    assert _refused(driver, driver.box.scores.withdraw, RunName("other", name.identity), 1) == [
         f"run {name.identity} was in zone 'tbm', not in 'other'"
     ]
-    assert "no zone 'x'" in _refused(driver, driver.box.withdraw_score, RunName("x"), 1)[0]
+    assert "no zone 'x'" in _refused(driver, driver.box.scores.withdraw, RunName("x"), 1)[0]
 
 
 # -- who did what -----------------------------------------------------------------------------------
@@ -360,14 +361,17 @@ def test_all_that_a_referee_does_is_on_record(driver):
     name = _finished(driver)
     box = driver.box
     for method, arguments, value in (
-        (box.set_score, ("tbm", "Penalized", "bumps", 1), {"group": "Penalized", "item": "bumps", "value": 1}),
-        (box.score, (name, Mark("Penalized", "bumps", not_attempted=True, note="n")),
+        (box.scores.mark, (RunName("tbm"), Mark("Penalized", "bumps", 1)),
+         {"group": "Penalized", "item": "bumps", "value": 1}),
+        (box.scores.mark, (name, Mark("Penalized", "bumps", not_attempted=True, note="n")),
          {"group": "Penalized", "item": "bumps", "not_attempted": True, "note": "n"}),
-        (box.withdraw_score, (name, 7), {"entry": 7}), (box.give_stop_reason, (name, "r"), {"reason": "r", "stop": 0}),
-        (box.sign_off, (name,), {}),
-        (box.manual_operation_complete, ("tbm", 3, "yes"), {"operation": 3, "answer": "yes"}),
-        (box.omf_button, ("tbm", 2), {"switch": 2}), (box.omf_damaged, ("tbm", 1), {"damaged": 1}),
-        (box.omf_complete, ("tbm",), {}),
+        (box.scores.withdraw, (name, 7), {"entry": 7}),
+        (box.scores.give_stop_reason, (name, "r"), {"reason": "r", "stop": 0}),
+        (box.scores.sign_off, (name,), {}),
+        (box.modules.complete_operation, ("tbm", 3, "yes"), {"operation": 3, "answer": "yes"}),
+        (box.modules.press_switch, ("tbm", 2), {"switch": 2}),
+        (box.modules.damage_switches, ("tbm", 1), {"damaged": 1}),
+        (box.modules.complete_switches, ("tbm",), {}),
     ):
         driver.taken()
         with contextlib.suppress(Refused):
@@ -381,7 +385,8 @@ def test_all_that_a_referee_does_is_on_record(driver):
 def test_nobody_fills_the_disk_with_a_wrong_name(driver):
     driver.taken()
     with pytest.raises(Refused):
-        driver.event(driver.box.set_score, "z" * 100_000, "g" * 100_000, "d", 1, "w" * 100_000, "n" * 100_000)
+        mark = Mark("g" * 100_000, "d", 1, note="n" * 100_000)
+        driver.event(driver.box.scores.mark, RunName("z" * 100_000), mark, "w" * 100_000)
     (done,) = _done(driver)
     assert len(str(done)) < 10 * MAX_NOTE
 

@@ -4,7 +4,7 @@ import pytest
 
 from helpers.competition import BUMPS, DOOR, OBJECTS, SCORING, UTC0
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.refused import Refused
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.scoring.sheet import MAX_ENTRIES, MAX_NOTED, MAX_VALUE, ONE_ENTRY_S, Mark, ScoreSheet, SheetState
 from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem

@@ -1,0 +1,200 @@
+"""Connections: opens a run on a private port of its own, leaves it, and reopens its channel after a restart.
+
+Ports are given in rising order and never twice in a competition. A port that cannot be opened for a new run is
+skipped. A run that continues after a restart keeps its port, which its robot knows, and tries it again.
+"""
+
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
+
+from roah_rsbb.core import effects
+from roah_rsbb.core.capacity import LAST_PORT, Capacity, ports_warning
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.effects import How, Level, Outbox
+from roah_rsbb.core.messages import Beacon, BenchmarkingRobot
+from roah_rsbb.core.modules.presence import Modules
+from roah_rsbb.core.robots import ActiveRobot, ActiveRobots
+from roah_rsbb.core.runs.all_robots import AllRobotsRun
+from roah_rsbb.core.runs.device_commands import CATERING
+from roah_rsbb.core.runs.functionality import FunctionalityRun
+from roah_rsbb.core.runs.run import Entry, Run, RunState, Surroundings
+from roah_rsbb.core.scoring.finished_runs import FinishedRuns
+from roah_rsbb.core.scoring.records import NOBODY, By
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.tablet import Tablet
+from roah_rsbb.core.watches import Watches
+from roah_rsbb.core.zones import Zone, Zones, ZoneState
+from roah_rsbb.rulebook.benchmarks import Kind
+
+# This many ports that cannot be opened, more than there are robots to connect, mean that no port can be opened.
+MAX_PORTS_TRIED = 20
+# A private port that cannot be opened after a restart is tried again after this long.
+REOPEN_S = 1.0
+
+
+class Connections:
+    """All runs' private channels."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        zones: Zones,
+        robots: ActiveRobots,
+        modules: Modules,
+        tablet: Tablet,
+        watches: Watches,
+        finished: FinishedRuns,
+        outbox: Outbox,
+        beacon_size: Callable[[Beacon], int],
+        last_port: Optional[int],
+    ) -> None:
+        """`beacon_size` and `last_port`: see `Box`."""
+        self._settings = settings
+        self._zones = zones
+        self._robots = robots
+        self._modules = modules
+        self._tablet = tablet
+        self._watches = watches
+        self._finished = finished
+        self._outbox = outbox
+        self._beacon_size = beacon_size
+        self._last_port = max(settings.rsbb_port, last_port or 0)
+        self._failures_left: Dict[str, int] = {}  # by zone, of channels of the run being connected
+        self._reopen_at: Dict[int, float] = {}  # port -> monotonic time (s)
+
+    # -- looking ------------------------------------------------------------------------------------
+
+    def listed(self) -> Tuple[BenchmarkingRobot, ...]:
+        """The robots in runs, as the beacon lists them."""
+        return tuple(BenchmarkingRobot(r.robot.team, r.robot.robot, r.port) for r in self._zones.members())
+
+    def capacity(self) -> Capacity:
+        """What there is room for besides the present runs."""
+        return Capacity(self._beacon_size, self._settings.max_datagram, self._last_port, self.listed())
+
+    def warnings(self) -> List[str]:
+        """What every referee should know of the ports."""
+        return ports_warning(self._settings.rsbb_port, self._last_port)
+
+    def deadline(self) -> Optional[float]:
+        """Monotonic time (s) at which `tick` tries a port again; None: no port is waiting."""
+        return min(self._reopen_at.values(), default=None)
+
+    # -- opening and leaving ------------------------------------------------------------------------
+
+    def connect(self, now: Now, zone: Zone, robots: Sequence[ActiveRobot]) -> None:
+        """Open a run with these robots in a zone whose *connect* is allowed."""
+        assert robots, "connect was checked before"
+        self._failures_left[zone.name] = MAX_PORTS_TRIED + len(robots) - 1
+        for robot in robots:
+            self._open_run(now, zone, robot)
+
+    def leave(self, now: Now, zone: Zone, by: By = NOBODY) -> None:
+        """Disconnect the run in a zone."""
+        run = zone.run
+        assert run is not None, "disconnect was checked before"
+        run.close(now, by)
+        self._finished.add(run.record(now))
+        zone.leave(self._settings.auto_next)
+        self._outbox.emit(effects.SendBeacon())
+
+    def on_failed(self, now: Now, port: int, error: str) -> None:
+        """The channel on `port` could not be opened: take the next port, or give up this robot's run."""
+        run = self._zones.run_at(port)
+        if run is None:
+            return
+        if run.resumed:
+            self._reopen_later(now, run, error)
+            return
+        zone = self._zones[run.zone]
+        text = f"UDP port {port} cannot be used for the private channel: {error}"
+        self._outbox.notice(Level.WARNING, text, zone.name)
+        run.close(now)
+        zone.run = zone.run.without(run)
+        self._failures_left[zone.name] -= 1
+        robot = self._robots.find(run.robot)
+        if robot is not None and self._failures_left[zone.name] > 0 and self._last_port < LAST_PORT:
+            self._open_run(now, zone, robot)
+            return
+        given_up = "the run was not begun" if zone.run is None else f"{run.robot} does not take part"
+        self._outbox.notice(Level.ERROR, f"No private channel could be opened: {given_up}", zone.name)
+        self._outbox.emit(effects.SendBeacon())
+
+    def _open_run(self, now: Now, zone: Zone, robot: ActiveRobot) -> None:
+        self._last_port += 1
+        entry = Entry(zone.name, zone.event, robot.id, self._last_port)
+        self._outbox.emit(effects.PortTaken(entry.port))
+        self._outbox.emit(effects.OpenChannel(entry.port, robot.id.team, robot.id.robot, robot.host))
+        if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
+            zone.run = zone.run or AllRobotsRun(entry, self._settings, self._surroundings(zone.name), now)
+            zone.run.add(now, entry)
+        else:
+            zone.run = run = self._make_run(now, entry)
+            run.open(now)
+        self._zones.run_at(entry.port).link.expect_after(robot.last_heard, robot.time)
+        if zone.event.benchmark.code == CATERING:
+            self._tablet.display_map = False  # the previous run's view is not this robot's
+        self._outbox.emit(effects.SendBeacon())
+
+    def _make_run(self, now: Now, entry: Entry) -> Run:
+        surroundings = self._surroundings(entry.zone)
+        if entry.event.benchmark.kind is Kind.FUNCTIONALITY:
+            return FunctionalityRun(entry, self._settings, surroundings, self._modules, now)
+        return Run(entry, self._settings, surroundings, now)
+
+    def _surroundings(self, zone: str) -> Surroundings:
+        return Surroundings(self._outbox.of_zone(zone), self._show_map)
+
+    def _show_map(self, display_map: bool) -> None:
+        if display_map != self._tablet.display_map:
+            self._tablet.display_map = display_map
+            self._outbox.emit(effects.SendBeacon())
+
+    # -- after a restart ----------------------------------------------------------------------------
+
+    def reopen(self, now: Now, zone: Zone, state: ZoneState) -> None:
+        """Continue the run that a zone's saved state has, if any; raises ValueError if it can have no channels."""
+        runs = () if state.all_robots is None else state.all_robots.members
+        runs = runs if state.run is None else (state.run,)
+        if not runs:
+            return
+        self._check_channels(runs)
+        entries = [Entry(zone.name, zone.event, run.robot, run.port) for run in runs]
+        for run in runs:
+            self._last_port = max(self._last_port, run.port)
+            self._outbox.emit(effects.PortTaken(run.port))
+            self._outbox.emit(effects.OpenChannel(run.port, run.robot.team, run.robot.robot, run.link.host))
+        if state.all_robots is not None:
+            zone.run = AllRobotsRun(entries[0], self._settings, self._surroundings(zone.name), now)
+            zone.run.resume(now, state.all_robots)
+            return
+        zone.run = self._make_run(now, entries[0])
+        zone.run.resume(now, state.run)
+        if isinstance(zone.run, FunctionalityRun) and state.for_module is not None:
+            zone.run.resume_for_module(state.for_module)
+
+    def _check_channels(self, runs: Sequence[RunState]) -> None:
+        """Raise ValueError if these runs could have no private channels."""
+        ports = [run.port for run in runs]
+        for run in runs:
+            if not self._robots.has_password(run.robot.team):
+                raise ValueError(f"team {run.robot.team} has no password any more")
+            if not 0 < run.port <= LAST_PORT or ports.count(run.port) > 1 or self._zones.run_at(run.port) is not None:
+                raise ValueError(f"its port {run.port} cannot be used")
+
+    def _reopen_later(self, now: Now, run: Run, error: str) -> None:
+        """The run keeps its port, which its robot knows; another program has it for the moment."""
+        self._reopen_at[run.port] = now.mono + REOPEN_S
+        text = (f"UDP port {run.port} of the run in zone {run.zone} cannot be opened after the restart: {error}. "
+                "It is tried again every second: end what uses it")
+        if self._watches.trouble(now, text):
+            self._outbox.notice(Level.ERROR, text)
+
+    def tick(self, now: Now) -> None:
+        """Try again the ports that are due."""
+        due = [port for port, mono in self._reopen_at.items() if mono <= now.mono]
+        for port in due:
+            del self._reopen_at[port]
+            run = self._zones.run_at(port)
+            if run is not None:
+                self._outbox.emit(effects.OpenChannel(port, run.robot.team, run.robot.robot, run.link.host))
+                self._outbox.emit(effects.SendState(port, run.message, How.CHANGE))

@@ -1,0 +1,104 @@
+"""Functionality benchmarks: what the benchmarking modules say, and what the referee does for them."""
+
+from typing import Callable, List, Optional, Tuple
+
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.commands import CommandRecord
+from roah_rsbb.core.modules.messages import ModulesState, RunForModule
+from roah_rsbb.core.modules.presence import Modules
+from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.runs.functionality import FunctionalityRun
+from roah_rsbb.core.zones import Zones
+
+# The benchmark with switches that the referee watches.
+HOMF = "HOMF"
+
+
+class ModuleDesk:
+    """Takes the modules' and the referee's messages about functionality runs."""
+
+    def __init__(self, tick: Callable[[Now], None], zones: Zones, modules: Modules, record: CommandRecord) -> None:
+        """`tick` does what is due by now: every event does that first."""
+        self._tick = tick
+        self._zones = zones
+        self._modules = modules
+        self._record = record
+
+    # -- the referee --------------------------------------------------------------------------------
+
+    def complete_operation(
+        self, now: Now, zone_name: str, operation: int = 0, answer: str = "", who: str = ""
+    ) -> None:
+        """The referee did what a benchmarking module asked for; raises `Refused`.
+
+        `operation`: the number of the request that was answered; 0: the present one. An empty answer means the
+        first choice.
+        """
+        self._tick(now)
+        with self._record.of(RunName(zone_name), who, "manual_operation", operation=operation, answer=answer):
+            run = self._zones.run_in(zone_name)
+            if not isinstance(run, FunctionalityRun):
+                raise Refused([f"no manual operation is asked for in zone '{zone_name}'"])
+            run.complete_operation(now, operation, answer)
+
+    def press_switch(self, now: Now, zone_name: str, switch: int, who: str = "") -> None:
+        """HOMF: the referee saw a switch change, numbered from 1; raises `Refused`."""
+        self._tick(now)
+        with self._record.of(RunName(zone_name), who, "omf_button", switch=switch):
+            run = self._homf_run(zone_name)
+            run.sheet_of_switches().press(switch)
+            run.switches_entered(now)
+
+    def damage_switches(self, now: Now, zone_name: str, damaged: int, who: str = "") -> None:
+        """HOMF: the referee enters how many switches were damaged; raises `Refused`."""
+        self._tick(now)
+        with self._record.of(RunName(zone_name), who, "omf_damaged", damaged=damaged):
+            run = self._homf_run(zone_name)
+            run.sheet_of_switches().damage(damaged)
+            run.switches_entered(now)
+
+    def complete_switches(self, now: Now, zone_name: str, who: str = "") -> None:
+        """HOMF: the referee has entered all that the robot changed; raises `Refused`."""
+        self._tick(now)
+        with self._record.of(RunName(zone_name), who, "omf_complete"):
+            self._homf_run(zone_name).complete_switches(now)
+
+    def _homf_run(self, zone_name: str) -> FunctionalityRun:
+        run = self._zones.run_in(zone_name)
+        if not isinstance(run, FunctionalityRun) or run.event.benchmark.code != HOMF:
+            raise Refused([f"zone '{zone_name}' runs {run.event.benchmark.code}: only {HOMF} has switches"])
+        return run
+
+    # -- the benchmarking modules -------------------------------------------------------------------
+
+    def on_modules(self, now: Now, state: ModulesState) -> None:
+        """A node of benchmarking modules says what it drives, and where it is in its runs."""
+        self._tick(now)
+        self._modules.hear(now, state)
+        self._tell_runs(now)
+
+    def runs(self) -> Tuple[RunForModule, ...]:
+        """What benchmarking modules need to know of the runs that they drive."""
+        return tuple(run.for_module() for run in self._functionality_runs())
+
+    def deadline(self) -> Optional[float]:
+        """Monotonic time (s) at which `tick` has something to do; None: never."""
+        return self._modules.deadline()
+
+    def tick(self, now: Now) -> None:
+        """Hold the runs of nodes that are gone by now, from then on. What was due earlier comes first."""
+        due = self._modules.deadline()
+        while due is not None and due <= now.mono:
+            then = Now(due, now.utc + (due - now.mono))
+            for run in self._zones.runs():
+                run.tick(then)
+            self._modules.forget_gone(then)
+            self._tell_runs(then)
+            due = self._modules.deadline()
+
+    def _functionality_runs(self) -> List[FunctionalityRun]:
+        return [run for run in self._zones.members() if isinstance(run, FunctionalityRun)]
+
+    def _tell_runs(self, now: Now) -> None:
+        for run in self._functionality_runs():
+            run.on_modules(now)

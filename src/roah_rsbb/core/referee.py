@@ -1,0 +1,48 @@
+"""A referee's command: which run it names, who gives it, what was typed; and its refusal, with every reason."""
+
+from typing import List, NamedTuple
+
+# Characters of a note or a reason, and of a name.
+MAX_NOTE = 500
+MAX_WHO = 120
+
+
+class Refused(Exception):
+    """A referee's command was refused and changed nothing. `reasons` holds every reason, each with its remedy."""
+
+    def __init__(self, reasons: List[str]) -> None:
+        super().__init__("; ".join(reasons))
+        self.reasons = reasons
+
+
+class RunName(NamedTuple):
+    """Which run of a zone is meant.
+
+    A run is named by its identity, so that a mark that was meant for one run never goes into the next one.
+    """
+
+    zone: str
+    identity: str = ""  # empty: the run that is connected in the zone
+
+
+def one_line(text: str) -> str:
+    """Return what somebody typed as one line of text that can be shown anywhere."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
+def checked_note(text: str) -> str:
+    """Return a note or reason as one line; raises `Refused` if it is too long."""
+    note = one_line(text)
+    if len(note) > MAX_NOTE:
+        raise Refused([f"the note has {len(note)} characters: at most {MAX_NOTE} are kept, shorten it"])
+    return note
+
+
+def cut_note(text: str) -> str:
+    """Return a note or reason as one line, cut to what is kept."""
+    return one_line(text)[:MAX_NOTE]
+
+
+def checked_who(who: str) -> str:
+    """Return a name as one line, cut to what is shown."""
+    return one_line(who)[:MAX_WHO]

@@ -1,0 +1,158 @@
+"""Zones: each has a group of scheduled events, the current one, and its run (docs/organiser.md, "schedule.yaml")."""
+
+from typing import Dict, Iterable, List, NamedTuple, Optional
+
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.robots import RobotId
+from roah_rsbb.core.runs.all_robots import AllRobotsRun, AllRobotsState
+from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
+from roah_rsbb.core.runs.phases import EndReason
+from roah_rsbb.core.runs.run import Run, RunState
+from roah_rsbb.core.runs.zone_run import ZoneRun
+from roah_rsbb.rulebook.benchmarks import Event, ZonePlan
+from roah_rsbb.wording.suggestions import did_you_mean
+
+NO_RUN = "No run is connected: press connect first"
+
+
+class LastRun(NamedTuple):
+    """What a zone still shows of the run that was left last."""
+
+    end_reason: Optional[EndReason]  # None: it was never started
+    log: str
+    online_data: str
+
+
+class EventKey(NamedTuple):
+    """What identifies an event of a schedule. The rest of it is in the benchmarks file."""
+
+    benchmark: str  # code
+    team: str
+    round: int
+    run: int
+    scheduled: float  # UTC seconds
+
+
+def key_of(event: Event) -> EventKey:
+    """Return the key of an event."""
+    return EventKey(event.benchmark.code, event.team, event.round, event.run, event.scheduled)
+
+
+class ZoneState(NamedTuple):
+    """The saved state of a zone. At most one of the runs' states is there; of modules only with `run`."""
+
+    event: EventKey
+    run: Optional[RunState] = None
+    for_module: Optional[FunctionalityState] = None
+    all_robots: Optional[AllRobotsState] = None
+    last_run: Optional[LastRun] = None
+
+
+class Zone:
+    """One zone. Its schedule is in the order of the scheduled times."""
+
+    def __init__(self, plan: ZonePlan) -> None:
+        self.name = plan.name
+        self.events = plan.events
+        self.index = 0
+        self.run: Optional[ZoneRun] = None
+        self.last_run: Optional[LastRun] = None  # until the zone shows another event
+
+    @property
+    def event(self) -> Event:
+        """The event that the zone is at."""
+        return self.events[self.index]
+
+    @property
+    def at_first(self) -> bool:
+        """Whether there is no previous event."""
+        return self.index == 0
+
+    @property
+    def at_last(self) -> bool:
+        """Whether there is no next event."""
+        return self.index == len(self.events) - 1
+
+    def move(self, by: int) -> None:
+        """Go to another event of the schedule. The last run's log belongs to the event before, so drop it."""
+        self.index += by
+        self.last_run = None
+
+    def saved(self) -> ZoneState:
+        """The state for the journal."""
+        state = ZoneState(key_of(self.event))
+        run = self.run
+        if isinstance(run, AllRobotsRun):
+            return state._replace(all_robots=run.saved())
+        if isinstance(run, Run):
+            for_module = run.saved_for_module() if isinstance(run, FunctionalityRun) else None
+            return state._replace(run=run.saved(), for_module=for_module)
+        return state._replace(last_run=self.last_run)
+
+    def resume_at(self, state: ZoneState) -> bool:
+        """Go to the event that the zone was at before a restart. False: it is no longer in the schedule, and the
+        zone is at the one that follows it."""
+        keys = [key_of(event) for event in self.events]
+        same = [i for i, key in enumerate(keys) if key == state.event]
+        moved_in_time = [i for i, key in enumerate(keys) if key[:-1] == state.event[:-1]]
+        later = [i for i, key in enumerate(keys) if key.scheduled >= state.event.scheduled]
+        found = (same or moved_in_time)[:1]
+        self.index = (found or later or [len(keys) - 1])[0]
+        if found:
+            self.last_run = state.last_run
+        return bool(found)
+
+    def leave(self, auto_next: bool) -> None:
+        """Take out the run, which is closed. After a completed one the zone moves to the next event."""
+        run, self.run = self.run, None
+        assert run is not None, "there is a run to leave"
+        self.last_run = LastRun(run.end_reason, run.log.text, run.online_data.text)
+        if auto_next and run.end_reason is EndReason.COMPLETED and not self.at_last:
+            self.move(1)
+
+
+class Zones(Dict[str, Zone]):
+    """All zones by their names, in the order of the schedule file; and the runs in them."""
+
+    def __init__(self, plans: Iterable[ZonePlan]) -> None:
+        super().__init__((plan.name, Zone(plan)) for plan in plans)
+        self._run_at: Dict[int, Run] = {}  # see `run_at`
+
+    def named(self, name: str) -> Zone:
+        """Return the zone of that name; raises `Refused` with the names that exist."""
+        zone = self.get(name)
+        if zone is None:
+            raise Refused([f"no zone '{name}'{did_you_mean(name, self)}"])
+        return zone
+
+    def run_in(self, name: str) -> ZoneRun:
+        """Return the run in the zone of that name; raises `Refused` if there is no such zone, or no run in it."""
+        run = self.named(name).run
+        if run is None:
+            raise Refused([NO_RUN])
+        return run
+
+    def runs(self) -> List[ZoneRun]:
+        """The runs in the zones."""
+        return [zone.run for zone in self.values() if zone.run is not None]
+
+    def members(self) -> List[Run]:
+        """All runs of single robots. Each has a private channel."""
+        return [member for run in self.runs() for member in run.members()]
+
+    def run_of(self, robot_id: RobotId) -> Optional[Run]:
+        """The run that a robot is in. A robot is in one run at most in the whole box."""
+        return next((run for run in self.members() if run.robot == robot_id), None)
+
+    def run_at(self, port: int) -> Optional[Run]:
+        """The run whose private channel has this port."""
+        run = self._run_at.get(port)
+        if run is None or not self._contains(run):
+            # Each datagram asks. An answer stays true until a zone's run changes, which is seldom.
+            self._run_at = {member.port: member for member in self.members()}
+            run = self._run_at.get(port)
+        return run
+
+    def _contains(self, run: Run) -> bool:
+        whole = self[run.zone].run
+        return whole is run or (whole is not None and run in whole.members())
