@@ -39,7 +39,7 @@ def test_a_run_whose_event_is_gone_is_told(tmp_path):
     driver.executing("tbm")
     driver.kill(config=competition(tbm=["HGTKMH"], fbm=[NAVIGATION]))
     assert driver.run_in("tbm") is None
-    assert any("cannot go on" in text for text in driver.box.warnings(driver.now))
+    assert any("cannot continue" in text for text in driver.box.warnings(driver.now))
 
 
 def test_the_journal_of_another_competition_is_put_aside(tmp_path):
