@@ -29,26 +29,32 @@ RUN = RunName("Home", "HWV-1-2")
 RECORD = RunRecord(RUN.identity, "Home", "HWV", "Alpha", 1, 2, 0.0, 0.0)
 
 
+class _Part:
+    """Takes events for the box or a part of it, and puts down which."""
+
+    def __init__(self, box, name) -> None:
+        self._box = box
+        self._name = name
+
+    def __getattr__(self, method):
+        def event(*arguments):
+            if self._box.refuses:
+                raise Refused(["no such run"] if method == "record_of" else ["first reason", "second reason"])
+            self._box.happened.append((self._name + method, *arguments))
+            return RECORD
+
+        return event
+
+
 class _Box:
-    """Takes events, and puts down which; what the services call is a method of it by that name."""
+    """Its parts put down what the services call."""
 
     def __init__(self) -> None:
         self.happened = []
         self.refuses = False
-
-    def record_of(self, now, name):
-        if self.refuses:
-            raise Refused(["no such run"])
-        self.happened.append(("record_of", now, name))
-        return RECORD
-
-    def __getattr__(self, method):
-        def event(*arguments):
-            if self.refuses:
-                raise Refused(["first reason", "second reason"])
-            self.happened.append((method, *arguments))
-
-        return event
+        self.command = _Part(self, "").command
+        self.scores = _Part(self, "scores.")
+        self.modules = _Part(self, "modules.")
 
 
 class _Loop:
@@ -91,14 +97,14 @@ class TestServices(unittest.TestCase):
                 self.box.happened = []
                 self.assertEqual(self.call(name, Zone, "Home"), [("command", NOW, "Home", name, self.node)])
         for name, kind, request, event in (
-            ("stop_run", StopRun, (RUN.identity,), ("stop_run", NOW, RUN, self.node)),
-            ("stop_run", StopRun, ("",), ("stop_run", NOW, RunName("Home"), self.node)),
-            ("manual_operation_complete", Zone, (), ("manual_operation_complete", NOW, "Home", 0, "", self.node)),
+            ("stop_run", StopRun, (RUN.identity,), ("scores.stop", NOW, RUN, self.node)),
+            ("stop_run", StopRun, ("",), ("scores.stop", NOW, RunName("Home"), self.node)),
+            ("manual_operation_complete", Zone, (), ("modules.complete_operation", NOW, "Home", 0, "", self.node)),
             ("manual_operation_answer", ManualOperationAnswer, (3, "yes"),
-             ("manual_operation_complete", NOW, "Home", 3, "yes", self.node)),
-            ("omf_switches/button", ZoneUInt8, (4,), ("omf_button", NOW, "Home", 4, self.node)),
-            ("omf_switches/damaged", ZoneUInt8, (2,), ("omf_damaged", NOW, "Home", 2, self.node)),
-            ("omf_switches/complete", Zone, (), ("omf_complete", NOW, "Home", self.node)),
+             ("modules.complete_operation", NOW, "Home", 3, "yes", self.node)),
+            ("omf_switches/button", ZoneUInt8, (4,), ("modules.press_switch", NOW, "Home", 4, self.node)),
+            ("omf_switches/damaged", ZoneUInt8, (2,), ("modules.damage_switches", NOW, "Home", 2, self.node)),
+            ("omf_switches/complete", Zone, (), ("modules.complete_switches", NOW, "Home", self.node)),
         ):
             with self.subTest(name):
                 self.box.happened = []
@@ -107,15 +113,17 @@ class TestServices(unittest.TestCase):
     def test_what_a_referee_writes_down_is_on_the_disk_when_the_call_returns(self) -> None:
         named = f"Anna ({self.node})"
         for name, kind, request, event in (
-            ("set_score", ZoneScore, ("Home", Score("G", "d", 2)), ("set_score", NOW, "Home", "G", "d", 2, self.node)),
+            ("set_score", ZoneScore, ("Home", Score("G", "d", 2)),
+             ("scores.mark", NOW, RunName("Home"), Mark("G", "d", 2), self.node)),
             ("score", ScoreMark, (*RUN, "G", "d", 2, False, "note", " Anna "),
-             ("score", NOW, RUN, Mark("G", "d", 2, False, "note"), named)),
+             ("scores.mark", NOW, RUN, Mark("G", "d", 2, False, "note"), named)),
             ("score", ScoreMark, ("Home", "", "G", "d", 0, True, "", ""),
-             ("score", NOW, RunName("Home"), Mark("G", "d", 0, True), self.node)),
+             ("scores.mark", NOW, RunName("Home"), Mark("G", "d", 0, True), self.node)),
             ("score/withdraw", ScoreWithdraw, (*RUN, 7, "why", "Anna"),
-             ("withdraw_score", NOW, RUN, 7, named, "why")),
-            ("stop_reason", StopReason, (*RUN, 2, "fire", "Anna"), ("give_stop_reason", NOW, RUN, "fire", named, 2)),
-            ("sign_off", SignOff, (*RUN, "Anna"), ("sign_off", NOW, RUN, named)),
+             ("scores.withdraw", NOW, RUN, 7, named, "why")),
+            ("stop_reason", StopReason, (*RUN, 2, "fire", "Anna"),
+             ("scores.give_stop_reason", NOW, RUN, "fire", named, 2)),
+            ("sign_off", SignOff, (*RUN, "Anna"), ("scores.sign_off", NOW, RUN, named)),
         ):
             with self.subTest(name):
                 self.box.happened = []
@@ -135,7 +143,7 @@ class TestServices(unittest.TestCase):
         rospy.wait_for_service("/core/run_sheet", 30)
         sheet = rospy.ServiceProxy("/core/run_sheet", GetRunSheet)(*RUN).sheet
         self.assertEqual((sheet.summary.identity, sheet.summary.run), (RUN.identity, 2))
-        self.assertEqual(self.box.happened, [("record_of", NOW, RUN)])
+        self.assertEqual(self.box.happened, [("scores.record_of", NOW, RUN)])
         self.box.refuses = True
         with self.assertRaisesRegex(rospy.ServiceException, "no such run"):
             self.call("run_sheet", GetRunSheet, *RUN)

@@ -8,7 +8,7 @@ from typing import Iterator, List
 from fuzzing.frames import KEY
 from fuzzing.reader import Reader
 from fuzzing.target import Step, Target
-from helpers.box_driver import BoxDriver
+from helpers.box_driver import BoxDriver, beacon_bytes
 from helpers.competition import competition, event
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher
@@ -54,7 +54,7 @@ class ForgetfulDriver(BoxDriver):
         box = self.box
         zones = {name: _again(ZoneState, box.zones[name].saved()) for name in box.zones}
         saved = Saved(self.now.utc, _again(BoxSaved, box.saved()), zones)
-        self.box = Box(self.config, self.settings, box._beacon_size, max(self.channels, default=None))
+        self.box = Box(self.config, self.settings, beacon_bytes, max(self.channels, default=None))
         self._rules.restart()
         self.channels.clear()
         self.event(self.box.resume, saved)

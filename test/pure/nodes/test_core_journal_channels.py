@@ -19,7 +19,7 @@ def box(tmp_path, config):
 
 
 def why_not(driver):
-    return [text for text in driver.box.warnings(driver.now) if "cannot go on" in text]
+    return [text for text in driver.box.warnings(driver.now) if "cannot continue" in text]
 
 
 def test_a_robot_whose_team_has_no_password_any_more(tmp_path):
