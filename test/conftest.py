@@ -19,6 +19,10 @@ def _generate() -> None:
     (package / "__init__.py").touch()
 
 
+def pytest_configure(config):
+    config.addinivalue_line("markers", "random: makes many random inputs; Python 3.8 leaves it to make test-all")
+
+
 sys.path.insert(0, str(ROOT / "src"))
 sys.path.insert(0, str(ROOT / "test" / "pure"))
 _generate()

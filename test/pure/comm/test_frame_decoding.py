@@ -4,17 +4,17 @@ import struct
 
 import pytest
 from google.protobuf import json_format
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers import golden
+from helpers.examples import examples
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import BadDatagram, Reason
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 KEY = Key(golden.PASSWORD)
-REPEATABLE = {"deadline": None, "database": None, "derandomize": True}
 FRAMES = [record for record in golden.load("frames") if record["channel"] == "public" or record["password"]]
 
 # The recorded datagrams that kill or disturb the original, and what they are here.
@@ -254,15 +254,15 @@ def test_bit_flips_in_the_protobuf_of_a_beacon():
         decode_or_bad(plain(bytes(flipped), pb.RoahRsbbBeacon))
 
 
+@examples(200)
 @given(st.binary(max_size=300))
-@settings(max_examples=200, **REPEATABLE)
 def test_random_bytes(datagram):
     decode_or_bad(datagram)
 
 
+@examples(300)
 @given(st.sampled_from(frame.PUBLIC_TYPES + frame.PRIVATE_TYPES), st.binary(max_size=200),
        st.sampled_from(list(Cipher)))
-@settings(max_examples=300, **REPEATABLE)
 def test_random_protobufs(kind, protobuf, cipher):
     payload = struct.pack(">HH", kind.COMP_ID, kind.MSG_TYPE) + protobuf
     body = payload if cipher is Cipher.NONE else KEY.encrypt(cipher, payload)

@@ -33,13 +33,13 @@ def test_encodes_the_originals_bytes(record):
     assert frame.encoded_size(message, cipher) == len(expected)
 
 
-@pytest.mark.parametrize("size", range(20))
 @pytest.mark.parametrize("cipher", list(Cipher), ids=lambda c: c.label)
-def test_encoded_size_is_that_of_the_datagram(size, cipher):
+def test_encoded_size_is_that_of_the_datagram(cipher):
     state = pb.RobotState()
     state.CopyFrom(ROBOT_STATE)
-    state.generic_result = "x" * size
-    assert frame.encoded_size(state, cipher) == len(frame.encode(state, cipher, Key("PASSWORD")))
+    for size in range(17):  # each remainder of a cipher's block
+        state.generic_result = "x" * size
+        assert frame.encoded_size(state, cipher) == len(frame.encode(state, cipher, Key("PASSWORD"))), size
 
 
 def test_refuses_what_is_no_datagram_of_its_own():

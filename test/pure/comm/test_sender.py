@@ -2,9 +2,10 @@
 
 import math
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
+from helpers.examples import examples
 from roah_rsbb.comm.sender import StateSender
 
 
@@ -91,8 +92,8 @@ def test_a_suspended_computer_catches_up_on_nothing():
     assert sends(sender, 3605.0, start=3600.0) == [3600000, 3601000, 3602000, 3603000, 3604000, 3605000]
 
 
+@examples()
 @given(st.lists(st.tuples(st.floats(0, 2), st.sampled_from(["due", "due", "changed", "reply"])), max_size=60))
-@settings(deadline=None, database=None, derandomize=True)
 def test_after_a_send_the_next_deadline_is_later(steps):
     sender, now = StateSender(), 0.0
     for wait, step in steps:

@@ -5,10 +5,12 @@ import itertools
 import operator
 import random
 
-import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import TEAMS, competition, event
+from helpers.examples import examples
 from helpers.linked_world import FakeLink, World, assert_legal
 from roah_rsbb.core import effects
 from roah_rsbb.core.commands import COMMANDS
@@ -21,12 +23,6 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.machine import IllegalEvent
-
-hypothesis = pytest.importorskip("hypothesis")
-given, st = hypothesis.given, hypothesis.strategies
-
-few = hypothesis.settings(max_examples=25, deadline=None, derandomize=True, print_blob=False)
-many = hypothesis.settings(max_examples=150, deadline=None, derandomize=True, print_blob=False)
 
 ZONES = ("a", "b", "c", "all")
 INT64 = st.integers(-(2**63), 2**63 - 1)
@@ -131,7 +127,7 @@ def _check_records(driver, told):
         assert record == told[record.identity]
 
 
-@many
+@examples(150)
 @given(st.lists(_events(), max_size=60))
 def test_no_order_of_events_breaks_the_box(sequence):
     """Nothing but a refusal is raised; the rules of effects hold (the driver sees to that)."""
@@ -158,7 +154,7 @@ def test_no_order_of_events_breaks_the_box(sequence):
         assert views.status(driver.box, driver.now)
 
 
-@many
+@examples(150)
 @given(st.data())
 def test_what_is_off_is_refused_and_what_is_on_is_not(data):
     """A button and its command never disagree, wherever a run is."""
@@ -183,7 +179,7 @@ def test_what_is_off_is_refused_and_what_is_on_is_not(data):
             assert refused.reasons == off
 
 
-@many
+@examples(150)
 @given(st.lists(st.tuples(st.floats(0.0, 2.4), st.integers(-(2**80), 2**80)), max_size=40))
 def test_a_timeline_that_is_not_quiet_only_ever_rises(messages):
     timeline = Timeline()
@@ -205,7 +201,7 @@ LINK = st.fixed_dictionaries({
 })
 
 
-@few
+@examples(25)
 @given(
     LINK, st.integers(0, 2**32), st.sampled_from(["HGTKMH", "HWV", "HCFGAC"]), st.floats(0.01, 3), st.floats(0.01, 9)
 )
@@ -220,7 +216,7 @@ def test_every_benchmark_completes_on_every_link(link, seed, code, prepare_s, ex
     assert_legal(world, port, robot)
 
 
-@few
+@examples(25)
 @given(LINK, st.integers(0, 2**32), st.lists(st.tuples(
     st.sampled_from(["notifications", "activation_event", "visitor", "final_command"]),
     st.sampled_from(["a", "b", "c" * 300]), st.sampled_from([0.0, 0.05, 1.0]),
@@ -244,7 +240,7 @@ def test_every_string_is_logged_exactly_once_and_in_order_on_every_link(link, se
         assert world.box.logged(port, topic) == [text for known, text, _ in said if known == field]
 
 
-@few
+@examples(25)
 @given(LINK, st.integers(0, 2**32), st.lists(
     st.tuples(st.sampled_from(["start", "stop", "disconnect", "connect", "crash", "end_execute", "set clock"]),
               st.floats(0.0, 4.0)),

@@ -1,18 +1,15 @@
 """A report has only those runs looked at that it concerns: nothing may be different, or later, because of that."""
 
-import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
+from helpers.examples import examples
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import RobotState
-
-hypothesis = pytest.importorskip("hypothesis")
-given, st = hypothesis.given, hypothesis.strategies
-
-many = hypothesis.settings(max_examples=150, deadline=None, derandomize=True, print_blob=False)
 
 ROBOTS = (("Alpha", "r1"), ("Beta", "r1"), ("Gamma", "r1"))
 ZONES = ("a", "b", "all")
@@ -77,7 +74,7 @@ class _Side:
                 robot.send(robot.report(state, messages_saved=saved))
 
 
-@many
+@examples(150)
 @given(st.lists(ACTS, max_size=60), st.sampled_from([("a", "b"), ("all",)]))
 def test_the_box_does_the_same_as_one_that_looks_at_all_runs_each_time(acts, begun):
     sides = [_Side(looks_at_all=False), _Side(looks_at_all=True)]

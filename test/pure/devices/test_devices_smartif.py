@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from helpers.examples import examples
 from roah_rsbb.devices.smartif import (
     FROM_CONTROLLER,
     MAX_STRING,
@@ -46,6 +47,7 @@ def test_messages_are_these_bytes(message, data):
     assert Decoder(TO_CONTROLLER if isinstance(message, Set) else FROM_CONTROLLER).feed(data) == [message]
 
 
+@examples()
 @given(st.lists(HEARD, max_size=6), st.lists(st.integers(0, 2000), max_size=8))
 def test_pieces_of_any_size_make_the_same_messages(messages, cuts):
     decoder = Decoder(FROM_CONTROLLER)
@@ -54,6 +56,7 @@ def test_pieces_of_any_size_make_the_same_messages(messages, cuts):
     assert decoder.pending == 0
 
 
+@examples()
 @given(st.lists(SAID, max_size=6), st.lists(st.integers(0, 2000), max_size=8))
 def test_so_it_is_at_the_controllers_end(messages, cuts):
     decoder = Decoder(TO_CONTROLLER)
@@ -61,6 +64,7 @@ def test_so_it_is_at_the_controllers_end(messages, cuts):
     assert [m for piece in pieces(data, cuts) for m in decoder.feed(piece)] == messages
 
 
+@examples()
 @given(st.binary(max_size=4000), st.lists(st.integers(0, 4000), max_size=8))
 def test_any_bytes_are_messages_or_garbage_and_nothing_grows(data, cuts):
     decoder = Decoder(FROM_CONTROLLER)
@@ -72,6 +76,7 @@ def test_any_bytes_are_messages_or_garbage_and_nothing_grows(data, cuts):
         assert decoder.pending <= 2 * MAX_STRING + 8 + len(piece)
 
 
+@examples()
 @given(HEARD, st.integers(1, 200))
 def test_a_part_of_a_message_is_none_and_is_waited_for(message, missing):
     data = encode(message)
@@ -82,6 +87,7 @@ def test_a_part_of_a_message_is_none_and_is_waited_for(message, missing):
     assert decoder.feed(data[cut:]) == [message]
 
 
+@examples()
 @given(st.lists(HEARD, max_size=4), st.binary(max_size=50))
 def test_what_came_before_garbage_counts(messages, more):
     decoder = Decoder(FROM_CONTROLLER)

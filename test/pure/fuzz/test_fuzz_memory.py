@@ -4,6 +4,8 @@ import contextlib
 import gc
 import tracemalloc
 
+import pytest
+
 from fuzzing.core import CODES, HOSTS, Play
 from roah_rsbb.core.messages import RobotReport, TabletState
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, ScoreValue
@@ -64,6 +66,7 @@ def _held_after(driver, rounds):
     return tracemalloc.get_traced_memory()[0]
 
 
+@pytest.mark.random
 def test_a_box_holds_no_more_after_many_rounds_than_after_a_few():
     driver = Play(b"").driver
     tracemalloc.start()

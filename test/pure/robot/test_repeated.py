@@ -78,7 +78,7 @@ def _run(rng, sender, plan, loss, doubled, reordered, rounds):
 @pytest.mark.parametrize("loss, doubled, reordered", [
     (0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.0, 0.5, 0.0), (0.0, 0.0, 1.0), (0.4, 0.4, 0.7), (0.7, 0.2, 0.5),
 ])
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(5))
 def test_each_string_is_logged_as_often_and_in_the_order_it_was_sent(loss, doubled, reordered, seed):
     rng = random.Random(f"{seed}/{loss}/{doubled}/{reordered}")
     # Few different texts, so that twins are frequent; a budget that holds about three of them.

@@ -5,20 +5,14 @@ import random
 import re
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers.config_files import NAMES, TEXTS, ConfigDir
+from helpers.examples import examples
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 
-REPEATABLE = {
-    "deadline": None,
-    "database": None,
-    "derandomize": True,
-    # Ubuntu 20.04's hypothesis has no such check.
-    "suppress_health_check": [check for check in HealthCheck if check.name == "function_scoped_fixture"],
-}
 PASSWORDS = re.findall(r"^\w+: (\w+)$", TEXTS["passwords"], re.MULTILINE)
 
 # What typing errors are made of, and what YAML is easily upset by.
@@ -83,7 +77,7 @@ def check(files: ConfigDir, **texts: object) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=60, **REPEATABLE)
+@examples(60)
 @given(rng=st.integers(0, 2**32 - 1).map(random.Random), slips=st.integers(1, 4))
 def test_slips_in_a_shipped_file(files, name, rng, slips):
     text = TEXTS[name]
@@ -92,7 +86,7 @@ def test_slips_in_a_shipped_file(files, name, rng, slips):
     check(files, **{name: text})
 
 
-@settings(max_examples=100, **REPEATABLE)
+@examples(100)
 @given(data=st.one_of(st.binary(), st.lists(st.sampled_from(SNIPPETS + ["a", "name: x\n"])).map("".join)))
 def test_anything(files, data):
     check(files, benchmarks=data, schedule=data, passwords=data)

@@ -2,18 +2,16 @@
 
 import random
 
-import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from helpers.competition import competition, event
+from helpers.examples import examples
 from helpers.linked_world import FakeLink, World, assert_legal
 from helpers.module_player import BEAT_S, ScriptedModules
 from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind
 from roah_rsbb.core.runs.phases import EndReason, Phase
 from roah_rsbb.core.settings import Settings
-
-hypothesis = pytest.importorskip("hypothesis")
-given, st = hypothesis.given, hypothesis.strategies
-few = hypothesis.settings(max_examples=25, deadline=None, derandomize=True, print_blob=False)
 
 WAYPOINTS = [(RequestKind.GOAL, {"goal": f"[{i}, 0, 0]", "pose": (float(i), 0.0, 0.0)}) for i in range(3)]
 NO_GOALS = [(RequestKind.GOAL, {}), (RequestKind.NOTE, {"note": "1"}), (RequestKind.GOAL, {})]
@@ -56,7 +54,7 @@ def completed(world):
     return world.run_until(lambda: world.box.run_in().phase is Phase.ENDED, 590)
 
 
-@few
+@examples(25)
 @given(LINK, st.integers(0, 2**32), st.sampled_from(["HNF", "HOPF"]), st.floats(0.01, 2), st.floats(0.01, 6))
 def test_every_goal_is_done_once_on_every_link(link, seed, code, prepare_s, execute_s):
     script = WAYPOINTS if code == "HNF" else NO_GOALS
@@ -73,7 +71,7 @@ def test_every_goal_is_done_once_on_every_link(link, seed, code, prepare_s, exec
     assert_legal(world, port, robot, explicit_goal=code == "HNF")
 
 
-@few
+@examples(25)
 @given(st.integers(0, 2**32), st.lists(st.tuples(st.floats(0.1, 8), st.floats(0.1, 10)), min_size=1, max_size=4))
 def test_a_run_survives_modules_that_crash_again_and_again(seed, crashes):
     world, modules, _ = world_of("HNF", WAYPOINTS, FakeLink(random.Random(seed)))

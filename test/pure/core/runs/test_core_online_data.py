@@ -1,7 +1,5 @@
 """Repeated strings, and texts for panels."""
 
-import itertools
-
 import pytest
 
 from roah_rsbb.core.runs.online_data import DisplayText, RepeatedStrings
@@ -26,15 +24,6 @@ def test_a_text_twice_in_one_message_is_one():
 
 def test_strings_keep_their_order():
     assert _received(["c", "a", "b"]) == [["c", "a", "b"]]
-
-
-@pytest.mark.parametrize("messages", itertools.product([(), ("a",), ("b",), ("a", "b"), ("b", "a")], repeat=3))
-def test_the_rule_for_all_short_sequences(messages):
-    """A text is logged in a message if, and only if, it is not in the message before."""
-    before = [(), *messages]
-    assert _received(*messages) == [
-        [text for text in message if text not in last] for last, message in zip(before, messages)
-    ]
 
 
 def test_no_more_is_remembered_than_one_message_holds():
