@@ -1,11 +1,12 @@
 """A small box on real loopback sockets, for the tests of robots: one robot, one run, goals in a row."""
 
 import asyncio
+import contextlib
 import itertools
-import os
-import socket
 from collections import defaultdict
+from typing import Iterator
 
+from helpers import slots
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -17,23 +18,20 @@ TEAM, NAME, PASSWORD = "Team", "Robot", "PASSWORD"
 TIMEOUT_S = 20.0
 TICK_S = 0.02
 
-_bases = itertools.count(31000 + os.getpid() % 400 * 20, 5)
+# The ports of one slot, five at a time; the slot is this process's until it ends.
+_slot = contextlib.ExitStack()
+_bases: Iterator[int] = iter(())
 
 
-def free_ports():
-    """A public port, with some above it for private channels, that nobody on this machine uses."""
-    for base in _bases:
-        probes = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(3)]
-        try:
-            for number, probe in enumerate(probes):
-                probe.bind(("", base + number))
-            return base
-        except OSError:
-            continue
-        finally:
-            for probe in probes:
-                probe.close()
-    raise AssertionError("counting does not end")
+def free_ports() -> int:
+    """A public port, with four above it for private channels, that nobody on this machine uses."""
+    global _bases
+    first = next(_bases, None)
+    if first is None:
+        start = slots.first_port(_slot.enter_context(slots.free_slot()))
+        _bases = itertools.cycle(range(start, start + slots.PORTS_OF_A_SLOT - 5, 5))
+        first = next(_bases)
+    return first
 
 
 class SmallBox:

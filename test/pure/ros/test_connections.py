@@ -137,9 +137,12 @@ def api():
     node = rosgraph.xmlrpc.XmlRpcNode(0, api)
     node.start()
     assert api.ready.wait(TIMEOUT_S)
-    api.port = node.port
+    api.port, server = node.port, node.server
     yield api
-    node.shutdown("the test is over")
+    # node.shutdown() only closes the socket, on which the server's thread then spins until the process ends.
+    node.is_shutdown = True
+    server.shutdown()
+    server.server_close()
 
 
 CALL = (b"<?xml version='1.0'?><methodCall><methodName>shutdown</methodName><params>"

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from helpers import slots
 from helpers.config_files import SHIPPED
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.comm.passwords import read_passwords
@@ -92,8 +93,9 @@ def test_where_no_robots_network_is_there_is_nothing_to_close(host):
 
 @pytest.fixture
 def port():
-    """A port with free ones above it, on an address of its own."""
-    return 23456
+    """A port with free ones above it. Another run of these tests on this machine has other ones."""
+    with slots.free_slot() as slot:
+        yield slots.first_port(slot)
 
 
 HOST = "127.0.77.1"

@@ -1,0 +1,34 @@
+"""Ranges of UDP ports for tests, so that several runs on one machine do not disturb each other.
+
+A slot is a hundred ports. Whoever uses a slot holds its last port.
+"""
+
+import contextlib
+import errno
+import socket
+from typing import Iterator
+
+# The ports end at 32099. Linux assigns ports from 32768 on by itself.
+SLOTS = range(1, 121)
+FIRST_PORT, PORTS_OF_A_SLOT = 20000, 100
+
+
+def first_port(slot: int) -> int:
+    """The first port of a slot."""
+    return FIRST_PORT + PORTS_OF_A_SLOT * slot
+
+
+@contextlib.contextmanager
+def free_slot() -> Iterator[int]:
+    """Hold a slot that nobody else on this machine uses."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as holder:
+        for slot in SLOTS:
+            try:
+                holder.bind(("127.0.0.1", first_port(slot + 1) - 1))
+            except OSError as error:
+                if error.errno != errno.EADDRINUSE:
+                    raise
+            else:
+                yield slot
+                return
+        raise RuntimeError("no slot is free: are other tests still running?")
