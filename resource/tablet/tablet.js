@@ -1,9 +1,9 @@
-// The tablet's page: shows what the tablet's node says, and tells it what was touched. It decides nothing.
+// The tablet's page: shows the messages of the tablet's node and sends it every touch. The node decides.
 "use strict";
 
 const HERE_PERIOD_MS = 2000;
 const RECONNECT_MS = 1000;
-// The node says something each second.
+// The node sends a message each second.
 const NODE_SILENT_MS = 4000;
 const KEY_STEP = 0.02;
 const REFUSED_MS = 5000;
@@ -14,11 +14,11 @@ for (const id of ["call-view", "call", "map-view", "frame", "sheet", "map", "no-
 }
 
 let connection = null;
-let told = null;  // the last message of the node
+let told = null;  // the node's last message
 let toldAt = -Infinity;
 let refused = "";
 let refusedAt = -Infinity;
-let cross = null;  // of the keyboard
+let cross = null;  // position selected with the keyboard
 let severalFingers = false;
 
 function connect() {
@@ -55,7 +55,7 @@ function receive(message) {
 }
 
 function watch() {
-  // Whoever went out of reach says nothing, and the browser notices only after minutes.
+  // A lost connection sends nothing, and the browser notices it only after minutes.
   if (connection && connection.readyState === WebSocket.OPEN && performance.now() - toldAt > NODE_SILENT_MS) {
     connection.close();
     connection.onclose();
@@ -156,7 +156,7 @@ function putAt(element, point) {
 }
 
 function set(element, text) {
-  if (element.textContent !== text) {  // else screen readers read it each second
+  if (element.textContent !== text) {  // otherwise screen readers read it each second
     element.textContent = text;
   }
 }
@@ -169,7 +169,7 @@ function fraction(at, start, size) {
 
 parts.call.addEventListener("click", () => touch({do: "call"}));
 
-// Where the finger goes up: whoever slides to the right place means that one. Two fingers mean to zoom, and no place.
+// Select the position where the finger is lifted, so that users can slide to it. Two fingers zoom and select nothing.
 parts.sheet.addEventListener("pointerdown", (event) => {
   severalFingers = !event.isPrimary;
 });
@@ -196,7 +196,7 @@ parts.sheet.addEventListener("keydown", (event) => {
 });
 
 document.addEventListener("contextmenu", (event) => event.preventDefault());
-// Safari on iOS zooms by two fingers whatever the page says.
+// Without this, Safari on iOS zooms with two fingers.
 document.addEventListener("gesturestart", (event) => event.preventDefault());
 window.addEventListener("resize", show);
 setInterval(() => say({do: "here"}), HERE_PERIOD_MS);
