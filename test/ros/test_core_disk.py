@@ -6,10 +6,16 @@ import pathlib
 import shutil
 import sys
 import tempfile
+from typing import List
 
+import rospy
 from box_case import main
+from box_client import Refusal
 from own_core import OwnCoreCase
 from robots import Robot
+from waiting import happened, wait_until
+
+from roah_rsbb.msg import Unsaved
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "pure"))
 from helpers.small_disk import CannotMount, SmallDisk
@@ -32,10 +38,13 @@ class DiskCase(OwnCoreCase):
         except (CannotMount, OSError) as error:
             self.skipTest(f"no file system can be mounted here: {error}")
         self.log_dir = self.disk.path / "logs"
+        subscriber = rospy.Subscriber("/core/unsaved", Unsaved, self.on_unsaved)
+        self.addCleanup(subscriber.unregister)
         return self.disk
 
     def start(self) -> None:
         """Start the core, with its log_dir on the disk."""
+        self.unsaved = None
         self.start_core(pathlib.Path(self.disk.mount_point) / "logs", self.disk.inside)
 
     def running(self) -> Robot:
@@ -47,6 +56,23 @@ class DiskCase(OwnCoreCase):
         log_file = self.box.wait_details(ZONE, lambda d: d.log_file, "the run has a log")
         self.path = self.log_dir / os.path.basename(log_file)
         return robot
+
+    def score_without_disk(self) -> str:
+        """A score that counts, although it cannot be saved; returns what the referee reads."""
+        with self.assertRaises(Refusal) as refused:
+            self.box.set_score(ZONE, GROUP, DOOR, 1)
+        wait_until(lambda: (GROUP, DOOR, "bool", 1) in self.box.scores(ZONE), "the score counts")
+        self.wait_unsaved([1])
+        return str(refused.exception)
+
+    def wait_unsaved(self, entries: List[int]) -> None:
+        """Wait until panels are told that these entries of the run's history are not saved."""
+        wait_until(lambda: self.unsaved and [n for run in self.unsaved.runs for n in run.entries] == entries,
+                   lambda: f"{entries} are not saved; told was\n{self.unsaved}")
+
+    def on_unsaved(self, unsaved: Unsaved) -> None:
+        self.unsaved = unsaved
+        happened()
 
     def say(self, robot: Robot, *sayings: str) -> None:
         """The robot says something, and the box has it."""
@@ -84,12 +110,14 @@ class TestDisk(DiskCase):
         robot = self.running()
         self.say(robot, "there is room")
         disk.fill()
-        self.box.set_score(ZONE, GROUP, DOOR, 1)
-        self.assertIn("free or mend the disk", self.wait_warned(JOURNAL))
+        self.assertIn("not saved: the disk is full", self.score_without_disk())
+        self.assertIn("Free or repair the disk", self.wait_warned(JOURNAL))
+        self.wait_unsaved([1])
         self.say(robot, *MUCH)
         self.assertIn("free space on the disk", self.wait_warned(LOG))
         self.to_the_end(robot, "there is none")
         disk.free()
+        self.wait_unsaved([])
         self.assert_all_is_written("there is room", *MUCH, "there is none")
 
     def test_a_disk_that_is_read_only_at_first(self) -> None:
@@ -100,7 +128,7 @@ class TestDisk(DiskCase):
         robot = self.running()
         self.wait_warned(JOURNAL)
         self.wait_warned(LOG)
-        self.box.set_score(ZONE, GROUP, DOOR, 1)
+        self.assertIn("not saved: ", self.score_without_disk())
         self.to_the_end(robot, "nowhere")
         disk.make_writable()
         self.assert_all_is_written("nowhere")
@@ -122,7 +150,7 @@ class TestDisk(DiskCase):
         robot = self.running()
         disk.fail()
         self.wait_warned(JOURNAL)
-        self.box.set_score(ZONE, GROUP, DOOR, 1)
+        self.assertIn("not saved: ", self.score_without_disk())
         self.wait_warned(LOG)
         self.to_the_end(robot, "into the void")
         self.box.wait_zone(ZONE, lambda z: z.connect_enabled, "the zone can go on")

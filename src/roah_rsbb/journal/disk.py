@@ -1,53 +1,90 @@
 """Brings what was written to the journal onto the disk, in a thread of its own.
 
-SQLite hands what is committed to the system, where it survives this process, but not a power cut. This thread
-forces it to the disk within `GROUP_S`, many commits at once, and now and then moves the write-ahead log into the
-database (a checkpoint). Nobody who waits for a datagram waits for a disk.
+SQLite hands what is committed to the system, where it survives this process, but not a power cut. This thread forces
+it to the disk within `GROUP_S`, many commits at once. It also moves the write-ahead log into the database (a
+checkpoint), so that the log stays small and the database is nearly complete by itself. The loop never waits for it.
+
+An fsync that failed once proves nothing when it succeeds later: Linux forgets the pages that it could not write.
+Therefore, after a failure the data counts as saved only when a checkpoint has written all of it to the database.
 """
 
 import os
 import sqlite3
 import threading
-from typing import Callable
+import time
+from typing import Callable, Optional
 
-# Commits of so many seconds go to the disk together: half of what a power cut may take (docs/architecture.md, "First
-# written, then done").
+# Commits of so many seconds go to the disk together: half of what a power cut may take (architecture, rule 5).
 GROUP_S = 0.05
-# After so many commits the write-ahead log is moved into the database.
-CHECKPOINT_COMMITS = 500
+# The write-ahead log is moved into the database when it is this large, or this old.
+CHECKPOINT_BYTES = 1_000_000
+CHECKPOINT_S = 30.0
+CHECKPOINT_PAUSE_S = 1.0
+# What failed is tried again after this long.
+RETRY_S = 0.5
 BUSY_TIMEOUT_S = 1.0
 
 
 class Disk:
-    """Syncs one journal. All methods may be called from any thread."""
+    """Syncs one journal. All methods may be called from any thread.
 
-    def __init__(self, path: str, on_problem: Callable[[str], None]) -> None:
-        """`on_problem` is called from the thread with what keeps data from the disk; empty: it works again."""
+    Tickets are rising numbers that the writer gives to what it commits.
+    """
+
+    def __init__(self, path: str, has_log: bool, on_problem: Callable[[str], None]) -> None:
+        """`has_log`: whether the file has a write-ahead log; without one SQLite syncs each commit itself.
+
+        `on_problem` is called from the thread with what keeps data from the disk; empty: it works again.
+        """
         self._path = path
+        self._has_log = has_log
         self._on_problem = on_problem
         self._problem = ""
         self._changed = threading.Condition()
-        self._written = 0
+        self._written = 0  # newest ticket
         self._synced = 0
-        self._checkpointed = 0
+        self._commits = 0
+        self._waits_since: Optional[float] = None  # monotonic time (s) of the oldest commit that is not synced yet
         self._hurry = False
+        self._checkpoint_wanted = False
         self._ended = False
+        self._checkpointed_mono = time.monotonic()
+        self._must_rewrite = False
+        self._directory_synced = False
         self._thread = threading.Thread(target=self._work, name="journal", daemon=True)
         self._thread.start()
 
-    def written(self) -> None:
-        """Something was committed."""
+    def written(self, ticket: int, checkpoint: bool = False) -> None:
+        """Everything up to this ticket was committed. `checkpoint`: it is to be in the database itself soon."""
         with self._changed:
-            self._written += 1
+            if self._waits_since is None:
+                self._waits_since = time.monotonic()
+            self._commits += 1
+            self._written = max(ticket, self._written)
+            self._checkpoint_wanted = self._checkpoint_wanted or checkpoint
             self._changed.notify_all()
 
-    def wait(self, timeout: float) -> bool:
-        """Wait until all that was committed before is on the disk, at most `timeout` seconds; False: it is not."""
+    @property
+    def synced(self) -> int:
+        """The newest ticket that is on the disk."""
+        return self._synced
+
+    @property
+    def problem(self) -> str:
+        """What kept data from the disk at the last attempt; empty: nothing."""
+        return self._problem
+
+    def waiting_s(self) -> float:
+        """How long the oldest commit has been waiting for the disk."""
         with self._changed:
-            target = self._written
+            return 0.0 if self._waits_since is None else time.monotonic() - self._waits_since
+
+    def wait(self, ticket: int, timeout: float) -> bool:
+        """Wait until what has this ticket is on the disk, at most `timeout` seconds; False: it is not."""
+        with self._changed:
             self._hurry = True
             self._changed.notify_all()
-            return self._changed.wait_for(lambda: self._synced >= target, timeout)
+            return self._changed.wait_for(lambda: self._synced >= ticket, timeout)
 
     def end(self) -> None:
         """Sync what is left, and end the thread."""
@@ -62,45 +99,78 @@ class Disk:
         ended = False
         while not ended:
             with self._changed:
-                self._changed.wait_for(lambda: self._ended or self._written > self._synced)
-                self._changed.wait_for(lambda: self._ended or self._hurry, GROUP_S)
+                self._changed.wait_for(lambda: self._ended or self._waits_since is not None)
+                self._changed.wait_for(lambda: self._ended or self._hurry, RETRY_S if self._problem else GROUP_S)
                 self._hurry = False
-                target, ended = self._written, self._ended
-            if target > self._synced:
-                self._sync(target)
+                waits, ended = self._waits_since is not None, self._ended
+            if waits:
+                self._sync()
 
-    def _sync(self, target: int) -> None:
-        problem = self._force(target)
+    def _sync(self) -> None:
         with self._changed:
-            if not problem:
+            target, commits, began = self._written, self._commits, time.monotonic()
+        problem = self._problem_of(self._force)
+        if not problem:
+            with self._changed:
                 self._synced = target
-            self._changed.notify_all()
+                # What was committed after the beginning may have missed this sync.
+                self._waits_since = began if self._commits > commits else None
+                self._changed.notify_all()
+            # Who waits for the sync must not wait for this, too.
+            problem = self._problem_of(self._checkpoint_if_due)
         if problem != self._problem:
             self._problem = problem
             self._on_problem(problem)
 
-    def _force(self, target: int) -> str:
-        """What keeps the data from the disk; empty: nothing.
-
-        Only the write-ahead log is opened here: to close the database itself would give up SQLite's locks on it.
-        """
+    def _problem_of(self, step: Callable[[], None]) -> str:
         try:
-            fd = os.open(f"{self._path}-wal", os.O_RDONLY)
-            try:
-                os.fsync(fd)
-            finally:
-                os.close(fd)
-            if target - self._checkpointed >= CHECKPOINT_COMMITS:
-                self._checkpointed = target
-                self._checkpoint()
+            step()
         except (OSError, sqlite3.Error) as error:
+            self._must_rewrite = True
             return str(error)
         return ""
 
-    def _checkpoint(self) -> None:
+    def _force(self) -> None:
+        """Bring everything that was committed onto the disk. Raises OSError or sqlite3.Error."""
+        if not self._has_log:
+            return
+        if self._must_rewrite:
+            self._checkpoint()
+            self._must_rewrite = False
+            return
+        # Only the write-ahead log is opened: closing the database itself would release SQLite's locks on it.
+        _sync_path(f"{self._path}-wal")
+        if not self._directory_synced:
+            _sync_path(os.path.dirname(self._path) or ".")
+            self._directory_synced = True
+
+    def _checkpoint_if_due(self) -> None:
+        if not self._has_log:
+            return
+        with self._changed:
+            wanted, self._checkpoint_wanted = self._checkpoint_wanted, False
+        age = time.monotonic() - self._checkpointed_mono
+        is_large = age >= CHECKPOINT_PAUSE_S and os.stat(f"{self._path}-wal").st_size >= CHECKPOINT_BYTES
+        if wanted or is_large or age >= CHECKPOINT_S:
+            self._checkpoint(must_be_whole=False)
+
+    def _checkpoint(self, must_be_whole: bool = True) -> None:
+        """Move the write-ahead log into the database. The writer does not wait for this: the next transaction after a
+        whole checkpoint begins the log again and shortens its file."""
+        self._checkpointed_mono = time.monotonic()
         connection = sqlite3.connect(self._path, timeout=BUSY_TIMEOUT_S, isolation_level=None)
         try:
             connection.execute("PRAGMA synchronous = FULL")
-            connection.execute("PRAGMA wal_checkpoint(PASSIVE)")
+            _, in_log, moved = connection.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()
         finally:
             connection.close()
+        if must_be_whole and moved < in_log:
+            raise sqlite3.OperationalError(f"{in_log - moved} pages could not be moved into the database yet")
+
+
+def _sync_path(path: str) -> None:
+    fd = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(fd)
+    finally:
+        os.close(fd)

@@ -114,6 +114,11 @@ def open_file(path: str, competition: str, resume: Resume, launch: str) -> File:
     return File(connection, tuple(warnings))
 
 
+def has_log(connection: sqlite3.Connection) -> bool:
+    """Whether the journal has a write-ahead log; some file systems cannot have one."""
+    return connection.execute("PRAGMA journal_mode").fetchone()[0] == "wal"
+
+
 def is_readable(connection: sqlite3.Connection) -> bool:
     """Whether the tables are those of this version, also before `prepare`."""
     return (_number(connection, "application_id"), _number(connection, "user_version")) == (
@@ -170,6 +175,7 @@ def _connect_as(path: str, address: str) -> sqlite3.Connection:
         # Another thread syncs (see `disk`); a file system without a write-ahead log has each commit wait.
         connection.execute(f"PRAGMA synchronous = {'OFF' if mode == 'wal' else 'FULL'}")
         connection.execute("PRAGMA wal_autocheckpoint = 0")
+        connection.execute("PRAGMA journal_size_limit = 0")  # the log shrinks when it begins again
     except sqlite3.Error:
         connection.close()
         raise

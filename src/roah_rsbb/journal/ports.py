@@ -1,12 +1,14 @@
 """The record of used private ports: none is given twice in a competition, also across restarts.
 
-A text file in the log directory, one port a line, appended and forced to the disk before the port is used
-(docs/protocol.md, "Channels"). A line that was torn by a power cut names a smaller number or none and does no
-harm, because only the largest counts.
+A text file in the log directory, one port a line, appended before the port is used
+(docs/protocol.md, "Channels"). It then survives the process; a thread forces it to the disk, because a slow disk
+must not stop the box. A line that was torn by a power cut names a smaller number or none and does no harm, because only
+the largest counts.
 """
 
 import os
-from typing import List, Optional, Tuple
+import threading
+from typing import Callable, List, Optional, Tuple
 
 FILE_NAME = "used_private_ports"
 LARGEST_PORT = 65535
@@ -35,12 +37,26 @@ class PortRecord:
             warnings.append(f"{self.path}: {len(lines) - len(ports)} lines are no UDP port and were skipped")
         return max(ports, default=None), warnings
 
-    def add(self, port: int) -> None:
-        """Put a port on record; it is on the disk when this returns. Raises OSError if that cannot be."""
+    def add(self, port: int, on_problem: Callable[[OSError], None]) -> None:
+        """Put a port on record. Raises OSError if it cannot be written.
+
+        `on_problem` is called from another thread if it does not reach the disk.
+        """
         fd = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
         try:
             # The line break first: a line torn before must not swallow this one.
             os.write(fd, f"\n{port}\n".encode("ascii"))
-            os.fsync(fd)
-        finally:
+        except OSError:
             os.close(fd)
+            raise
+        threading.Thread(target=_force, args=(fd, on_problem), name="ports", daemon=True).start()
+
+
+def _force(fd: int, on_problem: Callable[[OSError], None]) -> None:
+    """Bring a file onto the disk and close it."""
+    try:
+        os.fsync(fd)
+    except OSError as error:
+        on_problem(error)
+    finally:
+        os.close(fd)

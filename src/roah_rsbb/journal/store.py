@@ -2,12 +2,15 @@
 
 Theory of operation. `write` takes what one event changed and commits it before it returns, so that it outlives
 the process; `disk` forces it to the disk soon after. What cannot be written (a full disk, a missing directory)
-waits in memory and goes out with the first write that succeeds, in order: runs go on meanwhile.
+waits in memory and goes out with the first write that succeeds, in order. Runs continue meanwhile.
 
-All methods but `sync` belong to one thread.
+Each write has a ticket, a rising number. `saved` is the newest ticket on the disk, and `why_not_saved` waits for one.
+
+All methods but `why_not_saved` belong to one thread.
 """
 
 import contextlib
+import errno
 import os
 import sqlite3
 import time
@@ -23,9 +26,13 @@ from roah_rsbb.journal.file import CannotWrite, Resume, Session
 RETRY_S = 0.5
 # Scores and sign-offs wait for the disk so long at most.
 SYNC_TIMEOUT_S = 2.0
+# A disk that takes longer than this is reported.
+SLOW_S = 1.0
 
-# What is told when there is no trouble any more.
+# What is reported when there is no trouble any more.
 MENDED = ""
+
+_AT_STAKE = "Runs continue, but what happens now is lost if the box ends or this computer is switched off"
 
 
 class Journal:
@@ -45,8 +52,13 @@ class Journal:
         self._file: Optional[Tuple[int, int]] = None
         self._disk: Optional[Disk] = None
         self._pending = Pending()
+        self._ticket = 0  # of the newest write
+        self._committed = 0  # the newest ticket that was committed
+        self._checkpoint_wanted = False
         self._retry_at = 0.0
         self._session_id = 0
+        self._problem = ""  # why the last attempt to write failed
+        self._is_slow = False
         self._trouble = MENDED
         self._disk_trouble = MENDED
         self.path = os.path.join(log_dir, files.FILE_NAME)
@@ -57,23 +69,48 @@ class Journal:
 
     # -- writing ------------------------------------------------------------------------------------
 
-    def write(self, batch: Batch) -> None:
-        """Commit what one event changed, with all that still waits. What cannot be written waits: `trouble`."""
+    def write(self, batch: Batch, checkpoint: bool = False) -> int:
+        """Commit what one event changed, with all that still waits; returns its ticket.
+
+        What cannot be written waits, and is reported as trouble. `checkpoint`: it is to be in the database itself soon,
+        not only in the write-ahead log.
+        """
         self._pending.add(batch)
-        if self._retry_at and time.monotonic() < self._retry_at:
-            return
-        self._attempt(self._flush)
+        self._ticket += 1
+        self._checkpoint_wanted = self._checkpoint_wanted or checkpoint
+        if not self._retry_at or time.monotonic() >= self._retry_at:
+            self._attempt(self._flush)
+        return self._ticket
 
     def look(self) -> None:
-        """To be called about once a second: write what waits, and see whether the file is still there."""
+        """To be called about once a second: write what waits, see whether the file is still there and whether the disk
+        keeps up."""
         if not self._session_id or not self._pending.is_empty() or not self._is_in_place():
             self._attempt(self._flush)
+        if not self._trouble or self._is_slow:
+            seconds = self._disk.waiting_s() if self._disk is not None else 0.0
+            self._is_slow = seconds >= SLOW_S
+            self._tell(f"The disk of the journal {self.path} is slow. {_AT_STAKE}. Use another disk for log_dir"
+                       if self._is_slow else MENDED)
 
-    def sync(self) -> bool:
-        """From any other thread: wait until all that was written is on the disk; False: it is not, and the referee
-        was told why."""
+    @property
+    def saved(self) -> int:
+        """The newest ticket that is on the disk."""
+        return self._disk.synced if self._disk is not None else 0
+
+    @property
+    def is_in_trouble(self) -> bool:
+        """Whether something keeps the record from the disk."""
+        return bool(self._trouble or self._disk_trouble)
+
+    def why_not_saved(self, ticket: int) -> str:
+        """From any thread: wait until what has this ticket is on the disk, for a while; returns "" if it is, else why
+        not."""
         disk = self._disk
-        return disk is not None and not self._trouble and disk.wait(SYNC_TIMEOUT_S)
+        if disk is not None and ticket <= self._committed and disk.wait(ticket, SYNC_TIMEOUT_S):
+            return ""
+        problem = self._problem or (disk.problem if disk is not None else "")
+        return problem or f"the disk of log_dir takes longer than {SYNC_TIMEOUT_S:g} s"
 
     def close(self) -> None:
         """Write what waits, bring all onto the disk and into one file."""
@@ -100,13 +137,14 @@ class Journal:
             step()
         except (CannotWrite, sqlite3.Error, OSError) as error:
             self._retry_at = time.monotonic() + RETRY_S
-            self._tell(
-                f"The journal {self.path} cannot be written: {error}. Runs go on and their scores are kept in memory: "
-                "free or mend the disk of log_dir before this computer is switched off"
-            )
+            self._problem, self._is_slow = _plain(error), False
+            self._tell(f"The journal {self.path} cannot be written: {self._problem}. {_AT_STAKE}. "
+                       "Free or repair the disk of log_dir")
             return
         self._retry_at = 0.0
-        self._tell(MENDED)
+        self._problem = ""
+        if not self._is_slow:
+            self._tell(MENDED)
 
     def _tell(self, trouble: str) -> None:
         before, self._trouble = self._trouble, trouble
@@ -115,7 +153,7 @@ class Journal:
 
     def _on_disk_problem(self, problem: str) -> None:
         """From the thread of `Disk`."""
-        text = f"The journal {self.path} does not get onto the disk: {problem}. Mend the disk of log_dir"
+        text = f"The journal {self.path} does not reach the disk: {problem}. {_AT_STAKE}. Repair the disk of log_dir"
         self._disk_trouble = text if problem else MENDED
         self._on_trouble(self._trouble or self._disk_trouble)
 
@@ -146,14 +184,14 @@ class Journal:
                 self._release()  # it was opened when it could only be read
             raise
         self._session_id = cursor.lastrowid
-        self._disk.written()
+        self._disk.written(self._committed)
 
     def _take(self, connection: sqlite3.Connection) -> None:
         if self._disk_trouble:
             self._on_disk_problem("")  # it was another file's
         self._connection = connection
         self._file = files.identity(self.path)
-        self._disk = Disk(self.path, self._on_disk_problem)
+        self._disk = Disk(self.path, files.has_log(connection), self._on_disk_problem)
 
     def _release(self) -> None:
         if self._disk is not None:
@@ -161,6 +199,7 @@ class Journal:
             self._disk = None
         if self._connection is not None:
             with contextlib.suppress(sqlite3.Error):
+                self._connection.execute("PRAGMA synchronous = FULL")  # or the log is gone before the database is saved
                 self._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             self._connection.close()
             self._connection = None
@@ -184,7 +223,7 @@ class Journal:
         self._disk.end()
         self._take(new)
         old.close()
-        self._disk.written()
+        self._disk.written(self._committed)
 
     def _flush(self) -> None:
         if self._connection is None:
@@ -205,7 +244,15 @@ class Journal:
                 connection.execute("ROLLBACK")
             raise
         self._pending = Pending()
-        self._disk.written()
+        self._committed = self._ticket
+        self._disk.written(self._ticket, self._checkpoint_wanted)
+        self._checkpoint_wanted = False
+
+
+def _plain(error: Exception) -> str:
+    """What SQLite or the system says, in the words of whoever can help."""
+    text = str(error)
+    return "the disk is full" if "disk is full" in text or getattr(error, "errno", 0) == errno.ENOSPC else text
 
 
 def _insert(connection: sqlite3.Connection, session: int, waiting: Pending) -> None:

@@ -1,6 +1,7 @@
 """The record of used private ports."""
 
 import os
+import threading
 
 import pytest
 
@@ -23,15 +24,15 @@ def test_new_competition_has_no_ports(record):
 
 def test_largest_port_is_remembered_by_the_next_process(record, tmp_path):
     for port in (6667, 6669, 6668):
-        record.add(port)
+        record.add(port, pytest.fail)
     assert PortRecord(str(tmp_path)).read() == (6669, [])
 
 
 def test_a_torn_last_line_hides_nothing(record):
-    record.add(6667)
+    record.add(6667, pytest.fail)
     with open(record.path, "ab") as file:
         file.write(b"\n66")
-    record.add(6668)
+    record.add(6668, pytest.fail)
     assert record.read() == (6668, [])
 
 
@@ -56,4 +57,29 @@ def test_digits_without_end_are_no_port(record):
 def test_a_directory_that_is_gone_is_told(tmp_path):
     record = PortRecord(os.path.join(str(tmp_path), "gone"))
     with pytest.raises(OSError, match="gone"):
-        record.add(6667)
+        record.add(6667, pytest.fail)
+
+
+def test_a_slow_disk_does_not_keep_the_caller(record, monkeypatch):
+    disk_is_back, synced = threading.Event(), threading.Event()
+
+    def slow(_fd):
+        assert disk_is_back.wait(30.0)
+        synced.set()
+
+    monkeypatch.setattr("os.fsync", slow)
+    record.add(6667, pytest.fail)  # would wait for ever if it synced itself
+    assert record.read() == (6667, [])
+    disk_is_back.set()
+    assert synced.wait(30.0)
+
+
+def test_a_disk_that_fails_later_is_reported(record, monkeypatch):
+    reported = threading.Event()
+
+    def fail(_fd):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr("os.fsync", fail)
+    record.add(6667, lambda error: error.errno == 5 and reported.set())
+    assert reported.wait(30.0)

@@ -2,15 +2,19 @@
 
 import contextlib
 import json
+import os
+import pathlib
 import shutil
 import sqlite3
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
 
 from helpers.small_disk import CannotMount, SmallDisk
+from roah_rsbb.journal import disk as disks
 from roah_rsbb.journal import schema
 from roah_rsbb.journal import store as stores
 from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
@@ -96,31 +100,87 @@ def test_all_of_a_batch_or_nothing(journals):
     assert "cannot be written" in journal.troubles[-1]
 
 
-def test_sync_waits_for_the_disk(journals, monkeypatch):
+def test_what_is_saved_was_synced(journals, monkeypatch):
     synced = []
     journal = journals()
     real = stores.os.fsync
-    monkeypatch.setattr("os.fsync", lambda fd: (synced.append(fd), real(fd)))
-    journal.write(BATCH)
-    assert journal.sync()
-    assert synced
+    monkeypatch.setattr("os.fsync", lambda fd: (synced.append(os.readlink(f"/proc/self/fd/{fd}")), real(fd)))
+    ticket = journal.write(BATCH)
+    assert journal.why_not_saved(ticket) == ""
+    assert journal.saved >= ticket
+    assert f"{journal.path}-wal" in synced
 
 
-def test_sync_tells_when_the_disk_fails(journals, monkeypatch):
+def test_a_disk_that_fails_is_reported_and_a_later_sync_proves_nothing(journals, monkeypatch):
+    """Linux forgets pages that it could not write: the next fsync succeeds without them."""
     journal = journals()
+    assert journal.why_not_saved(journal.write(Batch(states=(("box", "{}"),)))) == ""
+    database = pathlib.Path(journal.path)
 
     def fail(_fd):
         raise OSError(5, "Input/output error")
 
-    monkeypatch.setattr("os.fsync", fail)
-    monkeypatch.setattr(stores, "SYNC_TIMEOUT_S", 0.3)
-    journal.write(BATCH)
-    assert not journal.sync()
-    assert "Input/output error" in journal.troubles[-1]
-    monkeypatch.undo()
-    journal.write(BATCH)
-    assert journal.sync()
+    with monkeypatch.context() as broken:
+        broken.setattr("os.fsync", fail)
+        broken.setattr(stores, "SYNC_TIMEOUT_S", 0.3)
+        ticket = journal.write(BATCH)
+        assert "Input/output error" in journal.why_not_saved(ticket)
+        assert journal.saved < ticket
+        assert "Input/output error" in journal.troubles[-1]
+        assert ENTRY.value.encode() not in database.read_bytes()
+    assert journal.why_not_saved(ticket) == ""
+    assert ENTRY.value.encode() in database.read_bytes(), "it was written again, to the database"
     assert journal.troubles[-1] == MENDED
+
+
+def test_a_slow_disk_is_reported(journals, monkeypatch):
+    journal, disk_is_back = journals(), threading.Event()
+    real = stores.os.fsync
+    monkeypatch.setattr("os.fsync", lambda fd: (disk_is_back.wait(30.0), real(fd)))
+    monkeypatch.setattr(stores, "SYNC_TIMEOUT_S", 0.1)
+    monkeypatch.setattr(stores, "SLOW_S", 0.1)
+    ticket = journal.write(BATCH)
+    assert "takes longer than" in journal.why_not_saved(ticket)
+    journal.look()
+    assert "is slow" in journal.troubles[-1]
+    disk_is_back.set()
+    monkeypatch.setattr(stores, "SYNC_TIMEOUT_S", 30.0)
+    assert journal.why_not_saved(ticket) == ""
+    monkeypatch.setattr(stores, "SLOW_S", 30.0)
+    journal.look()
+    assert journal.troubles[-1] == MENDED
+
+
+def test_a_sign_off_is_moved_into_the_database(journals):
+    journal = journals()
+    journal.why_not_saved(journal.write(BATCH, checkpoint=True))
+    database = pathlib.Path(journal.path)
+    wait_until(lambda: ENTRY.value.encode() in database.read_bytes())
+
+
+def test_the_write_ahead_log_shrinks_while_the_box_runs(journals, monkeypatch):
+    monkeypatch.setattr(disks, "CHECKPOINT_BYTES", 200_000)
+    monkeypatch.setattr(disks, "CHECKPOINT_PAUSE_S", 0.0)
+    journal = journals()
+    log = pathlib.Path(f"{journal.path}-wal")
+    for _ in range(100):
+        ticket = journal.write(Batch(states=(("box", "x" * 5000),)))
+    assert log.stat().st_size > 200_000
+
+    def is_small():
+        journal.why_not_saved(journal.write(Batch(states=(("box", "y"),))))
+        return log.stat().st_size < 100_000
+
+    assert journal.why_not_saved(ticket) == ""
+    wait_until(is_small)
+
+
+def wait_until(condition):
+    """For what another thread does soon."""
+    limit = time.monotonic() + 30.0
+    while not condition():
+        assert time.monotonic() < limit
+        time.sleep(0.01)
 
 
 def test_what_cannot_be_written_waits_in_its_order(journals, monkeypatch):
@@ -129,10 +189,11 @@ def test_what_cannot_be_written_waits_in_its_order(journals, monkeypatch):
     blocked.execute("BEGIN IMMEDIATE")
     journal._connection.execute("PRAGMA busy_timeout = 10")
     for number in range(3):
-        journal.write(Batch(entries=(ENTRY._replace(value=str(number)),), states=(("zone:Home", str(number)),)))
+        ticket = journal.write(
+            Batch(entries=(ENTRY._replace(value=str(number)),), states=(("zone:Home", str(number)),)))
     assert "cannot be written" in journal.troubles[-1]
     assert [entry.value for entry in journal.entries_of(6667)] == ["0", "1", "2"]
-    assert not journal.sync()
+    assert "locked" in journal.why_not_saved(ticket)
     blocked.execute("ROLLBACK")
     blocked.close()
     journal.look()
@@ -148,9 +209,9 @@ def test_a_directory_that_was_removed_is_written_anew(journals, tmp_path):
     journal.write(Batch(entries=(ENTRY,)))
     journal.look()
     assert len(rows(journal)) == 2
-    journal.write(Batch(entries=(ENTRY,)))
+    ticket = journal.write(Batch(entries=(ENTRY,)))
     assert len(rows(journal)) == 3
-    assert journal.sync()
+    assert journal.why_not_saved(ticket) == ""
 
 
 def test_a_directory_that_was_removed_and_cannot_be_made_again_is_told_until_it_can(journals, tmp_path):
@@ -251,9 +312,9 @@ def test_syncs_are_grouped(journals, monkeypatch):
     began = time.monotonic()
     count = 0
     while time.monotonic() < began + 0.3:
-        journal.write(BATCH)
+        ticket = journal.write(BATCH)
         count += 1
-    assert journal.sync()
+    assert journal.why_not_saved(ticket) == ""
     assert count > 3 * len(synced) > 0
 
 

@@ -136,6 +136,7 @@ class CoreDriver:
                 self._journal.record(self._moment, todo)
             except Exception:
                 # A record that cannot be made must not keep the robots from their run.
+                self._journal.lost()
                 rospy.logerr_throttle(1.0, "internal error, please report it: what happened could not be recorded",
                                       exc_info=True)
         return todo
@@ -171,13 +172,16 @@ class CoreDriver:
 
     def _port_taken(self, effect: effects.PortTaken) -> None:
         try:
-            self._ports.add(effect.port)
+            self._ports.add(effect.port, lambda error: self._loop.call_soon_threadsafe(self._port_not_kept, error))
         except OSError as error:
-            self.event(
-                self.box.on_trouble,
-                f"{self._ports.path} cannot be written: {error.strerror}. After a restart of the box private ports "
-                "may be used twice: free or mend the disk of log_dir",
-            )
+            self._port_not_kept(error)
+
+    def _port_not_kept(self, error: OSError) -> None:
+        self.event(
+            self.box.on_trouble,
+            f"{self._ports.path} cannot be written: {error.strerror}. After a restart of the box private ports "
+            "may be used twice: free or repair the disk of log_dir",
+        )
 
     def _open_channel(self, effect: effects.OpenChannel) -> None:
         try:

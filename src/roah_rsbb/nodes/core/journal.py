@@ -5,7 +5,7 @@ written, then done").
 """
 
 import json
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.box import Box
@@ -14,6 +14,7 @@ from roah_rsbb.core.effects import BOX, Effect, Level
 from roah_rsbb.core.restart.restart import BoxSaved, Saved
 from roah_rsbb.core.restart.saved import Anchor, BadState, freeze, thaw
 from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.core.scoring.unsaved import Unsaved, UnsavedParts
 from roah_rsbb.core.zones import ZoneState, key_of
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
@@ -48,6 +49,11 @@ class CoreJournal:
         self._runs: List[RunRow] = []
         self._members: List[Member] = []
         self._outcomes: List[Tuple[str, Outcome]] = []
+        self._records: List[RunRecord] = []
+        self._signed: Set[str] = set()  # identities of runs
+        self._unsaved = Unsaved()
+        self._ticket = 0
+        self._is_lost = False
         self._takers: Dict[type, Callable[[Now, Any], None]] = {
             effects.RunOpened: self._opened,
             effects.RunResumed: self._resumed,
@@ -73,9 +79,33 @@ class CoreJournal:
             tuple(self._entries), tuple(self._runs), tuple(self._members), (), tuple(self._outcomes),
             tuple(self._state(name) for name in sorted(changed)),
         )
-        for written in (self._entries, self._runs, self._members, self._outcomes):
+        newly_signed = {record.identity for record in self._records if record.sign_off} - self._signed
+        records = list(self._records)
+        for written in (self._entries, self._runs, self._members, self._outcomes, self._records):
             written.clear()
-        self._journal.write(batch)
+        self._signed |= newly_signed
+        self._ticket = self._journal.write(batch, checkpoint=bool(newly_signed))
+        for record in records:
+            self._unsaved.changed(now.mono, self._ticket, record)
+
+    def lost(self) -> None:
+        """What happened could not be put on record because of an error of the program."""
+        self._is_lost = True
+
+    def ticket(self) -> Optional[int]:
+        """The ticket of the newest record (`Journal.why_not_saved`); None: an error of the program kept something from
+        the record since the last call."""
+        lost, self._is_lost = self._is_lost, False
+        return None if lost else self._ticket
+
+    def unsaved(self, now: Now) -> Tuple[UnsavedParts, ...]:
+        """What of the runs' records has been waiting for the disk for a while."""
+        return self._unsaved.look(now.mono, self._journal.saved)
+
+    def restore(self, records: Sequence[RunRecord]) -> None:
+        """The records that were in the journal at the start."""
+        self._unsaved.restore(records)
+        self._signed |= {record.identity for record in records if record.sign_off}
 
     def log_file(self, port: int, path: str) -> None:
         """Where the run log of a robot is."""
@@ -162,6 +192,7 @@ class CoreJournal:
     def _record_changed(self, _now: Now, effect: effects.RecordChanged) -> None:
         record = effect.record
         self._outcomes.append((record.identity, Outcome(record.closed_utc or None, _json(freeze(record)))))
+        self._records.append(record)
 
 
 def saved_before(before: Before, now: Now, boot: str) -> Tuple[Saved, List[str]]:

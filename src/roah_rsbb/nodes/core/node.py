@@ -15,7 +15,7 @@ import sys
 import threading
 import time
 import uuid
-from typing import Callable
+from typing import Callable, Optional, Tuple
 
 import rospy
 from std_msgs.msg import Empty
@@ -40,6 +40,8 @@ from roah_rsbb.msg import (
     ModulesState,
     PublicDetails,
     Results,
+    Unsaved,
+    UnsavedParts,
 )
 from roah_rsbb.nodes import device_convert
 from roah_rsbb.nodes.core import public_convert
@@ -126,6 +128,7 @@ class CoreNode:
         self._ticks = 0
         self._public_results = PublicResults(results)
         self._last_public_view = None
+        self._last_unsaved: Optional[Tuple[object, ...]] = None
         ports = PortRecord(log_dir)
         last_port, port_warnings = ports.read()
         launch = rospy.get_param("/run_id", "")
@@ -159,6 +162,7 @@ class CoreNode:
         saved, warnings = saved_before(self._store.before, self._driver.now(), boot_id())
         for warning in warnings:
             self._driver.event(self._box.on_trouble, warning)
+        self._journal.restore(saved.records)
         self._driver.event(self._box.resume, saved)
         self._run_logs.repair(self._store.before.log_files)
 
@@ -170,10 +174,11 @@ class CoreNode:
             "public_details": rospy.Publisher("/core/public_details", PublicDetails, queue_size=1, latch=True),
             "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
             "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
+            "unsaved": rospy.Publisher("/core/unsaved", Unsaved, queue_size=1, latch=True),
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
             "timeout": rospy.Publisher("/timeout", Empty, queue_size=1),
         }
-        CoreServices(self._box, self._ros, self._event, self._store.sync)
+        CoreServices(self._box, self._ros, self._event, self._journal.ticket, self._store.why_not_saved)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
         rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
         rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
@@ -258,9 +263,16 @@ class CoreNode:
         results = self._results.take(now)
         if results is not None:
             self._publish("results", results)
+        self._publish_unsaved(now)
         if self._ticks % JOURNAL_EVERY == 0:
             self._journal.each_second(now, self._radio.unreadable())
         self._ticks += 1
+
+    def _publish_unsaved(self, now) -> None:
+        unsaved = self._journal.unsaved(now)
+        if unsaved != self._last_unsaved:
+            self._last_unsaved = unsaved
+            self._publish("unsaved", Unsaved(self._uuid, [UnsavedParts(*parts) for parts in unsaved]))
 
     def _publish_public_details(self, now) -> None:
         view = public_view(self._box, now, self._public_results)

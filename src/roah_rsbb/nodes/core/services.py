@@ -1,6 +1,6 @@
 """The services of the core node (docs/ros_interface.md, "Core node"): each is one event for the box."""
 
-from typing import Any, Callable, List, Tuple
+from typing import Any, Callable, List, Optional, Tuple, TypeVar
 
 import rospy
 
@@ -25,21 +25,30 @@ from roah_rsbb.srv import (
     ZoneUInt8,
 )
 
+T = TypeVar("T")
+
+# What a referee reads when something counts, but is not on the disk.
+NOT_SAVED = ("not saved: {}. It counts, and is saved as soon as the disk can be written: do not enter it again. "
+             "Free or repair the disk of log_dir")
+NOT_RECORDED = "not saved: internal error. It counts until the box ends. Report the error in the core's log"
+
 
 class CoreServices:
     """Offers all of /core/…; `event` puts a method of the box and its arguments in, in the loop's thread.
 
-    `sync` returns when all that happened so far is on the disk. It is called in rospy's threads, before what a
-    referee wrote down is confirmed.
+    `ticket` says, in the loop's thread, which ticket the journal gave to what the event changed. `why_not_saved` waits
+    until that is on the disk; it is called in rospy's threads, before what a referee wrote down is confirmed.
     """
 
     def __init__(
-        self, box: Box, ros: RosLoop, event: Callable[..., None], sync: Callable[[], object] = lambda: None
+        self, box: Box, ros: RosLoop, event: Callable[..., None], ticket: Callable[[], Optional[int]] = lambda: 0,
+        why_not_saved: Callable[[int], str] = lambda ticket: "",
     ) -> None:
         self._box = box
         self._ros = ros
         self._event = event
-        self._sync = sync
+        self._ticket = ticket
+        self._why_not_saved = why_not_saved
         for command in COMMANDS:
             self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c, who_of(r)))
         self._serve("stop_run", StopRun, lambda r: (box.scores.stop, _run_of(r), who_of(r)))
@@ -57,7 +66,7 @@ class CoreServices:
         self._serve_scores(box)
 
     def _serve_scores(self, box: Box) -> None:
-        """What is on the disk when the call returns."""
+        """Services whose success means that the result is on the disk."""
         self._serve("set_score", ZoneScore, lambda r: (
             box.scores.mark, RunName(r.zone), Mark(r.score.group, r.score.desc, r.score.value), who_of(r)
         ), durable=True)
@@ -80,14 +89,23 @@ class CoreServices:
     ) -> None:
         """Offer /core/NAME: `event_of` makes a request the box's method and its arguments.
 
-        A refusal fails the call with its reasons in the error text. `durable`: what came of it is on the disk
-        when the call returns.
+        A refusal fails the call with its reasons in the error text. `durable`: the call succeeds only when its result
+        is on the disk. If it is not, the call fails, but its result counts and is saved as soon as possible.
         """
 
+        def act(request: object) -> Optional[int]:
+            self._ticket()  # from here on only this event counts
+            self._event(*event_of(request))
+            return self._ticket()
+
         def handle(request: object) -> object:
-            self._call(lambda: self._event(*event_of(request)))
+            ticket = self._call(lambda: act(request))
             if durable:
-                self._sync()
+                if ticket is None:
+                    raise rospy.ServiceException(NOT_RECORDED)
+                why = self._why_not_saved(ticket)
+                if why:
+                    raise rospy.ServiceException(NOT_SAVED.format(why))
             return service._response_class()
 
         rospy.Service(f"/core/{name}", service, handle)
@@ -97,9 +115,9 @@ class CoreServices:
         self._call(lambda: self._event(lambda now: found.append(self._box.scores.record_of(now, _run_of(request)))))
         return GetRunSheetResponse(sheet_message(found[0]))
 
-    def _call(self, function: Callable[[], None]) -> None:
+    def _call(self, function: Callable[[], T]) -> T:
         try:
-            self._ros.call(function)
+            return self._ros.call(function)
         except Refused as refused:
             raise rospy.ServiceException(str(refused)) from None
 
