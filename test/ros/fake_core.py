@@ -30,8 +30,9 @@ from roah_rsbb.msg import (
     ZoneState,
 )
 from roah_rsbb.nodes.core.results_convert import summary_message
+from roah_rsbb.ros import refusals
 from roah_rsbb.rulebook.benchmarks import Benchmark, ScoreKind, ScoringItem
-from roah_rsbb.srv import ManualOperationAnswer, StopRun, Zone, ZoneScore, ZoneUInt8
+from roah_rsbb.srv import GetClock, LeaveRun, ManualOperationAnswer, StopRun, Zone, ZoneScore, ZoneUInt8
 
 COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next")
 FIELDS = {"previous": "prev"}
@@ -188,6 +189,8 @@ class FakeCore(FakeScores):
         ]
         self._services += [
             rospy.Service("/core/stop_run", StopRun, self._on_stop_run),
+            rospy.Service("/core/leave_run", LeaveRun, self._on_leave_run),
+            rospy.Service("/core/clock", GetClock, lambda _: [rospy.Time.from_sec(time.time())]),
             rospy.Service("/core/set_score", ZoneScore, self._on_score),
             *self.score_services(),
             rospy.Service("/core/manual_operation_answer", ManualOperationAnswer, self._on_operation),
@@ -302,7 +305,7 @@ class FakeCore(FakeScores):
         self._answer()
         reasons = self.zones[request.zone].off()[command]
         if reasons:
-            raise rospy.ServiceException("; ".join(reasons))
+            raise rospy.ServiceException(refusals.error_text(reasons))
         self.zones[request.zone].command(command)
         return []
 
@@ -314,6 +317,15 @@ class FakeCore(FakeScores):
             raise rospy.ServiceException(f"no run {request.identity}")
         if zone.phase == "running":
             zone.command("stop")
+        return []
+
+    def _on_leave_run(self, request: object) -> list:
+        self.calls.append(("leave_run", request.zone))
+        self._answer()
+        zone = self.zones[request.zone]
+        if request.identity != zone.identity or zone.phase == "running":
+            raise rospy.ServiceException(f"run {request.identity} is running, or not connected")
+        zone.command("disconnect")
         return []
 
     def _on_score(self, request: object) -> list:

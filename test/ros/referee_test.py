@@ -99,12 +99,13 @@ class TestCommands(WithCore):
                                            ("connect", "start", "stop", "disconnect", "next", "previous")])
 
     def test_a_refusal_has_every_reason(self) -> None:
-        self.zone.extra_off["connect"] = ["one thing", "another thing"]
+        self.zone.extra_off["connect"] = ["one thing; and what to do", "another thing"]
         done = referee("connect", "Home A")
         self.assertEqual((done.returncode, done.stdout), (1, ""))
-        self.assertEqual(done.stderr, "referee: connect was refused:\n  one thing\n  another thing\n")
+        self.assertEqual(done.stderr, "referee: connect was refused:\n  one thing; and what to do\n  another thing\n")
         made = json.loads(referee("connect", "Home A", "--json").stdout)
-        self.assertEqual((made["ok"], made["exit"], made["reasons"]), (False, 1, ["one thing", "another thing"]))
+        self.assertEqual((made["ok"], made["exit"]), (False, 1))
+        self.assertEqual(made["reasons"], ["one thing; and what to do", "another thing"])
 
     def test_unknown_and_ambiguous_zones_are_not_sent(self) -> None:
         for word, hint in (("home", "'Home A', 'Home B'"), ("Hone A", "did you mean 'Home A'?")):
@@ -300,7 +301,7 @@ class TestRun(WithCore):
         self.assertEqual(run.wait_ended(), 0)
         self.assertEqual((result["ok"], result["end_reason"], result["event"]["code"]), (True, "completed", "HWV"))
         self.assertEqual(result["score"][0]["value"], 1)
-        self.assertEqual([call[0] for call in self.core.calls], ["next", "connect", "start", "set_score", "disconnect"])
+        self.assertEqual([call[0] for call in self.core.calls], ["next", "connect", "start", "set_score", "leave_run"])
 
     def test_its_text_ends_with_score_sheet_and_verdict(self) -> None:
         run = self.start("run", "Home A")
@@ -347,7 +348,7 @@ class TestRun(WithCore):
             run.signal(number)
             self.assertEqual(run.event("result")["end_reason"], "stopped")
             self.assertEqual(run.wait_ended(), 130)
-            self.assertEqual([call[0] for call in self.core.calls[-2:]], ["stop", "disconnect"])
+            self.assertEqual([call[0] for call in self.core.calls[-2:]], ["stop_run", "leave_run"])
 
     def test_a_terminal_that_is_closed_leaves_the_run_as_it_is(self) -> None:
         run = self._running()
@@ -357,12 +358,14 @@ class TestRun(WithCore):
 
     def test_the_run_goes_on_over_a_restart_of_the_core(self) -> None:
         run = self._running()
+        identity = self.zone.identity
         self.core.close()
         run.event("core", what="silent")
         self.core = RestartedCore()
         zone = self.core.zones["Home A"]
         zone.command("connect")
         zone.command("start")
+        zone.identity = identity
         self.core.ready = True
         run.event("core", what="restarted")
         zone.phase, zone.end_reason = "ended", "completed"

@@ -6,13 +6,16 @@ import unittest
 import rospy
 import rostest
 
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import Score
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.srv import (
+    GetClock,
     GetRunSheet,
+    LeaveRun,
     ManualOperationAnswer,
     ScoreMark,
     ScoreWithdraw,
@@ -24,7 +27,7 @@ from roah_rsbb.srv import (
     ZoneUInt8,
 )
 
-NOW = "now"
+NOW = Now(12.5, 1447000000.25)
 RUN = RunName("Home", "HWV-1-2")
 RECORD = RunRecord(RUN.identity, "Home", "HWV", "Alpha", 1, 2, 0.0, 0.0)
 
@@ -98,6 +101,7 @@ class TestServices(unittest.TestCase):
                 self.assertEqual(self.call(name, Zone, "Home"), [("command", NOW, "Home", name, self.node)])
         for name, kind, request, event in (
             ("stop_run", StopRun, (RUN.identity,), ("scores.stop", NOW, RUN, self.node)),
+            ("leave_run", LeaveRun, (RUN.identity,), ("leave_run", NOW, RUN, self.node)),
             ("stop_run", StopRun, ("",), ("scores.stop", NOW, RunName("Home"), self.node)),
             ("manual_operation_complete", Zone, (), ("modules.complete_operation", NOW, "Home", 0, "", self.node)),
             ("manual_operation_answer", ManualOperationAnswer, (3, "yes"),
@@ -131,13 +135,18 @@ class TestServices(unittest.TestCase):
 
     def test_a_refusal_has_all_reasons_and_waits_for_no_disk(self) -> None:
         self.box.refuses = True
+        reasons = r'\["first reason", "second reason"\]'
         for name, kind, request in (
             ("stop", Zone, ("Home",)), ("sign_off", SignOff, (*RUN, "Anna")),
             ("score/withdraw", ScoreWithdraw, (*RUN, 7, "", "")),
         ):
-            with self.subTest(name), self.assertRaisesRegex(rospy.ServiceException, "first reason; second reason"):
+            with self.subTest(name), self.assertRaisesRegex(rospy.ServiceException, reasons):
                 self.call(name, kind, *request)
         self.assertEqual(self.box.happened, [])
+
+    def test_the_clock_is_that_of_the_loop(self) -> None:
+        rospy.wait_for_service("/core/clock", 30)
+        self.assertEqual(rospy.ServiceProxy("/core/clock", GetClock)().clock.to_sec(), NOW.utc)
 
     def test_the_sheet_of_a_run(self) -> None:
         rospy.wait_for_service("/core/run_sheet", 30)

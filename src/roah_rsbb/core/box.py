@@ -177,6 +177,11 @@ class Box:
         self.tick(now)
         self.commands.give(now, zone_name, command, who, reason)
 
+    def leave_run(self, now: Now, name: RunName, who: str = "") -> None:
+        """Disconnect the named run unless it is running; raises `Refused`."""
+        self.tick(now)
+        self.commands.leave_run(now, name, who)
+
     # -- the network --------------------------------------------------------------------------------
 
     def on_channel_failed(self, now: Now, port: int, error: str) -> None:

@@ -119,6 +119,17 @@ class Commands:
             self._outbox.mark_changed(zone.name)
             self._execute[command](now, zone, by)
 
+    def leave_run(self, now: Now, name: RunName, who: str = "") -> None:
+        """Disconnect the named run; raises `Refused` if it is running, or no longer connected."""
+        with self._record.of(name, who, "disconnect"):
+            zone = self._zones.named(name.zone)
+            if zone.run is None or zone.run.identity != name.identity:
+                raise Refused([f"run {name.identity} is not connected in zone '{name.zone}'"])
+            if zone.run.phase is Phase.RUNNING:
+                raise Refused([f"run {name.identity} is running: stop it first"])
+            self._outbox.mark_changed(zone.name)
+            self._connections.leave(now, zone, By(checked_who(who)))
+
     def reasons_off(self, now: Now, zone: Zone, command: str) -> List[str]:
         """Every reason why a command to a zone would be refused now; empty: it is allowed."""
         return self._reasons_off[command](now, zone)

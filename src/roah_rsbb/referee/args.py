@@ -17,7 +17,8 @@ _EXITS = """exit status:
   1    the core refused, with every reason; for 'run': connect or start was not possible
        within --wait, or a score could not be set
   2    wrong usage: an unknown command, zone, scoring item, value or event
-  3    no ROS master, no core, or it fell silent for good
+  3    no ROS master, no core, or the core did not come back; for 'run' also:
+       the run could not be disconnected
   4    the run did not complete: timeout, stop, no messages saved, disconnected, lost
   130  interrupted (Ctrl-C); 'run' stops its run first. A terminal that is closed
        (SIGHUP) leaves the run as it is

@@ -5,7 +5,7 @@ from typing import List, Optional
 
 from roah_rsbb.referee.changes import Change, changes
 
-# The core publishes every 100 ms: after this long without a word something is wrong.
+# The core publishes every 100 ms: after this long without a message something is wrong.
 SILENT_S = 2.0
 
 

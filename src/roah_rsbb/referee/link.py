@@ -20,12 +20,15 @@ from roah_rsbb.referee.state import Box, Item, box_of
 from roah_rsbb.ros import connections, refusals
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.srv import (
+    GetClock,
     GetRunSheet,
+    LeaveRun,
     ManualOperationAnswer,
     ScoreMark,
     ScoreWithdraw,
     SignOff,
     StopReason,
+    StopRun,
     Zone,
     ZoneScore,
     ZoneUInt8,
@@ -35,6 +38,8 @@ GUI_TOPIC, DETAILS_TOPIC, RESULTS_TOPIC = "/core/to_gui", "/core/details", "/cor
 
 # So often it is looked whether a message came. The core publishes every 100 ms.
 POLL_S = 0.02
+# The core publishes every 100 ms: after this long without a message something is wrong.
+SILENT_S = 2.0
 # Limits for answers: of the master, of the core with its first messages, of a service, at the end.
 MASTER_S, CORE_S, ANSWER_S, CLOSE_S = 2.0, 2.0, 6.0, 1.5
 # A master that is not there yet is asked again after this long.
@@ -43,9 +48,8 @@ AGAIN_S = 0.2
 FRESH_S = 1.0
 # So often a silent core is subscribed to anew: nothing else finds it again after the master was restarted.
 RENEW_S = 5.0
-# After a command so many messages must come in: the first may have been under way during the command.
-SETTLED = 2
-SETTLE_S = 2.0
+# The core publishes details at least every second. After this long without newer ones, something is wrong.
+DETAILS_S = 10.0
 
 START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
 
@@ -119,17 +123,18 @@ class Link:
                 return None
             time.sleep(min(POLL_S, left))
 
-    def settle(self, with_details: bool = False) -> Box:
-        """The first snapshot that surely shows what a command did; raises `NoCore` if none comes.
+    def settle(self) -> Box:
+        """A snapshot that shows the effect of every command so far; raises `NoCore` if none comes.
 
-        `with_details`: it changed what CoreDetails tells. That is a topic of its own, and may come later; without a
-        change it comes once a second.
+        Both topics of the snapshot must have been published after the last command. A message that was published
+        before may arrive later than the command's answer, so the core's clock decides, not the order of arrival.
         """
-        count, details, deadline = self._count, self._details, self.now() + SETTLE_S
-        while self._count < count + SETTLED or (with_details and self._details is details):
-            if self.next(max(0.0, deadline - self.now())) is None:
+        clock = self._call("/core/clock", GetClock).clock
+        deadline = self.now() + DETAILS_S
+        while self._gui.clock <= clock or self._details.clock <= clock:
+            if self.next(min(SILENT_S, max(0.0, deadline - self.now()))) is None:
                 raise NoCore(self._why_silent())
-        assert self.box is not None, "messages came"
+        assert self.box is not None, "both topics were heard"
         return self.box
 
     def _take(self) -> bool:
@@ -162,8 +167,8 @@ class Link:
         problem = _core_problem()
         if problem:
             return problem
-        if self._gui is not None and self._details is None:
-            return f"the core publishes {GUI_TOPIC} but not {DETAILS_TOPIC}: is it of another version?"
+        if self._gui is not None and self.silence_s < SILENT_S:
+            return f"the core publishes {GUI_TOPIC}, but {DETAILS_TOPIC} does not arrive: check the network, restart it"
         return ("the core is known to the ROS master, but silent: it hangs or has died (restart it), or its "
                 "computer cannot be reached by its name (set ROS_IP on both computers)")
 
@@ -172,6 +177,14 @@ class Link:
     def command(self, command: str, zone: str) -> None:
         """Give a command to a zone; raises `Refused` with the core's reasons, or `NoCore`."""
         self._call(f"/core/{command}", Zone, zone)
+
+    def stop_run(self, zone: str, identity: str) -> None:
+        """Stop the run of that identity; raises as `command` does."""
+        self._call("/core/stop_run", StopRun, zone, identity)
+
+    def leave_run(self, zone: str, identity: str) -> None:
+        """Disconnect the run of that identity, unless it is running; raises as `command` does."""
+        self._call("/core/leave_run", LeaveRun, zone, identity)
 
     def set_score(self, zone: str, group: str, item: str, value: int) -> None:
         """Set a scoring item; raises as `command` does."""

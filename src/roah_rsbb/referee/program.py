@@ -20,7 +20,7 @@ from roah_rsbb.referee.changes import Change
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.follow import Follower
 from roah_rsbb.referee.link import Link
-from roah_rsbb.referee.run import Operations, Outcome, Plan, RunScript
+from roah_rsbb.referee.run import Operations, Plan, RunOutcome, RunScript
 from roah_rsbb.referee.state import CONNECTED, IDLE, as_json
 from roah_rsbb.referee.words import BadWord, answer_of, pick_item, pick_zone, value_of
 
@@ -99,12 +99,12 @@ def _watch(link: Link, options, output: Output) -> Exit:
 def _command(link: Link, options, output: Output) -> Exit:
     name = _zone_name(link, options.zone)
     link.command(options.command, name)
-    return _say_done(link, name, output, options.command, with_details=True)
+    return _say_done(link, name, output, options.command)
 
 
-def _say_done(link: Link, name: str, output: Output, command: str, with_details: bool) -> Exit:
+def _say_done(link: Link, name: str, output: Output, command: str) -> Exit:
     """Write how the zone is after a command."""
-    box = link.settle(with_details)
+    box = link.settle()
     zone = box.zone(name)
     if output.json:
         output.object({"ok": True, "command": command, "zone": name, "state": zone})
@@ -146,7 +146,7 @@ def _done(link: Link, options, output: Output) -> Exit:
     if options.operation not in (None, operation.number):
         raise Refused([f"operation {options.operation} is over; now the referee is asked to: {operation.text}"])
     link.complete_operation(name, operation.number, answer_of(options.answer, operation))
-    return _say_done(link, name, output, "done", with_details=True)
+    return _say_done(link, name, output, "done")
 
 
 def _switches(link: Link, options, output: Output) -> Exit:
@@ -157,7 +157,7 @@ def _switches(link: Link, options, output: Output) -> Exit:
         link.set_damaged(name, options.damaged)
     if options.confirm:
         link.confirm_switches(name)
-    return _say_done(link, name, output, "switches", with_details=False)
+    return _say_done(link, name, output, "switches")
 
 
 def _run(link: Link, options, output: Output) -> Exit:
@@ -170,7 +170,7 @@ def _run(link: Link, options, output: Output) -> Exit:
     return outcome.status
 
 
-def _show_outcome(name: str, outcome: Outcome, output: Output) -> None:
+def _show_outcome(name: str, outcome: RunOutcome, output: Output) -> None:
     zone = outcome.zone
     if output.json:
         run: Dict[str, Any] = {} if zone is None else {

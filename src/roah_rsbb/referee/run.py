@@ -1,7 +1,9 @@
-"""A whole run by script: to the event, connect, start, follow it to its end, score sheet, disconnect.
+"""A whole run by script: choose the event, connect, start, follow the run to its end, disconnect.
 
-No rule of the game is here: the core says what is allowed and why not, and this waits for it. Whatever goes
-wrong, the run is not left behind: who began it stops and disconnects it (unless told to keep it).
+The script knows no rule of the game. The core says what is allowed and why not; the script waits for it.
+
+The script only touches its own run. It learns the run's identity after *connect*, and it stops and disconnects by
+identity. It never disconnects a running robot, and never a run that may be another referee's.
 """
 
 import contextlib
@@ -18,9 +20,16 @@ from roah_rsbb.referee.follow import Follower
 from roah_rsbb.referee.state import COMPLETED, CONNECTED, ENDED, IDLE, RUNNING, STOPPED, Item, Zone
 from roah_rsbb.referee.words import BadWord, EventWanted, pick_item, value_of
 
-# A core that is silent for so long does not come back by itself (it would be started again in seconds).
+# A core that crashed is restarted within seconds. After this long without it, the script gives up.
 GIVE_UP_S = 60.0
 STEP_S = 1.0
+
+# What became of a run, by ZoneDetails.end_reason; other end reasons speak for themselves.
+ENDS = {
+    "goals_timed_out": "every goal timed out",
+    "no_messages_saved": "the robot saved no offline data",
+    "module_failed": "the benchmarking module failed",
+}
 
 
 class Operations(enum.Enum):
@@ -49,16 +58,16 @@ class Plan(NamedTuple):
     operations: Operations = Operations.OTHERS
 
 
-class Outcome(NamedTuple):
-    """How it ended. `zone` is as it was before the disconnect; None: there was no run."""
+class RunOutcome(NamedTuple):
+    """How the script ended."""
 
     status: Exit
     text: str
-    zone: Optional[Zone] = None
+    zone: Optional[Zone] = None  # before the disconnect; None: there was no run
 
 
 class _Failed(Exception):
-    """It cannot go on."""
+    """The script cannot continue."""
 
     def __init__(self, status: Exit, text: str) -> None:
         super().__init__(text)
@@ -66,22 +75,24 @@ class _Failed(Exception):
 
 
 class RunScript:
-    """One run. `link` is an open Link; `tell` gets every change."""
+    """One run. `link` is an open Link; `report` gets every change."""
 
-    def __init__(self, link, plan: Plan, tell: Callable[[Change], None]) -> None:
+    def __init__(self, link, plan: Plan, report: Callable[[Change], None]) -> None:
         self._link = link
         self._answers = _ANSWERS[plan.operations](link, self._note)
         self._plan = plan
-        self._tell = tell
+        self._report = report
         self._follower = Follower(link, plan.zone)
-        self._began = False  # connected by us (or just about to be)
+        self._run = ""  # identity of our run; empty: not connected yet
+        self._is_ours = False  # the core confirmed our connect
+        self._unanswered = False  # a connect was sent, but the core did not answer it
         self._event = self._zone().event
         self._uuid = link.box.box_uuid  # of the core that has our run
         self._scores: List[Tuple[Item, int]] = []
-        self._unmarked = ""  # what could not be marked
+        self._unmarked = ""  # why a score could not be set
 
-    def run(self) -> Outcome:
-        """From the start to the end. Ctrl-C (KeyboardInterrupt) stops the run and leaves it."""
+    def run(self) -> RunOutcome:
+        """Run the script to its end. Ctrl-C (KeyboardInterrupt) stops the run and leaves it."""
         try:
             return self._whole()
         except _Failed as failed:
@@ -91,15 +102,16 @@ class RunScript:
         except BadWord as bad:
             return self._leave(Exit.USAGE, str(bad))
         except GivenUp as given_up:
-            return self._leave(Exit.NOT_COMPLETED, f"the run did not complete: {given_up}")
+            return self._stop_and_leave(f"the run did not complete: {given_up}")
         except NoCore as gone:
-            return Outcome(Exit.NO_CORE, f"{gone}{self._left_behind()}")
+            return RunOutcome(Exit.NO_CORE, f"{gone}{self._left_behind()}")
         except KeyboardInterrupt:
             return self._interrupted()
 
     # -- the steps ----------------------------------------------------------------------------------
 
-    def _whole(self) -> Outcome:
+    def _whole(self) -> RunOutcome:
+        self._settle(self._plan.wait_s)  # the first snapshot may hold old details
         zone = self._zone()
         if zone.phase != IDLE:
             raise _Failed(Exit.REFUSED, f"a run is in zone '{zone.zone}' already ({zone.phase}): disconnect it first")
@@ -113,7 +125,7 @@ class RunScript:
                 return self._to_the_end()
 
     def _go_to(self, wanted: EventWanted) -> None:
-        """Look at the zone's events from here to the last one, then from here to the first one."""
+        """Search the zone's events from here to the last one, then from here to the first one."""
         start, seen = self._zone().event, []
         for command in ("next", "previous"):
             while not wanted.fits(self._zone().event):
@@ -130,31 +142,32 @@ class RunScript:
         raise BadWord(f"no event {wanted} in zone '{self._plan.zone}': there are {there_are}")
 
     def _move(self, command: str) -> None:
-        """Go to the next or previous event; a core that goes meanwhile is waited for, and nothing is moved then."""
+        """Go to the next or previous event. If the core does not answer, wait until it is back; nothing moves."""
         try:
             self._link.command(command, self._plan.zone)
-            self._settle()
         except NoCore as gone:
             self._note(f"waiting for the core: {gone}")
-            self._until_heard()
+            self._until_heard(self._link.now() + GIVE_UP_S)
+        self._settle()
 
     def _connect(self) -> None:
-        self._attempt("connect", IDLE)
+        is_done = self._attempt("connect", IDLE)
         zone = self._zone()
-        if zone.phase == IDLE:
+        if is_done and zone.phase == IDLE:
             raise _Failed(Exit.REFUSED, "the run was not begun: the core's log says why")
-        if not self._began:
+        if not is_done and not self._unanswered:
             raise _Failed(Exit.REFUSED, f"another referee was quicker: zone '{zone.zone}' is {zone.phase}")
-        self._uuid = self._link.box.box_uuid
+        self._run, self._is_ours, self._uuid = zone.identity, is_done, self._link.box.box_uuid
 
     def _start(self) -> bool:
-        """Start the run and mark the scores; False: a restart of the core lost the run before it was started."""
+        """Start the run and set the scores; False: a restart of the core lost the run before it was started."""
         self._attempt("start", CONNECTED)
-        phase = self._zone().phase
-        if phase == IDLE and self._link.box.box_uuid != self._uuid:
-            self._note("the core was restarted: connecting again")
-            return False
-        if phase == IDLE:
+        zone = self._zone()
+        if zone.identity != self._run:
+            if zone.phase == IDLE and self._link.box.box_uuid != self._uuid:
+                self._note("the core was restarted: connecting again")
+                self._run, self._is_ours = "", False
+                return False
             raise _Failed(Exit.NOT_COMPLETED, self._how_it_went())
         for item, value in self._scores:
             self._mark(item, value)
@@ -167,42 +180,42 @@ class RunScript:
             self._unmarked = f"; '{item.item}' was not set to {value}: {error}"
             self._note(self._unmarked[2:])
 
-    def _attempt(self, command: str, phase: str) -> None:
-        """Give a command as soon as it is allowed; returns once the zone is no longer in `phase`, or was
-        not moved by the command."""
+    def _attempt(self, command: str, phase: str) -> bool:
+        """Give a command as soon as it is allowed. Returns True once the core carried it out, or False as soon as
+        the zone is no longer in `phase`."""
         deadline = self._link.now() + self._plan.wait_s
-        told: Tuple[str, ...] = ()
+        known: Tuple[str, ...] = ()
         while self._zone().phase == phase:
             gone: Optional[NoCore] = None
             if phase == IDLE:
-                self._began = False
                 self._hold_event()
             reasons = tuple(self._zone().off[command])
             if not reasons:
                 try:
-                    self._began = True
                     self._link.command(command, self._plan.zone)
-                    self._settle(with_details=True)
-                    return
                 except Refused as refused:
-                    self._began = phase != IDLE
-                    reasons = tuple(refused.reasons)  # it changed meanwhile
+                    reasons = tuple(refused.reasons)  # the zone changed since the snapshot
                 except NoCore as error:
                     gone = error  # it may come back
+                    self._unanswered = self._unanswered or command == "connect"
                     reasons = ("the core does not answer",)
-            for reason in news(told, reasons):
+                else:
+                    self._settle()
+                    return True
+            for reason in news(known, reasons):
                 self._note(f"waiting to {command}: {reason}")
-            told = reasons
+            known = reasons
             left = deadline - self._link.now()
             if left <= 0:
                 raise gone or Refused(list(reasons))
             self._step(min(left, STEP_S))
+        return False
 
     def _hold_event(self) -> None:
-        """Never connect for another event than the one meant: a core that was restarted may be at its first one."""
+        """Never connect for another event than the one meant: a restarted core may be at its first event."""
         if self._zone().event == self._event:
             return
-        self._settle()  # the two topics of a core that begins may come one after the other
+        self._settle()  # event and box_uuid come on two topics
         event = self._zone().event
         if self._link.box.box_uuid == self._uuid:
             raise _Failed(Exit.REFUSED, f"another referee moved the zone to {event.code}/{event.round}/{event.run}")
@@ -215,71 +228,116 @@ class RunScript:
             item = pick_item(word, self._zone().score)
             self._scores.append((item, value_of(text, item)))
 
-    def _to_the_end(self) -> Outcome:
-        while self._zone().phase == RUNNING:
+    def _to_the_end(self) -> RunOutcome:
+        while self._is_running():
             self._step(STEP_S)
-            if self._answers is not None and self._zone().phase == RUNNING:
+            if self._answers is not None and self._is_running():
                 self._answers.look(self._zone())
         with contextlib.suppress(NoCore):  # the last lines and scores, if they come
-            self._settle()
+            self._link.settle()
+            self._step(0.0)
         zone = self._zone()
-        if zone.phase != ENDED:
+        if zone.identity != self._run or zone.phase != ENDED:
             raise _Failed(Exit.NOT_COMPLETED, self._how_it_went())
         if zone.end_reason == COMPLETED:
             status = Exit.REFUSED if self._unmarked else Exit.OK
             return self._leave(status, f"the run is completed{self._unmarked}")
         if zone.end_reason == STOPPED:
-            # Who stopped it may want to start it again.
-            return Outcome(Exit.NOT_COMPLETED, "stopped by another referee, and left connected for that one", zone)
-        return self._leave(Exit.NOT_COMPLETED, f"the run did not complete: {zone.end_reason.replace('_', ' ')}")
+            # Whoever stopped it may want to start it again.
+            return RunOutcome(Exit.NOT_COMPLETED, "stopped by another referee, and left connected for that one", zone)
+        ended = ENDS.get(zone.end_reason, zone.end_reason.replace("_", " "))
+        return self._leave(Exit.NOT_COMPLETED, f"the run did not complete: {ended}")
+
+    def _is_running(self) -> bool:
+        zone = self._zone()
+        return zone.phase == RUNNING and zone.identity == self._run
 
     def _how_it_went(self) -> str:
-        """Why there is no run any more, or not as we left it."""
-        phase = self._zone().phase
-        if phase != IDLE:
-            return f"the run did not complete: another referee made it {phase}"
-        if self._link.box.box_uuid != self._uuid:
+        """Why our run is missing, or in a phase that we did not put it in."""
+        zone = self._zone()
+        if zone.identity == self._run:
+            return f"the run did not complete: it is {zone.phase} again"
+        if zone.phase == IDLE and self._link.box.box_uuid != self._uuid:
             return "the run did not complete: it was lost when the core was restarted"
         return "the run did not complete: another referee disconnected it"
 
     # -- leaving ------------------------------------------------------------------------------------
 
-    def _leave(self, status: Exit, text: str) -> Outcome:
-        """Disconnect what we began, unless it is to be kept."""
+    def _leave(self, status: Exit, text: str, wait_s: float = GIVE_UP_S) -> RunOutcome:
+        """Disconnect our run, unless it is to be kept. A core that is away is waited for."""
         zone = self._link.box.zone(self._plan.zone)
-        if zone is None or zone.phase == IDLE or not self._began:
-            return Outcome(status, text)
+        if not self._run or zone is None or zone.identity != self._run:
+            return RunOutcome(status, text)
         if self._plan.keep:
-            return Outcome(status, f"{text}; left connected", zone)
+            return RunOutcome(status, f"{text}; left connected", zone)
+        unsure = Exit.NO_CORE if status is Exit.OK else status
+        if not self._is_ours:
+            return RunOutcome(unsure, f"{text}; left connected: the core did not confirm the connect, so the run may "
+                                      "be another referee's", zone)
         try:
-            self._link.command("disconnect", self._plan.zone)
-            self._settle()
-        except Refused:
-            pass  # another referee was quicker
+            kept = self._disconnect(wait_s)
         except NoCore as gone:
-            return Outcome(status, f"{text}; it could not be disconnected: {gone}", zone)
-        return Outcome(status, text, zone)
+            return RunOutcome(unsure, f"{text}; it could not be disconnected: {gone}", zone)
+        return RunOutcome(status, text + kept, zone)
 
-    def _interrupted(self) -> Outcome:
-        """Ctrl-C: a referee's stop, if the run is ours and not over; a second Ctrl-C leaves at once."""
+    def _disconnect(self, wait_s: float) -> str:
+        """Returns why the run stays connected; empty: it is left. Raises `NoCore`."""
+        deadline = self._link.now() + wait_s
+        is_waiting = False
+        while True:
+            try:
+                self._link.leave_run(self._plan.zone, self._run)
+            except Refused as refused:
+                with contextlib.suppress(NoCore):
+                    self._link.settle()
+                zone = self._link.box.zone(self._plan.zone)
+                is_left = zone is None or zone.identity != self._run
+                return "" if is_left else f"; left connected: {refused}"
+            except NoCore as gone:
+                if self._link.now() >= deadline:
+                    raise
+                if not is_waiting:
+                    self._note(f"waiting to disconnect: {gone}")
+                is_waiting = True
+                self._pause(STEP_S)
+            else:
+                with contextlib.suppress(NoCore):
+                    self._link.settle()
+                    self._step(0.0)
+                return ""
+
+    def _stop_and_leave(self, text: str) -> RunOutcome:
+        """End our run, which is still running."""
+        try:
+            self._link.stop_run(self._plan.zone, self._run)
+            self._settle()
+        except (Refused, NoCore) as error:
+            return RunOutcome(Exit.NOT_COMPLETED, f"{text}; it could not be stopped: {error}{self._left_behind()}")
+        return self._leave(Exit.NOT_COMPLETED, text)
+
+    def _interrupted(self) -> RunOutcome:
+        """Ctrl-C: a referee's stop, if our run is not over. A second Ctrl-C leaves at once."""
         text = "interrupted"
         try:
-            if self._began:
+            if self._run or self._unanswered:
                 self._note("interrupted: leaving the run")
-                with contextlib.suppress(NoCore):  # a core that only publishes nothing may still obey
-                    self._settle()
-                if self._zone().phase == RUNNING:
-                    self._link.command("stop", self._plan.zone)
-                    self._settle(with_details=True)
+                with contextlib.suppress(NoCore):  # a core that publishes nothing may still obey
+                    self._link.settle()
+                    self._step(0.0)
+                if self._is_running():
+                    self._link.stop_run(self._plan.zone, self._run)
+                    self._link.settle()
+                    self._step(0.0)
                     text = "interrupted, the run was stopped"
-            return self._leave(Exit.INTERRUPTED, text)
+            return self._leave(Exit.INTERRUPTED, text, wait_s=0.0)
         except KeyboardInterrupt:
-            return Outcome(Exit.INTERRUPTED, f"interrupted twice{self._left_behind()}")
+            return RunOutcome(Exit.INTERRUPTED, f"interrupted twice{self._left_behind()}")
         except (Refused, NoCore, _Failed) as error:
-            return Outcome(Exit.INTERRUPTED, f"interrupted, but {error}{self._left_behind()}")
+            return RunOutcome(Exit.INTERRUPTED, f"interrupted, but {error}{self._left_behind()}")
 
     def _left_behind(self) -> str:
-        return ": THE RUN MAY STILL BE GOING ON, look with 'referee status'" if self._began else ""
+        may_run = self._run or self._unanswered
+        return ": THE RUN MAY STILL BE RUNNING, check with 'referee status'" if may_run else ""
 
     # -- shared -------------------------------------------------------------------------------------
 
@@ -291,20 +349,34 @@ class RunScript:
 
     def _step(self, limit_s: float) -> None:
         for change in self._follower.step(limit_s):
-            self._tell(change)
+            self._report(change)
         if self._link.silence_s > GIVE_UP_S:
-            raise NoCore(f"the core has been silent for {GIVE_UP_S:.0f} s: look at the launch on the box's computer")
+            raise NoCore(f"the core has been silent for {GIVE_UP_S:.0f} s: check the launch on the box's computer")
 
-    def _until_heard(self) -> None:
-        """Go on once the core, which did not answer, publishes again."""
-        self._step(STEP_S)  # what it said before is still to come in
-        while self._link.silence_s > STEP_S:
+    def _pause(self, seconds: float) -> None:
+        until = self._link.now() + seconds
+        while self._link.now() < until:
+            self._step(until - self._link.now())
+
+    def _until_heard(self, deadline: float) -> None:
+        """Wait until the core publishes again, but not beyond `deadline` (monotonic seconds)."""
+        self._step(STEP_S)  # messages sent before it fell silent are still on their way
+        while self._link.silence_s > STEP_S and self._link.now() < deadline:
             self._step(STEP_S)
 
-    def _settle(self, with_details: bool = False) -> None:
-        """Go on once what the last command did is published; `with_details`: see `Link.settle`."""
-        self._link.settle(with_details)
+    def _settle(self, wait_s: float = GIVE_UP_S) -> None:
+        """Wait for a snapshot that shows the effect of the last command. A core that is away is waited for."""
+        deadline = self._link.now() + wait_s
+        while True:
+            try:
+                self._link.settle()
+                break
+            except NoCore as gone:
+                if self._link.now() >= deadline:
+                    raise
+                self._note(f"waiting for the core: {gone}")
+                self._until_heard(deadline)
         self._step(0.0)
 
     def _note(self, text: str) -> None:
-        self._tell(Change(time.time(), "note", self._plan.zone, {"text": text}))
+        self._report(Change(time.time(), "note", self._plan.zone, {"text": text}))

@@ -83,6 +83,7 @@ class Zone(NamedTuple):
     zone: str
     event: Event
     phase: str
+    identity: str  # of the run; empty: there is none
     end_reason: str
     timer_s: float
     state: Tuple[str, ...]
@@ -182,6 +183,7 @@ def _zone(zone, details) -> Zone:
             zone.timeout.to_sec(),
         ),
         phase=details.phase,
+        identity=details.identity,
         end_reason=details.end_reason,
         timer_s=zone.timer.to_sec(),
         state=tuple(lines_of(zone.state)),

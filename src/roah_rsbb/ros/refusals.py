@@ -1,16 +1,44 @@
-"""Why a service call failed, out of what rospy makes of it."""
+"""Reasons of a refusal, carried through the error text of a ROS service call.
+
+A failed service call carries one text. One reason is that text. Several reasons are a JSON list of texts, because
+a reason may contain any punctuation: prose cannot be split into reasons again.
+"""
 
 import ast
+import json
 import re
-from typing import List
+from typing import List, Optional, Sequence
 
-# rospy hands the server's text on as the repr of its bytes, behind words of its own.
+# rospy passes on the server's text as the repr of its bytes, after words of its own.
 _ERROR = re.compile(r"responded with an error: (.*)$", re.DOTALL)
 _PREFIXES = ("error processing request: ", "service cannot process request: ")
 
 
+def error_text(reasons: Sequence[str]) -> str:
+    """The error text of a service call that is refused for these reasons."""
+    if len(reasons) == 1 and _list_in(reasons[0]) is None:
+        return reasons[0]
+    return json.dumps(list(reasons), ensure_ascii=False)
+
+
+def reasons(raised: str) -> List[str]:
+    """The reasons in the text of a ServiceException; the whole text if the service did not answer."""
+    text = _server_text(raised)
+    found = _list_in(text)
+    return [text] if found is None else found
+
+
 def reason(raised: str) -> str:
-    """The server's own text in the text of a ServiceException; the whole text if there is none in it."""
+    """All reasons in the text of a ServiceException, as one text to show."""
+    return "; ".join(reasons(raised))
+
+
+def was_answered(raised: str) -> bool:
+    """Whether the service answered. Otherwise it is missing or cannot be reached."""
+    return _ERROR.search(raised) is not None
+
+
+def _server_text(raised: str) -> str:
     match = _ERROR.search(raised)
     if match is None:
         return raised
@@ -26,11 +54,11 @@ def reason(raised: str) -> str:
     return text
 
 
-def reasons(raised: str) -> List[str]:
-    """The same, one for one: the core joins its reasons with semicolons (`roah_rsbb.core.referee`)."""
-    return reason(raised).split("; ")
-
-
-def was_answered(raised: str) -> bool:
-    """Whether the service answered at all; False: it is not there, or the way to it is broken."""
-    return _ERROR.search(raised) is not None
+def _list_in(text: str) -> Optional[List[str]]:
+    """The list of texts that `text` is in JSON; None if it is not one."""
+    try:
+        found = json.loads(text)
+    except ValueError:
+        return None
+    is_list = isinstance(found, list) and all(isinstance(item, str) for item in found)
+    return found if is_list else None

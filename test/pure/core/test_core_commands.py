@@ -288,3 +288,22 @@ def test_disconnect_ends_the_channel_without_a_last_message():
     assert effects.CloseChannel(robot.port) in taken
     assert driver.box.beacon().robots == ()
     assert driver.channels == {}
+
+
+def test_a_run_by_its_identity_is_left_unless_it_is_running():
+    driver = BoxDriver(competition(tbm=["HGTKMH", "HWV"]))
+    robot = driver.connected()
+    name = RunName("tbm", driver.run_in().identity)
+    driver.command("start")
+    robot.executes()
+    with pytest.raises(Refused, match="is running: stop it first"):
+        driver.event(driver.box.leave_run, name, "Anna")
+    driver.command("stop")
+    driver.event(driver.box.leave_run, name, "Anna")
+    assert driver.run_in() is None
+    driver.run(2.0)
+    driver.connected()
+    for other in (name, RunName("tbm")):
+        with pytest.raises(Refused, match="is not connected in zone 'tbm'"):
+            driver.event(driver.box.leave_run, other)
+    assert driver.run_in().phase is Phase.CONNECTED

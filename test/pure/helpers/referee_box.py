@@ -34,10 +34,10 @@ EVENTS = tuple(
 def zone(**fields) -> Zone:
     """A zone without a run."""
     default = Zone(
-        zone="Home A", event=EVENTS[0], phase=IDLE, end_reason="", timer_s=600.0, state=("Robot ready",), robot="",
-        port=0, box_state="", robot_state="", skew_s=None, last_message_utc_s=None, messages_saved=0,
-        manual_operation="", warnings=(), off={command: [] for command in COMMANDS}, score=(), log_file="", log="",
-        online_data="",
+        zone="Home A", event=EVENTS[0], phase=IDLE, identity="", end_reason="", timer_s=600.0,
+        state=("Robot ready",), robot="", port=0, box_state="", robot_state="", skew_s=None,
+        last_message_utc_s=None, messages_saved=0, manual_operation="", warnings=(),
+        off={command: [] for command in COMMANDS}, score=(), log_file="", log="", online_data="",
     )
     return default._replace(**fields)
 
@@ -45,8 +45,9 @@ def zone(**fields) -> Zone:
 def running_zone(**fields) -> Zone:
     """A zone with a run that was started."""
     return zone(**{
-        "phase": RUNNING, "robot": "mbot", "port": 6667, "box_state": "PREPARE", "robot_state": "PREPARING",
-        "skew_s": 0.0123, "last_message_utc_s": UTC0 - 0.5, "score": ITEMS, "log_file": "/logs/run.bag",
+        "phase": RUNNING, "identity": "HGTKMH-6667-1", "robot": "mbot", "port": 6667,
+        "box_state": "PREPARE", "robot_state": "PREPARING", "skew_s": 0.0123,
+        "last_message_utc_s": UTC0 - 0.5, "score": ITEMS, "log_file": "/logs/run.bag",
         "timer_s": 512.3, **fields,
     })
 
@@ -62,8 +63,19 @@ def box(*zones: Zone, **fields) -> Box:
     return default._replace(**fields)
 
 
+# Fields of a zone that come on /core/details; the others come on /core/to_gui.
+DETAILS = ("phase", "identity", "end_reason", "robot", "port", "box_state", "robot_state", "skew_s", "off", "log_file")
+
+
+NO_RUN = {"phase": IDLE, "identity": "", "robot": "", "port": 0, "score": (), "end_reason": ""}
+
+
 class FakeLink:
-    """A link to a core of one zone. Time goes on by `next` only; `at` plans what happens when."""
+    """A link to a core of one zone. Time advances by `next` only; `at` plans what happens when.
+
+    `true_box` is what the core has. `box` is what has arrived of it: `details_late_s` gives the delay of each
+    CoreDetails in turn.
+    """
 
     def __init__(self) -> None:
         self.time = 0.0
@@ -71,13 +83,18 @@ class FakeLink:
         self.silent = False
         self.dead = False  # silent, and no service answers
         self.extra_off: Dict[str, List[str]] = {}
-        self.box = box(self._with_off(zone()))
+        self.details_late_s: Callable[[], float] = lambda: 0.0
+        self.true_box = box(self._with_off(zone()))
+        self.box = self.true_box
         self.commands: List[str] = []
         self.scores: Dict[str, int] = {}
         self.answers: Dict[str, List[Optional[Exception]]] = {}  # for a command: what its next calls raise
         self.index = 0
         self.given: List[tuple] = []  # answers to manual operations and entries for switches, as they came
         self._plans: List[tuple] = []
+        self._connects = 0
+        self._details_on_the_way: List[tuple] = []  # when it arrives, when it was published, the box then
+        self._details: tuple = (0.0, self.true_box)  # when it was published, the box then
 
     # -- what a test plays ---------------------------------------------------------------------------
 
@@ -88,7 +105,7 @@ class FakeLink:
     def change(self, **fields) -> None:
         """Change the zone."""
         new = self._with_off(self.zone._replace(**fields))
-        self.box = self.box._replace(zones=(new,), clock_utc_s=UTC0 + self.time)
+        self.true_box = self.true_box._replace(zones=(new,), clock_utc_s=UTC0 + self.time)
 
     def end(self, reason: str) -> None:
         """End the run."""
@@ -102,9 +119,8 @@ class FakeLink:
         """The core is started again; without `fields` its zone has no run any more."""
         self.silent = self.dead = False
         self.index = 0
-        self.box = self.box._replace(box_uuid=self.box.box_uuid + "'")
-        self.change(**(fields or {"phase": IDLE, "robot": "", "port": 0, "score": (), "end_reason": "",
-                                  "event": EVENTS[0]}))
+        self.true_box = self.true_box._replace(box_uuid=self.true_box.box_uuid + "'")
+        self.change(**(fields or {**NO_RUN, "event": EVENTS[0]}))
 
     def block(self, command: str, *reasons: str) -> None:
         """Reasons why a command is off, beside its own; none: it is free again."""
@@ -113,8 +129,14 @@ class FakeLink:
 
     @property
     def zone(self) -> Zone:
-        """The zone as it is now."""
-        return self.box.zones[0]
+        """The zone as the core has it now."""
+        return self.true_box.zones[0]
+
+    def connect(self) -> None:
+        """Somebody connects a robot; each run has another identity."""
+        self._connects += 1
+        self.change(phase=CONNECTED, identity=f"run {self._connects}", robot="mbot", port=6667, score=ITEMS,
+                    end_reason="")
 
     # -- what a Link does ----------------------------------------------------------------------------
 
@@ -141,18 +163,65 @@ class FakeLink:
                 due[0][1]()
             if not self.silent:
                 self.heard = self.time
+                self._publish()
                 return self.box
         return None
 
-    def settle(self, with_details: bool = False) -> Box:
-        """Two ticks; both topics come together here."""
-        for _ in range(2):
-            if self.next(TICK_S) is None:
+    def _publish(self) -> None:
+        """Details arrive in their order, each after its delay."""
+        arrives = self.time + self.details_late_s()
+        if self._details_on_the_way:
+            arrives = max(arrives, self._details_on_the_way[-1][0])
+        self._details_on_the_way.append((arrives, self.time, self.true_box))
+        while self._details_on_the_way and self._details_on_the_way[0][0] <= self.time:
+            self._details = self._details_on_the_way.pop(0)[1:]
+        zones = self.true_box.zones
+        if zones and self._details[1].zones:
+            old = self._details[1].zones[0]
+            zones = (zones[0]._replace(**{name: getattr(old, name) for name in DETAILS}),)
+        self.box = self.true_box._replace(zones=zones, box_uuid=self._details[1].box_uuid)
+
+    def settle(self) -> Box:
+        """As the real one: by the core's clock."""
+        if self.dead:
+            raise NoCore("gone")
+        clock = self.time
+        while True:
+            if self.next(2.0) is None:
                 raise NoCore("silent")
-        return self.box
+            if self._details[0] > clock:
+                return self.box
 
     def command(self, command: str, name: str) -> None:
         """Carry a command out as the core would."""
+        self._call(command, name)
+        if self.zone.off[command]:
+            raise Refused(self.zone.off[command])
+        {
+            "connect": self.connect,
+            "start": lambda: self.change(phase=RUNNING),
+            "stop": lambda: self.end("stopped"),
+            "disconnect": lambda: self.change(**NO_RUN),
+            "next": lambda: self._move(1),
+            "previous": lambda: self._move(-1),
+        }[command]()
+
+    def stop_run(self, name: str, identity: str) -> None:
+        """As the core: only the run of that identity."""
+        self._call("stop_run", name)
+        if identity == self.zone.identity and self.zone.phase == RUNNING:
+            self.end("stopped")
+
+    def leave_run(self, name: str, identity: str) -> None:
+        """As the core: only the run of that identity, and never a running one."""
+        self._call("leave_run", name)
+        if not identity or identity != self.zone.identity:
+            raise Refused([f"run {identity} is not connected"])
+        if self.zone.phase == RUNNING:
+            raise Refused([f"run {identity} is running: stop it first"])
+        self.change(**NO_RUN)
+
+    def _call(self, command: str, name: str) -> None:
         assert name == self.zone.zone
         if self.dead:
             raise NoCore("gone")
@@ -160,16 +229,6 @@ class FakeLink:
         answer = (self.answers.get(command) or [None]).pop(0)
         if answer is not None:
             raise answer
-        if self.zone.off[command]:
-            raise Refused(self.zone.off[command])
-        {
-            "connect": lambda: self.change(phase=CONNECTED, robot="mbot", port=6667, score=ITEMS),
-            "start": lambda: self.change(phase=RUNNING),
-            "stop": lambda: self.end("stopped"),
-            "disconnect": lambda: self.change(phase=IDLE, robot="", port=0, score=(), end_reason=""),
-            "next": lambda: self._move(1),
-            "previous": lambda: self._move(-1),
-        }[command]()
 
     def set_score(self, name: str, group: str, item: str, value: int) -> None:
         """Set an item."""

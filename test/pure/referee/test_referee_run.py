@@ -1,8 +1,10 @@
 """Whole runs by script, in simulated time, against a core that the test plays."""
 
+import random
+
 import pytest
 
-from helpers.referee_box import EVENTS, FakeLink
+from helpers.referee_box import EVENTS, NO_RUN, FakeLink
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.run import Plan, RunScript
@@ -29,7 +31,7 @@ def test_a_run_from_connect_to_disconnect(link):
     link.at(5, lambda: link.end("completed"))
     outcome, told = _run(link)
     assert (outcome.status, outcome.text) == (Exit.OK, "the run is completed")
-    assert link.commands == ["connect", "start", "disconnect"]
+    assert link.commands == ["connect", "start", "leave_run"]
     assert outcome.zone.end_reason == "completed"
     assert [what for kind, what in told if kind == "state"] == ["connected", "running", "ended", "idle"]
 
@@ -60,7 +62,7 @@ def test_a_start_that_stays_impossible_leaves_no_run_behind(link):
     link.block("start", "Skew")
     outcome, _ = _run(link, wait_s=3.0)
     assert (outcome.status, outcome.text) == (Exit.REFUSED, "refused: Skew")
-    assert link.commands == ["connect", "disconnect"]
+    assert link.commands == ["connect", "leave_run"]
 
 
 def test_a_refusal_although_the_button_was_on_is_waited_out(link):
@@ -82,7 +84,7 @@ def test_a_zone_with_a_run_is_left_alone(link):
 
 def test_a_referee_who_connects_first_keeps_the_run(link):
     link.block("connect", "No robot")
-    link.at(2, lambda: link.change(phase="connected"))
+    link.at(2, link.connect)
     outcome, _ = _run(link)
     assert outcome.status is Exit.REFUSED
     assert "another referee" in outcome.text
@@ -91,20 +93,22 @@ def test_a_referee_who_connects_first_keeps_the_run(link):
 
 def test_a_referee_who_connects_at_the_same_moment_keeps_the_run(link):
     link.answers["connect"] = [Refused(["Already connected"])]
-    link.at(0.1, lambda: link.change(phase="connected"))
+    link.at(0.2, link.connect)
     outcome, _ = _run(link)
     assert outcome.status is Exit.REFUSED
     assert "another referee" in outcome.text
     assert link.commands == ["connect"]
 
 
-@pytest.mark.parametrize("reason", ["timeout", "no_messages_saved"])
-def test_a_run_that_ends_otherwise_did_not_complete(link, reason):
+@pytest.mark.parametrize("reason, text", [
+    ("timeout", "timeout"), ("no_messages_saved", "saved no offline data"), ("goals_timed_out", "every goal timed out"),
+])
+def test_a_run_that_ends_otherwise_did_not_complete(link, reason, text):
     link.at(5, lambda: link.end(reason))
     outcome, _ = _run(link)
     assert outcome.status is Exit.NOT_COMPLETED
-    assert reason.replace("_", " ") in outcome.text
-    assert link.commands[-1] == "disconnect"
+    assert text in outcome.text
+    assert link.commands[-1] == "leave_run"
 
 
 def test_a_run_that_another_referee_stops_stays_for_that_one(link):
@@ -118,7 +122,7 @@ def test_a_run_that_another_referee_stops_stays_for_that_one(link):
 def test_a_run_that_another_referee_disconnects_did_not_complete(link, phase):
     if phase == "connected":
         link.block("start", "Skew")
-    link.at(5, lambda: link.change(phase="idle"))
+    link.at(5, lambda: link.change(**NO_RUN))
     outcome, _ = _run(link)
     assert (outcome.status, outcome.text) == (
         Exit.NOT_COMPLETED, "the run did not complete: another referee disconnected it")
@@ -147,7 +151,7 @@ def test_scores_are_set_once_the_run_is_started(link):
 def test_a_wrong_score_is_told_before_the_start(link, score, status):
     outcome, _ = _run(link, scores=(score,))
     assert outcome.status is status
-    assert link.commands == ["connect", "disconnect"]
+    assert link.commands == ["connect", "leave_run"]
 
 
 def test_a_score_that_cannot_be_set_does_not_end_the_run(link):
@@ -176,7 +180,7 @@ def test_the_zone_is_moved_to_the_event(link, start, wanted, run, steps):
     link.at(5, lambda: link.end("completed"))
     outcome, _ = _run(link, event=event_wanted(wanted))
     assert outcome.zone.event.run == run
-    assert link.commands == [*steps, "connect", "start", "disconnect"]
+    assert link.commands == [*steps, "connect", "start", "leave_run"]
 
 
 def test_an_event_that_is_not_there_leaves_the_zone_where_it_was(link):
@@ -198,7 +202,7 @@ def test_a_restart_on_the_way_to_the_event_is_waited_out(link):
     assert outcome.status is Exit.OK
     assert outcome.zone.event.code == "HCFGAC"
     assert [what for kind, what in told if kind == "note"] == ["waiting for the core: silent"]
-    assert link.commands == ["next", "next", "next", "next", "next", "connect", "start", "disconnect"]
+    assert link.commands == ["next", "next", "next", "next", "next", "connect", "start", "leave_run"]
 
 
 def test_a_zone_that_another_referee_moves_is_not_connected(link):
@@ -221,7 +225,7 @@ def test_a_core_that_begins_at_its_first_event_again_is_moved_back(link):
     link.at(15, lambda: link.end("completed"))
     outcome, _ = _run(link)
     assert outcome.zone.event == EVENTS[2]
-    assert link.commands == ["next", "next", "connect", "start", "disconnect"]
+    assert link.commands == ["next", "next", "connect", "start", "leave_run"]
 
 
 def test_a_move_after_a_restart_is_another_referees(link):
@@ -260,7 +264,7 @@ def test_a_restart_before_the_start_loses_nothing(link):
     link.at(12, lambda: link.end("completed"))
     outcome, _ = _run(link, scores=(("door", "1"),))
     assert outcome.status is Exit.OK
-    assert link.commands == ["connect", "connect", "start", "disconnect"]
+    assert link.commands == ["connect", "connect", "start", "leave_run"]
     assert link.scores == {"Detects the door": 1}
 
 
@@ -276,7 +280,7 @@ def test_a_core_that_stays_gone_before_connect_ends_it_as_such(link):
     link.at(0.1, link.die)
     outcome, _ = _run(link, wait_s=4.0, event=event_wanted("HGTKMH"))
     assert outcome.status is Exit.NO_CORE
-    assert outcome.text == "gone: THE RUN MAY STILL BE GOING ON, look with 'referee status'"
+    assert outcome.text == "gone"
 
 
 def test_a_core_that_was_gone_and_then_refuses_is_a_refusal(link):
@@ -286,19 +290,37 @@ def test_a_core_that_was_gone_and_then_refuses_is_a_refusal(link):
     assert (outcome.status, outcome.text) == (Exit.REFUSED, "refused: No robot")
 
 
-def test_a_core_that_goes_when_the_run_is_completed_takes_nothing_from_that(link):
+@pytest.mark.parametrize("answers", [[None], [NoCore("gone"), None]])
+def test_a_core_that_goes_during_the_disconnect_is_waited_for(link, answers):
+    link.answers["leave_run"] = answers
     link.at(5, lambda: link.end("completed"))
-    link.at(5, link.die)
+    outcome, told = _run(link)
+    assert (outcome.status, outcome.text, link.zone.phase) == (Exit.OK, "the run is completed", "idle")
+    assert (("note", "waiting to disconnect: gone") in told) == (len(link.commands) == 4)
+
+
+def test_a_core_that_disconnected_before_it_could_answer(link):
+    link.answers["leave_run"] = [NoCore("gone")]
+    link.at(5, lambda: link.end("completed"))
+    link.at(6, link.restart)
     outcome, _ = _run(link)
-    assert outcome.status is Exit.OK
+    assert (outcome.status, outcome.text) == (Exit.OK, "the run is completed")
+
+
+def test_a_run_that_could_not_be_disconnected_is_a_failure(link):
+    link.answers["leave_run"] = [NoCore("gone")] * 100
+    link.at(5, lambda: link.end("completed"))
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.NO_CORE
     assert outcome.text == "the run is completed; it could not be disconnected: gone"
+    assert 60 <= link.time < 70
 
 
 def test_a_restart_while_waiting_is_not_blamed_for_what_a_referee_does_later(link):
     link.block("connect", "No robot")
     link.at(2, link.restart)
     link.at(3, lambda: link.block("connect"))
-    link.at(6, lambda: link.change(phase="idle"))
+    link.at(6, lambda: link.change(**NO_RUN))
     assert "another referee disconnected it" in _run(link)[0].text
 
 
@@ -306,12 +328,12 @@ def test_a_core_that_stays_silent_ends_it_and_the_referee_is_warned(link):
     link.at(5, lambda: setattr(link, "silent", True))
     outcome, _ = _run(link)
     assert outcome.status is Exit.NO_CORE
-    assert "THE RUN MAY STILL BE GOING ON" in outcome.text
+    assert "THE RUN MAY STILL BE RUNNING" in outcome.text
     assert 60 <= link.time < 70
 
 
 def test_a_zone_that_is_no_longer_in_the_schedule(link):
-    link.at(5, lambda: setattr(link, "box", link.box._replace(zones=())))
+    link.at(5, lambda: setattr(link, "true_box", link.true_box._replace(zones=())))
     outcome, _ = _run(link)
     assert outcome.status is Exit.NOT_COMPLETED
     assert "schedule" in outcome.text
@@ -324,7 +346,7 @@ def test_an_interrupt_stops_the_run_and_leaves_it(link):
     link.at(5, _interrupt)
     outcome, _ = _run(link)
     assert (outcome.status, outcome.text) == (Exit.INTERRUPTED, "interrupted, the run was stopped")
-    assert link.commands == ["connect", "start", "stop", "disconnect"]
+    assert link.commands == ["connect", "start", "stop_run", "leave_run"]
     assert outcome.zone.end_reason == "stopped"
 
 
@@ -333,7 +355,7 @@ def test_an_interrupt_before_the_start_disconnects(link):
     link.at(5, _interrupt)
     outcome, _ = _run(link)
     assert outcome.status is Exit.INTERRUPTED
-    assert link.commands == ["connect", "disconnect"]
+    assert link.commands == ["connect", "leave_run"]
 
 
 def test_an_interrupt_before_connect_changes_nothing(link):
@@ -349,13 +371,92 @@ def test_an_interrupt_while_the_core_is_silent_still_tries_to_stop(link):
     link.at(6, _interrupt)
     outcome, _ = _run(link)
     assert outcome.status is Exit.INTERRUPTED
-    assert "stop" in link.commands
+    assert "stop_run" in link.commands
 
 
 def test_a_second_interrupt_leaves_at_once_and_warns(link):
     link.at(5, _interrupt)
-    link.answers["stop"] = [KeyboardInterrupt()]
+    link.answers["stop_run"] = [KeyboardInterrupt()]
     outcome, _ = _run(link)
     assert outcome.status is Exit.INTERRUPTED
-    assert "THE RUN MAY STILL BE GOING ON" in outcome.text
-    assert link.commands == ["connect", "start", "stop"]
+    assert "THE RUN MAY STILL BE RUNNING" in outcome.text
+    assert link.commands == ["connect", "start", "stop_run"]
+
+
+# -- details that arrive late ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("late_s", [0.0, 0.15, 0.5, 1.0, 2.0])
+def test_details_that_are_always_late(link, late_s):
+    link.details_late_s = lambda: late_s
+    link.at(8, lambda: link.end("completed"))
+    outcome, told = _run(link, scores=(("door", "1"),))
+    assert (outcome.status, outcome.text) == (Exit.OK, "the run is completed")
+    assert link.commands == ["connect", "start", "leave_run"]
+    assert link.scores == {"Detects the door": 1}
+    assert not [what for kind, what in told if kind == "note"]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_details_of_any_delay(link, seed):
+    """The next run of the zone succeeds, too: nothing was left behind."""
+    delays = random.Random(seed)
+    link.details_late_s = lambda: delays.uniform(0.0, 2.0)
+    for number in (1, 2, 3):
+        link.at(link.time + 12, lambda: link.end("completed"))
+        outcome, _ = _run(link, event=event_wanted("HCFGAC/1/4" if number == 2 else "HGTKMH"))
+        assert (outcome.status, outcome.text) == (Exit.OK, "the run is completed")
+        assert (link.zone.phase, link.commands[-3:]) == ("idle", ["connect", "start", "leave_run"])
+
+
+def test_late_details_of_a_refused_connect(link):
+    """Another referee connects; what has arrived still says that the zone is free."""
+    link.details_late_s = lambda: 2.0
+    link.at(1.0, link.connect)
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.REFUSED
+    assert "another referee was quicker" in outcome.text
+    assert "leave_run" not in link.commands
+
+
+# -- only its own run -----------------------------------------------------------------------------
+
+
+def test_the_run_of_another_referee_is_not_disconnected(link):
+    """Ours is disconnected, and another one connected and started, between two snapshots."""
+    link.at(5, lambda: (link.change(**NO_RUN), link.connect(), link.change(phase="running")))
+    outcome, _ = _run(link)
+    assert (outcome.status, outcome.text) == (
+        Exit.NOT_COMPLETED, "the run did not complete: another referee disconnected it")
+    assert link.commands == ["connect", "start"]
+    assert link.zone.phase == "running"
+
+
+def test_a_connect_that_was_carried_out_but_not_answered(link):
+    """The run may be ours: it is started, but not disconnected."""
+    link.answers["connect"] = [NoCore("gone")]
+    link.at(0.2, link.connect)
+    link.at(5, lambda: link.end("completed"))
+    outcome, _ = _run(link)
+    assert outcome.status is Exit.NO_CORE
+    assert "left connected: the core did not confirm the connect" in outcome.text
+    assert link.commands == ["connect", "start"]
+
+
+def test_a_run_that_another_referee_started_again_is_not_disconnected(link):
+    link.at(5, lambda: link.end("completed"))
+    link.at(5.3, lambda: link.change(phase="running", end_reason=""))
+    link.details_late_s = lambda: 0.2
+    outcome, _ = _run(link)
+    assert link.zone.phase == "running"
+    assert outcome.status is not Exit.OK
+
+
+def test_the_last_event_of_a_zone(link):
+    """After the move the buttons are those of the new event."""
+    link.details_late_s = lambda: 1.0
+    link.at(15, lambda: link.end("completed"))
+    outcome, _ = _run(link, event=event_wanted("STB"))
+    assert outcome.status is Exit.USAGE
+    assert "no event STB" in outcome.text
+    assert link.zone.event == EVENTS[0]

@@ -39,9 +39,9 @@ def _zone_state():
 
 def _details(**fields):
     default = {
-        "zone": "Home A", "phase": "running", "end_reason": "", "robot": "mbot", "port": 6667, "box_state": "PREPARE",
-        "robot_state": "STOP", "skew_known": True, "skew": Seconds(-0.15), "last_message": Seconds(UTC0 - 1),
-        "messages_saved": 7, "log_file": "/x.bag", "warnings": ["w"], "operation": 0,
+        "zone": "Home A", "phase": "running", "identity": "HWV-1", "end_reason": "", "robot": "mbot", "port": 6667,
+        "box_state": "PREPARE", "robot_state": "STOP", "skew_known": True, "skew": Seconds(-0.15),
+        "last_message": Seconds(UTC0 - 1), "messages_saved": 7, "log_file": "/x.bag", "warnings": ["w"], "operation": 0,
         "operation_choices": [], "operation_asks_text": False, "held": False, "module_status": "", "module_scores": [],
         "robots_preparing": 0, "robots_executing": 0, "robots_stopped": 0, "robots": [],
         "not_attempted": [],

@@ -5,15 +5,21 @@ from typing import Any, Callable, List, Optional, Tuple, TypeVar
 import rospy
 
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.nodes.core.results_convert import sheet_message
+from roah_rsbb.ros import refusals
 from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.ros.times import ros_time
 from roah_rsbb.srv import (
+    GetClock,
+    GetClockResponse,
     GetRunSheet,
     GetRunSheetResponse,
+    LeaveRun,
     ManualOperationAnswer,
     ScoreMark,
     ScoreWithdraw,
@@ -52,6 +58,7 @@ class CoreServices:
         for command in COMMANDS:
             self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c, who_of(r)))
         self._serve("stop_run", StopRun, lambda r: (box.scores.stop, _run_of(r), who_of(r)))
+        self._serve("leave_run", LeaveRun, lambda r: (box.leave_run, _run_of(r), who_of(r)))
         self._serve("manual_operation_complete", Zone, lambda r: (
             box.modules.complete_operation, r.zone, 0, "", who_of(r)
         ))
@@ -64,6 +71,7 @@ class CoreServices:
         ))
         self._serve("omf_switches/complete", Zone, lambda r: (box.modules.complete_switches, r.zone, who_of(r)))
         self._serve_scores(box)
+        rospy.Service("/core/clock", GetClock, self._clock)
 
     def _serve_scores(self, box: Box) -> None:
         """Services whose success means that the result is on the disk."""
@@ -110,6 +118,12 @@ class CoreServices:
 
         rospy.Service(f"/core/{name}", service, handle)
 
+    def _clock(self, _request: Any) -> GetClockResponse:
+        """The time is read in the loop's thread, so that every command answered before has been carried out."""
+        found: List[Now] = []
+        self._call(lambda: self._event(found.append))
+        return GetClockResponse(ros_time(found[0].utc))
+
     def _run_sheet(self, request: Any) -> GetRunSheetResponse:
         found: List[RunRecord] = []
         self._call(lambda: self._event(lambda now: found.append(self._box.scores.record_of(now, _run_of(request)))))
@@ -119,7 +133,7 @@ class CoreServices:
         try:
             return self._ros.call(function)
         except Refused as refused:
-            raise rospy.ServiceException(str(refused)) from None
+            raise rospy.ServiceException(refusals.error_text(refused.reasons)) from None
 
 
 def who_of(request: Any, referee: str = "") -> str:
