@@ -51,6 +51,7 @@ RENEW_S = 5.0
 # The core publishes details at least every second. After this long without newer ones, something is wrong.
 DETAILS_S = 10.0
 
+NO_DETAILS = f"the core publishes {GUI_TOPIC}, but {DETAILS_TOPIC} does not arrive: check the network, or restart the core"
 START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
 
 
@@ -133,7 +134,7 @@ class Link:
         deadline = self.now() + DETAILS_S
         while self._gui.clock <= clock or self._details.clock <= clock:
             if self.next(min(SILENT_S, max(0.0, deadline - self.now()))) is None:
-                raise NoCore(self._why_silent())
+                raise NoCore(NO_DETAILS if self.silence_s < SILENT_S else self._why_silent())
         assert self.box is not None, "both topics were heard"
         return self.box
 
@@ -167,8 +168,8 @@ class Link:
         problem = _core_problem()
         if problem:
             return problem
-        if self._gui is not None and self.silence_s < SILENT_S:
-            return f"the core publishes {GUI_TOPIC}, but {DETAILS_TOPIC} does not arrive: check the network, restart it"
+        if self._gui is not None and self._details is None:
+            return NO_DETAILS
         return ("the core is known to the ROS master, but silent: it hangs or has died (restart it), or its "
                 "computer cannot be reached by its name (set ROS_IP on both computers)")
 
