@@ -51,7 +51,7 @@ RENEW_S = 5.0
 # The core publishes details at least every second. After this long without newer ones, something is wrong.
 DETAILS_S = 10.0
 
-NO_DETAILS = f"the core publishes {GUI_TOPIC}, but {DETAILS_TOPIC} does not arrive: check the network, or restart the core"
+NO_DETAILS = f"the core publishes {GUI_TOPIC}, but {DETAILS_TOPIC} does not arrive: check the network"
 START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
 
 
