@@ -177,7 +177,7 @@ class RunScript:
         try:
             self._link.set_score(self._plan.zone, item.group, item.item, value)
         except (Refused, NoCore) as error:
-            self._unmarked = f"; '{item.item}' was not set to {value}: {error}"
+            self._unmarked = f"; '{item.item}' = {value} failed: {error}"
             self._note(self._unmarked[2:])
 
     def _attempt(self, command: str, phase: str) -> bool:

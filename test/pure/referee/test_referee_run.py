@@ -159,7 +159,7 @@ def test_a_score_that_cannot_be_set_does_not_end_the_run(link):
     link.at(5, lambda: link.end("completed"))
     outcome, _ = _run(link, scores=(("door", "1"), ("moved", "2")))
     assert outcome.status is Exit.REFUSED
-    assert "'Detects the door' was not set to 1: no such item" in outcome.text
+    assert "'Detects the door' = 1 failed: no such item" in outcome.text
     assert link.scores == {"Moved furniture": 2}
     assert outcome.zone.end_reason == "completed"
 
