@@ -14,7 +14,7 @@ from python_qt_binding.QtGui import QMouseEvent, QWheelEvent
 
 from roah_rsbb.rqt.panels import devices, overview
 from roah_rsbb.rqt.panels.devices import DevicesPanel
-from roah_rsbb.rqt.panels.overview import OverviewPanel, Shape, best_shape
+from roah_rsbb.rqt.panels.overview import Arrangement, OverviewPanel, best_arrangement
 from roah_rsbb.rqt.widgets.basic import KEEP_MS
 
 
@@ -125,10 +125,10 @@ class TestOverview(PanelCase):
         self.assertFalse(self.tile.event.isVisible())
 
     def test_tiles_fill_the_panel(self) -> None:
-        self.assertEqual(best_shape(2, 22.0, 13.0).columns, 1)
-        self.assertEqual(best_shape(4, 60.0, 13.0), Shape(2, 1.1))
-        self.assertEqual(best_shape(1, 900.0, 900.0).factor, overview.MOST)
-        self.assertEqual(best_shape(9, 10.0, 10.0), Shape(1, overview.LEAST, compact=True))
+        self.assertEqual(best_arrangement(2, 22.0, 13.0).columns, 1)
+        self.assertEqual(best_arrangement(4, 60.0, 13.0), Arrangement(2, 1.1))
+        self.assertEqual(best_arrangement(1, 900.0, 900.0).factor, overview.MOST)
+        self.assertEqual(best_arrangement(9, 10.0, 10.0), Arrangement(1, overview.LEAST, compact=True))
 
     # -- stopping -----------------------------------------------------------------------------------
 

@@ -236,7 +236,7 @@ class TestResults(WordsCase):
     def test_the_sign_off_asks_and_is_final(self) -> None:
         click(self.panel.sign)
         asked = question()
-        self.assertIn("Signed by Anna. Nothing can be corrected afterwards", asked.informativeText())
+        self.assertIn("Signed by Anna. The sheet cannot be corrected afterwards", asked.informativeText())
         answer(asked, QMessageBox.RejectRole)
         self.assertEqual(self.core.calls, [])
         click(self.panel.sign)

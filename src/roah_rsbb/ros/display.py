@@ -1,11 +1,11 @@
-"""Whether windows can be opened here. Nothing of Qt is imported: it may not even work."""
+"""Whether windows can be opened here. Qt is not imported: it may not work."""
 
 import subprocess
 import sys
 
-# Qt aborts the process that it cannot give a window to: so another process tries first.
+# Qt aborts a process that cannot open a window, so another process tries first.
 _TRY = "from python_qt_binding.QtWidgets import QApplication; QApplication([])"
-NO_DISPLAY = "No display: no window is opened. On a machine without one use 'rosrun roah_rsbb referee', or gui:=none."
+NO_DISPLAY = "No display: no window can be opened. Use 'rosrun roah_rsbb referee', or gui:=none."
 
 
 def has_display() -> bool:

@@ -1,4 +1,4 @@
-"""Following a text of which only the end is published."""
+"""Follows a text of which only the end is published."""
 
 from typing import Optional
 
@@ -7,10 +7,10 @@ MIN_OVERLAP = 80
 
 
 def added(old: str, new: str) -> Optional[str]:
-    """What came behind `old` in `new`, when `new` may have lost its beginning; None: it is another text."""
+    """Returns the text that `new` adds to `old`, although `new` may lack the beginning; None: it is another text."""
     if new.startswith(old):
         return new[len(old):]
-    # The longest end of `old` that `new` begins with: look where the first line of `new` stood in `old`.
+    # Find the longest end of `old` with which `new` begins: search `old` for the start of `new`.
     first = new[:MIN_OVERLAP]
     if len(first) < MIN_OVERLAP:
         return None

@@ -1,52 +1,52 @@
-"""What a referee must do now in a zone, in one line: for panels that show several zones at a glance.
+"""What the referee must do now in a zone, in one line.
 
-The core says what is the matter; this only chooses what comes first. Works on anything with the fields of
-ZoneState and ZoneDetails: neither ROS nor Qt is needed.
+The core reports the facts; this module chooses the most urgent one. Works on anything with the fields of ZoneState and
+ZoneDetails; ROS is not imported.
 """
 
 import enum
 from typing import NamedTuple
 
-# So the core marks a line of a zone's state that calls for attention.
+# How the core marks a line of a zone's state that is a warning.
 WARNING = "WARNING: "
 
 
 class Urgency(enum.IntEnum):
     """How much a zone needs its referee."""
 
-    NONE = 0  # nothing can be done
+    NONE = 0  # nothing to do
     POSSIBLE = 1  # the next step of a run is possible
     LOOK = 2  # something is wrong
-    DO = 3  # the run waits for the referee's hand
+    DO = 3  # the run is waiting for the referee
 
 
 class Todo(NamedTuple):
-    """What is to be done, and how urgent that is."""
+    """What to do, and how urgent it is."""
 
     urgency: Urgency
     text: str
-    warnings: int = 0  # how many there are, also if something else comes first
+    warnings: int = 0  # number of warnings, also if something else is more urgent
 
 
 def todo(zone, details) -> Todo:
-    """What must be done now in `zone` (ZoneState); `details` (ZoneDetails): None where they are not known."""
+    """Returns what to do now in `zone` (ZoneState). `details` (ZoneDetails): None if they are not known."""
     found = [line[len(WARNING):] for line in zone.state.splitlines() if line.startswith(WARNING)]
     if zone.manual_operation:
         return Todo(Urgency.DO, zone.manual_operation, len(found))
     if zone.omf_complete:
-        return Todo(Urgency.DO, "Enter which switches the robot changed, and confirm (OMF Switches)", len(found))
+        return Todo(Urgency.DO, "Enter and confirm the switches that the robot changed (OMF Switches)", len(found))
     if found:
         return Todo(Urgency.LOOK, found[0], len(found))
     if details is not None and details.held:
-        return Todo(Urgency.LOOK, "The benchmarking module is gone: time stands still")
+        return Todo(Urgency.LOOK, "The benchmarking module is not running: the run is paused")
     return _step(zone, details)
 
 
 def _step(zone, details) -> Todo:
-    """What the run's phase calls for."""
+    """Returns what the run's phase requires."""
     phase = "" if details is None else details.phase
     if phase == "running":
-        return Todo(Urgency.NONE, details.module_status or "The robot is at work")
+        return Todo(Urgency.NONE, details.module_status or "The robot is working")
     if phase == "connected":
         return _when(zone.start_enabled, "Start is possible", details.start_off)
     if phase == "ended":

@@ -100,7 +100,7 @@ def test_a_clock_that_is_far_off_stops_nothing():
 
 def test_what_is_old_is_said():
     assert _content().trouble == ""
-    assert _content(is_old=True).trouble == "No signal since 08:00:00: what is shown is old"
+    assert _content(is_old=True).trouble == "No signal since 08:00:00: this is the last known state"
 
 
 def test_a_result_and_its_scores():

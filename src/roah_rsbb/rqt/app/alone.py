@@ -1,6 +1,6 @@
-"""One panel alone in a window of its own: `rosrun roah_rsbb roah_rsbb_scoring`, and so for each panel.
+"""One panel in a window of its own, such as `rosrun roah_rsbb roah_rsbb_scoring`.
 
-It shows the zone of the namespace that it is started in (`__ns:=`), as all panels of a client do.
+It shows the zone of the namespace in which it is started (`__ns:=`), as all panels of a client do.
 """
 
 import re
@@ -18,12 +18,12 @@ from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.widgets import basic
 
-# Size at its first start, in units of the desktop's font.
+# Size at the first start, in units of the desktop's font.
 WIDE_EMS, HIGH_EMS = 40, 40
 
 
 def name_of(kind: Type[Panel]) -> str:
-    """The name of a panel's program and node: roah_rsbb_omf_switches of OmfSwitchesPanel."""
+    """Returns the name of a panel's program and node, such as roah_rsbb_omf_switches for OmfSwitchesPanel."""
     words = re.findall("[A-Z][a-z]*", kind.__name__)[:-1]
     return "_".join(["roah_rsbb", *(word.lower() for word in words)])
 

@@ -1,4 +1,4 @@
-"""A program with windows: starting Qt and the ROS node, and ending the one with the other."""
+"""Starts Qt and the ROS node of a program with windows, and ends one with the other."""
 
 import signal
 import sys
@@ -13,13 +13,13 @@ from python_qt_binding.QtWidgets import QApplication
 from roah_rsbb.ros import connections
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
-# So often Python gets a chance to handle a signal while Qt waits, and ROS's end is noticed.
+# How often Python can handle a signal while Qt waits, and the end of ROS is noticed.
 LOOK_MS = 200
 _signalled: List[bool] = []
 
 
 def make_application(argv: List[str]) -> QApplication:
-    """Qt's application, sharp on high-density screens, and not ended by an error in one panel."""
+    """Create Qt's application: sharp on high-density screens, and not ended by an error in one panel."""
     sys.excepthook = _report
     QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
     QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
@@ -44,27 +44,27 @@ def run(app: QApplication) -> int:
 
 
 def _on_signal(*_) -> None:
-    """Only noted: it may come while the windows are still being made, when there is nothing to quit yet."""
+    """Only record the signal: it may arrive while the windows are being created, when quitting has no effect."""
     _signalled.append(True)
 
 
 def _report(kind, error, trace) -> None:
-    """An exception in a panel: PyQt would end the process, and with it the referee's view of all runs."""
+    """Log an exception in a panel. PyQt would end the process, and with it the referee's view of all runs."""
     text = "".join(traceback.format_exception(kind, error, trace))
-    rospy.logerr("a panel failed, please report this: %s", text)
+    rospy.logerr("A panel failed. Please report this: %s", text)
 
 
 class PanelSettings:
-    """QSettings with rqt's names, for one panel."""
+    """The settings of one panel outside rqt: QSettings with the methods of rqt's settings."""
 
     def __init__(self, settings: QSettings, name: str) -> None:
         self._settings = settings
         self._name = name
 
     def set_value(self, key: str, value) -> None:
-        """Keep a value."""
+        """Save a value."""
         self._settings.setValue(f"{self._name}/{key}", value)
 
     def value(self, key: str, default=None):
-        """The value kept, or `default`."""
+        """Returns the saved value, or `default`."""
         return self._settings.value(f"{self._name}/{key}", default)

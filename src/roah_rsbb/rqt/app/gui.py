@@ -1,7 +1,7 @@
-"""Starts a client's windows: decides which, and keeps them there (`roah_rsbb_client.launch`).
+"""Starts the windows of a client and reopens them after a crash (`roah_rsbb_client.launch`).
 
-roslaunch's respawn would open a window again and again where none can be opened, so this small program
-does it: a window that crashed is opened again; one that was closed is not, unless it belongs to the box.
+roslaunch's respawn would try forever on a machine that cannot open windows, so this small program does it. It reopens a
+window that crashed. It does not reopen a window that was closed, unless the window belongs to the box.
 """
 
 import argparse
@@ -17,49 +17,49 @@ from roah_rsbb.ros import display
 RQT_MODULES = ("rqt_gui", "rqt_gui_py", "qt_gui")
 NO_RQT = "rqt is not installed: install ros-noetic-rqt-gui and ros-noetic-rqt-gui-py, or use gui:=window"
 _RUN_RQT = "import sys; from rqt_gui.main import Main; sys.exit(Main(filename='rqt').main())"
-# rqt remembers which plugins there were: look again, ours may be new. The layout is frozen and locked, so that
-# no panel is lost by a slip of the hand; who wants another one starts an rqt of their own.
+# rqt caches its list of plugins: make it search again. The layout is frozen and locked, so that no panel is closed by
+# accident; for another layout, start rqt yourself.
 RQT = [sys.executable, "-c", _RUN_RQT, "--force-discover", "--lock-perspective", "--freeze-layout"]
 WINDOW = [sys.executable, "-c", "from roah_rsbb.rqt.app.window import main; main()", "--of-launch"]
 PUBLIC = [sys.executable, "-c", "from roah_rsbb.rqt.public.node import main; main()"]
 
 REOPEN_S = 1.0
-# A window that lived less than this did not work at all; after so many of them in a row it is given up.
+# A window that ends sooner has failed; after this many failures in a row the program gives up.
 SHORT_LIFE_S = 5.0
 MAX_SHORT_LIVES = 5
 
 
-class Choice(NamedTuple):
-    """What is to be started."""
+class WindowChoice(NamedTuple):
+    """The program to start."""
 
     command: Optional[List[str]]  # None: nothing
     text: str = ""  # for the log
     code: int = 0  # exit code when there is nothing to start
 
 
-def choose(gui: str, has_display: bool, has_rqt: bool) -> Choice:
-    """What `gui` (auto, rqt, window or public) means on this machine."""
+def choose(gui: str, has_display: bool, has_rqt: bool) -> WindowChoice:
+    """Returns what `gui` (auto, rqt, window or public) means on this machine."""
     if not has_display:
-        return Choice(None, display.NO_DISPLAY)
+        return WindowChoice(None, display.NO_DISPLAY)
     if gui == "public":
-        return Choice(PUBLIC)
+        return WindowChoice(PUBLIC)
     if gui == "window" or (gui == "auto" and not has_rqt):
-        return Choice(WINDOW)
-    return Choice(RQT) if has_rqt else Choice(None, NO_RQT, 1)
+        return WindowChoice(WINDOW)
+    return WindowChoice(RQT) if has_rqt else WindowChoice(None, NO_RQT, 1)
 
 
 class Keeper:
-    """Keeps a program running until it ends well, or this process is told to end."""
+    """Keeps a program running until it exits normally or this process is told to end."""
 
     def __init__(self, command: List[str], reopen: bool) -> None:
-        """`reopen`: start it again also when it ended well."""
+        """`reopen`: start it again after a normal exit, too."""
         self._command = command
         self._reopen = reopen
         self._child: Optional[subprocess.Popen] = None
         self._ending = False
 
     def run(self) -> int:
-        """Returns the exit code of the last one."""
+        """Run the program. Returns its last exit code."""
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._end)
         short_lives = 0
@@ -71,7 +71,7 @@ class Keeper:
                 return 0 if self._ending else code
             short_lives = short_lives + 1 if time.monotonic() - started < SHORT_LIFE_S else 0
             if short_lives >= MAX_SHORT_LIVES:
-                _say(f"The window ended {short_lives} times at once (exit code {code}): giving up")
+                _say(f"The window failed {short_lives} times in a row (exit code {code}): giving up")
                 return code
             _say(f"The window {'was closed' if code == 0 else f'crashed (exit code {code})'}: opening it again")
             time.sleep(REOPEN_S)
@@ -85,11 +85,11 @@ class Keeper:
 
 
 def main() -> None:
-    """Decide, and keep the window open."""
+    """Choose the window and keep it open."""
     parser = argparse.ArgumentParser(description="Opens the windows of a referee's client.")
     parser.add_argument("--gui", choices=("auto", "rqt", "window", "public"), default="auto")
     parser.add_argument("--reopen", type=_bool, default=False, metavar="true|false",
-                        help="open the window again also when it was closed")
+                        help="reopen the window also after it was closed")
     parser.add_argument("--perspective", metavar="FILE", help="layout of the panels in rqt")
     arguments, rest = parser.parse_known_args(sys.argv[1:])
     has_rqt = all(importlib.util.find_spec(name) is not None for name in RQT_MODULES)

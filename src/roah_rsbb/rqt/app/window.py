@@ -17,17 +17,17 @@ from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.widgets import basic
 
-# Raise it when the set of panels changes: an older layout would hide the new ones.
+# Increase it when the set of panels changes: an older layout would hide new panels.
 LAYOUT_VERSION = 4
-# At its first start the window takes this share of the screen's width and height.
+# At the first start the window takes this share of the screen's width and height.
 MOST_OF_SCREEN = 0.95
 
 
 class Window(QMainWindow):
-    """All panels, as docks that can be moved, stacked and closed; the layout is kept."""
+    """All panels, as docks that can be moved, stacked and closed. The layout is saved."""
 
     def __init__(self, settings: QSettings, of_launch: bool = False) -> None:
-        """`of_launch`: closing the window is *exit*, with its question; else it just closes."""
+        """`of_launch`: closing the window asks, then ends what was launched; otherwise it just closes."""
         super().__init__()
         self._settings = settings
         self._of_launch = of_launch
@@ -49,7 +49,7 @@ class Window(QMainWindow):
         self._restore()
 
     def shutdown(self) -> None:
-        """Keep the layout and the panels' settings; end the panels."""
+        """Save the layout and the panels' settings, and close the panels."""
         self._settings.setValue("geometry", self.saveGeometry())
         self._settings.setValue("layout", self.saveState(LAYOUT_VERSION))
         for name, panel in self.panels.items():
@@ -69,7 +69,7 @@ class Window(QMainWindow):
             event.accept()
 
     def _lay_out(self) -> None:
-        """Commands at the left, what the referee marks and reads at the right."""
+        """Place the commands at the left, scoring and information at the right."""
         d = self.docks
         self.setDockNestingEnabled(True)
         self.addDockWidget(Qt.LeftDockWidgetArea, d["BenchmarkControlPanel"])
@@ -99,9 +99,9 @@ class Window(QMainWindow):
 
 
 def main() -> None:
-    """Open the window; ends with it."""
+    """Open the window until it is closed or ROS ends."""
     parser = argparse.ArgumentParser(description="The referee's window of the RSBB.")
-    parser.add_argument("--of-launch", action="store_true", help="closing it asks, and ends what was launched")
+    parser.add_argument("--of-launch", action="store_true", help="on closing, ask, then end what was launched")
     arguments = parser.parse_args(rospy.myargv()[1:])
     if not display.has_display():
         sys.exit(display.NO_DISPLAY)

@@ -1,4 +1,4 @@
-"""Calls that may wait for the network: made off the Qt thread, their outcome delivered on it."""
+"""Service calls off the Qt thread. Their outcome is delivered on the Qt thread."""
 
 import contextlib
 import threading
@@ -9,13 +9,13 @@ from python_qt_binding.QtCore import QObject, QTimer, Signal
 
 from roah_rsbb.ros import refusals
 
-# After this long the referee is told that there was no answer; what comes later is ignored.
+# Timeout of a call. A later answer is ignored.
 TIMEOUT_S = 5.0
-# So many calls may wait at once: a core that hangs must not fill this process with threads.
+# Limit of calls that wait at the same time: a core that hangs must not fill this process with threads.
 MAX_WAITING = 16
 
 
-class Outcome(NamedTuple):
+class CallOutcome(NamedTuple):
     """How a call ended."""
 
     error: str  # for the referee; empty: it was carried out
@@ -25,11 +25,11 @@ class Outcome(NamedTuple):
 class _Waiting(NamedTuple):
     owner: object
     what: str
-    done: Callable[[Outcome], None]
+    done: Callable[[CallOutcome], None]
 
 
 class Calls(QObject):
-    """All calls of a process. Use it from the Qt thread only."""
+    """Makes all calls of a process. Use it from the Qt thread only."""
 
     _answered = Signal(int, object)
 
@@ -40,14 +40,16 @@ class Calls(QObject):
         self._next = 0
         self._answered.connect(self._on_answer)
 
-    def service(self, owner: object, name: str, kind: type, request: tuple, done: Callable[[Outcome], None]) -> None:
-        """Call the service `name` of type `kind` with the request's fields; `done` gets the outcome."""
+    def service(
+        self, owner: object, name: str, kind: type, request: tuple, done: Callable[[CallOutcome], None]
+    ) -> None:
+        """Call the service `name` of type `kind` with the request's fields; `done` receives the outcome."""
         self.run(owner, name, lambda: rospy.ServiceProxy(name, kind)(*request), done)
 
-    def run(self, owner: object, what: str, job: Callable[[], Any], done: Callable[[Outcome], None]) -> None:
-        """Run `job` in a thread; `done` gets what it returned or raised, unless `owner` was forgotten."""
+    def run(self, owner: object, what: str, job: Callable[[], Any], done: Callable[[CallOutcome], None]) -> None:
+        """Run `job` in a thread; `done` receives its result or error, unless `owner` was forgotten."""
         if self._threads >= MAX_WAITING:
-            done(Outcome(f"{what}: not sent, {self._threads} commands still wait for an answer"))
+            done(CallOutcome(f"{what}: not sent, because {self._threads} commands are still waiting for an answer"))
             return
         self._threads += 1
         self._next += 1
@@ -57,34 +59,34 @@ class Calls(QObject):
         threading.Thread(target=self._work, args=(token, job), name=what, daemon=True).start()
 
     def forget(self, owner: object) -> None:
-        """Deliver nothing more to `owner`: it ends."""
+        """Deliver nothing more to `owner`, which is closing."""
         self._waiting = {t: w for t, w in self._waiting.items() if w.owner is not owner}
 
     def _work(self, token: int, job: Callable[[], Any]) -> None:
         try:
-            outcome = Outcome("", job())
-        except Exception as e:  # whatever it is, the referee reads it where the command was given
-            outcome = Outcome(error_text(str(e)) or type(e).__name__)
-        with contextlib.suppress(RuntimeError):  # the process ends, and nobody waits any more
+            outcome = CallOutcome("", job())
+        except Exception as e:  # the referee reads any error beside the command
+            outcome = CallOutcome(error_text(str(e)) or type(e).__name__)
+        with contextlib.suppress(RuntimeError):  # the process is ending
             self._answered.emit(token, outcome)
 
-    def _on_answer(self, token: int, outcome: Outcome) -> None:
+    def _on_answer(self, token: int, outcome: CallOutcome) -> None:
         self._threads -= 1
         self._deliver(token, outcome)
 
     def _on_late(self, token: int) -> None:
         if token in self._waiting:
             what = self._waiting[token].what
-            self._deliver(token, Outcome(f"{what}: no answer within {TIMEOUT_S:.0f} s: is the core running?"))
+            self._deliver(token, CallOutcome(f"{what}: no answer within {TIMEOUT_S:.0f} s: is the core running?"))
 
-    def _deliver(self, token: int, outcome: Outcome) -> None:
+    def _deliver(self, token: int, outcome: CallOutcome) -> None:
         waiting = self._waiting.pop(token, None)
         if waiting is not None:
             waiting.done(outcome)
 
 
 def error_text(raised: str) -> str:
-    """What the referee reads: the core's reasons, or what to look at when there was no answer."""
+    """Returns the core's reasons, or what to check if there was no answer."""
     if raised.endswith("unavailable") or raised.startswith(("unable to connect to service", "transport error")):
-        return f"no answer: is the core running? See what is shown once it is back. ({raised})"
+        return f"no answer: is the core running? Check the state when it is back. ({raised})"
     return refusals.reason(raised)

@@ -1,4 +1,4 @@
-"""What all panels of a process share: one subscription, one zone, one queue of calls."""
+"""What all panels of a process share: one subscription, one zone, one queue of calls, the referee's name."""
 
 from typing import Optional
 
@@ -12,7 +12,7 @@ from roah_rsbb.rqt.model.zone_parameter import ZoneParameter
 
 
 class RefereeName(QObject):
-    """One for all panels of a process."""
+    """The name of the referee at this client. It is recorded with every score, note and sign-off."""
 
     changed = Signal(str)
 
@@ -21,14 +21,14 @@ class RefereeName(QObject):
         self.name = ""
 
     def set(self, name: str) -> None:
-        """Somebody else referees now."""
+        """Set the name, in all panels."""
         if name != self.name:
             self.name = name
             self.changed.emit(name)
 
 
 class Client:
-    """A referee's client. rospy.init_node must have been called."""
+    """A referee's client. Call rospy.init_node first."""
 
     _shared: Optional["Client"] = None
     _users = 0
@@ -41,7 +41,7 @@ class Client:
 
     @classmethod
     def acquire(cls) -> "Client":
-        """The client of this process; the first call makes it. To each call belongs one of `release`."""
+        """Returns the client of this process; the first call creates it. Call `release` once for each call."""
         if cls._shared is None:
             cls._shared = Client()
             cls._shared.model.start()
@@ -50,7 +50,7 @@ class Client:
 
     @classmethod
     def release(cls) -> None:
-        """A panel ends; with the last one the client ends."""
+        """Release the client; the last call ends it."""
         cls._users -= 1
         if cls._users == 0 and cls._shared is not None:
             cls._shared.model.stop()

@@ -1,7 +1,7 @@
-"""What the referee changed in a panel, until it is published.
+"""Changes that the referee made in a panel, until the core publishes them.
 
-A message that was published before a change was carried out still holds the old value. It may arrive after
-the answer to the change, on another connection, and must not overwrite what the referee sees.
+A message from before the change still holds the old value. It may arrive after the answer to the change, on another
+connection, and must not overwrite what the referee sees.
 """
 
 from typing import Dict, Hashable, NamedTuple, Optional
@@ -13,22 +13,22 @@ MARGIN_S = 0.1
 class _Edit(NamedTuple):
     wish: int
     sent: Optional[int]  # value in the call that waits for its answer; None: answered
-    since: float = 0.0  # once answered: clock from which on messages include the change
+    since: float = 0.0  # once answered: messages from this clock on include the change
 
 
 class Edits:
-    """Edits by item. At most one call an item is under way, so that calls cannot overtake each other.
+    """Edits by item. Each item has at most one call in progress, so that calls cannot overtake each other.
 
-    Clocks are those of the messages, in seconds; where messages have none, any that does not go back.
+    Clocks are those of the messages, in seconds. Where messages have none, use any clock that never goes back.
     """
 
     def __init__(self, margin_s: float = MARGIN_S) -> None:
-        """`margin_s`: how long after the answer to a change an older message may still come."""
+        """`margin_s`: how long after the answer to a change an older message may still arrive."""
         self._margin_s = margin_s
         self._edits: Dict[Hashable, _Edit] = {}
 
     def wish(self, item: Hashable, value: int) -> Optional[int]:
-        """The referee wants `value`; returns the value to send now, or None while another call waits."""
+        """The referee wants `value`. Returns the value to send now, or None while another call is in progress."""
         edit = self._edits.get(item)
         if edit is not None and edit.sent is not None:
             self._edits[item] = edit._replace(wish=value)
@@ -37,7 +37,7 @@ class Edits:
         return value
 
     def carried_out(self, item: Hashable, clock_s: float) -> Optional[int]:
-        """The call was answered, at `clock_s`; returns the value to send next, if it changed meanwhile."""
+        """The call was answered at `clock_s`. Returns the value to send next, if it changed meanwhile."""
         edit = self._edits.get(item)
         if edit is None:
             return None
@@ -48,11 +48,11 @@ class Edits:
         return None
 
     def failed(self, item: Hashable) -> None:
-        """The call failed: the item shows again what is published."""
+        """The call failed: the item shows the published value again."""
         self._edits.pop(item, None)
 
     def value(self, item: Hashable, published: int, clock_s: float) -> int:
-        """The value to show, when a message of `clock_s` says `published`."""
+        """Returns the value to show when a message of `clock_s` says `published`."""
         edit = self._edits.get(item)
         if edit is None:
             return published
@@ -62,10 +62,10 @@ class Edits:
         return edit.wish
 
     def is_waiting(self, item: Hashable) -> bool:
-        """Whether a change of this item still waits for its answer."""
+        """Whether a change of this item is still waiting for its answer."""
         edit = self._edits.get(item)
         return edit is not None and edit.sent is not None
 
     def clear(self) -> None:
-        """Forget all: other items are shown."""
+        """Forget all edits: other items are shown."""
         self._edits.clear()

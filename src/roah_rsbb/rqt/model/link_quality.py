@@ -1,15 +1,15 @@
-"""How well a robot is heard: how long it was silent at most, of late.
+"""The quality of a robot's link: its longest recent silence.
 
 The core publishes when it last heard a robot, ten times a second; a robot sends each second (docs/protocol.md,
-"Timing"). So the longest silence tells how many of its messages were lost in a row.
+"Timing"). So the longest silence shows how many of its messages were lost in a row.
 """
 
 import collections
 from typing import Deque, Dict, Hashable, NamedTuple, Optional
 
-# What is longer ago does not matter any more, seconds.
+# Older silences are ignored, seconds.
 WINDOW_S = 10.0
-# The core was not heard ourselves: what happened meanwhile is not known.
+# A gap between two messages of the core that is longer than this says nothing about robots, seconds.
 MISSED_S = 1.0
 
 
@@ -30,14 +30,14 @@ class _Robot:
 
 
 class LinkQuality:
-    """Watches all robots. Times are the box's clock, seconds."""
+    """Watches all robots. Times are seconds of the box's clock."""
 
     def __init__(self) -> None:
         self._robots: Dict[Hashable, _Robot] = {}
         self._clock_s: Optional[float] = None
 
     def observe(self, clock_s: float, heard_s: Dict[Hashable, float]) -> None:
-        """At `clock_s` the robots had last been heard at `heard_s`; a robot that is not there is forgotten."""
+        """Record when each robot was last heard, as of `clock_s`. Robots that are missing are forgotten."""
         if self._clock_s is None or not 0.0 <= clock_s - self._clock_s <= MISSED_S:
             self._robots.clear()
         self._clock_s = clock_s
@@ -50,7 +50,7 @@ class LinkQuality:
                 robot.gaps.popleft()
 
     def longest_silence_s(self, name: Hashable) -> Optional[float]:
-        """The longest silence that ended within the window or still goes on; None: that robot is not known."""
+        """Returns the longest silence that ended within the window or still lasts; None: unknown robot."""
         robot = self._robots.get(name)
         if robot is None:
             return None
@@ -58,7 +58,7 @@ class LinkQuality:
 
 
 def text(longest_silence_s: Optional[float]) -> str:
-    """The same as bars and a word, with the number where something is wrong."""
+    """Returns it as bars and a word, with the number if something is wrong."""
     if longest_silence_s is None:
         return ""
     for number, level in enumerate(LEVELS):

@@ -36,17 +36,16 @@ TICK_MS = 100
 SILENT_S = 0.7
 # Details come at least once a second.
 DETAILS_SILENT_S = 2.5
-# So often a silent core is subscribed to anew.
+# How often to subscribe again to a silent core.
 RENEW_S = 5.0
-# While nothing arrives, panels are redrawn this often: they say for how long.
+# How often panels are redrawn while nothing arrives: they show for how long.
 SILENT_REDRAW_S = 0.5
 
 
 class Model(QObject):
-    """The newest messages, how old they are, and which zone is shown.
+    """The newest messages, their age, and the zone that is shown.
 
-    `feed` and `zone_parameter` are those of `roah_rsbb.ros.feed` and `…zone_parameter`, or something
-    that behaves like them.
+    `feed` is a `Feed` of roah_rsbb.ros.feed, and `zone_parameter` a `ZoneParameter`, or objects that behave alike.
     """
 
     updated = Signal()
@@ -69,27 +68,27 @@ class Model(QObject):
         self.box_clock = BoxClock()
 
     def start(self) -> None:
-        """Begin to listen."""
+        """Start listening."""
         self._feed.start()
         self._zone_parameter.start()
         self._timer.start(TICK_MS)
 
     def stop(self) -> None:
-        """End all that `start` began."""
+        """Stop listening."""
         self._timer.stop()
         self._feed.stop()
         self._zone_parameter.stop()
 
-    # -- what panels ask ----------------------------------------------------------------------------
+    # -- for panels ---------------------------------------------------------------------------------
 
     @property
     def silence_s(self) -> Optional[float]:
-        """For how long the core was not heard; None: never heard."""
+        """Seconds since the core was last heard; None: never heard."""
         return None if self._heard is None else time.monotonic() - self._heard
 
     @property
     def is_old(self) -> bool:
-        """Whether what is shown cannot be trusted any more."""
+        """Whether the state shown may be out of date."""
         silence = self.silence_s
         return silence is None or silence > SILENT_S
 
@@ -99,12 +98,12 @@ class Model(QObject):
         return 0.0 if self.gui is None else self.gui.clock.to_sec()
 
     def box_time(self) -> float:
-        """What the box's clock shows now, by our estimate; UTC seconds."""
+        """Returns our estimate of the box's clock now, in UTC seconds."""
         return self.box_clock.now(time.monotonic())
 
     @property
     def zone_name(self) -> str:
-        """The zone that this client shows: the chosen one, or the first if none was chosen."""
+        """The zone that this client shows: the chosen one, or the first one if none was chosen."""
         chosen = self._zone_parameter.value
         if not chosen and self.gui is not None and self.gui.zones:
             return self.gui.zones[0].zone
@@ -112,7 +111,7 @@ class Model(QObject):
 
     @property
     def zone(self) -> Optional[ZoneState]:
-        """The state of that zone; None: nothing was heard yet, or the schedule has no such zone."""
+        """The state of that zone; None: nothing heard yet, or the schedule has no such zone."""
         zones = () if self.gui is None else self.gui.zones
         return next((z for z in zones if z.zone == self.zone_name), None)
 
@@ -122,20 +121,22 @@ class Model(QObject):
         return self.details_of(self.zone_name)
 
     def details_of(self, zone_name: str) -> Optional[ZoneDetails]:
-        """The details of a zone; None: not known, or too old to go with its state. Of a core that is silent both are
-        equally old: what it said last is still worth more than nothing."""
+        """Returns the details of a zone; None: not known, or much older than its state.
+
+        While the core is silent both are equally old, and the last details are still useful.
+        """
         if self.details is None or (self._heard or 0.0) - self._details_heard > DETAILS_SILENT_S:
             return None
         return next((z for z in self.details.zones if z.zone == zone_name), None)
 
     def runs_of(self, zone_name: str) -> List[RunSummary]:
-        """The runs of a zone: the one that is connected, then those that are over, the last one first."""
+        """Returns the runs of a zone: the connected one, then those that are over, the latest first."""
         runs = () if self.results is None else self.results.runs
         return [run for run in runs if run.zone == zone_name]
 
     @property
     def has_devices(self) -> bool:
-        """Whether the node of the home devices is there: its topics are published on change only."""
+        """Whether the devices node is running. Its topics are published on change only, so silence means nothing."""
         return self.devices is not None and self._feed.has_publisher(DEVICES_TOPIC)
 
     def choose_zone(self, zone_name: str) -> None:
@@ -159,8 +160,8 @@ class Model(QObject):
 
     def _take_gui(self) -> bool:
         received = self._feed.take(GUI_TOPIC)
-        # The same clock again is the latched message, sent anew to a new subscription by a core that
-        # may hang: no sign of life.
+        # The same clock again is the latched message, sent to a new subscription. A core that hangs sends it, too:
+        # it is no sign of life.
         if received is None or (self.gui is not None and received.message.clock == self.gui.clock):
             return False
         self.gui = received.message

@@ -1,22 +1,22 @@
-"""Protection of keyboard shortcuts: a key must be pressed twice, and for the same thing."""
+"""Keys that must be pressed twice for the same command."""
 
 from typing import Hashable, Optional
 
-# The second press must come within this time,
+# The second press must come within this time, seconds.
 WITHIN_S = 2.0
-# and not so soon that a bouncing key did it.
+# A press that follows sooner is a bouncing key, seconds.
 NOT_BEFORE_S = 0.1
 
 
 class DoublePress:
-    """Tells a deliberate second press from a mistake. Shared by all panels of a process."""
+    """Distinguishes a deliberate second press from a mistake. Shared by all panels of a process."""
 
     def __init__(self) -> None:
         self._armed: Optional[Hashable] = None
         self._at = 0.0
 
     def press(self, now_mono: float, what: Hashable) -> bool:
-        """A key for `what` (command and zone) was pressed; True: it is the second press, do it."""
+        """A key for `what` (command and zone) was pressed. Returns whether it is the second press: then act."""
         since = now_mono - self._at
         if self._armed == what and since < NOT_BEFORE_S:
             return False
@@ -27,5 +27,5 @@ class DoublePress:
         return False
 
     def armed(self, now_mono: float) -> Optional[Hashable]:
-        """What the next press would do, or None."""
+        """Returns what the next press will do, or None."""
         return self._armed if now_mono - self._at <= WITHIN_S else None

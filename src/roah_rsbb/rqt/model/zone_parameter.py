@@ -1,7 +1,7 @@
 """The zone that a client shows: the parameter `current_zone` in the client's namespace.
 
-All panels of a client follow it, also those in other processes. Reading and writing a parameter asks
-the master over the network, so a thread does it.
+All panels of a client follow it, also those in other processes. Reading and writing a parameter needs the master and
+the network, so a thread does it.
 """
 
 import queue
@@ -34,7 +34,7 @@ class ZoneParameter:
         self._worker.start()
 
     def stop(self, timeout_s: float = 2.0) -> None:
-        """End; what was chosen is written before, if the master answers."""
+        """Stop, after writing the last choice if the master answers."""
         self._wake.put(False)
         self._worker.join(timeout_s)
 
@@ -49,7 +49,7 @@ class ZoneParameter:
         while go_on:
             try:
                 self._exchange()
-            except Exception as e:  # the master is gone: asked again soon
+            except Exception as e:  # the master is gone: try again soon
                 rospy.logdebug("parameter %s: %s", NAME, e)
             try:
                 go_on = self._wake.get(timeout=POLL_S)
@@ -61,7 +61,7 @@ class ZoneParameter:
             rospy.logdebug("parameter %s: %s", NAME, e)
 
     def _exchange(self) -> None:
-        """Write what was chosen, else read; what was chosen meanwhile beats what was read."""
+        """Write the last choice, or else read. A choice made meanwhile takes precedence over the value read."""
         with self._lock:
             unwritten = self._unwritten
         if unwritten is not None:

@@ -14,13 +14,13 @@ from roah_rsbb.wording import times
 COLUMNS = ("Team", "Robot", "Link", "Clock skew", "Run in zone", "Last heard")
 NO_RUN = "–"
 TIPS = {
-    "Link": f"The robot's longest silence of the last {link_quality.WINDOW_S:.0f} s: it sends each second",
-    "Clock skew": "Robot's clock minus the box's: + is ahead, − is behind",
+    "Link": f"Longest silence of the robot in the last {link_quality.WINDOW_S:.0f} s. It sends every second.",
+    "Clock skew": "The robot's clock minus the box's: + is ahead, - is behind",
 }
 
 
 class ActiveRobotsPanel(Panel):
-    """A table, a line a robot."""
+    """A table with one row per robot."""
 
     TITLE = "Active Robots"
 
@@ -39,7 +39,7 @@ class ActiveRobotsPanel(Panel):
         self.table.setFocusPolicy(Qt.NoFocus)
         self.body.addWidget(self.table, 1)
         self._links = link_quality.LinkQuality()
-        # Also while the panel cannot be seen: a link is judged by what was.
+        # Also while the panel is hidden: the quality depends on the past.
         self.model.updated.connect(self._observe)
 
     def shutdown(self) -> None:
@@ -65,14 +65,14 @@ class ActiveRobotsPanel(Panel):
         return (text, *("" for _ in COLUMNS[1:]))
 
     def _zone_of(self, robot: RobotInfo) -> str:
-        """The zone of the run that the robot is in."""
+        """Returns the zone of the run that the robot takes part in."""
         gui, details = self.model.gui, self.model.details
         if gui is None or details is None:
             return NO_RUN
         teams = {z.zone: z.team for z in gui.zones}
         name = f"{robot.robot} of team {robot.team}: "
         for zone in details.zones:
-            # Where all robots run at once, each has a line.
+            # If all robots run at once, each has a line.
             is_alone_in_it = (teams.get(zone.zone), zone.robot) == (robot.team, robot.robot)
             if is_alone_in_it or any(line.startswith(name) for line in zone.robots):
                 return zone.zone

@@ -1,6 +1,6 @@
 """Benchmark Control: the zone's event, the state of its run, and the commands (docs/referee.md, "Benchmark Control").
 
-Keys: F5 twice starts, Esc twice stops, in whatever panel of the process the focus is.
+Keys: F5 twice starts, Esc twice stops, whichever panel of the process has the focus.
 """
 
 from typing import Dict, NamedTuple, Optional, Tuple
@@ -9,7 +9,7 @@ from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QSizePolicy
 
 from roah_rsbb.msg import ZoneDetails, ZoneState
-from roah_rsbb.rqt.model.calls import Outcome
+from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels import phases
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
@@ -19,12 +19,12 @@ from roah_rsbb.srv import StopReason, Zone
 from roah_rsbb.wording import times
 from roah_rsbb.wording.todo import WARNING
 
-ASK = "Why was it stopped? (Enter keeps it)"
-NOTHING = "Once a run was stopped, the reason can be typed here"
+ASK_REASON = "Why was the run stopped? Press Enter to save"
+REASON_TIP = "After a stop, type the reason here and press Enter"
 
 
 class StopReasonLine(QLineEdit):
-    """A line for the reason of the last stop in the zone; also once the run is left, until another one begins."""
+    """The field for the reason of the last stop in the zone, also after the run is left, until another one begins."""
 
     def __init__(self, panel: Panel, answer: Answer) -> None:
         super().__init__(panel)
@@ -32,12 +32,12 @@ class StopReasonLine(QLineEdit):
         self._answer = answer
         self._run: Tuple[str, str] = ("", "")  # zone, and identity of the run that was stopped
         self.setMaxLength(MAX_NOTE)
-        self.setToolTip(basic.tip(NOTHING))
+        self.setToolTip(basic.tip(REASON_TIP))
         self.returnPressed.connect(self._send)
         self.show_run(None)
 
     def show_run(self, details: Optional[ZoneDetails]) -> None:
-        """Follow the zone: these are its details now."""
+        """Follow the zone; `details` are its current ones."""
         model = self._panel.model
         run = self._run if self._run[0] == model.zone_name else ("", "")
         if details is not None and details.identity:
@@ -47,14 +47,14 @@ class StopReasonLine(QLineEdit):
             self._run = run
             self.clear()
         self.setEnabled(bool(run[1]) and not model.is_old)
-        self.setPlaceholderText(ASK if run[1] else "")
+        self.setPlaceholderText(ASK_REASON if run[1] else "")
 
     def _send(self) -> None:
         reason, run, client = self.text().strip(), self._run, self._panel.client
         if not reason or not run[1]:
             return
 
-        def done(outcome: Outcome) -> None:
+        def done(outcome: CallOutcome) -> None:
             self._answer.show_outcome("Reason of the stop", outcome)
             if not outcome.error and run == self._run and self.text().strip() == reason:
                 self.clear()
@@ -84,12 +84,12 @@ COMMANDS = {
         _Command("disconnect", "Disconnect", "Leave the run and close the channel", "disconnect"),
     )
 }
-STOP_LEAVES = "■ Stop: leave"
-STOP_LEAVES_TIP = "Leave the run, as Disconnect does (keys: Esc twice)"
-NO_ZONE = "This zone is not in the schedule: choose one above"
-SILENT = "The core is silent: what is shown is old"
+STOP_LEAVES = "Leave run"
+STOP_LEAVES_TIP = "Leave the run, as Disconnect does"
+NO_ZONE = "This zone is not in the schedule. Choose a zone above."
+SILENT = "The core is silent: this is its last known state"
 
-# (phase, command) that usually follows: it stands out, once it is possible.
+# The usual next command of each phase is highlighted while it is possible.
 NEXT_STEP = {
     ("idle", "connect"): basic.READY,
     ("connected", "start"): basic.RUNNING,
@@ -99,12 +99,12 @@ NEXT_STEP = {
 
 
 def _leaves(details: Optional[ZoneDetails]) -> bool:
-    """Whether *stop* leaves the run, as there is nothing to stop in it."""
+    """Whether *stop* leaves the run because nothing is running."""
     return details is not None and details.robot != "" and details.phase != "running"
 
 
 class _ZoneBox(QComboBox):
-    """The zone selector. The wheel must not change the zone of a referee who only scrolls."""
+    """The zone selector. It ignores the mouse wheel: scrolling must not change the zone."""
 
     def wheelEvent(self, event) -> None:
         event.ignore()
@@ -152,7 +152,7 @@ class BenchmarkControlPanel(Panel):
         for name in ("start", "stop"):
             button = basic.enlarged(self.buttons[name], 1.9, bold=True)
             button.setSizePolicy(QSizePolicy.Preferred, QSizePolicy.Expanding)
-        # Its text changes, its size must not: nothing may move under the referee's hand.
+        # Its text changes, but its size must not: nothing may move under the referee's hand.
         self.buttons["stop"].setText(STOP_LEAVES)
         self.buttons["stop"].setMinimumWidth(self.buttons["stop"].sizeHint().width())
         self.body.addWidget(self._answer)
@@ -237,13 +237,13 @@ class BenchmarkControlPanel(Panel):
         self._phase.show_text(text, basic.IDLE if self.model.is_old else phase.tone)
         self._what_counts.setText(phase.counts)
         left = times.countdown(zone.timer.to_sec())
-        # Brackets and grey: nobody must take an old countdown for the present one.
+        # Brackets and grey show that the countdown is old.
         self._countdown.setText(f"({left})" if self.model.is_old else left)
         self._countdown.setEnabled(not self.model.is_old)
         self._show_state(zone.state)
 
     def _show_state(self, state: str) -> None:
-        """The box's warnings, which concern every referee, then the zone's lines."""
+        """Show the box's warnings, which concern every referee, then the zone's lines."""
         of_box = list(self.model.details.warnings) if self.model.details else []
         lines = [line for line in state.splitlines() if line]
         self.state.show_lines(
@@ -257,11 +257,11 @@ class BenchmarkControlPanel(Panel):
         if command.service == "stop":
             button.setText(STOP_LEAVES if _leaves(details) else command.label)
         if zone is None:
-            button.allow(False, [NO_ZONE if self.model.gui else "The core was not heard yet"])
+            button.allow(False, [NO_ZONE if self.model.gui else "Waiting for the core"])
             return
         allowed = getattr(zone, f"{command.field}_enabled")
         if self.model.is_old:
-            # A run that may still go on can be stopped, if the command only gets through.
+            # The run may still be running: STOP stays available in case the command gets through.
             button.allow(allowed and command.service == "stop", [SILENT], basic.ALARM if running else None)
             return
         reasons = getattr(details, f"{command.field}_off") if details else ()
@@ -275,8 +275,8 @@ class BenchmarkControlPanel(Panel):
         """A button was clicked, or its key pressed twice."""
         zone, details = self.model.zone_name, self.model.zone_details
         if service == "disconnect" and details is not None and details.phase == "running":
-            ask(self, "The run is going on: disconnect?",
-                f"This ends the run of {details.robot} in zone {zone}, and it cannot be started again.",
+            ask(self, "The run is in progress. Disconnect?",
+                f"This ends the run of {details.robot} in zone {zone}, and it cannot be resumed.",
                 "Disconnect", lambda: self._send(service, zone))
         else:
             self._send(service, zone)

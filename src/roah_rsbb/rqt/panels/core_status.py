@@ -1,4 +1,4 @@
-"""Core Status: what the box is doing, and the exit button (docs/referee.md, "Core Status").
+"""Core Status: the state of the box, and the exit button (docs/referee.md, "Core Status").
 
 What *exit* ends depends on the launch file: a client's own shutdown node ends that client, unless the
 client was started together with the core (`exit_ends_rsbb`); without a client the core's own node, in
@@ -12,7 +12,7 @@ from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtWidgets import QGridLayout, QLabel
 from std_srvs.srv import Empty
 
-from roah_rsbb.rqt.model.calls import Outcome
+from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.widgets import basic
 
@@ -51,7 +51,7 @@ class CoreStatusPanel(Panel):
         self.body.addLayout(grid)
         self._answer = Answer(reserved=False)
         self.body.addWidget(self._answer)
-        self.exit = basic.CommandButton("Exit …", "End this client or the whole RSBB; you are asked before", 1.0)
+        self.exit = basic.CommandButton("Exit …", "End this client or the whole RSBB. You are asked first.", 1.0)
         self.exit.allow(True)
         self.exit.clicked.connect(self.ask_exit)
         self.body.addWidget(self.exit)
@@ -62,7 +62,7 @@ class CoreStatusPanel(Panel):
             self.notices.show_lines([("Waiting for the core", False)])
             return
         warnings = list(details.warnings) if details else []
-        # The status may be nothing but these warnings in one line.
+        # The status may only repeat these warnings in one line.
         status = [] if warnings and gui.status == "; ".join(warnings) else [(gui.status, gui.status != "OK")]
         self.notices.show_lines(status + [(w, True) for w in warnings])
         phases = [d.phase for d in details.zones] if details else []
@@ -82,7 +82,7 @@ class CoreStatusPanel(Panel):
     # -- exit ---------------------------------------------------------------------------------------
 
     def ask_exit(self) -> None:
-        """Find out what *exit* would end, and ask."""
+        """Find out what *exit* would end, then ask."""
         self.exit.hold()
         service = rospy.resolve_name(SHUTDOWN)
         at_root = service == f"/{SHUTDOWN}"
@@ -91,19 +91,19 @@ class CoreStatusPanel(Panel):
             lambda outcome: self._ask(outcome, service),
         )
 
-    def _ask(self, found: Outcome, service: str) -> None:
+    def _ask(self, found: CallOutcome, service: str) -> None:
         if found.error:
             self._answer.show_outcome("Exit", found)
             return
         details = self.model.details
         runs = [f"{d.zone} ({d.robot})" for d in details.zones if d.phase == "running"] if details else []
-        going_on = f"\n\nRuns are going on: {', '.join(runs)}" if runs else ""
+        going_on = f"\n\nRuns in progress: {', '.join(runs)}" if runs else ""
         if found.result:
             question, yes = "End the whole RSBB?", "End the RSBB"
-            text = f"The core and everything that was started with it ends, for all referees.{going_on}"
+            text = f"This ends the core and everything started with it, for all referees.{going_on}"
         else:
             question, yes = "End this client?", "End this client"
-            text = f"Only this referee's client ends. The core and its runs go on.{going_on}"
+            text = f"This ends only this referee's client. The core and its runs continue.{going_on}"
         ask(self, question, text, yes, lambda: self._exit(service))
 
     def _exit(self, service: str) -> None:

@@ -1,7 +1,7 @@
 """Devices: the last known state of each home device, and controls to operate it (docs/ros_interface.md, "Devices
 node").
 
-They are no part of the core: the panel shows what their own node publishes, and works while the core is silent.
+The devices have their own node: the panel also works while the core is silent.
 """
 
 import time
@@ -21,24 +21,27 @@ from python_qt_binding.QtWidgets import (
 )
 from std_srvs.srv import Empty
 
-from roah_rsbb.rqt.model.calls import Outcome
+from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.edits import Edits
 from roah_rsbb.rqt.panels.panel import Answer, Panel
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import Bool, Percentage
 from roah_rsbb.wording import times
 
-# Of the referee's own value, until it is answered.
+# Marks a value that the devices node has not confirmed.
 WAITING = " …"
 PERCENT = 100
 PAGE = 10
-# A name's width, in units of the desktop's font: all lines begin alike.
+# Width of a name in units of the desktop's font, the same in all rows.
 NAME_EMS = 6
 COMMAND_EMS = 5
 
 
 class DeviceRow(QWidget):
-    """A name, what there is, and what changes it."""
+    """A device: its name, its state, and its controls.
+
+    It calls `change(value)` when the referee wants another value.
+    """
 
     def __init__(self, name: str, change: Callable[[int], None]) -> None:
         super().__init__()
@@ -61,7 +64,7 @@ class DeviceRow(QWidget):
         return button
 
     def show_value(self, value: int, waiting: bool, off: Sequence[str]) -> None:
-        """Show `value`; `waiting`: it is not answered yet; `off`: why nothing can be operated, every reason."""
+        """Show `value`. `waiting`: not confirmed yet; `off`: the reasons why the device cannot be operated."""
         raise NotImplementedError
 
     def _allow(self, off: Sequence[str]) -> None:
@@ -70,17 +73,19 @@ class DeviceRow(QWidget):
 
 
 class TwoStateRow(DeviceRow):
-    """Something that is one of two, such as a switch. Each has its button: a second press changes nothing."""
+    """A device with two states, such as a switch, and a button for each: a second press changes nothing."""
 
-    def __init__(self, name: str, change: Callable[[int], None], words: Sequence[str]) -> None:
-        """`words`: what 0 and 1 are called."""
+    def __init__(
+        self, name: str, change: Callable[[int], None], words: Sequence[str], actions: Sequence[str]
+    ) -> None:
+        """`words`: the states 0 and 1; `actions`: the buttons that set them."""
         super().__init__(name, change)
         self._words = words
         self.state = basic.Badge(1.3)
         self.state.setMinimumWidth(round(6 * basic.em()))
         self.line.addWidget(self.state, 1)
         for value in (1, 0):
-            self.add_command(words[value].capitalize(), f"{name}: {words[value].lower()}", value)
+            self.add_command(actions[value], f"{actions[value]}: {name}", value)
 
     def show_value(self, value: int, waiting: bool, off: Sequence[str]) -> None:
         mark = "●" if value else "○"
@@ -91,24 +96,24 @@ class TwoStateRow(DeviceRow):
 
 
 class _Slider(QSlider):
-    """A slider that the wheel does not move: a referee who only scrolls operates nothing."""
+    """A slider that ignores the mouse wheel: scrolling must not operate a device."""
 
     def wheelEvent(self, event) -> None:
         event.ignore()
 
 
 class _Number(QSpinBox):
-    """A number likewise."""
+    """A number that ignores the mouse wheel."""
 
     def wheelEvent(self, event) -> None:
         event.ignore()
 
 
 class PercentageRow(DeviceRow):
-    """A percentage: a slider, the exact number, and its two ends.
+    """A percentage: a slider, the exact number, and buttons for both ends.
 
-    A slider that is dragged asks for its value when it is let go, a number when Enter is pressed or another
-    widget is chosen; what is published meanwhile does not take it out of the referee's hand.
+    The slider sets its value when it is released, the number when Enter is pressed or another widget gets the focus.
+    Until then published values do not overwrite it.
     """
 
     def __init__(self, name: str, change: Callable[[int], None]) -> None:
@@ -138,7 +143,7 @@ class PercentageRow(DeviceRow):
         self.number.editingFinished.connect(lambda: self.number.lineEdit().setModified(False))
 
     def is_edited(self) -> bool:
-        """Whether the referee has it in hand."""
+        """Whether the referee is editing it."""
         return self.slider.isSliderDown() or (self.number.hasFocus() and self.number.lineEdit().isModified())
 
     def show_value(self, value: int, waiting: bool, off: Sequence[str]) -> None:
@@ -151,7 +156,7 @@ class PercentageRow(DeviceRow):
         self._allow(off)
 
     def _put(self, value: int) -> None:
-        """Show it without asking for it."""
+        """Show the value without setting it."""
         for widget in (self.slider, self.number):
             if widget.value() != value:
                 widget.blockSignals(True)
@@ -159,7 +164,7 @@ class PercentageRow(DeviceRow):
                 widget.blockSignals(False)
 
     def _on_dragged(self, value: int) -> None:
-        """The number goes with the hand."""
+        """Show the slider's position as a number."""
         self.number.blockSignals(True)
         self.number.setValue(value)
         self.number.blockSignals(False)
@@ -173,16 +178,16 @@ SWITCHES = {"switch_1": "Switch 1", "switch_2": "Switch 2", "switch_3": "Switch 
 PERCENTAGES = {"dimmer": "Dimmer", "blinds": "Blinds"}
 DOOR = "door_win_detect"
 
-NO_NODE = "The devices node is not running: is roah_rsbb.launch started with devices:=true?"
-AWAY = "NOT CONNECTED: what is set here takes effect as soon as the controller is reached"
-# States have no time of their own: for this long after the answer to a change an older one may still come.
+NO_NODE = "The devices node is not running. Was roah_rsbb.launch started with devices:=true?"
+AWAY = "What you set here takes effect when the controller is connected again."
+# States carry no time: an older one may still arrive for this long after the answer to a change.
 LATE_S = 1.0
-# For this long a ring stands out.
+# How long a ring is highlighted.
 RINGS_S = 5.0
 
 
 class DevicesPanel(Panel):
-    """A line for each device; above them whether they can be reached."""
+    """A row for each device; above them, whether they can be reached."""
 
     TITLE = "Devices"
 
@@ -198,10 +203,12 @@ class DevicesPanel(Panel):
         self._lines = QVBoxLayout(inside)
         self._lines.setContentsMargins(0, 0, 0, 0)
         for device, name in SWITCHES.items():
-            self._add(device, TwoStateRow(name, self._changer(device, f"{device}/set", Bool), ("off", "ON")))
+            change = self._changer(device, f"{device}/set", Bool)
+            self._add(device, TwoStateRow(name, change, ("off", "ON"), ("Turn off", "Turn on")))
         for device, name in PERCENTAGES.items():
             self._add(device, PercentageRow(name, self._changer(device, f"{device}/set", Percentage)))
-        self._add(DOOR, TwoStateRow("Door", self._changer(DOOR, f"{DOOR}/mock", Bool), ("closed", "OPEN")))
+        change = self._changer(DOOR, f"{DOOR}/mock", Bool)
+        self._add(DOOR, TwoStateRow("Door", change, ("closed", "OPEN"), ("Close", "Open")))
         self._lines.addLayout(self._bell_line())
         self._lines.addStretch(1)
         area = QScrollArea(widgetResizable=True)
@@ -223,7 +230,7 @@ class DevicesPanel(Panel):
         title = basic.enlarged(QLabel("Bell"), 1.3, bold=True)
         title.setMinimumWidth(self.rows[DOOR].line.itemAt(0).widget().minimumWidth())
         self.bell = basic.Badge(1.3)
-        self.ring = basic.CommandButton("♪ Ring", "Ring as the bell would", 1.2)
+        self.ring = basic.CommandButton("♪ Ring", "Ring the bell", 1.2)
         self.ring.clicked.connect(self._ring)
         line.addWidget(title)
         line.addWidget(self.bell, 1)
@@ -276,7 +283,7 @@ class DevicesPanel(Panel):
     def _send(self, device: str, service: str, kind: type, value: int) -> None:
         self.client.calls.service(self, service, kind, (value,), partial(self._answered, device, service, kind, value))
 
-    def _answered(self, device: str, service: str, kind: type, value: int, outcome: Outcome) -> None:
+    def _answered(self, device: str, service: str, kind: type, value: int, outcome: CallOutcome) -> None:
         what = f"{self.rows[device].name}: {value}{' %' if kind is Percentage else ''}"
         self._answer.show_outcome(what, outcome)
         if outcome.error:

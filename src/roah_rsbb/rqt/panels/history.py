@@ -1,4 +1,4 @@
-"""The history of a run's score sheet: who changed what when, and withdrawing one entry."""
+"""The history of a run's score sheet: who changed what and when. An entry can be withdrawn."""
 
 import time
 from typing import Callable, Dict, List, Optional, Tuple
@@ -7,7 +7,7 @@ from python_qt_binding.QtCore import Qt
 from python_qt_binding.QtWidgets import QDialog, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
 
 from roah_rsbb.msg import RunSheet, RunSummary, ScoreChange, ZoneScoreGroup
-from roah_rsbb.rqt.model.calls import Calls, Outcome
+from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.panel import Answer
 from roah_rsbb.rqt.widgets import basic
@@ -16,25 +16,25 @@ from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog
 from roah_rsbb.srv import GetRunSheet, ScoreWithdraw
 from roah_rsbb.wording import sheets, times
 
-# A sheet that could not be had is asked for again after this long.
+# After a failure a sheet is requested again after this long.
 AGAIN_S = 2.0
 MAX_KEPT = 20
 
 
 class RunSheets:
-    """The sheets that a panel shows."""
+    """The score sheets that a panel shows: requested when they are first shown, and again when they changed."""
 
     def __init__(self, owner: object, calls: Calls, news: Callable[[], None]) -> None:
-        """`news()` is called when a sheet has come, for `owner`."""
+        """`news()` is called when a sheet has arrived for `owner`."""
         self._owner = owner
         self._calls = calls
         self._news = news
         self._sheets: Dict[str, RunSheet] = {}
-        self._asked: Dict[str, Tuple[int, float]] = {}  # revision that was asked for, and when (monotonic s)
-        self.error = ""  # why the last one could not be had
+        self._asked: Dict[str, Tuple[int, float]] = {}  # requested revision, and when (monotonic s)
+        self.error = ""  # why the last request failed
 
     def sheet(self, summary: RunSummary) -> Optional[RunSheet]:
-        """What is known of a run, at once; a newer one is fetched if there is one."""
+        """Returns the known sheet of a run at once, and requests a newer one if it exists."""
         known = self._sheets.get(summary.identity)
         if known is None or known.summary.revision != summary.revision:
             self._ask(summary)
@@ -51,7 +51,7 @@ class RunSheets:
             lambda outcome: self._on_sheet(identity, outcome),
         )
 
-    def _on_sheet(self, identity: str, outcome: Outcome) -> None:
+    def _on_sheet(self, identity: str, outcome: CallOutcome) -> None:
         self.error = outcome.error
         if outcome.result is not None:
             self._sheets.pop(identity, None)
@@ -67,17 +67,17 @@ SILENT = "The core is silent: nothing can be changed now"
 
 
 def why_fixed(summary: Optional[RunSummary], is_old: bool) -> str:
-    """Why nothing of a run's sheet can be changed now; empty: it can. `is_old`: the core is silent."""
+    """Returns why a run's sheet cannot be changed now; empty: it can. `is_old`: the core is silent."""
     if summary is not None and summary.signed.to_sec():
-        return f"It was signed off by {summary.signed_by}: it is final"
+        return f"Final: signed off by {summary.signed_by}"
     return SILENT if is_old else ""
 
 
 class History(QWidget):
-    """The entries of one sheet, the newest first."""
+    """The entries of one sheet, newest first."""
 
     def __init__(self, client: Client, owner: object, answer: Answer, parent: Optional[QWidget] = None) -> None:
-        """`owner`: whose calls its calls are; `answer`: where their outcome is shown."""
+        """`owner`: owns the calls; `answer`: shows their outcome."""
         super().__init__(parent)
         self._client = client
         self._owner = owner
@@ -96,7 +96,7 @@ class History(QWidget):
         column.addWidget(self.withdraw, 0, Qt.AlignLeft)
 
     def show_sheet(self, summary: Optional[RunSummary], sheet: Optional[RunSheet], why_off: str) -> None:
-        """Show the history of a run; `why_off`: why nothing can be withdrawn, empty: it can."""
+        """Show the history of a run. `why_off`: why nothing can be withdrawn; empty: it can."""
         self._summary, self._sheet, self._why_off = summary, sheet, why_off
         self.rows.show_rows([] if sheet is None else _history_rows(sheet))
         self._show_button()
@@ -110,7 +110,7 @@ class History(QWidget):
         if not why_off and entry is None:
             why_off = "Choose an entry above"
         elif not why_off and entry.withdrawn.to_sec():
-            why_off = "It is withdrawn already"
+            why_off = "Already withdrawn"
         self.withdraw.setEnabled(not why_off)
         self.withdraw.setToolTip(basic.tip(why_off))
 
@@ -128,7 +128,7 @@ class History(QWidget):
                 (summary.zone, summary.identity, entry.number, note, self._client.referee.name), done,
             )
 
-        def done(outcome: Outcome) -> None:
+        def done(outcome: CallOutcome) -> None:
             self._answer.show_outcome(what, outcome)
 
         NoteDialog(self, f"{what}?", text, "Why", "Withdraw", send).open()
@@ -150,7 +150,7 @@ def _history_rows(sheet: RunSheet) -> List[Row]:
 
 
 class HistoryDialog(QDialog):
-    """The history of one run, in a window that may stay open."""
+    """The history of one run, in a window of its own."""
 
     def __init__(self, parent: QWidget, client: Client, zone: str, identity: str) -> None:
         super().__init__(parent)

@@ -8,13 +8,13 @@ from roah_rsbb.msg import ZoneState
 from roah_rsbb.rqt.panels.text_panel import TextPanel
 from roah_rsbb.rqt.widgets import basic
 
-# A time, then the level of what is no plain information.
+# The core writes the level of warnings and errors after the time.
 LINE = re.compile(r"^\S+ (WARNING|ERROR): ")
 TONES = {"WARNING": basic.OLD, "ERROR": basic.ALARM}
 
 
 class LevelColours(QSyntaxHighlighter):
-    """Colours the lines of a document, also those that come later."""
+    """Highlights warnings and errors in a document, also in lines that are added later."""
 
     def __init__(self, document: QTextDocument) -> None:
         super().__init__(document)
@@ -35,10 +35,10 @@ def _look(tone: basic.Tone) -> QTextCharFormat:
 
 
 class LogDisplayPanel(TextPanel):
-    """The run's log; warnings and errors stand out."""
+    """The run's log, with warnings and errors highlighted."""
 
     TITLE = "Log Display"
-    NOTHING = "Nothing was logged yet"
+    NOTHING = "Nothing has been logged yet"
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)

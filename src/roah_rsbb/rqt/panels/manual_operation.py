@@ -1,4 +1,4 @@
-"""Manual Operation: what a benchmarking module asks the referee to do (docs/referee.md, "Manual Operation")."""
+"""Manual Operation: the benchmarking module's requests to the referee (docs/referee.md, "Manual Operation")."""
 
 from typing import List, Optional, Tuple
 
@@ -10,27 +10,27 @@ from roah_rsbb.rqt.panels.panel import Answer, Panel
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import ManualOperationAnswer
 
-NOTHING = "Nothing to do by hand now."
-SWITCHES = "The robot has finished: enter in the panel OMF Switches what it changed, and confirm there."
+NOTHING = "No manual operation now."
+SWITCHES = "The robot has finished. Enter and confirm the switches that it changed in the panel OMF Switches."
 COMPLETE = "✔ Manual operation complete"
 COMPLETE_WITH = "✔ Complete with this answer"
-SILENT = "The core is silent: what is shown is old"
-# A new request flashes so often, each time so long, milliseconds.
+SILENT = "The core is silent: this is its last known state"
+# How many times a new request flashes, and for how long each time.
 FLASHES = 8
 FLASH_MS = 350
 
-# What makes a request a new one: zone, run and number.
-Request = Tuple[str, int, int]
+# Identifies a request: zone, run and number.
+OperationKey = Tuple[str, int, int]
 
 
 class ManualOperationPanel(Panel):
-    """The request in large letters, its answers, and *complete*. A new request flashes and beeps."""
+    """The request in large letters, and its answers. A new request flashes and beeps."""
 
     TITLE = "Manual Operation"
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
-        self._request: Optional[Request] = None
+        self._request: Optional[OperationKey] = None
         self._choices: Tuple[str, ...] = ()
         self._flashes_left = 0
         self._flash = QTimer(self, interval=FLASH_MS)
@@ -41,7 +41,7 @@ class ManualOperationPanel(Panel):
         area = QScrollArea(widgetResizable=True)
         area.setWidget(self.text)
         self.body.addWidget(area, 1)
-        self.typed = basic.enlarged(QLineEdit(placeholderText="The answer, if there is one"), 1.3)
+        self.typed = basic.enlarged(QLineEdit(placeholderText="Answer (optional)"), 1.3)
         self.typed.setMaxLength(1000)
         self.typed.returnPressed.connect(self._on_return)
         self.typed.hide()
@@ -72,8 +72,8 @@ class ManualOperationPanel(Panel):
             off = SILENT if self.model.is_old else NOTHING
             button.allow(can_answer, [off], basic.READY if number == 0 else None)
 
-    def _show_another(self, request: Optional[Request], details: Optional[ZoneDetails]) -> None:
-        """Another request, or none any more."""
+    def _show_another(self, request: Optional[OperationKey], details: Optional[ZoneDetails]) -> None:
+        """Show another request, or none."""
         self._request = request
         self._answer.clear_answer()
         self.typed.clear()
@@ -82,19 +82,19 @@ class ManualOperationPanel(Panel):
         self._flashes_left = FLASHES if request is not None else 0
         if request is not None:
             for button in self.buttons:
-                button.hold()  # a click that was meant for the request before must not answer this one
+                button.hold()  # a click meant for the previous request must not answer this one
             QApplication.beep()
             self._flash.start()
             self._raise()
 
     def _raise(self) -> None:
-        """Where it shares its place with other panels, it comes to the front."""
+        """Bring the panel to the front where panels are stacked."""
         parent = self.parentWidget()
         if parent is not None and hasattr(parent, "raise_"):
             parent.raise_()
 
     def _build(self, choices: Tuple[str, ...]) -> None:
-        """A button for each answer; without choices, one that completes the operation."""
+        """Create a button for each answer, or one that completes the operation."""
         if self.buttons and choices == self._choices:
             self._name_button()
             return
@@ -105,7 +105,7 @@ class ManualOperationPanel(Panel):
             button.deleteLater()
         self.buttons = []
         for choice in choices or ("",):
-            button = basic.CommandButton(choice or COMPLETE, "Say that it is done, and go on", 1.5)
+            button = basic.CommandButton(choice or COMPLETE, "Confirm that it is done. The run continues.", 1.5)
             button.clicked.connect(lambda _=False, choice=choice: self._complete(choice))
             self._line.addWidget(button)
             self.buttons.append(button)
@@ -122,7 +122,7 @@ class ManualOperationPanel(Panel):
         self._show_tone()
 
     def _show_tone(self) -> None:
-        """Flashing is dark and light in turn; a request that waits stays marked."""
+        """Flash in two colours; afterwards a waiting request stays marked."""
         if self._request is None or self.model.is_old:
             basic.set_style(self.text, "")
             return
@@ -136,7 +136,7 @@ class ManualOperationPanel(Panel):
             self._complete("")
 
     def _complete(self, choice: str) -> None:
-        """The referee did it; `choice`: which answer, empty where there are none to choose from."""
+        """The referee did it. `choice`: the answer; empty if there are no choices."""
         if self._request is None:
             return
         zone, _, operation = self._request
@@ -150,7 +150,7 @@ class ManualOperationPanel(Panel):
             lambda outcome: self._answered(request, outcome),
         )
 
-    def _answered(self, request: Request, outcome) -> None:
+    def _answered(self, request: OperationKey, outcome) -> None:
         if request == self._request or outcome.error:
             self._answer.show_outcome("Manual operation complete", outcome)
         if outcome.error:

@@ -1,4 +1,4 @@
-"""OMF Switches: which switches changed and how many were damaged, in HOMF (docs/referee.md, "OMF Switches")."""
+"""OMF Switches: the switches that the robot changed and damaged, in HOMF (docs/referee.md, "OMF Switches")."""
 
 from typing import List
 
@@ -10,17 +10,17 @@ from roah_rsbb.rqt.panels.panel import Answer, Panel
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import Zone, ZoneUInt8
 
-NO_SWITCHES = "Only HOMF has switches, from the robot's first goal on."
-EXECUTING = "The robot has not finished: confirm when it has"
-SILENT = "The core is silent: what is shown is old"
-# Switches of the test bed's panel, as the original shows them.
+NO_SWITCHES = "Used in HOMF only, from the robot's first goal."
+EXECUTING = "The robot has not finished. Confirm when it has."
+SILENT = "The core is silent: this is its last known state"
+# The test bed's panel has ten switches.
 COUNT = 10
 COLUMNS = 5
 MAX_DAMAGED = 255
 
 
 class OmfSwitchesPanel(Panel):
-    """A button for each switch, the number of damaged ones, and *complete*."""
+    """A button for each switch, the number of damaged switches, and a button to confirm."""
 
     TITLE = "OMF Switches"
 
@@ -36,20 +36,20 @@ class OmfSwitchesPanel(Panel):
         self.body.addLayout(self._damaged_line())
         self._answer = Answer(reserved=False)
         self.body.addWidget(self._answer)
-        self.complete = basic.CommandButton("✔ All entered: confirm", "Say that what is entered is right", 1.5)
+        self.complete = basic.CommandButton("✔ Confirm switches", "Confirm that the entries are correct", 1.5)
         self.complete.clicked.connect(self._confirm)
         self.body.addWidget(self.complete)
         self.body.addStretch(1)
 
     def _switch(self, number: int) -> basic.CommandButton:
-        button = basic.CommandButton(str(number), f"Switch {number} was pressed by the robot", 1.4)
+        button = basic.CommandButton(str(number), f"The robot pressed switch {number}", 1.4)
         button.clicked.connect(lambda: self._press(number))
         return button
 
     def _damaged_line(self) -> QHBoxLayout:
         line = QHBoxLayout()
         line.addWidget(basic.enlarged(QLabel("Damaged switches"), 1.2), 1)
-        self.less = basic.CommandButton("−", "One damaged switch less", 1.3)
+        self.less = basic.CommandButton("−", "One fewer damaged switch", 1.3)
         self.damaged = basic.enlarged(QLabel("0", alignment=Qt.AlignCenter), 1.6, bold=True)
         self.damaged.setMinimumWidth(round(3 * basic.em()))
         self.more = basic.CommandButton("+", "One more damaged switch", 1.3)
@@ -104,5 +104,5 @@ class OmfSwitchesPanel(Panel):
 
 
 def _numbers(zone: ZoneState) -> List[int]:
-    """Switches that are on; rospy gives a uint8[] as bytes."""
+    """Returns the switches that are on; rospy delivers uint8[] as bytes."""
     return list(zone.omf_switches)

@@ -1,4 +1,4 @@
-"""Online Data: what the robot reports while it runs (docs/referee.md, "Online Data")."""
+"""Online Data: the robot's reports during the run (docs/referee.md, "Online Data")."""
 
 from roah_rsbb.msg import ZoneState
 from roah_rsbb.rqt.panels.text_panel import TextPanel

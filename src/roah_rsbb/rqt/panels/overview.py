@@ -1,6 +1,6 @@
-"""Overview: all zones at a glance, and a stop for all of them.
+"""Overview: all zones at a glance, and a button that stops all of them.
 
-Keys: Shift+Esc twice stops all zones, in whatever panel of the process the focus is.
+Keys: Shift+Esc twice stops all zones, whichever panel of the process has the focus.
 """
 
 import math
@@ -11,7 +11,7 @@ from python_qt_binding.QtCore import QSize, Qt, Signal
 from python_qt_binding.QtWidgets import QApplication, QFrame, QGridLayout, QLabel, QScrollArea, QSizePolicy, QWidget
 
 from roah_rsbb.msg import ZoneDetails, ZoneState
-from roah_rsbb.rqt.model.calls import Outcome
+from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels import phases
 from roah_rsbb.rqt.panels.panel import Answer, Panel
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
@@ -20,11 +20,11 @@ from roah_rsbb.rqt.widgets.basic import HoldButton
 from roah_rsbb.wording import times
 from roah_rsbb.wording.todo import Todo, Urgency, todo
 
-# At a factor of 1 a tile needs this room, in units of the desktop's font; a compact one is lower.
+# Size of a tile at scale 1, in units of the desktop's font. A compact tile is lower.
 HIGH_EMS = 5.6
 COMPACT_EMS = 3.7
 WIDE_EMS = 20.0
-# A text that is too long for its place is written smaller, by these factors, before it is cut off.
+# A text that is too long is written smaller, by these factors, before it is cut off.
 SHRINK = (1.0, 0.85, 0.7)
 LINES = {
     Urgency.DO: ("☛ DO NOW: ", basic.ALARM),
@@ -36,7 +36,7 @@ CHOSEN = "◆ "
 
 
 class _TodoLabel(QLabel):
-    """Takes the room that there is: a long text makes no tile larger than the others. Its beginning is always seen."""
+    """Uses the available space: a long text does not enlarge its tile. Its beginning is always visible."""
 
     def __init__(self) -> None:
         super().__init__(wordWrap=True)
@@ -54,7 +54,7 @@ class _TodoLabel(QLabel):
         return self.sizeHint()
 
     def settle(self) -> None:
-        """Write the text as large as its place allows."""
+        """Write the text as large as the space allows."""
         fits = False
         for shrink in SHRINK:
             basic.enlarged(self, shrink * self.factor, bold=True)
@@ -69,7 +69,7 @@ class _TodoLabel(QLabel):
 
 
 class ZoneTile(QFrame):
-    """One zone. A click, or Enter, chooses it for all panels of this client."""
+    """One zone: its team, phase, countdown, and what to do now. A click or Enter chooses it for this client."""
 
     chosen = Signal(str)
 
@@ -98,7 +98,7 @@ class ZoneTile(QFrame):
         self.scale(1.0, False)
 
     def scale(self, factor: float, compact: bool) -> None:
-        """Make all of it so many times as large as the desktop's font calls for; `compact`: in two lines."""
+        """Scale the tile relative to the desktop's font; `compact`: in two lines."""
         self._compact = compact
         self.event.setVisible(not compact)
         if compact:
@@ -117,7 +117,7 @@ class ZoneTile(QFrame):
         self.setMinimumHeight(round((COMPACT_EMS if compact else HIGH_EMS) * factor * basic.em()))
 
     def show_zone(self, zone: ZoneState, details: Optional[ZoneDetails], todo: Todo, chosen: bool, old: bool) -> None:
-        """Show the zone; `chosen`: it is the one of the other panels; `old`: the core is silent."""
+        """Show the zone. `chosen`: the other panels show it; `old`: the core is silent."""
         name = f"{zone.zone}  ·  {zone.team}" if self._compact else zone.zone
         self.name.setText(f"{CHOSEN if chosen else ''}{name}")
         left = times.countdown(zone.timer.to_sec())
@@ -128,7 +128,7 @@ class ZoneTile(QFrame):
         mark, tone = LINES[todo.urgency]
         more = todo.warnings - (todo.urgency is Urgency.LOOK)
         self.todo.setText(f"{mark}{todo.text}{f'   (⚠ {more} more)' if more > 0 else ''}")
-        self.todo.setToolTip(basic.tip(self.todo.text()))  # all of it, also where it is too long for its place
+        self.todo.setToolTip(basic.tip(self.todo.text()))  # the whole text, if it does not fit
         tone = basic.OFF if old else tone
         basic.set_style(self.todo, f"background: {tone.background}; color: {tone.text}; padding: 0.1em 0.3em;")
         self.todo.settle()
@@ -151,38 +151,38 @@ class ZoneTile(QFrame):
 
 STOP_KEY = "Shift+Esc"
 STOP_ALL = "■ STOP ALL ZONES"
-STOP_TIP = f"Stop the runs of all zones: hold the button (keys: {STOP_KEY} twice)"
-HOLD_IT = "Stop all zones: hold the button until it says so"
+STOP_TIP = f"Stop the runs of all zones. Hold the button down (keys: {STOP_KEY} twice)."
+HOLD_IT = "To stop all zones, hold the button down until the runs stop"
 NONE_RUNS = "No zone is running"
 NO_CALL = (0, -1)
-NOT_HEARD = "The core was not heard yet"
-# Tiles grow with the panel, so that they can be read from afar, up to this factor. Where there is no room they are
-# compact, and shrink to no less than this one.
+NOT_HEARD = "Waiting for the core"
+# Tiles grow with the panel, so that they can be read from a distance, up to the factor MOST. Where space is short they
+# are compact, and shrink to LEAST at the smallest.
 LEAST, MOST = 0.85, 3.5
 # Between two tiles, in units of the desktop's font.
 GAP_EMS = 0.3
 
 
-class Shape(NamedTuple):
-    """How the tiles lie."""
+class Arrangement(NamedTuple):
+    """How the tiles are arranged."""
 
     columns: int
-    factor: float  # so many times as large as the desktop's font calls for
+    factor: float  # scale, relative to the desktop's font
     compact: bool = False
 
 
 class OverviewPanel(Panel):
-    """A tile a zone, in the order of the schedule: none changes its place while a referee aims at it."""
+    """A tile for each zone, in the order of the schedule, so that no tile moves under the mouse."""
 
     TITLE = "Overview"
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
         self.tiles: Dict[str, ZoneTile] = {}
-        self._shape: Optional[Shape] = None
+        self._shape: Optional[Arrangement] = None
         self._calls: Dict[str, Tuple[int, int]] = {}  # zone: port of the run, number of the operation
         self.head = basic.Badge(1.3)
-        self.head.setAlignment(Qt.AlignLeft)  # where it is too long, what comes first is seen
+        self.head.setAlignment(Qt.AlignLeft)  # if the text is too long, its beginning stays visible
         self.body.addWidget(self.head)
         self._inside = QWidget()
         self._grid = QGridLayout(self._inside)
@@ -218,7 +218,7 @@ class OverviewPanel(Panel):
             if what.urgency is Urgency.DO:
                 calling.append(zone.zone)
                 self._beep(zone, details)
-            elif self._calls.get(zone.zone, NO_CALL)[1] == 0:  # switches have no number: the next ones call anew
+            elif self._calls.get(zone.zone, NO_CALL)[1] == 0:  # switches have no number: the next request is new
                 del self._calls[zone.zone]
             self.tiles[zone.zone].show_zone(zone, details, what, zone.zone == self.model.zone_name, old)
         running = self._running()
@@ -231,7 +231,7 @@ class OverviewPanel(Panel):
         self._arrange()
 
     def _running(self) -> List[str]:
-        """The zones that run. Where the phase is not known, those that may be stopped: they may run."""
+        """Returns the zones that are running. If a phase is unknown, a zone that can be stopped may be running."""
         found = []
         for zone in self.model.gui.zones if self.model.gui else ():
             details = self.model.details_of(zone.zone)
@@ -240,7 +240,7 @@ class OverviewPanel(Panel):
         return found
 
     def _show_head(self, running: List[str], calling: List[str]) -> None:
-        """The one look: who needs the referee's hand, and who is running."""
+        """Show which zones need the referee, and which are running."""
         if self.model.gui is None:
             self.head.show_text("Waiting for the core", basic.IDLE)
             return
@@ -252,16 +252,16 @@ class OverviewPanel(Panel):
         self.head.show_text(f"({text})" if old else text, basic.IDLE if old else tone)
 
     def _beep(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
-        """Once for each call for the referee's hand, also in a zone that the other panels do not show."""
+        """Beep once for each request to the referee, also in zones that the other panels do not show."""
         if details is None or (zone.manual_operation and not details.operation):
-            return  # the rest of it is still on its way
+            return  # the details have not arrived yet
         call = (details.port, details.operation)
         if self._calls.get(zone.zone) != call:
             self._calls[zone.zone] = call
             QApplication.beep()
 
     def _build(self, zones: List[ZoneState]) -> None:
-        """The schedule has other zones."""
+        """Create the tiles again: the schedule has other zones."""
         for tile in self.tiles.values():
             self._grid.removeWidget(tile)
             tile.hide()
@@ -274,10 +274,10 @@ class OverviewPanel(Panel):
         self._arrange()
 
     def _arrange(self) -> None:
-        """As many columns as let the tiles be largest."""
+        """Arrange the tiles in the columns that make them largest."""
         if not self.tiles:
             return
-        shape = best_shape(len(self.tiles), self._area.width() / basic.em(), self._area.height() / basic.em())
+        shape = best_arrangement(len(self.tiles), self._area.width() / basic.em(), self._area.height() / basic.em())
         if shape == self._shape:
             return
         self._shape = shape
@@ -293,35 +293,35 @@ class OverviewPanel(Panel):
         zones = self._running()
         self.stop.hold()
         self._answer.say(f"Stop {', '.join(zones)} …")
-        outcomes: Dict[str, Outcome] = {}
+        outcomes: Dict[str, CallOutcome] = {}
         for zone in zones:
             answered = partial(self._stopped, zones, outcomes, zone)
             self.stop_run(zone, self.model.details_of(zone), answered)
 
-    def _stopped(self, zones: List[str], outcomes: Dict[str, Outcome], zone: str, outcome: Outcome) -> None:
+    def _stopped(self, zones: List[str], outcomes: Dict[str, CallOutcome], zone: str, outcome: CallOutcome) -> None:
         outcomes[zone] = outcome
         failed = [f"{name}: {found.error}" for name, found in outcomes.items() if found.error]
         if failed:
             self.stop.let_go()
-            self._answer.show_outcome("Stop", Outcome("; ".join(failed)))
+            self._answer.show_outcome("Stop", CallOutcome("; ".join(failed)))
         elif len(outcomes) == len(zones):
             self._answer.show_outcome(f"Stop {', '.join(zones)}", outcome)
 
 
-def best_shape(tiles: int, wide_ems: float, high_ems: float) -> Shape:
-    """With which shape so many tiles fill an area best, whose size is in units of the desktop's font."""
+def best_arrangement(tiles: int, wide_ems: float, high_ems: float) -> Arrangement:
+    """Returns the arrangement that fills an area best. Its size is in units of the desktop's font."""
     full = _largest(tiles, wide_ems, high_ems, HIGH_EMS)
     if full.factor >= 1.0:
         return full._replace(factor=min(MOST, full.factor))
     shape = _largest(tiles, wide_ems, high_ems, COMPACT_EMS)
-    return Shape(shape.columns, min(1.0, max(LEAST, shape.factor)), compact=True)
+    return Arrangement(shape.columns, min(1.0, max(LEAST, shape.factor)), compact=True)
 
 
-def _largest(tiles: int, wide_ems: float, high_ems: float, tile_ems: float) -> Shape:
-    def shape(columns: int) -> Shape:
+def _largest(tiles: int, wide_ems: float, high_ems: float, tile_ems: float) -> Arrangement:
+    def shape(columns: int) -> Arrangement:
         rows = -(-tiles // columns)
         room = min(high_ems / (rows * (tile_ems + GAP_EMS)), wide_ems / (columns * (WIDE_EMS + GAP_EMS)))
-        return Shape(columns, math.floor(20 * room) / 20)
+        return Arrangement(columns, math.floor(20 * room) / 20)
 
-    # Of equal ones the one with the fewest columns: a list is read more easily.
+    # Among equals, prefer fewer columns: a list is easier to read.
     return max(map(shape, range(1, tiles + 1)), key=lambda shape: (shape.factor, -shape.columns))

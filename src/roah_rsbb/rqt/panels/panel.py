@@ -1,4 +1,4 @@
-"""What every panel is: a widget under a line that says which zone it shows and whether that is current."""
+"""The base of all panels: a line with the zone and whether the state is current, and the panel's own widgets."""
 
 from typing import Callable, Optional
 
@@ -6,7 +6,7 @@ from python_qt_binding.QtCore import Qt, QTimer
 from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QMessageBox, QSizePolicy, QVBoxLayout, QWidget
 
 from roah_rsbb.msg import ZoneDetails
-from roah_rsbb.rqt.model.calls import Outcome
+from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.client import Client, RefereeName
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import StopRun
@@ -16,7 +16,7 @@ from roah_rsbb.wording import times
 class Panel(QWidget):
     """Base of all panels. A subclass fills `self.body` and implements `show_model`.
 
-    `show_model` is called whenever something changed and the panel can be seen.
+    `show_model` is called whenever something changed while the panel is visible.
     """
 
     TITLE = ""
@@ -42,17 +42,17 @@ class Panel(QWidget):
         self.model.updated.connect(self._on_update)
 
     def show_model(self) -> None:
-        """Show what the model holds now."""
+        """Show the state of the model."""
         raise NotImplementedError
 
     def where(self) -> str:
-        """What the line above says: which zone the panel is about, and what is on there."""
+        """Returns the panel's heading: its zone, and the event there."""
         zone = self.model.zone
         if zone is None:
             return self.model.zone_name
         return f"{zone.zone}  ·  {zone.code}  ·  {zone.team}  ·  round {zone.round}, run {zone.run}"
 
-    def stop_run(self, zone: str, details: Optional[ZoneDetails], done: Callable[[Outcome], None]) -> None:
+    def stop_run(self, zone: str, details: Optional[ZoneDetails], done: Callable[[CallOutcome], None]) -> None:
         """Stop the run that the referee sees.
 
         A run that ends at the moment of the click is not left, as /core/stop would do with a run that is over.
@@ -61,15 +61,15 @@ class Panel(QWidget):
         self.client.calls.service(self, "/core/stop_run", StopRun, (zone, identity), done)
 
     def shutdown(self) -> None:
-        """End: nothing is delivered to this panel any more."""
+        """Stop: no more updates or answers reach this panel."""
         self.model.updated.disconnect(self._on_update)
         self.client.calls.forget(self)
 
     def save_settings(self, settings) -> None:
-        """Keep what the referee set up in this panel; `settings` has `set_value(key, value)`."""
+        """Save the referee's settings of this panel; `settings` has `set_value(key, value)`."""
 
     def restore_settings(self, settings) -> None:
-        """The reverse of `save_settings`; `settings` has `value(key, default)`."""
+        """Restore what `save_settings` saved; `settings` has `value(key, default)`."""
 
     def showEvent(self, event) -> None:
         super().showEvent(event)
@@ -87,7 +87,7 @@ class Panel(QWidget):
 
 
 def ask(parent: QWidget, question: str, details: str, yes: str, then) -> QMessageBox:
-    """Ask before something that cannot be undone; `then()` is called on yes. Does not block."""
+    """Ask before something that cannot be undone; call `then()` if the referee confirms."""
     box = QMessageBox(QMessageBox.Warning, question, question, parent=parent)
     box.setInformativeText(details)
     accept = box.addButton(yes, QMessageBox.AcceptRole)
@@ -100,17 +100,17 @@ def ask(parent: QWidget, question: str, details: str, yes: str, then) -> QMessag
     return box
 
 
-# Place for an answer that keeps it while it is empty, lines.
+# Height that is reserved for an answer, in lines.
 LINES = 2
-# What went well is no news after this long; what failed stays.
+# How long a success is shown; a failure stays.
 DONE_MS = 4000
 
 
 class Answer(QLabel):
-    """The line where a panel shows what became of the last command."""
+    """The line in which a panel shows the result of the last command."""
 
     def __init__(self, reserved: bool = True, parent: Optional[QWidget] = None) -> None:
-        """`reserved`: it keeps its place while it is empty, so that nothing jumps when it is not."""
+        """`reserved`: it keeps its height while it is empty, so that nothing moves when it appears."""
         super().__init__(parent)
         self._reserved = reserved
         self._done = QTimer(self, singleShot=True)
@@ -123,15 +123,15 @@ class Answer(QLabel):
         self.clear_answer()
 
     def say(self, text: str) -> None:
-        """Show what is going on."""
+        """Show what is in progress."""
         self._show(text, "")
 
     def warn(self, text: str) -> None:
-        """Ask for attention."""
+        """Show a warning."""
         self._show(text, f"background: {basic.OLD.background}; color: {basic.OLD.text}; font-weight: bold;")
 
-    def show_outcome(self, what: str, outcome: Outcome) -> None:
-        """Show how the command `what` ended."""
+    def show_outcome(self, what: str, outcome: CallOutcome) -> None:
+        """Show the result of the command `what`."""
         if outcome.error:
             tone = basic.ALARM
             self._show(f"✘ {what} failed: {outcome.error}", f"background: {tone.background}; color: {tone.text};")
@@ -146,7 +146,7 @@ class Answer(QLabel):
     def _show(self, text: str, style: str) -> None:
         self._done.stop()
         self.setText(text)
-        self.setToolTip(basic.tip(text.strip()))  # all of it, also where it is too long for its place
+        self.setToolTip(basic.tip(text.strip()))  # the whole text, if it does not fit
         if not self._reserved:
             self.setVisible(text != " ")
         basic.set_style(self, f"QLabel {{ padding: 0.2em; {style} }}")
@@ -158,28 +158,28 @@ MAX_NAME = 60
 
 
 class RefereeLine(QLineEdit):
-    """Where the name is typed."""
+    """The field for the referee's name."""
 
     def __init__(self, shared: RefereeName, parent: Optional[QWidget] = None) -> None:
         super().__init__(shared.name, parent)
         self._shared = shared
         self.setMaxLength(MAX_NAME)
-        self.setFocusPolicy(Qt.ClickFocus)  # a stray press of a key must not change the name
+        self.setFocusPolicy(Qt.ClickFocus)  # a stray key press must not change the name
         self.setPlaceholderText("Referee's name")
-        self.setToolTip("It stands beside each score, note and sign-off; without it, only the computer's program does")
+        self.setToolTip("Recorded with each score, note and sign-off. Without it, only the program's name is recorded.")
         self.textEdited.connect(lambda text: shared.set(text.strip()))
         shared.changed.connect(self._show)
 
     def end(self) -> None:
-        """Follow the name no more."""
+        """Stop following the name."""
         self._shared.changed.disconnect(self._show)
 
     def save(self, settings) -> None:
-        """Keep the name; see `Panel.save_settings`."""
+        """Save the name; see `Panel.save_settings`."""
         settings.set_value(REFEREE_KEY, self._shared.name)
 
     def restore(self, settings) -> None:
-        """The name of last time, unless another one was typed since."""
+        """Restore the last name, unless another one was typed meanwhile."""
         name = settings.value(REFEREE_KEY, "")
         if name and not self._shared.name:
             self._shared.set(str(name))
@@ -190,7 +190,7 @@ class RefereeLine(QLineEdit):
 
 
 class RefereePanel(Panel):
-    """Base of such panels. A subclass puts `self.referee` where it belongs."""
+    """Base of panels whose records carry the referee's name. A subclass places `self.referee`."""
 
     def __init__(self, client: Client, parent: Optional[QWidget] = None) -> None:
         super().__init__(client, parent)

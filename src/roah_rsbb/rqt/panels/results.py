@@ -1,4 +1,4 @@
-"""Results: the runs of the zone, their score sheets with history, corrections and the sign-off."""
+"""Results: the runs of the zone and their score sheets, with history, corrections and sign-off."""
 
 from typing import List, Optional, Tuple
 
@@ -15,14 +15,14 @@ from roah_rsbb.srv import ScoreMark, SignOff, StopReason
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.module_scores import by_group
 
-NO_RUNS = "No run of this zone is over, and none is connected."
+NO_RUNS = "This zone has no run yet."
 CHOOSE = "Choose a run above"
 FETCHING = "Fetching the score sheet …"
 SIGN_OFF = "Sign off …"
 
 
 class ResultsPanel(RefereePanel):
-    """A list of the zone's runs; below, what there is of the chosen one."""
+    """A list of the zone's runs; below it, the chosen run."""
 
     TITLE = "Results"
 
@@ -134,8 +134,8 @@ class ResultsPanel(RefereePanel):
         item = self._chosen_item(sheet)
         over = summary is not None and summary.closed.to_sec()
         _allow(self.correct, general or ("" if item is not None else "Choose an item above"))
-        _allow(self.give_reason, general or ("" if sheet and sheet.stops else "The run was not stopped yet"))
-        _allow(self.sign, general or ("" if over else "The run is still connected: disconnect it first"))
+        _allow(self.give_reason, general or ("" if sheet and sheet.stops else "The run has not been stopped yet"))
+        _allow(self.sign, general or ("" if over else "The run is still connected. Disconnect it first."))
         self.correct.setText("Correct …" if over else "Change …")
 
     def _why_off(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> str:
@@ -168,7 +168,7 @@ class ResultsPanel(RefereePanel):
         number = self.stops.chosen or len(sheet.stops)
         stop = sheet.stops[number - 1]
         dialog = NoteDialog(
-            self, "Reason", f"{times.time_of_day(stop.time.to_sec())}: {stop.desc}", "Why", "Keep",
+            self, "Reason", f"{times.time_of_day(stop.time.to_sec())}: {stop.desc}", "Why", "Save",
             lambda reason: self._send(
                 summary, f"Reason of end {number}", "stop_reason", StopReason, (number, reason)
             ),
@@ -180,10 +180,10 @@ class ResultsPanel(RefereePanel):
         summary = self._summary()
         if summary is None:
             return
-        name = self.client.referee.name or "this client (no name was typed)"
+        name = self.client.referee.name or "this client (no name entered)"
         ask(
             self, f"Sign off {_name(summary)}?",
-            f"{summary.score or 'no score'}\n\nSigned by {name}. Nothing can be corrected afterwards.", "Sign off",
+            f"{summary.score or 'no score'}\n\nSigned by {name}. The sheet cannot be corrected afterwards.", "Sign off",
             lambda: self._send(summary, "Sign off", "sign_off", SignOff, ()),
         )
 
@@ -236,7 +236,7 @@ def _run_row(run: RunSummary) -> Row:
 
 
 def _item_rows(sheet: RunSheet) -> List[Row]:
-    """The referee's items, then what a module scored, which cannot be changed here."""
+    """Returns the referee's items, then the module's scores, which cannot be changed here."""
     rows: List[Row] = []
     group = None
     for item in sheet.items:

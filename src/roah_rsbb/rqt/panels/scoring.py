@@ -1,4 +1,4 @@
-"""Scoring: what the referee scores, and what the benchmarking module did (docs/referee.md, "Scoring")."""
+"""Scoring: the referee's score sheet, and the benchmarking module's scores (docs/referee.md, "Scoring")."""
 
 import html
 from functools import partial
@@ -20,7 +20,7 @@ from python_qt_binding.QtWidgets import (
 )
 
 from roah_rsbb.msg import ModuleScore, ZoneDetails, ZoneScoreGroup, ZoneState
-from roah_rsbb.rqt.model.calls import Outcome
+from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.edits import Edits
 from roah_rsbb.rqt.panels.history import HistoryDialog
 from roah_rsbb.rqt.panels.panel import Answer, RefereePanel
@@ -32,13 +32,13 @@ from roah_rsbb.wording.module_scores import by_group
 NO_RUN = "Scoring begins when a robot is connected."
 NO_ITEMS = "This benchmark has nothing for the referee to score."
 SILENT = "The core is silent: nothing can be scored now"
-# Stands for the value of an item that the robot did not try.
+# The value of an item that the robot did not attempt.
 NOT_ATTEMPTED = -1
 
-Item = Tuple[str, str]  # group and description: an item's name on the ROS interface
+ItemName = Tuple[str, str]  # group and description, which name an item on the ROS interface
 
 
-class _Shape(NamedTuple):
+class ItemShape(NamedTuple):
     """An item without its value."""
 
     group: str
@@ -50,10 +50,10 @@ _BOOL_TEXTS = {0: "No", NOT_ATTEMPTED: "Not attempted"}
 
 
 class ScoreRow(QWidget):
-    """One item: its text, and what changes its value, which may be `NOT_ATTEMPTED`."""
+    """One item: its text, its value, which may be `NOT_ATTEMPTED`, and its controls."""
 
-    def __init__(self, shape: _Shape, change: Callable[[int], None], ask: Callable[[], None]) -> None:
-        """`change(value)`: the referee wants that; `ask()`: with a note."""
+    def __init__(self, shape: ItemShape, change: Callable[[int], None], ask: Callable[[], None]) -> None:
+        """`change(value)`: the referee wants this value; `ask()`: the referee wants to add a note."""
         super().__init__()
         self._change = change
         self._value = 0
@@ -96,7 +96,7 @@ class ScoreRow(QWidget):
         return self._value
 
     def show_value(self, value: int, waiting: bool, enabled: bool) -> None:
-        """Show `value`; `waiting`: the core has not confirmed it yet."""
+        """Show `value`. `waiting`: the core has not confirmed it yet."""
         self._value = value
         mark = " …" if waiting else ""
         self.not_attempted.setChecked(value == NOT_ATTEMPTED)
@@ -113,7 +113,7 @@ class ScoreRow(QWidget):
             button.setEnabled(enabled)
             button.setToolTip("" if enabled else SILENT)
         if enabled:
-            self.menu_button.setToolTip("Not attempted; a note")
+            self.menu_button.setToolTip("Not attempted; add a note")
         if not self._is_bool:
             self.less.setEnabled(enabled and value > 0)
 
@@ -126,7 +126,7 @@ class ScoreRow(QWidget):
 
 
 class ModuleScores(QScrollArea):
-    """What the benchmarking module scored so far, to read only. Without a score it is not there."""
+    """The benchmarking module's scores so far, read-only; hidden while there are none."""
 
     def __init__(self) -> None:
         super().__init__(widgetResizable=True)
@@ -138,7 +138,7 @@ class ModuleScores(QScrollArea):
         self.hide()
 
     def show_scores(self, scores: Sequence[ModuleScore], is_old: bool) -> None:
-        """Show these lines; they grow while the run goes on."""
+        """Show these scores; more follow during the run."""
         self.setVisible(bool(scores))
         self.text.setEnabled(not is_old)
         shown = _scores_html(scores)
@@ -153,10 +153,10 @@ class ScoringPanel(RefereePanel):
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
-        self._sheet: tuple = ()  # which run's sheet is shown
+        self._sheet: tuple = ()  # identifies the sheet that is shown
         self._edits = Edits()
         self._clock_steps = 0
-        self.rows: Dict[Item, ScoreRow] = {}
+        self.rows: Dict[ItemName, ScoreRow] = {}
         self._nothing = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.3)
         self._area = QScrollArea(widgetResizable=True)
         self._area.setFrameShape(QFrame.NoFrame)
@@ -208,8 +208,8 @@ class ScoringPanel(RefereePanel):
                 if item in self.rows:
                     self.rows[item].show_value(value, self._edits.is_waiting(item), not self.model.is_old)
 
-    def _build(self, shapes: List[_Shape]) -> None:
-        """Lay out the rows of another sheet."""
+    def _build(self, shapes: List[ItemShape]) -> None:
+        """Create the rows of another sheet."""
         self.rows = {}
         inside = QWidget()
         column = QVBoxLayout(inside)
@@ -228,14 +228,14 @@ class ScoringPanel(RefereePanel):
 
     # -- changing -----------------------------------------------------------------------------------
 
-    def _change(self, item: Item, value: int) -> None:
+    def _change(self, item: ItemName, value: int) -> None:
         """The referee wants another value."""
         send = self._edits.wish(item, value)
         if send is not None:
             self._send(item, send)
         self.show_model()
 
-    def _send(self, item: Item, value: int, note: str = "") -> None:
+    def _send(self, item: ItemName, value: int, note: str = "") -> None:
         sheet, (group, desc) = self._sheet, item
         details = self.model.zone_details
         not_attempted = value == NOT_ATTEMPTED
@@ -245,8 +245,8 @@ class ScoringPanel(RefereePanel):
             lambda outcome: self._answered(sheet, item, value, outcome),
         )
 
-    def _ask(self, shape: _Shape) -> None:
-        """The referee wants to say more than a value."""
+    def _ask(self, shape: ItemShape) -> None:
+        """Ask for a value and a note."""
         sheet, item = self._sheet, (shape.group, shape.desc)
         shown = self.rows[item].value
 
@@ -259,12 +259,12 @@ class ScoringPanel(RefereePanel):
         ).open()
 
     def _show_history(self) -> None:
-        """The history of the run that is scored now."""
+        """Open the history of the current run."""
         details = self.model.zone_details
         if details is not None and details.identity:
             HistoryDialog(self, self.client, details.zone, details.identity).show()
 
-    def _answered(self, sheet: tuple, item: Item, value: int, outcome: Outcome) -> None:
+    def _answered(self, sheet: tuple, item: ItemName, value: int, outcome: CallOutcome) -> None:
         what = f"{sheet[0]}: {item[1]} = {'not attempted' if value == NOT_ATTEMPTED else value}"
         if outcome.error:
             self._answer.show_outcome(what, outcome)
@@ -291,9 +291,9 @@ def _scores_html(scores: Sequence[ModuleScore]) -> str:
     return f"<p>Score of the benchmarking module</p><table>{''.join(rows)}</table>" if rows else ""
 
 
-def _shapes(zone: ZoneState) -> List[_Shape]:
+def _shapes(zone: ZoneState) -> List[ItemShape]:
     return [
-        _Shape(group.group_name, desc, kind)
+        ItemShape(group.group_name, desc, kind)
         for group in zone.scoring
         for desc, kind in zip(group.descriptions, group.types)
     ]

@@ -1,4 +1,4 @@
-"""Keyboard shortcuts of commands, protected against a slip of the hand."""
+"""Keyboard shortcuts of commands, which must be pressed twice."""
 
 import time
 from typing import Callable, Hashable, Tuple
@@ -13,13 +13,13 @@ from roah_rsbb.rqt.widgets.basic import CommandButton
 
 
 class TwiceKey:
-    """A key that gives a button's command when it is pressed twice, in whatever panel of the process the focus is."""
+    """A key that gives a button's command when it is pressed twice, wherever the focus is."""
 
     def __init__(
         self, panel: Panel, key: str, button: CommandButton, answer: Answer,
         what: Callable[[], Tuple[Hashable, str]], act: Callable[[], None],
     ) -> None:
-        """`what()`: what would be done now (both presses must be for the same), and how the referee calls that."""
+        """`what()` returns the key's current command, on which both presses must agree, and its name."""
         self._key = key
         self._button = button
         self._answer = answer
@@ -31,11 +31,11 @@ class TwiceKey:
         shortcut.setContext(Qt.ApplicationShortcut)
         shortcut.setAutoRepeat(False)
         shortcut.activated.connect(self._press)
-        # Two of these panels in one process: either may take the key, they share the count of presses.
+        # If a process has two of these panels, either may take the key: they share the count of presses.
         shortcut.activatedAmbiguously.connect(self._press)
 
     def forget(self) -> None:
-        """Take the question back when the time for the second press is over; call it now and then."""
+        """Clear the question when the time for the second press is over. Call it regularly."""
         if self._asked and self._presses.armed(time.monotonic()) is None:
             self._asked = False
             self._answer.clear_answer()

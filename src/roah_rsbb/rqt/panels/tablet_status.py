@@ -1,4 +1,4 @@
-"""Tablet Status: what the tablet last said (docs/referee.md, "Tablet Status")."""
+"""Tablet Status: the last messages of the tablet (docs/referee.md, "Tablet Status")."""
 
 from typing import Dict
 
@@ -9,7 +9,7 @@ from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import times
 
-# The tablet sends a beacon each second; after this long without one it is not there any more.
+# The tablet sends a beacon every second; after this long without one it is marked as silent.
 TABLET_SILENT_S = 5.0
 
 FIELDS = {

@@ -1,4 +1,4 @@
-"""A text that grows at its end: what Online Data and Log Display share."""
+"""A panel with a growing text: the base of Online Data and Log Display."""
 
 from python_qt_binding.QtGui import QFontDatabase, QTextCursor
 from python_qt_binding.QtWidgets import QCheckBox, QPlainTextEdit
@@ -8,12 +8,12 @@ from roah_rsbb.ros.tail import added
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.widgets.text_search import TextSearch
 
-# The core publishes only the last characters; the panel keeps what it saw since it was opened.
+# The core publishes only the end of the text; the panel keeps what it received since it was opened.
 MAX_LINES = 5000
 
 
 class TextPanel(Panel):
-    """Shows a text of the zone, and follows its end unless the referee holds it."""
+    """Shows a text of the zone and follows its end, unless the referee scrolls."""
 
     NOTHING = ""
 
@@ -30,14 +30,14 @@ class TextPanel(Panel):
         self.follow.setChecked(True)
         self.follow.toggled.connect(self._to_end)
         self.search = TextSearch(self.view, self)
-        # What was searched for must not be scrolled away by what comes.
+        # New lines must not scroll a match away.
         self.search.jumped.connect(lambda: self.follow.setChecked(False))
         self.body.addWidget(self.view, 1)
         self.body.addWidget(self.search)
         self.body.addWidget(self.follow)
 
     def text_of(self, zone: ZoneState) -> str:
-        """The text that this panel shows."""
+        """Returns the text that this panel shows."""
         raise NotImplementedError
 
     def show_model(self) -> None:
@@ -56,11 +56,11 @@ class TextPanel(Panel):
         settings.set_value("follow", self.follow.isChecked())
 
     def restore_settings(self, settings) -> None:
-        # Settings files hold texts.
+        # Settings files contain text.
         self.follow.setChecked(str(settings.value("follow", True)).lower() == "true")
 
     def _append(self, text: str) -> None:
-        """Add at the end without moving what the referee looks at, or has selected."""
+        """Append text without changing the scroll position or the selection."""
         bar = self.view.verticalScrollBar()
         at = bar.value()
         cursor = QTextCursor(self.view.document())

@@ -1,7 +1,7 @@
-"""The words of the public display, made from PublicDetails (docs/public_display.md, "For programs").
+"""The texts of the public display, made from PublicDetails (docs/public_display.md, "For programs").
 
-Works on anything with the fields of PublicDetails: no ROS, no Qt is needed. Times of day are local, those of the
-computer that shows them: the public reads them beside the clock on the wall.
+Works on anything with the fields of PublicDetails; neither ROS nor Qt is imported. Times of day are local times of the
+computer that shows them: the public compares them with the clock on the wall.
 """
 
 import time
@@ -13,55 +13,55 @@ ALL_TEAMS = "ALL"
 WAITING = "Waiting for the referee box"
 
 
-class Card(NamedTuple):
-    """A run."""
+class RunCard(NamedTuple):
+    """The texts of a run."""
 
     phase: str  # connected, running or ended
     team: str
     benchmark: str
     place: str  # zone, round and run, teams
-    big: str  # what is read first: the countdown
-    word: str  # what the run is doing; colour is never the only sign
+    big: str  # the largest text: the countdown
+    word: str  # the state of the run; colour is never the only sign
 
 
-class Line(NamedTuple):
-    """An event that follows, or a result."""
+class ListLine(NamedTuple):
+    """The texts of a coming event or of a result."""
 
     time: str
     team: str
     benchmark: str
-    last: str  # of an event its zone, of a result how the run ended
+    last: str  # an event's zone, or how the run of a result ended
     scores: str = ""
 
 
-class Content(NamedTuple):
-    """All that is on the screen."""
+class PublicContent(NamedTuple):
+    """Everything on the screen."""
 
     date: str
     clock: str
-    trouble: str  # why what is shown may not be true; empty: it is
-    cards: Tuple[Card, ...]
-    following: Tuple[Line, ...]
-    results: Tuple[Line, ...]
-    is_known: bool = True  # False: the core was never heard
+    trouble: str  # why the content may be out of date; empty: it is current
+    cards: Tuple[RunCard, ...]
+    following: Tuple[ListLine, ...]
+    results: Tuple[ListLine, ...]
+    is_known: bool = True  # False: the core has never been heard
 
 
-NOTHING = Content("", "", "", (), (), (), is_known=False)
+NOTHING = PublicContent("", "", "", (), (), (), is_known=False)
 
 
-def content(details: Optional[object], utc_s: float, is_old: bool) -> Content:
-    """What to show at `utc_s`, the box's UTC seconds; None: the core was never heard.
+def content(details: Optional[object], utc_s: float, is_old: bool) -> PublicContent:
+    """Returns what to show at `utc_s`, the box's UTC seconds. `details` is None until the core is heard.
 
-    While the core is silent (`is_old`) everything stands as it was: `utc_s` is when it was last heard.
+    While the core is silent (`is_old`) nothing changes: `utc_s` is the time when it was last heard.
     """
     if details is None:
         return NOTHING
     many_zones = len({event.zone for event in _events(details)}) > 1
     clock = _local("%H:%M:%S", utc_s)
-    return Content(
+    return PublicContent(
         date=_local("%A, %d %B %Y", utc_s).replace(", 0", ", "),
         clock=clock,
-        trouble=f"No signal since {clock}: what is shown is old" if is_old else "",
+        trouble=f"No signal since {clock}: this is the last known state" if is_old else "",
         cards=tuple(_card(run, utc_s, many_zones) for run in details.runs),
         following=tuple(_following(event, utc_s, many_zones) for event in details.following),
         results=tuple(_result(result, utc_s) for result in details.finished),
@@ -72,7 +72,7 @@ def _events(details) -> list:
     return [run.event for run in details.runs] + list(details.following)
 
 
-def _card(run, utc_s: float, many_zones: bool) -> Card:
+def _card(run, utc_s: float, many_zones: bool) -> RunCard:
     event = run.event
     parts = ([event.zone] if many_zones else []) + [sheets.turn(event.round, event.run)]
     if event.team == ALL_TEAMS:
@@ -83,14 +83,14 @@ def _card(run, utc_s: float, many_zones: bool) -> Card:
         big, word = (f"▶ {big}", "running") if run.counting else (f"‖ {big}", "paused")
     elif run.phase == "ended":
         big, word = "ended", _end(run.end_reason)
-    return Card(run.phase, _team(event.team), event.benchmark, " · ".join(parts), big, word)
+    return RunCard(run.phase, _team(event.team), event.benchmark, " · ".join(parts), big, word)
 
 
-def _following(event, utc_s: float, many_zones: bool) -> Line:
-    return Line(_when(event.scheduled, utc_s), _team(event.team), event.benchmark, event.zone if many_zones else "")
+def _following(event, utc_s: float, many_zones: bool) -> ListLine:
+    return ListLine(_when(event.scheduled, utc_s), _team(event.team), event.benchmark, event.zone if many_zones else "")
 
 
-def _result(result, utc_s: float) -> Line:
+def _result(result, utc_s: float) -> ListLine:
     event = result.event
     groups = [
         sheets.GroupOfValues(group.group_name, group.current_values, not_attempted)
@@ -98,7 +98,7 @@ def _result(result, utc_s: float) -> Line:
     ]
     sums = [sheets.sums_text(groups)] if groups else []
     lines = [module_scores.readable(score) for score in result.module_scores]
-    return Line(
+    return ListLine(
         _when(result.disconnected, utc_s), _team(event.team), event.benchmark,
         _end(result.end_reason),
         " · ".join([f"{line.name} {line.value}" for line in lines] + sums),

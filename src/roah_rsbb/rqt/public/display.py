@@ -1,6 +1,6 @@
-"""The public display: the clock, what is running with its countdown, what comes next, and results.
+"""The public display: the clock, the current runs with their countdowns, the next events, and results.
 
-It has no controls. Colours are dim, for a hall in the evening; none of them is the only sign of anything.
+It has no controls. Colours are dim, for a hall in the evening; colour is never the only sign.
 """
 
 import time
@@ -12,10 +12,10 @@ from python_qt_binding.QtWidgets import QWidget
 
 from roah_rsbb.rqt.model.box_clock import BoxClock
 from roah_rsbb.rqt.public import content, layout
-from roah_rsbb.rqt.public.content import Card, Content, Line
+from roah_rsbb.rqt.public.content import ListLine, PublicContent, RunCard
 from roah_rsbb.rqt.public.layout import Rect, Screen
 
-# A text is made smaller down to this share before it is shortened: it must stay legible.
+# A long text shrinks to this share of its size at most, then it is shortened: it must stay legible.
 SMALLEST = 0.7
 
 
@@ -24,12 +24,12 @@ class Written(NamedTuple):
 
     text: str
     shown: str  # the same, or shortened
-    place: Rect  # that it was given
-    ink: Rect  # that it takes
+    place: Rect  # the space given to it
+    ink: Rect  # the space that it takes
 
 
 class Writer:
-    """Writes with a painter, and remembers what was written where."""
+    """Writes texts with a painter and records their places."""
 
     def __init__(self, painter: QPainter) -> None:
         self._painter = painter
@@ -38,19 +38,19 @@ class Writer:
     def write(
         self, place: Rect, text: str, colour: QColor, fill: float = 0.7, side=Qt.AlignLeft, bold: bool = False
     ) -> None:
-        """Write one line, whose letters fill that share of the height of `place`."""
+        """Write one line. Its letters fill the share `fill` of the height of `place`."""
         if not text or place.w <= 0:
             return
         pixels = int(fill * place.h)
         smallest = max(1, int(SMALLEST * pixels))
-        # Letters come in whole pixels: their width does not follow their size exactly.
+        # Font sizes are whole pixels: the width is not exactly proportional.
         while pixels > smallest and width(text, pixels, bold) > place.w:
             pixels -= 1
         font = _font(pixels, bold)
         metrics = QFontMetricsF(font)
         shown = text
         if metrics.horizontalAdvance(text) > place.w:
-            # What it leaves may be a little wider than it says: letters come closer in other company.
+            # Leave a margin: kerning makes the elided text slightly wider than calculated.
             shown = metrics.elidedText(text, Qt.ElideRight, place.w - 0.2 * pixels)
         area = QRectF(*place)
         self._painter.setFont(font)
@@ -62,7 +62,7 @@ class Writer:
 
 
 def width(text: str, pixels: float, bold: bool = False) -> float:
-    """How wide a text is in letters of that size."""
+    """Returns the width of a text at this font size."""
     return QFontMetricsF(_font(pixels, bold)).horizontalAdvance(text)
 
 
@@ -74,8 +74,8 @@ def _font(pixels: float, bold: bool) -> QFont:
 
 
 TOPIC = "/core/public_details"
-# The core publishes twice a second; its clock is in every message. A message that is the same again may come
-# from a core that hangs (latched, to a new subscription): it is no sign of life.
+# The core publishes twice a second, with its clock in every message. A repeated message may be the latched one of a
+# core that hangs: it is no sign of life.
 SILENT_S = 2.0
 PAGE_S = 8.0
 # Letters fill this share of the height of a row.
@@ -106,16 +106,16 @@ OLD_LOOK = _Look(CARD_BACKGROUND, FAINT, FAINT)
 
 
 class PublicDisplay(QWidget):
-    """A full screen without controls. `feed` is a `roah_rsbb.ros.feed.Feed` of TOPIC."""
+    """A full-screen widget. `feed` is a `roah_rsbb.ros.feed.Feed` of TOPIC."""
 
     def __init__(self, feed, page_s: float = PAGE_S, parent: Optional[QWidget] = None) -> None:
-        """`page_s`: for so many seconds each page is shown where there are several."""
+        """`page_s`: how long each page is shown if there are several, seconds."""
         super().__init__(parent)
         self.setWindowTitle("RoAH RSBB – public display")
         self.setCursor(Qt.BlankCursor)
         self.setFocusPolicy(Qt.NoFocus)
-        self.written: List[Written] = []  # what is on the screen
-        self.content: Content = content.NOTHING
+        self.written: List[Written] = []  # everything on the screen
+        self.content: PublicContent = content.NOTHING
         self._feed = feed
         self._page_s = page_s
         self._page = 0
@@ -124,7 +124,7 @@ class PublicDisplay(QWidget):
         self._heard: Optional[float] = None
 
     def look(self) -> None:
-        """Take what the core published, and show the moment; call it several times a second."""
+        """Show the newest message at the current time. Call it several times a second."""
         received = self._feed.take(TOPIC)
         if received is not None and received.message != self._details:
             self._details, self._heard = received.message, received.mono
@@ -178,7 +178,7 @@ class PublicDisplay(QWidget):
         writer.write(middle, page, FAINT, 0.4, Qt.AlignHCenter)
         writer.write(clock, self.content.clock, TEXT, 0.7, Qt.AlignRight)
 
-    def _paint_card(self, painter: QPainter, writer: Writer, card: Card, place: Rect) -> None:
+    def _paint_card(self, painter: QPainter, writer: Writer, card: RunCard, place: Rect) -> None:
         look = OLD_LOOK if self.content.trouble else LOOKS.get(card.phase, OLD_LOOK)
         edge = 0.12 * place.h
         painter.setPen(Qt.NoPen)
@@ -195,7 +195,7 @@ class PublicDisplay(QWidget):
         writer.write(parts.word, card.word, look.big, side=Qt.AlignRight)
 
     def _paint_below(self, writer: Writer, screen: Screen, area: Rect) -> None:
-        """What comes next, and in turns with it the pages of results."""
+        """Paint the next events and the pages of results in turns."""
         sections = [("Next", self.content.following[:layout.rows_that_fit(area, screen.unit, False)])]
         if self.content.results:
             fit = layout.rows_that_fit(area, screen.unit, _have_scores(self.content.results))
@@ -210,7 +210,7 @@ class PublicDisplay(QWidget):
         else:
             writer.write(rest._replace(h=layout.ROW * unit), "The schedule is done", TEXT, LETTERS)
 
-    def _paint_lines(self, writer: Writer, lines: Sequence[Line], area: Rect, unit: float) -> None:
+    def _paint_lines(self, writer: Writer, lines: Sequence[ListLine], area: Rect, unit: float) -> None:
         letters, gap = LETTERS * layout.ROW * unit, 0.03 * unit
         times, teams, lasts = _columns(lines, letters, area.w)
         rest = max(0.0, area.w - times - teams - lasts - 3 * gap)
@@ -231,18 +231,18 @@ class PublicDisplay(QWidget):
                 top = scores.bottom
 
 
-def _columns(lines: Sequence[Line], letters: float, wide: float) -> Tuple[float, float, float]:
-    """Widths of time, team and last: as much as they need, up to a share of the row."""
+def _columns(lines: Sequence[ListLine], letters: float, wide: float) -> Tuple[float, float, float]:
+    """Returns the widths of time, team and last: as much as they need, up to a share of the row."""
     times = max(width(line.time, letters) for line in lines)
     teams = max(width(line.team, letters, bold=True) for line in lines)
     lasts = max(width(line.last, letters) for line in lines)
     return min(1.02 * times, 0.2 * wide), min(1.02 * teams, 0.3 * wide), min(1.02 * lasts, 0.22 * wide)
 
 
-def _have_scores(lines: Sequence[Line]) -> bool:
+def _have_scores(lines: Sequence[ListLine]) -> bool:
     return any(line.scores for line in lines)
 
 
 def _page_mark(title: str, number: int, count: int) -> str:
-    """Which page of several is shown; empty where there is one."""
+    """Returns which page of several is shown; empty if there is only one."""
     return f"{title} {number + 1}/{count}" if count > 1 else ""

@@ -1,8 +1,8 @@
-"""Where everything is on the public display: rectangles, and which page is shown. No Qt is needed.
+"""The layout of the public display: rectangles and pages. Qt is not imported.
 
-Meant to be read from ten metres: sizes are shares of the screen's height, not of the desktop's font. A capital of
-1/25 of the height of a 55 inch screen is 27 mm high; that is legible from ten metres. What does not fit in that size
-goes on further pages, which take turns.
+The display is read from ten metres: sizes are shares of the screen's height, not of the desktop's font. A capital
+letter of 1/25 of the height of a 55 inch screen is 27 mm high, which is legible from ten metres. The rest goes on
+further pages, which take turns.
 """
 
 from typing import List, NamedTuple, Sequence, Tuple, TypeVar
@@ -16,9 +16,9 @@ GAP = 0.02
 TITLE = 0.065
 ROW = 0.085
 SCORES_ROW = 0.065  # under a row
-# The height of a run's card by how many there are in a column.
+# Height of a run's card, by the number of cards in a column.
 CARD = (0.3, 0.215, 0.17)
-# So many runs fit on a page, from the second column on side by side.
+# Limits of a page; more than one column of cards stands side by side.
 CARDS_IN_A_COLUMN = 3
 CARDS_ON_A_PAGE = 6
 # A countdown's share of the width of a card in one column, and in two.
@@ -35,21 +35,21 @@ class Rect(NamedTuple):
 
     @property
     def bottom(self) -> float:
-        """Where it ends."""
+        """The lower edge."""
         return self.y + self.h
 
     @property
     def right(self) -> float:
-        """Where it ends."""
+        """The right edge."""
         return self.x + self.w
 
     def rows(self, *shares: float) -> List["Rect"]:
-        """One below the other, each with its share of the height."""
+        """Returns rectangles below each other, each with its share of the height."""
         tops = [self.y + self.h * sum(shares[:i]) for i in range(len(shares))]
         return [Rect(self.x, top, self.w, self.h * share) for top, share in zip(tops, shares)]
 
     def columns(self, gap: float, *widths: float) -> List["Rect"]:
-        """Side by side, each so many pixels wide, with gaps; the last one takes what is left."""
+        """Returns rectangles side by side with these widths and gaps; one more takes the rest."""
         found, x = [], self.x
         for width in widths:
             found.append(Rect(x, self.y, max(0.0, min(width, self.right - x)), self.h))
@@ -57,32 +57,32 @@ class Rect(NamedTuple):
         return [*found, Rect(x, self.y, max(0.0, self.right - x), self.h)]
 
     def inset(self, by: float) -> "Rect":
-        """Smaller by so much on all sides."""
+        """Returns the rectangle reduced by this margin."""
         return Rect(self.x + by, self.y + by, self.w - 2 * by, self.h - 2 * by)
 
 
 class Screen(NamedTuple):
-    """A screen of that size, divided."""
+    """The parts of a screen of this size."""
 
     width: float
     height: float
 
     @property
     def unit(self) -> float:
-        """What sizes are shares of: the height, or less on a screen that is narrower than 16:9."""
+        """The unit of all sizes: the height, or less on a screen narrower than 16:9."""
         return min(self.height, self.width * 9 / 16)
 
     @property
     def edge(self) -> float:
-        """What stays free at the sides."""
+        """The margin at the sides."""
         return EDGE * self.unit
 
     def head(self) -> Rect:
-        """Date, clock, and what is wrong."""
+        """The place of date, clock and warnings."""
         return Rect(self.edge, 0, self.width - 2 * self.edge, HEAD * self.unit)
 
     def cards(self, count: int) -> List[Rect]:
-        """Where the runs of a page are; for none: the place of the line that says so."""
+        """Returns the places of a page's runs; without runs, the place of the line that says so."""
         top, wide = HEAD * self.unit, self.width - 2 * self.edge
         if count == 0:
             return [Rect(self.edge, top, wide, ROW * self.unit)]
@@ -97,13 +97,13 @@ class Screen(NamedTuple):
         ]
 
     def below(self, cards: Sequence[Rect]) -> Rect:
-        """Title and rows of what follows, or of results."""
+        """Returns the place of the next events or results."""
         top = max(card.bottom for card in cards) + GAP * self.unit / 2
         return Rect(self.edge, top, self.width - 2 * self.edge, self.height - top)
 
 
 class CardParts(NamedTuple):
-    """Where the texts of a card are."""
+    """The places of a card's texts."""
 
     team: Rect
     benchmark: Rect
@@ -113,14 +113,14 @@ class CardParts(NamedTuple):
 
 
 def wide_card(inside: Rect) -> CardParts:
-    """In one column: the countdown beside everything."""
+    """Returns the parts of a card in one column: the countdown stands at the right."""
     gap = 0.1 * inside.h
     left, right = inside.columns(gap, (1 - COUNTDOWN) * inside.w)
     return CardParts(*left.rows(0.44, 0.32, 0.24), *right.rows(0.66, 0.34))
 
 
 def flat_card(inside: Rect) -> CardParts:
-    """One of three in one column: two lines of large letters rather than three small ones."""
+    """Returns the parts of one of three cards in a column: two lines of large letters."""
     gap = 0.1 * inside.h
     left, right = inside.columns(gap, (1 - COUNTDOWN) * inside.w)
     upper, benchmark = left.rows(0.53, 0.47)
@@ -129,14 +129,14 @@ def flat_card(inside: Rect) -> CardParts:
 
 
 def card_parts(place: Rect, inside: Rect, screen: Screen) -> CardParts:
-    """The parts of a card at `place`, whose texts are `inside`."""
+    """Returns the parts of a card at `place`, with its texts `inside`."""
     if place.w < 0.6 * screen.width:
         return narrow_card(inside)
     return flat_card(inside) if place.h < CARD[-1] * screen.unit else wide_card(inside)
 
 
 def narrow_card(inside: Rect) -> CardParts:
-    """In two columns: the benchmark's name has the whole width."""
+    """Returns the parts of a card in two columns: the benchmark's name has the whole width."""
     gap = 0.1 * inside.h
     upper, benchmark, lower = inside.rows(0.46, 0.3, 0.24)
     team, big = upper.columns(gap, (1 - NARROW_COUNTDOWN) * inside.w)
@@ -145,13 +145,13 @@ def narrow_card(inside: Rect) -> CardParts:
 
 
 def rows_that_fit(area: Rect, unit: float, with_scores: bool) -> int:
-    """How many rows fit below the title in an area."""
+    """Returns how many rows fit below the title in an area."""
     row = ROW + (SCORES_ROW if with_scores else 0.0)
     return max(1, int((area.h - TITLE * unit) / (row * unit) + 1e-6))
 
 
 def pages(items: Sequence[T], on_a_page: int) -> List[Tuple[T, ...]]:
-    """Items, so many on a page at most, spread evenly; without items one page that is empty."""
+    """Distributes items evenly over pages of limited size; without items there is one empty page."""
     count = max(1, -(-len(items) // on_a_page))
     each, more = divmod(len(items), count)
     found, begin = [], 0

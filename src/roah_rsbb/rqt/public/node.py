@@ -24,13 +24,14 @@ SERVICE = "screen"
 class ScreenChoice:
     """Keeps a window full screen on the chosen screen; 0 is the first one.
 
-    The service is answered in a thread of rospy's; everything that touches the window is in `look`, in Qt's.
+    A parameter and, at any time, the service `screen` choose it. The service runs in a thread of rospy; only `look`, in
+    Qt's thread, touches the window.
     """
 
     def __init__(self, window: QWidget, chosen: int) -> None:
         self._window = window
         self._chosen = chosen
-        self._told = -1  # the missing screen that the log was told of
+        self._told = -1  # the missing screen that was logged
         self._count = len(QGuiApplication.screens())
         self._look_anew = True
         self._service = rospy.Service(SERVICE, UInt8, self._choose)
@@ -40,11 +41,11 @@ class ScreenChoice:
                               self._service.resolved_name, number)
 
     def close(self) -> None:
-        """Take the service away."""
+        """Shut the service down."""
         self._service.shutdown("public display closed")
 
     def look(self) -> None:
-        """Go to the chosen screen, or to the first one while that is unplugged; call it several times a second."""
+        """Move to the chosen screen, or to the first one while it is unplugged. Call it several times a second."""
         screens = QGuiApplication.screens()
         self._count = len(screens)
         if not screens:
@@ -56,7 +57,7 @@ class ScreenChoice:
             self._show_on(screen)
             rospy.loginfo("On screen %d (%s)", screens.index(screen), _describe(screen))
         elif self._window.geometry() != screen.geometry():
-            self._window.setGeometry(screen.geometry())  # another resolution
+            self._window.setGeometry(screen.geometry())  # the resolution changed
 
     def _screen(self, screens: List[QScreen]) -> QScreen:
         if self._chosen < len(screens):
@@ -68,11 +69,11 @@ class ScreenChoice:
         return screens[0]
 
     def _show_on(self, screen: QScreen) -> None:
-        """A window may have to be made anew to get to a screen of another X server's screen: so hide it before."""
+        """Show the window on a screen. Hide it first: on another X screen Qt has to create it again."""
         self._window.hide()
         self._window.winId()
         self._window.windowHandle().setScreen(screen)
-        self._window.setGeometry(screen.geometry())  # for a screen without a window manager
+        self._window.setGeometry(screen.geometry())  # in case there is no window manager
         self._window.showFullScreen()
 
     def _choose(self, request) -> UInt8Response:
@@ -84,7 +85,7 @@ class ScreenChoice:
 
 def _missing(number: int, count: int) -> str:
     there_are = "there is only screen 0" if count == 1 else f"there are screens 0 to {count - 1}"
-    return f"no screen {number}: {there_are}. Plug it in, or call the service '{SERVICE}' with one that is there"
+    return f"no screen {number}: {there_are}. Connect it, or call the service '{SERVICE}' with another number"
 
 
 def _describe(screen: QScreen) -> str:
@@ -97,7 +98,7 @@ MAX_SCREEN = 255
 
 
 class _Looker:
-    """Lets the display look, and subscribes anew while the core is silent."""
+    """Updates the display regularly, and subscribes again while the core is silent."""
 
     def __init__(self, feed: Feed, shown: PublicDisplay, screen: ScreenChoice) -> None:
         self._feed = feed

@@ -1,4 +1,4 @@
-"""Small widgets that the panels share. Sizes are in units of the desktop's font."""
+"""Small widgets that the panels share. Sizes are multiples of the desktop's font."""
 
 import html
 import re
@@ -13,7 +13,7 @@ from roah_rsbb.wording import texts
 
 
 class Tone(NamedTuple):
-    """Colours of a piece of information, legible on light and dark desktops. Never the only sign of it."""
+    """Colours that are legible on light and dark desktops. Colour is never the only sign."""
 
     background: str
     text: str
@@ -26,20 +26,20 @@ IDLE = Tone("#565b61", "#ffffff")
 OLD = Tone("#ffb300", "#000000")
 ALARM = Tone("#b3001b", "#ffffff")
 OFF = Tone("transparent", "palette(text)")
-# Text of what is off: legible on light and dark buttons alike.
+# Text of a disabled button, legible on light and dark desktops.
 FADED = "#8c8c8c"
 
-# A button that was pressed takes no second press for this long: a double click is one command.
+# After a press a button ignores further presses for this long: a double click is one command.
 HOLD_MS = 1000
 
 
 def em() -> float:
-    """Height of the desktop's font in pixels: the unit of all sizes."""
+    """Returns the height of the desktop's font in pixels, the unit of all sizes."""
     return QFontMetricsF(QApplication.font()).height()
 
 
 def enlarged(widget: QWidget, factor: float, bold: bool = False) -> QWidget:
-    """Give `widget` the desktop's font, `factor` times as large; returns the widget."""
+    """Give `widget` the desktop's font, scaled by `factor`. Returns the widget."""
     font = QFont(QApplication.font())
     if font.pointSizeF() > 0:
         font.setPointSizeF(font.pointSizeF() * factor)
@@ -51,13 +51,13 @@ def enlarged(widget: QWidget, factor: float, bold: bool = False) -> QWidget:
 
 
 def set_style(widget: QWidget, style: str) -> None:
-    """Set a style sheet if it changed; setting one anew costs a whole layout."""
+    """Set a style sheet if it changed: setting it again would redo the layout."""
     if widget.styleSheet() != style:
         widget.setStyleSheet(style)
 
 
 def tip(text: str) -> str:
-    """A tooltip that shows `text` as it is; Qt breaks long lines only of what it takes for HTML."""
+    """Returns a tooltip that shows `text` unchanged, as HTML: Qt wraps long lines in HTML only."""
     return f"<p>{_escaped(text)}</p>" if text else ""
 
 
@@ -72,7 +72,7 @@ class Badge(QLabel):
         super().__init__(parent)
         enlarged(self, factor, bold=True)
         self.setAlignment(Qt.AlignCenter)
-        self.setMinimumWidth(1)  # a long text must not move what is beside it
+        self.setMinimumWidth(1)  # a long text must not push its neighbours away
 
     def show_text(self, text: str, tone: Tone) -> None:
         """Show `text`, on the tone's colour."""
@@ -81,7 +81,7 @@ class Badge(QLabel):
 
 
 class Notices(QTextEdit):
-    """Lines to read; those that call for attention are marked. A long list scrolls, and moves nothing."""
+    """Lines of text, with warnings marked. A long list scrolls instead of growing."""
 
     def __init__(self, factor: float = 1.2, parent: Optional[QWidget] = None) -> None:
         super().__init__(parent)
@@ -91,7 +91,7 @@ class Notices(QTextEdit):
         self._lines: Tuple[Tuple[str, bool], ...] = ()
 
     def show_lines(self, lines: Iterable[Tuple[str, bool]]) -> None:
-        """Show lines: text, and whether it calls for attention."""
+        """Show lines: the text, and whether it is a warning."""
         shown = tuple(lines)
         if shown != self._lines:
             self._lines = shown
@@ -105,10 +105,10 @@ def _notice_html(text: str, alarm: bool) -> str:
 
 
 class FittedText(QWidget):
-    """A text as large as its rectangle allows. Digits do not make it jump."""
+    """A text as large as its rectangle allows. Changing digits do not change its size."""
 
     def __init__(self, lines_high: float = 2.0, parent: Optional[QWidget] = None) -> None:
-        """`lines_high`: least height, in lines of the desktop's font."""
+        """`lines_high`: minimum height, in lines of the desktop's font."""
         super().__init__(parent)
         self._text = ""
         self._lines_high = lines_high
@@ -137,7 +137,7 @@ class FittedText(QWidget):
         painter.drawText(self.rect(), Qt.AlignCenter, self._text)
 
     def fitted_font(self) -> QFont:
-        """The largest font in which the text fits; figures count as equally wide."""
+        """Returns the largest font in which the text fits; all digits count as equally wide."""
         font = QFont(self.font())
         font.setPixelSize(100)
         metrics = QFontMetricsF(font)
@@ -148,22 +148,22 @@ class FittedText(QWidget):
 
 
 class CommandButton(QPushButton):
-    """A command to the core. While it is off its tooltip says why, each reason."""
+    """A button that gives a command. While it is disabled its tooltip lists the reasons."""
 
     def __init__(self, text: str, explanation: str, factor: float = 1.3, parent: Optional[QWidget] = None) -> None:
         super().__init__(text, parent)
         enlarged(self, factor, bold=True)
-        # Tab reaches it, a click does not leave the focus on it: a stray press of the space bar does nothing.
+        # Tab reaches it, but a click does not focus it: a stray space bar does nothing.
         self.setFocusPolicy(Qt.TabFocus)
         self._explanation = explanation
         self._allowed = False
-        self.why_off = ""  # every reason, a line each; empty: it is on
+        self.why_off = ""  # one reason per line; empty: it is enabled
         self._held = QTimer(self, singleShot=True)
         self._held.timeout.connect(self._apply)
         self.setEnabled(False)
 
     def sizeHint(self) -> QSize:
-        """Room around the text also where a style sheet takes the platform's away."""
+        """Keep space around the text, also where a style sheet removes the platform's."""
         room = round(2.4 * self.fontMetrics().height())
         return QSize(self.fontMetrics().horizontalAdvance(self.text()) + round(1.5 * em()), room)
 
@@ -173,7 +173,7 @@ class CommandButton(QPushButton):
     def allow(
         self, allowed: bool, reasons: Sequence[str] = (), tone: Optional[Tone] = None, explanation: str = ""
     ) -> None:
-        """Switch it on or off; `tone`: colour while it is on; `explanation`: instead of the usual one."""
+        """Enable or disable it. `tone`: colour while enabled; `explanation`: replaces the usual tooltip."""
         self._allowed = allowed
         self.why_off = "" if allowed else texts.bullets(reasons or ("Not possible now",))
         self.setToolTip(tip(self.why_off or explanation or self._explanation))
@@ -182,12 +182,12 @@ class CommandButton(QPushButton):
         self._apply()
 
     def hold(self) -> None:
-        """It was pressed."""
+        """Ignore presses for a moment: it was pressed."""
         self._held.start(HOLD_MS)
         self._apply()
 
     def let_go(self) -> None:
-        """The command failed: it may be given again at once."""
+        """Accept presses at once: the command failed."""
         self._held.stop()
         self._apply()
 
@@ -213,7 +213,7 @@ KEEP_HOLDING = "… keep holding"
 
 
 class HoldButton(basic.CommandButton):
-    """`kept` comes when it was held for KEEP_MS, `too_short` when it was let go before."""
+    """A button that must be held down. `kept` is emitted after KEEP_MS, `too_short` if it is released before."""
 
     kept = Signal()
     too_short = Signal()
@@ -221,7 +221,7 @@ class HoldButton(basic.CommandButton):
     def __init__(self, text: str, explanation: str, factor: float = 1.3, parent: Optional[QWidget] = None) -> None:
         super().__init__(text, explanation, factor, parent)
         self._text = text
-        # Its text changes, its size must not.
+        # Its text changes, but its size must not.
         self.setText(KEEP_HOLDING)
         self.setMinimumWidth(self.sizeHint().width())
         self.setText(text)
@@ -238,7 +238,7 @@ class HoldButton(basic.CommandButton):
         early = self._keeping.isActive()
         self._keeping.stop()
         self.setText(self._text)
-        if early and self.is_on():  # where there is nothing to do any more, Qt lets it go by itself
+        if early and self.is_on():  # Qt releases a button that is disabled meanwhile
             self.too_short.emit()
 
     def _on_kept(self) -> None:

@@ -1,4 +1,4 @@
-"""A table to choose a line from: what changes in it moves neither the choice nor the place that is looked at."""
+"""A table from which a row is chosen. Updates keep the chosen row and the scroll position."""
 
 from typing import Hashable, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -9,22 +9,22 @@ from roah_rsbb.rqt.widgets import basic
 
 
 class Row(NamedTuple):
-    """A line of the table."""
+    """A row of the table."""
 
-    key: Hashable  # what it is about, None: it cannot be chosen
+    key: Hashable  # identifies the row; None: it cannot be chosen
     texts: Tuple[str, ...]
     bold: bool = False
-    off: bool = False  # it counts no more: struck out, but for the last column, which says why
+    off: bool = False  # struck through, except for the last column, which says why
 
 
 class Rows(QTableWidget):
-    """Lines of text in columns; one can be chosen."""
+    """Rows of text in columns; one row can be chosen."""
 
     def __init__(
         self, columns: Sequence[str], stretched: Tuple[int, ...], wrapped: bool = True,
         parent: Optional[QWidget] = None,
     ) -> None:
-        """`stretched`: the columns that share the room that is left; long texts take several lines if `wrapped`."""
+        """`stretched`: columns that share the remaining width. `wrapped`: long texts take several lines."""
         super().__init__(0, len(columns), parent)
         basic.enlarged(self, 1.05)
         self.setHorizontalHeaderLabels(list(columns))
@@ -47,18 +47,18 @@ class Rows(QTableWidget):
 
     @property
     def chosen(self) -> Optional[Hashable]:
-        """The key of the chosen line."""
+        """The key of the chosen row."""
         index = self.currentRow()
         return self._rows[index].key if 0 <= index < len(self._rows) else None
 
     def choose(self, key: Hashable) -> None:
-        """Choose the line with this key, if there is one."""
+        """Choose the row with this key, if it exists."""
         keys = [row.key for row in self._rows]
         if key is not None and key in keys:
             self.selectRow(keys.index(key))
 
     def show_rows(self, rows: List[Row]) -> None:
-        """Show other lines; the choice stays with its key."""
+        """Replace the rows; the row with the chosen key stays chosen."""
         if rows == self._rows:
             return
         chosen, place = self.chosen, self.verticalScrollBar().value()
@@ -74,7 +74,7 @@ class Rows(QTableWidget):
         self.verticalScrollBar().setValue(place)
 
     def texts(self) -> List[Tuple[str, ...]]:
-        """What the lines say."""
+        """Returns the texts of all rows."""
         return [row.texts for row in self._rows]
 
     def _fill(self, index: int, row: Row) -> None:

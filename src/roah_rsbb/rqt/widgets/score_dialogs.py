@@ -1,4 +1,4 @@
-"""What the referee writes down with words: a score with a note, why an entry is withdrawn, why a run was stopped."""
+"""Dialogs for text: a score with a note, why an entry is withdrawn, why a run was stopped."""
 
 from typing import Callable, Optional
 
@@ -19,12 +19,12 @@ from roah_rsbb.rqt.widgets import basic
 
 MAX_NOTE = 500
 MAX_VALUE = 2**31 - 1
-# Wide enough to read what is typed, in units of the desktop's font.
+# Width that shows the typed text, in units of the desktop's font.
 WIDE_EMS = 32
 
 
 class NoteDialog(QDialog):
-    """Asks for a line of text; `then(note)` is called on yes. Does not block: `open` it."""
+    """Asks for a line of text and calls `then(note)` if the referee confirms."""
 
     def __init__(
         self, parent: QWidget, title: str, text: str, note_label: str, yes: str, then: Callable[[str], None]
@@ -50,10 +50,10 @@ class NoteDialog(QDialog):
         self.note.setFocus()
 
     def add_fields(self) -> None:
-        """Where a subclass puts what is asked for besides the note."""
+        """A subclass adds its fields here, above the note."""
 
     def answer(self) -> None:
-        """Hand on what was entered."""
+        """Pass on what was entered."""
         self._then(self.note.text().strip())
 
     def _accept(self) -> None:
@@ -62,7 +62,7 @@ class NoteDialog(QDialog):
 
 
 class ScoreDialog(NoteDialog):
-    """Asks how an item stands; `then(value, not_attempted, note)`."""
+    """Asks for the value of an item; calls `then(value, not_attempted, note)`."""
 
     def __init__(
         self, parent: QWidget, title: str, desc: str, kind: int, value: int, not_attempted: bool,
@@ -74,7 +74,7 @@ class ScoreDialog(NoteDialog):
         self._then_scored = then
         self.number: Optional[QSpinBox] = None
         self.tick: Optional[QCheckBox] = None
-        super().__init__(parent, title, desc, "Note", "Set", lambda note: None)
+        super().__init__(parent, title, desc, "Note", "Save", lambda note: None)
 
     def add_fields(self) -> None:
         self.not_attempted = QCheckBox("Not attempted", checked=self._was_not_attempted)

@@ -1,4 +1,4 @@
-"""A line that searches a text: next, previous, how many there are, and all of them highlighted."""
+"""A search line for a text: next, previous, number of matches, all matches highlighted."""
 
 from typing import List, Optional
 
@@ -8,20 +8,20 @@ from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QPlainTe
 
 from roah_rsbb.rqt.widgets import basic
 
-# More than so many would make a text slow that is highlighted all over.
+# Highlighting more matches would make the text slow.
 MOST = 1000
 FOUND = basic.Tone("#ffe08a", "#000000")
-# Beside its colour it is underlined, and its number is in the count.
+# The current match; it is also underlined, and its number is shown in the count.
 HERE = basic.Tone("#14508c", "#ffffff")
 
 
 class TextSearch(QWidget):
-    """Searches `view`, whatever the case. Ctrl+F goes here, F3 and Shift+F3 to the next and the previous one."""
+    """Searches `view`, ignoring case. Keys: Ctrl+F, F3 (next), Shift+F3 (previous)."""
 
-    jumped = Signal()  # the view shows what was found now
+    jumped = Signal()  # the view shows a match now
 
     def __init__(self, view: QPlainTextEdit, owner: QWidget) -> None:
-        """`owner`: the keys work where the focus is inside it."""
+        """`owner`: the keys work while the focus is inside it."""
         super().__init__()
         self._view = view
         self._found: List[QTextCursor] = []
@@ -29,8 +29,8 @@ class TextSearch(QWidget):
         self.line = QLineEdit(placeholderText="Search (Ctrl+F)", clearButtonEnabled=True)
         self.count = QLabel()
         self.count.setMinimumWidth(round(6 * basic.em()))
-        self.previous = basic.CommandButton("▲", "Previous one (Shift+F3)", 1.0)
-        self.next = basic.CommandButton("▼", "Next one (F3, Enter)", 1.0)
+        self.previous = basic.CommandButton("▲", "Previous match (Shift+F3)", 1.0)
+        self.next = basic.CommandButton("▼", "Next match (F3, Enter)", 1.0)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self.line, 1)
@@ -48,7 +48,7 @@ class TextSearch(QWidget):
         self.search()
 
     def search(self) -> None:
-        """Look again: the text has changed. What was gone to stays where it is."""
+        """Search again, because the text changed. The current match stays the same."""
         here = None if self._here is None else self._found[self._here].selectionStart()
         self._found = self._all()
         starts = [cursor.selectionStart() for cursor in self._found]
@@ -56,7 +56,7 @@ class TextSearch(QWidget):
         self._show()
 
     def go(self, by: int) -> None:
-        """Go to the next (1) or the previous one (-1); behind the last one comes the first."""
+        """Go to the next match (1) or the previous one (-1). After the last match comes the first."""
         if not self._found:
             return
         if self._here is None:
@@ -81,7 +81,7 @@ class TextSearch(QWidget):
         return found
 
     def _nearest(self, by: int) -> int:
-        """Where to begin: with the first one that can be seen, or with the last one above it."""
+        """Returns where to start: the first visible match, or the last one above it."""
         top = self._view.firstVisibleBlock().position()
         below = [i for i, cursor in enumerate(self._found) if cursor.selectionStart() >= top]
         first = below[0] if below else 0
@@ -101,7 +101,7 @@ class TextSearch(QWidget):
             text = "none" if not many else f"{many}{'+' if many == MOST else ''} found"
         self.count.setText(text if self._here is None else f"{self._here + 1} of {many}")
         for button in (self.previous, self.next):
-            button.allow(bool(many), ["Nothing is found" if self.line.text() else "Type what to search for"])
+            button.allow(bool(many), ["No match" if self.line.text() else "Type the text to search for"])
         self._view.setExtraSelections(
             [_selection(cursor, number == self._here) for number, cursor in enumerate(self._found)]
         )
