@@ -246,7 +246,7 @@ class TestResults(WordsCase):
         wait_until(lambda: "✔ signed off by Anna at" in self.panel.what.text(), "it says who did")
         self.panel.items.choose(DOOR)
         for button in (self.panel.sign, self.panel.correct, self.panel.give_reason, self.panel.history.withdraw):
-            wait_until(lambda b=button: "signed off by Anna: it is final" in b.toolTip(), "each button says why")
+            wait_until(lambda b=button: "Final: signed off by Anna" in b.toolTip(), "each button says why")
             self.assertFalse(button.isEnabled())
 
     def test_a_silent_core_shows_and_takes_nothing_new(self) -> None:

@@ -31,7 +31,7 @@ def test_warnings_come_before_the_next_step():
 def test_a_module_that_is_gone():
     what = todo(zone(state="running"), details("running", held=True))
     assert what.urgency is Urgency.LOOK
-    assert "module is gone" in what.text
+    assert "module is not running" in what.text
 
 
 def test_the_next_step_or_every_reason_against_it():
