@@ -1,33 +1,33 @@
-# Everything about roah_rsbb in one word each. `make help` lists the words.
+# One target for each task. `make help` lists them.
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: help install-deps build demo test test-side-by-side lint test-pure test-python38 test-pip test-docs test-install test-ros test-net screenshots bench fuzz clean
 
-# ROS's own Python: the first python3 on PATH may be another one.
+# ROS's Python. The first python3 on PATH may be another one.
 PYTHON := /usr/bin/python3
-# On Ubuntu ROS is not in the system's paths.
+# On Ubuntu, ROS is not in the system's paths.
 ROS_SETUP := if [ -e /opt/ros/noetic/setup.bash ]; then source /opt/ros/noetic/setup.bash; fi
 BUILT := source build/devel/setup.bash
-# `make test LINT=no` leaves lint out.
+# `make test LINT=no` skips lint.
 LINT := yes
 # Options of the bench.
 BENCH :=
 # Options of the tests on a bad network.
 NET :=
-# Of each target: make fuzz FUZZ_SECONDS=600
+# Seconds for each target: make fuzz FUZZ_SECONDS=600
 export FUZZ_SECONDS ?= 60
-# Only some: make fuzz FUZZ="box results"
+# Selected targets: make fuzz FUZZ="box results"
 FUZZ :=
 
-help: ## list what can be made
+help: ## list all targets
 	@grep -E '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z0-9-]+):.*## /  make \1\t/' | expand -t 24
 
-# `make test` has built everything before it calls make again for the tests.
+# `make test` builds everything before it calls make again for the tests.
 ifdef READY
 install-deps build:
 else
-install-deps: ## install what is needed from the distribution's packages
+install-deps: ## install the required packages of the distribution
 	@tools/install_deps
 
 build: install-deps ## build into build/devel
@@ -36,10 +36,10 @@ build: install-deps ## build into build/devel
 	  || { tail -n 30 build/build.log; echo "The build failed; all of its output is in build/build.log" >&2; exit 1; }
 endif
 
-demo: build ## the dummy set-up on this machine alone
+demo: build ## run the dummy set-up on this machine
 	@$(BUILT); rosrun roah_rsbb demo
 
-# First what uses one core each, side by side; then what is itself many processes.
+# First the tests that use one core each, in parallel. Then those that start many processes.
 test: build ## all tests
 	@$(MAKE) --no-print-directory READY=yes -j2 --output-sync=target test-side-by-side
 	@$(MAKE) --no-print-directory READY=yes test-ros test-net
@@ -49,13 +49,13 @@ test-side-by-side: test-python38 test-pure test-install test-pip test-docs $(if 
 lint: install-deps ## ruff and catkin_lint
 	@tools/lint
 
-test-pure: build ## tests of the rules, without ROS
+test-pure: build ## tests without ROS
 	@$(PYTHON) -m pytest -q test/pure
 
-test-python38: install-deps ## the same on Python 3.8, where there is one
+test-python38: install-deps ## the same on Python 3.8, if it is installed
 	@tools/test_python38
 
-test-pip: install-deps ## a robot without ROS, from the wheel that pip makes
+test-pip: install-deps ## a robot without ROS, installed by pip
 	@tools/test_pip_install
 
 test-docs: build ## commands, links and examples of the documentation
@@ -79,5 +79,5 @@ bench: build ## speed and load (bench/README.md), also in build/bench.json; make
 fuzz: build ## coverage-guided fuzzing (test/fuzz/README.md); make fuzz FUZZ_SECONDS=600
 	@tools/fuzz $(FUZZ)
 
-clean: ## remove what was built
+clean: ## remove all build results
 	rm -rf build
