@@ -14,7 +14,8 @@ import threading
 import time
 from typing import Callable, Optional
 
-# Commits of so many seconds go to the disk together: half of what a power cut may take (architecture, rule 5).
+# Commits within this time go to the disk together: half of what a power cut may take (docs/architecture.md, "First
+# written, then done").
 GROUP_S = 0.05
 # The write-ahead log is moved into the database when it is this large, or this old.
 CHECKPOINT_BYTES = 1_000_000
