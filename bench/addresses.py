@@ -1,4 +1,4 @@
-"""Addresses on this machine's loopback network: nothing here ever reaches another one."""
+"""Addresses on this machine's loopback network. No datagram leaves the machine."""
 
 BROADCAST, BOX_HOST = "127.255.255.255", "127.0.0.1"
 PUBLIC_HOST = "127.0.1.1"  # of all robots' beacons

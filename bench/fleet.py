@@ -1,6 +1,6 @@
-"""Robots on real sockets, as many as wanted, in one thread; they note when datagrams left and arrived.
+"""Robots on real sockets, in one thread. They record when datagrams were sent and received.
 
-The moment of arrival is the kernel's, not ours: a busy bench must not make the box look slow.
+The kernel provides the time of arrival, so that a busy bench does not make the box look slow.
 """
 
 import asyncio
@@ -20,34 +20,34 @@ from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 
-# Linux's number, for the option and for what comes with each datagram; Python 3.8 has no name for it.
+# Linux's number of the option and of the data that comes with each datagram. Python 3.8 has no name for it.
 SO_TIMESTAMPNS = 35
 _TIMESPEC = struct.Struct("ll")
 BEACON_PERIOD_S = 1.0
-REGULAR_S = 1.0  # a robot that has nothing new to say
-# The box has this long to have taken a datagram into account in what it sends.
+REGULAR_S = 1.0  # period of a robot whose state does not change
+# Within this time, the box's messages must reflect a datagram.
 LATE_NS = 50_000_000
 REMEMBERED = 256
 ANSWER_S = 10.0
 
 
 class Awaited(NamedTuple):
-    """A state that the box must send because of what was done at `since_ns`."""
+    """A state that the box must send because of an event at `since_ns`."""
 
     state: BoxState
     since_ns: int
-    done: Callable[[float], None]  # gets the milliseconds until it was on the wire
+    done: Callable[[float], None]  # called with the milliseconds until the state was sent
 
 
 class Robot:
-    """One robot. Its methods belong to the fleet's thread; its values may be looked at from any."""
+    """One robot. Call its methods in the fleet's thread only. Any thread may read its values."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, index: int, password: str) -> None:
         self.team = f"Team{index}"
         self.port: Optional[int] = None
         self.state = RobotState.STOP
         self.box_state: Optional[BoxState] = None
-        self.follows = True  # does at once what the box asks for
+        self.follows = True  # follows the box's states at once
         self.period_s = REGULAR_S
         self.acknowledged_ns = 0
         self.sent_ns: Deque[int] = collections.deque(maxlen=REMEMBERED)
@@ -60,7 +60,7 @@ class Robot:
         self._timer: Optional[asyncio.TimerHandle] = None
 
     def open(self, port: int) -> None:
-        """Begin to use the private channel on `port`."""
+        """Open the private channel on `port`."""
         self.close()
         self.port = port
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -71,7 +71,7 @@ class Robot:
         self.keep_sending(REGULAR_S)
 
     def close(self) -> None:
-        """End the private channel."""
+        """Close the private channel."""
         if self._timer is not None:
             self._timer.cancel()
         if self._socket is not None:
@@ -98,14 +98,14 @@ class Robot:
             self.unsent += 1
 
     def keep_sending(self, period_s: float, first_s: float = 0.0) -> None:
-        """Send every so many seconds, from `first_s` from now on."""
+        """Send with the given period in seconds. The first message leaves after `first_s`."""
         if self._timer is not None:
             self._timer.cancel()
         self.period_s = period_s
         self._timer = self._loop.call_later(first_s, self._tick, self._loop.time() + first_s)
 
     def report(self, state: RobotState, expects: BoxState, done: Callable[[float], None]) -> None:
-        """Say what must change the box's state; `done` gets the milliseconds until its answer was on the wire."""
+        """Report a state that must change the box's state. `done` gets the milliseconds until the answer."""
         self.state = state
         datagram = self._datagram()
         self.awaited = Awaited(expects, time.time_ns(), done)
@@ -155,10 +155,10 @@ def _arrival_ns(ancillary: List[Tuple[int, int, bytes]]) -> int:
 
 
 class Fleet:
-    """All robots of a box, in a thread of their own. Use it as a context."""
+    """All robots of a box, in their own thread. Use it as a context manager."""
 
     def __init__(self, count: int, public_port: Optional[int]) -> None:
-        """`public_port` of the box; None: there is no public channel."""
+        """`public_port` of the box, or None to use no public channel."""
         self.loop = asyncio.new_event_loop()
         self.robots = [Robot(self.loop, i, f"password {i}") for i in range(count)]
         self._by_team = {robot.team: robot for robot in self.robots}
@@ -183,13 +183,13 @@ class Fleet:
         self.loop.close()
 
     def do(self, function: Callable[[], object]) -> object:
-        """Run a function in the fleet's thread; returns what it does."""
+        """Run a function in the fleet's thread and return its result."""
         async def run() -> object:
             return function()
         return asyncio.run_coroutine_threadsafe(run(), self.loop).result(ANSWER_S)
 
     def ask(self, act: Callable[[], object], robot: Robot, expects: BoxState) -> float:
-        """Milliseconds from now, when `act` is done in this thread, until the box's state is on the wire."""
+        """Call `act` in this thread and return the milliseconds until the box sends the state."""
         arrived, taken = threading.Event(), []
 
         def done(ms: float) -> None:
@@ -201,7 +201,7 @@ class Fleet:
         return taken[0] if arrived.wait(ANSWER_S) else float("inf")
 
     def keep_sending(self, period_s: float) -> None:
-        """All robots that are in runs send every so many seconds, evenly spread."""
+        """Make all robots in runs send with this period in seconds, evenly spread."""
         def begin() -> None:
             for number, robot in enumerate(self.robots):
                 if robot.port is not None:
@@ -209,7 +209,7 @@ class Fleet:
         self.do(begin)
 
     def _beacons(self) -> None:
-        """Robots that are in no run say that they are there, evenly spread as real ones."""
+        """Make robots without a run send beacons, evenly spread like real ones."""
         for number, robot in enumerate(self.robots):
             self.loop.call_later(BEACON_PERIOD_S * number / len(self.robots), self._beacon, robot)
 

@@ -1,4 +1,4 @@
-"""The box under the load of many robots: what it uses, what it loses, what it is late with."""
+"""Measures the box under the load of many robots: resources, losses and late answers."""
 
 import time
 from typing import Dict, List, NamedTuple
@@ -10,14 +10,14 @@ from table import quantile
 
 from roah_rsbb.protocol import BoxState
 
-PERIOD_S = 0.05  # of robots that send as fast as the wire allows
-ORIGINAL_PERIOD_S = 0.2  # the original's pace, for box and robots alike
+PERIOD_S = 0.05  # robots at the highest rate of the protocol
+ORIGINAL_PERIOD_S = 0.2  # rate of the original box and robots
 SETTLE_S = 2.5
-WARM_S = 0.5  # until all send evenly
+WARM_S = 0.5  # time until all robots send evenly
 
 
 class Load(NamedTuple):
-    """What a box did in a while."""
+    """Measurements of a box over some time."""
 
     datagrams_s: float
     cpu_percent: float
@@ -25,15 +25,15 @@ class Load(NamedTuple):
     lost: int  # dropped by the kernel because the box did not read them, or never answered
     late: int
     answers: int
-    waited_percent: float  # of the time, for a core that other processes had
-    unsent: int  # the bench's own fault
+    waited_percent: float  # share of the time waiting for a processor that other processes used
+    unsent: int  # datagrams that the bench could not send
     message_kb: float  # /core/to_gui, the largest one
-    jitter_ms: List[float]  # how far each interval between two /core/to_gui was from 100 ms
+    jitter_ms: List[float]  # deviation of each interval between two /core/to_gui from 100 ms
     grown_mb: float
 
 
 class Pace:
-    """Follows /core/to_gui without reading more of it than the clock: sizes, and the box's own moments."""
+    """Follows /core/to_gui and reads only the clock of each message: sizes and times."""
 
     def __init__(self) -> None:
         self.sizes: List[int] = []
@@ -60,7 +60,7 @@ class Pace:
 
 
 def measure(box: Box, fleet: Fleet, seconds: float, period_s: float = PERIOD_S) -> Load:
-    """Let all robots that are in runs send for so long."""
+    """Measure while all robots in runs send for this time."""
     fleet.keep_sending(period_s)
     time.sleep(WARM_S)
     pace, memory, before = Pace(), box.process.memory_mb(), _counts(fleet)
@@ -86,7 +86,7 @@ def _counts(fleet: Fleet) -> Dict[str, int]:
 
 
 def _unanswered(fleet: Fleet) -> int:
-    """Robots whose last datagram is never acknowledged; the box says what it has heard once a second."""
+    """Robots whose last datagram is never acknowledged. The box acknowledges once a second."""
     last = [(robot, robot.sent_ns[-1]) for robot in fleet.robots if robot.port is not None]
     until = time.monotonic() + SETTLE_S
     while time.monotonic() < until:
@@ -98,12 +98,12 @@ def _unanswered(fleet: Fleet) -> int:
 
 
 def still_executing(fleet: Fleet) -> bool:
-    """Whether all runs are still on: otherwise what was measured was not what was meant."""
+    """Checks that all runs are still active. Otherwise the measurement is invalid."""
     return all(robot.box_state is BoxState.WAITING_RESULT for robot in fleet.robots if robot.port is not None)
 
 
 def add(results, name: str, load: Load, cpu_target=None, memory_target=None) -> None:
-    """Note what was measured, in one place for all loads."""
+    """Add the measurements of a load to the results."""
     results.add(f"{name}: datagrams a second", "1/s", load.datagrams_s)
     results.add(f"{name}: CPU", "% of a core", load.cpu_percent, cpu_target)
     results.add(f"{name}: memory", "MB", load.memory_mb, memory_target)

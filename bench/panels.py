@@ -1,4 +1,4 @@
-"""The referees' side: what their message weighs, what a client window uses, and how fast a click is.
+"""Measures the referees' side: the size of messages, the resources of a client window, and the time of a click.
 
 Importing it gives this process a virtual display.
 """
@@ -18,11 +18,11 @@ from python_qt_binding.QtCore import QSettings
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rqt.app.window import Window
 
-SETTLE_S = 3.0  # a window builds itself before it only follows
+SETTLE_S = 3.0  # time in which a new window builds itself
 
 
 class ClickBench:
-    """Our window in this process, on the virtual display."""
+    """The client window in this process, on the virtual display."""
 
     def __init__(self, folder: str) -> None:
         rospy.set_param("current_zone", "zone 0")
@@ -36,7 +36,7 @@ class ClickBench:
         self._window.close()
 
     def measure(self, fleet: Fleet, robot: Robot, count: int) -> List[float]:
-        """Milliseconds from a click on START to PREPARE on the wire."""
+        """Milliseconds from a click on START until the box sends PREPARE."""
         dice, taken = random.Random(3), []
         for _ in range(count):
             self._click(fleet, robot, "stop", BoxState.STOP)
@@ -56,7 +56,7 @@ class ClickBench:
 
 
 def window_cpu(seconds: float) -> float:
-    """Per cent of a core that a client window with all panels uses, with the zones of the core that runs."""
+    """Share of a processor (per cent) that a client window with all panels uses, with the zones of the running core."""
     window = Measured(sys.executable, str(ROOT / "scripts" / "roah_rsbb_window"))
     try:
         time.sleep(SETTLE_S)

@@ -1,4 +1,4 @@
-"""The processes that are measured: a ROS master, the box, programs beside it, each with its load on the machine."""
+"""The measured processes: a ROS master, the box, and programs beside it, with their load on the machine."""
 
 import os
 import pathlib
@@ -19,7 +19,7 @@ from programs import Program
 from roah_rsbb.srv import Zone
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-# Below the ports of the tests (from 20000), which may run on this machine at the same time.
+# Below the ports of the tests (from 20000), so that both can run at the same time.
 PORTS = range(10000, 19800, 200)
 START_S = 30.0
 CORE = "/roah_rsbb_core"
@@ -27,25 +27,25 @@ _TICKS_PER_S = os.sysconf("SC_CLK_TCK")
 
 
 class Measured(Program):
-    """A program whose use of the machine can be read."""
+    """A program whose resource usage can be read."""
 
     @property
     def pid(self) -> int:
         return self._process.pid
 
     def cpu_s(self) -> float:
-        """Seconds of a core that it has used, in user and kernel mode."""
+        """Processor time in seconds, in user and kernel mode."""
         fields = pathlib.Path(f"/proc/{self.pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S
 
     def cpu_percent(self, seconds: float) -> float:
-        """Per cent of one core that it uses in the next so many seconds."""
+        """Share of one processor (per cent) that it uses in the next `seconds`."""
         began, used = time.monotonic(), self.cpu_s()
         time.sleep(seconds)
         return 100.0 * (self.cpu_s() - used) / (time.monotonic() - began)
 
     def waited_s(self) -> float:
-        """Seconds for which its main thread could run, and no core was free: what others took from it."""
+        """Seconds in which its main thread was ready but had to wait for a processor."""
         return int(pathlib.Path(f"/proc/{self.pid}/schedstat").read_text(encoding="ascii").split()[1]) / 1e9
 
     def memory_mb(self) -> float:
@@ -55,7 +55,7 @@ class Measured(Program):
 
 
 def start_master() -> Program:
-    """A ROS master of the bench's own, which this process then uses, too."""
+    """The bench's own ROS master, which this process also uses."""
     with socket.socket() as free:
         free.bind((BOX_HOST, 0))
         port = free.getsockname()[1]
@@ -67,7 +67,7 @@ def start_master() -> Program:
 
 
 def wait(condition, what: str, limit_s: float = START_S) -> None:
-    """Wait until something is so; looks often, as nothing here tells when."""
+    """Wait until a condition holds. It is checked often, because no event signals it."""
     until = time.monotonic() + limit_s
     while not condition():
         if time.monotonic() > until:
@@ -76,7 +76,7 @@ def wait(condition, what: str, limit_s: float = START_S) -> None:
 
 
 def free_port() -> int:
-    """The first of 200 UDP ports that nobody on this machine uses (the first one stands for all)."""
+    """The first of 200 unused UDP ports on this machine. Only the first one is checked."""
     for port in random.sample(PORTS, len(PORTS)):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
@@ -88,10 +88,10 @@ def free_port() -> int:
 
 
 class Box:
-    """The real core node with so many zones, and a team for each. Use it as a context."""
+    """The real core node with the given number of zones and a team for each. Use it as a context manager."""
 
     def __init__(self, zones: int, profile: str = "") -> None:
-        """`profile`: file for what cProfile says of its main thread."""
+        """`profile`: file for the cProfile data of its main thread."""
         self.zones = zones
         self.port = free_port()
         self._folder = pathlib.Path(tempfile.mkdtemp(prefix="roah_rsbb_bench."))
@@ -108,7 +108,7 @@ class Box:
             *launcher, str(ROOT / "scripts" / "roah_rsbb_core"), *(f"_{k}:={v}" for k, v in settings.items()))
 
     def _configure(self) -> None:
-        # The benchmarks that competitions have, except that no run of the bench must end by itself.
+        # The benchmarks of competitions, with timeouts so long that no run of the bench ends by itself.
         shipped = (ROOT / "config" / "benchmarks.yaml").read_text(encoding="utf-8")
         files = {
             "benchmarks": shipped.replace("timeout: 600", "timeout: 36000"),
@@ -137,11 +137,11 @@ class Box:
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def command(self, command: str, zone: int) -> None:
-        """A referee's command, as a panel calls it; raises what the service does."""
+        """A referee's command, called like in a panel. Raises the exception of the service call."""
         rospy.ServiceProxy(f"/core/{command}", Zone)(f"zone {zone}")
 
     def command_when_allowed(self, command: str, zone: int) -> None:
-        """The same, as soon as the box allows it."""
+        """Call the command as soon as the box allows it."""
         until = time.monotonic() + START_S
         while True:
             try:
@@ -164,7 +164,7 @@ class Box:
 
 
 class LaunchedBox(Box):
-    """The same, started by roslaunch as `roah_rsbb.launch` does it: it is started again when it dies."""
+    """The core node, started by roslaunch as in `roah_rsbb.launch`, so that it restarts when it dies."""
 
     ARGUMENTS = ("rsbb_host", "rsbb_port", "bind_host", "benchmarks_file", "schedule_file", "passwords_file", "log_dir")
 
@@ -177,6 +177,6 @@ class LaunchedBox(Box):
 
     @property
     def core_pid(self) -> int:
-        """The process of the core, whichever it is now."""
+        """The current process of the core."""
         caller = rospy.get_name()
         return xmlrpc.client.ServerProxy(rosgraph.Master(caller).lookupNode(CORE)).getPid(caller)[2]

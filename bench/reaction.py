@@ -1,4 +1,4 @@
-"""How long the box takes: from what a robot or a referee does to the state that is on the wire because of it."""
+"""Measures reaction times: from an action of a robot or referee until the box sends the resulting state."""
 
 import contextlib
 import pathlib
@@ -14,28 +14,28 @@ from processes import Box, free_port, wait
 
 from roah_rsbb.protocol import BoxState, RobotState
 
-# A robot in a run that says one of these changes the box's state, to and fro, as often as wanted.
+# These reports of a robot in a run change the box's state back and forth.
 PROBES = ((RobotState.PREPARING, BoxState.PREPARE), (RobotState.WAITING_GOAL, BoxState.WAITING_RESULT))
-# Pauses of these lengths, a whole period of 200 ms, end anywhere in it, also when they begin with one.
+# Random pauses over a whole period of 200 ms, so that their ends are spread over the period.
 PAUSE_S = (0.02, 0.22)
 
 
 def connect(box: Box, fleet: Fleet, count: int) -> None:
-    """Connect that many robots, in zones 0 to count - 1."""
+    """Connect `count` robots, in zones 0 to count - 1."""
     for zone in range(count):
         box.command_when_allowed("connect", zone)
     wait(lambda: all(r.box_state is BoxState.STOP for r in fleet.robots[:count]), "the box has sent STOP to all robots")
 
 
 def start(box: Box, fleet: Fleet, count: int) -> None:
-    """Start the runs of that many robots, which then execute."""
+    """Start the runs of `count` robots, which then execute."""
     for zone in range(count):
         box.command_when_allowed("start", zone)
     wait(lambda: all(r.box_state is BoxState.WAITING_RESULT for r in fleet.robots[:count]), "all robots execute")
 
 
 def react(fleet: Fleet, robots: Sequence[Robot], probes: int, pause_s=PAUSE_S) -> List[float]:
-    """Milliseconds from a RobotState that must change the state to the new state on the wire, of robots in runs."""
+    """Milliseconds from a RobotState that must change the state until the box sends the new state."""
     taken: List[float] = []
     dice = random.Random(1)
     begun = {id(robot): 0 for robot in robots}
@@ -61,7 +61,7 @@ def react(fleet: Fleet, robots: Sequence[Robot], probes: int, pause_s=PAUSE_S) -
 
 
 def starts(fleet: Fleet, robot: Robot, command: Callable[[str], None], count: int) -> List[float]:
-    """Milliseconds from the referee's start to PREPARE on the wire; `command` carries out start and stop."""
+    """Milliseconds from the referee's start until the box sends PREPARE. `command` carries out start and stop."""
     taken, dice = [], random.Random(2)
     for _ in range(count):
         fleet.ask(lambda: command("stop"), robot, BoxState.STOP)
@@ -92,7 +92,7 @@ def ticking_box() -> Iterator:
 
 
 def side_by_side(ours: Callable[[], List[float]], theirs: Callable[[], List[float]]) -> List[List[float]]:
-    """Both measurements at the same time: whatever else the machine does, it does to both."""
+    """Runs both measurements at the same time, so that the load of the machine affects both."""
     found: List[List[float]] = []
     other = threading.Thread(target=lambda: found.append(theirs()))
     other.start()

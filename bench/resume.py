@@ -1,4 +1,4 @@
-"""How long robots are alone when the core is killed: until the one that roslaunch starts then sends their state."""
+"""Measures how long robots receive nothing after the core is killed, until roslaunch has restarted it."""
 
 import os
 import signal
@@ -11,12 +11,12 @@ from processes import LaunchedBox, wait
 
 from roah_rsbb.protocol import BoxState
 
-# More than this, and the box is not coming back.
+# After this time the box is considered dead.
 LIMIT_S = 30.0
 
 
 def kill(box: LaunchedBox, fleet: Fleet) -> float:
-    """Seconds from `kill -9` until the last robot in a run was sent its state; infinity: one was not."""
+    """Seconds from `kill -9` until the last robot in a run receives its state, or infinity."""
     pid, taken, all_there = box.core_pid, [], threading.Event()
 
     def done(ms: float) -> None:
@@ -36,5 +36,5 @@ def kill(box: LaunchedBox, fleet: Fleet) -> float:
 
 
 def kills(box: LaunchedBox, fleet: Fleet, count: int) -> List[float]:
-    """The same, so many times."""
+    """Repeat the measurement `count` times."""
     return [kill(box, fleet) for _ in range(count)]

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Measures the box: reaction, load, panels, growth. See bench/README.md; `make bench` runs it.
 
-Shows a table and writes build/bench.json. Ends with status 1 when a target is missed and --strict is given.
+Prints a table and writes build/bench.json. With --strict, a missed target gives exit status 1.
 """
 
 import argparse
@@ -34,13 +34,13 @@ RESUMED = 10
 
 
 class Extent(NamedTuple):
-    """How much is measured."""
+    """Extent of the measurements."""
 
     probes: int
     starts: int
     clicks: int
     kills: int
-    seconds: float  # of each load
+    seconds: float  # for each load
     idle_seconds: float
     day_hours: float
     day_zones: int
@@ -51,7 +51,7 @@ FULL = Extent(probes=300, starts=100, clicks=40, kills=10, seconds=15.0, idle_se
 
 
 class Bench:
-    """All measurements, each with a box of its own."""
+    """All measurements, each with its own box."""
 
     def __init__(self, extent: Extent, soak_minutes: float) -> None:
         self.extent = extent
@@ -84,7 +84,7 @@ class Bench:
             self._load("1 robot, 50 ms", box, fleet)
 
     def _click(self, fleet: Fleet) -> None:
-        import panels  # gives this process a display: only where it is wanted
+        import panels  # gives this process a display, so import it only when needed
 
         with tempfile.TemporaryDirectory() as folder:
             bench = panels.ClickBench(folder)
@@ -117,7 +117,7 @@ class Bench:
             self._load("50 robots, 50 ms", box, fleet)
 
     def hundred(self) -> None:
-        """All that is asked of 100 robots: load, reaction, and a while of it."""
+        """Load, reaction and a longer load with 100 robots."""
         with box_in_runs(100, idle=self._idle) as (box, fleet):
             self._load("100 robots, 50 ms", box, fleet, cpu_target=70, memory_target=150)
             fleet.keep_sending(load.PERIOD_S)
@@ -147,21 +147,21 @@ class Bench:
 
     @staticmethod
     def _settle(fleet: Fleet) -> None:
-        """Robots go back to what the box asks for."""
+        """Robots follow the box's states again."""
         wait(lambda: load.still_executing(fleet), "all robots execute")
 
     # -- panels -------------------------------------------------------------------------------------
 
     def messages(self) -> None:
-        """What it costs to make the panels' messages, without a network."""
+        """Cost of making the panels' messages, without a network."""
         for zones in ZONES_OF_MESSAGES:
             for in_runs, what in ((False, "no run"), (True, "all in runs")):
                 cost = simulated.publish_ms(zones, in_runs, self.extent.idle_seconds / 5)
                 self.results.add(f"panels' messages, {zones} zones, {what}: made in", "ms", cost)
 
     def _idle(self, box: Box) -> None:
-        """What the panels' message weighs while no run is connected, and what it costs."""
-        time.sleep(1.5)  # until all robots were heard
+        """Size and cost of the panels' message without a connected run."""
+        time.sleep(1.5)  # until the box has heard all robots
         pace = load.Pace()
         cpu = box.process.cpu_percent(self.extent.idle_seconds)
         pace.close()
@@ -193,7 +193,7 @@ class Bench:
 @contextlib.contextmanager
 def box_in_runs(count: int, profile: str = "", idle: Optional[Callable[[Box], None]] = None
                 ) -> Iterator[Tuple[Box, Fleet]]:
-    """A box with so many zones, in each a robot that executes. `idle` is called before they are connected."""
+    """A box with a robot that executes in each zone. `idle` is called before they are connected."""
     with Box(count, profile) as box, Fleet(count, box.port) as fleet:
         if idle is not None:
             idle(box)
@@ -203,7 +203,7 @@ def box_in_runs(count: int, profile: str = "", idle: Optional[Callable[[Box], No
 
 
 def profile(robots: int, seconds: float) -> None:
-    """Show what the core's main thread spends its time with, under so many robots at 50 ms."""
+    """Print the profile of the core's main thread with this many robots at 50 ms."""
     path = ROOT / "build" / "bench.prof"
     with box_in_runs(robots, str(path)) as (box, fleet):
         load.measure(box, fleet, seconds)
@@ -217,11 +217,11 @@ PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
 def main() -> int:
     """Measure what was asked for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("parts", nargs="*", help=f"of {', '.join(PARTS)}; default: all")
-    parser.add_argument("--quick", action="store_true", help="under a minute in all; numbers are rougher")
-    parser.add_argument("--minutes", type=float, help="of 100 robots without a break (default: 1, --quick: 0)")
-    parser.add_argument("--strict", action="store_true", help="end with status 1 when a target is missed")
-    parser.add_argument("--profile", type=int, metavar="ROBOTS", help="only show what costs most under so many robots")
+    parser.add_argument("parts", nargs="*", help=f"parts to measure: {', '.join(PARTS)} (default: all)")
+    parser.add_argument("--quick", action="store_true", help="takes less than a minute; numbers are less exact")
+    parser.add_argument("--minutes", type=float, help="duration of the load of 100 robots (default: 1, --quick: 0)")
+    parser.add_argument("--strict", action="store_true", help="exit with status 1 if a target is missed")
+    parser.add_argument("--profile", type=int, metavar="ROBOTS", help="only print a profile of the core")
     parser.add_argument("--output", type=pathlib.Path, default=ROOT / "build" / "bench.json")
     options = parser.parse_args()
     unknown = [part for part in options.parts if part not in PARTS]

@@ -1,4 +1,4 @@
-"""The core alone, in simulated time: a whole competition day, and what it costs to tell the panels."""
+"""The core alone, in simulated time: a whole competition day, and the cost of the panels' messages."""
 
 import array
 import gc
@@ -22,13 +22,13 @@ START = Now(1000.0, 1_800_000_000.0)
 SCORING = tuple(ScoringItem("Achievements", f"Item {i}", ScoreKind.UINT) for i in range(16))
 RUN_S, PAUSE_S, TICK_S = 600.0, 60.0, 1.0
 BENCHMARK = Benchmark("HWV", "Task Benchmark", "A task", RUN_S + PAUSE_S, RUN_S + PAUSE_S, SCORING)
-SECONDS = int(RUN_S / TICK_S) - 1  # of a run, that are measured
+SECONDS = int(RUN_S / TICK_S) - 1  # measured seconds of a run
 FOLLOWS = {BoxState.STOP: RobotState.STOP, BoxState.PREPARE: RobotState.WAITING_GOAL,
            BoxState.WAITING_RESULT: RobotState.EXECUTING}
 
 
 class World:
-    """A box with so many zones, and a robot for each."""
+    """A box with the given number of zones and a robot for each."""
 
     def __init__(self, zones: int, events: int = 1) -> None:
         plans = tuple(
@@ -45,12 +45,12 @@ class World:
         return divmod(round(self.now.utc * 1e6) * 1000, 1_000_000_000)
 
     def beacons(self) -> None:
-        """All robots say that they are there."""
+        """All robots send a beacon."""
         for i, team in enumerate(self.teams):
             self.box.on_robot_beacon(self.now, f"127.0.2.{1 + i}", team, "Robot", self.wire_now())
 
     def reports(self) -> None:
-        """All robots that are in runs do as the box asked, and say so."""
+        """All robots in runs follow the box's state and report it."""
         for i, run in enumerate(self.box.zones.members()):
             report = RobotReport(self.wire_now(), messages_saved=1, state=FOLLOWS[run.message.state],
                                  notifications=(f"at {self.now.utc // 10:.0f}",))
@@ -65,7 +65,7 @@ class World:
         self.now = self.now.later(seconds)
 
     def publish(self) -> None:
-        """What the core node makes for the panels ten times a second."""
+        """The messages that the core node makes for panels ten times a second."""
         self.box.tick(self.now)
         self._panels.to_gui(self.now, {}).serialize(io.BytesIO())
         self._panels.details(self.now)
@@ -98,11 +98,11 @@ def publish_ms(zones: int, in_runs: bool, seconds: float) -> float:
 
 
 class Day(NamedTuple):
-    """What a competition day left behind."""
+    """Results of a competition day."""
 
     runs: int
-    grown_mb: float  # from the end of the first run to the end of the last
-    slower_percent: float  # a second of the last quarter beside one of the first quarter, median
+    grown_mb: float  # growth from the end of the first run to the end of the last
+    slower_percent: float  # last quarter compared with the first one, median of a second
     jitter_ms: float  # 99 % of the time of one second of all robots, in the last quarter
 
 
@@ -110,7 +110,7 @@ def day(zones: int, hours: float) -> Day:
     """Runs of ten minutes in all zones, with a message of each robot and one for the panels each second."""
     rounds = max(2, int(hours * 3600 / (RUN_S + PAUSE_S)))
     world = World(zones, rounds)
-    # Room for all measurements from the start: only the core's memory may grow.
+    # Allocate memory for all measurements first: only the core's memory may grow.
     taken = array.array("d", bytes(8 * rounds * SECONDS))
     index = after_first = 0
     tracemalloc.start()

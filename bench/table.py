@@ -1,4 +1,4 @@
-"""What was measured, beside its target: as a table, and as a file."""
+"""The results with their targets, as a table and as a file."""
 
 import json
 import math
@@ -7,7 +7,7 @@ from typing import Dict, List, NamedTuple, Optional, Sequence
 
 
 class Number(NamedTuple):
-    """A number that was measured; `target`: the most that it may be, None: there is none."""
+    """A measured number. `target` is the highest value allowed, or None."""
 
     name: str
     unit: str
@@ -16,11 +16,11 @@ class Number(NamedTuple):
 
     @property
     def ok(self) -> bool:
-        """Whether it is within its target."""
+        """Whether the number meets its target."""
         return self.target is None or self.value <= self.target
 
     def entry(self) -> Dict[str, object]:
-        """As build/bench.json has it. A number that could not be had is null there, as JSON has no other word."""
+        """The entry for build/bench.json. A number that could not be measured is null."""
         value = self.value if math.isfinite(self.value) else None
         return {"name": self.name, "unit": self.unit, "value": value, "target": self.target, "ok": self.ok}
 
@@ -31,18 +31,18 @@ class Number(NamedTuple):
 
 
 class Results:
-    """All numbers; each is shown as soon as it is there."""
+    """All numbers. Each is printed as soon as it is added."""
 
     def __init__(self) -> None:
         self.numbers: List[Number] = []
 
     def add(self, name: str, unit: str, value: float, target: Optional[float] = None) -> None:
-        """Note a number. One that is not finite could not be measured, and misses its target."""
+        """Add a number. A number that is not finite could not be measured and misses its target."""
         self.numbers.append(Number(name, unit, value, target))
         print(self.numbers[-1].line(), flush=True)
 
     def add_spread(self, name: str, unit: str, values: Sequence[float], targets: Dict[float, float]) -> None:
-        """Note the median, 95 % and 99 % of many values; `targets` by share, such as 0.99."""
+        """Add the median and the 95 % and 99 % quantiles of many values. `targets` are by share, such as 0.99."""
         for label, share in (("median", 0.5), ("95 %", 0.95), ("99 %", 0.99)):
             self.add(f"{name}, {label}", unit, quantile(values, share), targets.get(share))
 
@@ -53,12 +53,12 @@ class Results:
 
     @property
     def missed(self) -> List[Number]:
-        """Those that are beyond their targets."""
+        """The numbers that miss their targets."""
         return [number for number in self.numbers if not number.ok]
 
 
 def quantile(values: Sequence[float], share: float) -> float:
-    """The value that this share of all values does not exceed; not a number if there is none."""
+    """The value that this share of all values does not exceed, or NaN without values."""
     if not values:
         return math.nan
     return sorted(values)[min(len(values), max(1, math.ceil(share * len(values)))) - 1]

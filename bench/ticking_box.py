@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""A box that reacts as the original one did: it sends its state every 200 ms, and only then.
+"""A box that behaves like the original one: it sends its state every 200 ms and only then.
 
-For comparison only: one robot, no referee, no rules but the table of states. Lines on standard input are the
+For comparison only: one robot, no referee, no rules except the table of states. Standard input takes the
 referee's commands, start and stop.
 """
 
