@@ -11,7 +11,7 @@ from urllib.parse import urlparse
 import rosgraph
 import rospy
 from box_case import BoxCase, main
-from robots import BOX, PASSWORDS, RSBB_PORT, empty_beacon, host_of, wire
+from robots import BOX, PASSWORDS, RSBB_PORT, Network, PublicParticipant, empty_beacon, host_of, wire
 from rosgraph_msgs.msg import Log
 from waiting import happened, wait_until
 
@@ -38,7 +38,38 @@ class Attacker:
     def send(self, port: int, message: object, team: Optional[str] = None) -> None:
         """Send a message plain, or as who knows that team's password."""
         sealed = (Cipher.NONE,) if team is None else (Cipher.AES_128_CBC, Key(PASSWORDS[team]))
-        self._socket.sendto(encode(message, *sealed), (BOX, port))
+        self.replay(port, encode(message, *sealed))
+
+    def replay(self, port: int, datagram: bytes) -> None:
+        """Send a datagram as it was recorded."""
+        self._socket.sendto(datagram, (BOX, port))
+
+
+class RecordedRobot:
+    """A robot whose datagrams somebody records."""
+
+    def __init__(self, network: Network, team: str) -> None:
+        self.recorded: List[bytes] = []
+        self._team = team
+        self._public = PublicParticipant(network, host_of(team))
+        self._key = Key(PASSWORDS[team])
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind((host_of(team), 0))
+
+    def close(self) -> None:
+        """Be gone."""
+        self._socket.close()
+        self._public.close()
+
+    def beacon(self) -> None:
+        """Say that it is there."""
+        self._public.send(pb.RobotBeacon(team_name=self._team, robot_name="Robot", time=wire(time.time())))
+
+    def send(self, port: int, state: RobotState) -> None:
+        """Say what it does."""
+        message = pb.RobotState(time=wire(time.time()), messages_saved=1, robot_state=int(state))
+        self.recorded.append(encode(message, Cipher.AES_128_CBC, self._key))
+        self._socket.sendto(self.recorded[-1], (BOX, port))
 
 
 def result_of(time_s: float) -> pb.RobotState:
@@ -92,6 +123,32 @@ class TestAttacks(BoxCase):
         log = self.leave("Home")
         self.assertEqual(log.values("/rsbb_log/rsbb_state"), [STOP, PREPARE, WAITING_RESULT, STOP])
         self.assertNotIn("forged", log.values("/rsbb_log/notification"))
+
+
+    def test_a_recording_moves_no_run_while_its_robot_is_silent(self) -> None:
+        box, robot = self.box, self._leaving(RecordedRobot(self.network, "Alpha"))
+        attacker = self._leaving(Attacker())
+        for _ in range(2):  # all of the first run is recorded
+            robot.beacon()
+            port = box.connect("Home")
+            robot.send(port, RobotState.STOP)
+            box.start("Home")
+            for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
+                robot.send(port, state)
+            box.wait_details("Home", lambda d: d.box_state == "WAITING_RESULT", "the robot executes")
+            if len(robot.recorded) < 5:
+                robot.send(port, RobotState.RESULT_TX)
+                box.wait_text("Home", "Benchmark completed by the robot")
+                self.leave("Home")
+        box.wait_details("Home", lambda d: any("No message from the robot" in w for w in d.warnings), "it is silent")
+
+        for datagram in robot.recorded:
+            attacker.replay(port, datagram)
+        attacker.send(port, result_of(time.time()))
+        self.told("not encrypted")  # so the box has read all before it, too
+        details = box.zone_details("Home")
+        self.assertEqual((details.phase, details.box_state), ("running", "WAITING_RESULT"))
+        self.told(f"come from {ATTACKER}, too")
 
 
 class TestConnections(BoxCase):

@@ -10,10 +10,12 @@ from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.complaints import Complaints
 from roah_rsbb.comm.peer import Address, Peer
+from roah_rsbb.comm.seen import Seen
 from roah_rsbb.comm.sockets import ANY_HOST
 
 OnMessage = Callable[[Any, Address], None]
 OnComplaint = Callable[[str], None]
+_COPY = object()  # in the place of a message that was taken before
 
 
 class _Channel:
@@ -78,6 +80,9 @@ class _Channel:
             if text is not None:
                 self._on_complaint(text)
             return
+        self._hand_over(message, sender)
+
+    def _hand_over(self, message: Any, sender: Address) -> None:
         self._on_message(message, sender)
 
 
@@ -134,11 +139,14 @@ class PrivateChannel(_Channel):
         max_datagram: int = 1024,
         complaints: Optional[Complaints] = None,
         read: Callable[[bytes], Any] = frame.private_message,
+        seen: Optional[Seen] = None,
+        on_copy: Callable[[Address], None] = lambda sender: None,
     ) -> None:
         """As `PublicChannel`; `cipher` is used to send, any is accepted (ValueError for NONE).
 
         `broadcast`: send to rsbb_host as the original box did, and not to `remote`. `read`: makes of a decrypted
-        payload what `on_message` gets, or raises `BadDatagram`.
+        payload what `on_message` gets, or raises `BadDatagram`. `seen`: what was remembered by `remember`; a copy
+        of that is not read, and `on_copy` gets its sender.
         """
         if cipher is Cipher.NONE:
             raise ValueError("a private channel is never plain: choose a cipher")
@@ -146,8 +154,12 @@ class PrivateChannel(_Channel):
             loop, rsbb_host, port, self._receive, on_complaint, bind_host, max_datagram, shared=False)
         super().__init__(
             peer, f"private channel {port}", frame.PRIVATE_TYPES,
-            lambda datagram: read(frame.decrypt(datagram, key)), loop, on_message, on_complaint, complaints)
+            self._decrypt, loop, on_message, on_complaint, complaints)
         self._key = key
+        self._read = read
+        self._seen = seen
+        self._on_copy = on_copy
+        self._ciphertext = b""  # of the datagram that is being read
         self._cipher = cipher
         self._broadcast = broadcast
         self._remote: Optional[str] = None
@@ -175,3 +187,21 @@ class PrivateChannel(_Channel):
         if host is None:
             return False
         return self._peer.send(frame.encode(message, self._cipher, self._key), host)
+
+    def remember(self) -> None:
+        """Within `on_message`: what is being handed over was taken, and no copy of it is read from now on."""
+        if self._seen is not None:
+            self._seen.add(self._ciphertext)
+
+    def _decrypt(self, datagram: bytes) -> Any:
+        opened = frame.open_private(datagram)
+        self._ciphertext = opened.ciphertext
+        if self._seen is not None and opened.ciphertext in self._seen:
+            return _COPY
+        return self._read(frame.decrypt_frame(opened, self._key))
+
+    def _hand_over(self, message: Any, sender: Address) -> None:
+        if message is _COPY:
+            self._on_copy(sender)
+        else:
+            super()._hand_over(message, sender)

@@ -157,7 +157,12 @@ def decode_private(datagram: bytes, key: Key) -> Any:
 
 def decrypt(datagram: bytes, key: Key) -> bytes:
     """The payload of a private channel's frame, which is for `private_message`; else raises BadDatagram only."""
-    cipher, iv, ciphertext = open_private(datagram)
+    return decrypt_frame(open_private(datagram), key)
+
+
+def decrypt_frame(opened: PrivateFrame, key: Key) -> bytes:
+    """The same of a frame that was opened before."""
+    cipher, iv, ciphertext = opened
     payload = key.decrypt(cipher, iv, ciphertext)
     if payload is None:
         raise BadDatagram(Reason.UNDECRYPTABLE, "the padding is wrong")

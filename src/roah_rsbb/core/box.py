@@ -222,6 +222,13 @@ class Box:
         due = run.deadline()
         self._calm_until = calm_until if due is None else min(calm_until, due)
 
+    def on_robot_copy(self, now: Now, port: int, host: str) -> None:
+        """A copy of a datagram that was taken before arrived on the private channel `port` from `host`."""
+        self._tick_if_due(now)
+        run = self.run_at(port)
+        if run is not None:
+            run.on_copy(now, host)
+
     def on_unreadable(self, now: Now, port: int, text: str) -> None:
         """Unreadable datagrams arrived on the private channel `port`; `text` says from whom and why."""
         run = self.zones.run_at(port)

@@ -25,7 +25,7 @@ PERCENTAGES = ("dimmer", "blinds")
 # 400 are for a result and less than 80 for everything else.
 STRINGS_BUDGET_BYTES = 500
 
-# A datagram that was overtaken comes within this time. What is older in the box's own words for longer
+# A datagram that was overtaken comes within this time. A STOP that is older in the box's own words for longer
 # is no straggler: the box started again, or does not hear this robot any more. Then it is obeyed.
 STALE_S = 2.0
 
@@ -76,18 +76,24 @@ class Link:
         self._commands["tablet_display_map"] = bool(display)
 
     def take(self, now_mono: float, message: pb.BenchmarkState) -> bool:
-        """Note what `message` acknowledges. False when the message was overtaken by a newer one.
+        """Note what `message` acknowledges. False when it does not count: it is not of this run, or was overtaken.
 
         A BenchmarkState has no time of its own, but what it acknowledges never goes back while the
         box lives: one that acknowledges less than an earlier one is a straggler. So is one that wants the goal
         done and acknowledges no more than an earlier STOP or PREPARE did: only a newer message of the robot
-        takes the box from there to the goal.
+        takes the box from there to the goal. A state that moves the robot and acknowledges no message of this run
+        is a recording, or meant for this robot before it was started again: the box acknowledges its next message
+        within a second.
         """
         number = self._acknowledged_number(message) or 0
-        begins = message.benchmark_state in (BoxState.STOP, BoxState.PREPARE)
+        stops = message.benchmark_state == BoxState.STOP
+        begins = stops or message.benchmark_state == BoxState.PREPARE
         overtaken = number < self._acknowledged or (number <= self._begun and not begins)
-        if overtaken and now_mono - self._fresh_mono < STALE_S and not self.by_hand:
-            return False
+        if not self.by_hand:
+            if not stops and (number == 0 or number < self._acknowledged):
+                return False
+            if overtaken and now_mono - self._fresh_mono < STALE_S:
+                return False
         self._acknowledged = number
         self._begun = number if begins else -1
         self._fresh_mono = now_mono

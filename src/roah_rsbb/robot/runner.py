@@ -11,11 +11,15 @@ from typing import Any, Callable, Optional
 
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
+from roah_rsbb.comm.seen import Seen
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.session import Address, Session
 
 _log = logging.getLogger(__name__)
+
+# Of a filter that remembers what a box sends in many hours.
+SEEN_BITS = 2**22
 
 
 def always() -> bool:
@@ -62,6 +66,7 @@ class SessionRunner:
             loop, rsbb_host, rsbb_port, self._public_message, on_complaint, bind_host=bind_host
         )
         self._private: Optional[PrivateChannel] = None
+        self._seen = Seen(SEEN_BITS)
         self._bad_datagrams = 0  # of the box, on the private channel
         self._timer: Optional[asyncio.TimerHandle] = None
         self._woken = False
@@ -120,7 +125,7 @@ class SessionRunner:
         self._close_private()
         channel = PrivateChannel(
             self._loop, self._public.addr, where.port, self._key, self._private_message,
-            self._private_complaint, cipher=self._cipher, bind_host=self._bind_host,
+            self._private_complaint, cipher=self._cipher, bind_host=self._bind_host, seen=self._seen,
         )
         channel.remote = where.host
         try:
@@ -144,6 +149,8 @@ class SessionRunner:
 
     def _private_message(self, message: Any, sender: Address) -> None:
         if self._passes():
+            if self._private is not None and self.session.link is not None and sender[0] == self.session.link.host:
+                self._private.remember()
             self.session.private_message(self._loop.time(), message, sender)
             self._poll()
 

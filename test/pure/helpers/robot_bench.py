@@ -21,7 +21,7 @@ class Bench:
         self.sent = []  # (time, RobotState)
         self.beacons = []  # (time, RobotBeacon)
         self.news = []  # all other effects, in order
-        self.acknowledged = None
+        self.last_time = None  # in the last state that was sent
         self.poll()
 
     def poll(self):
@@ -30,6 +30,7 @@ class Bench:
         for effect in self.session.poll(self.now, utc):
             if isinstance(effect, (fx.SendState, fx.WouldSendState)):
                 self.sent.append((self.now, effect.message))
+                self.last_time = effect.message.time
             elif isinstance(effect, fx.SendBeacon):
                 self.beacons.append((self.now, effect.message))
             else:
@@ -79,7 +80,7 @@ class Bench:
 
     def box_says(self, state, code="HGTKMH", host=BOX, acknowledge=None, **fields):
         """The box sends its state; it acknowledges the last message, or `acknowledge`."""
-        time = acknowledge or (self.sent[-1][1].time if self.sent else None)
+        time = acknowledge or self.last_time
         message = pb.BenchmarkState(benchmark_type=code, benchmark_state=int(state), **fields)
         if time is not None:
             message.acknowledgement.CopyFrom(time)

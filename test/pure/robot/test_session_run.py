@@ -134,12 +134,29 @@ def test_a_box_that_starts_again_is_obeyed(linked):
     assert linked.state is RobotState.STOP
 
 
-def test_a_robot_that_starts_again_in_a_run_obeys_at_once(bench):
+@pytest.mark.parametrize("before_run", [{"sec": int(UTC0) + 500, "nsec": 7}, {"sec": 0, "nsec": 0}])
+def test_a_robot_obeys_once_the_box_acknowledges_a_message_of_this_run(bench, before_run):
+    """A recorded PREPARE acknowledges what the robot sent in another run, or before it was started again."""
     bench.beacon()
-    # The box acknowledges what the robot sent before it was started again.
-    bench.box_says(BoxState.STOP, acknowledge=pb.Time(sec=int(UTC0) + 500, nsec=7))
-    bench.box_says(BoxState.PREPARE, acknowledge=pb.Time(sec=int(UTC0) + 500, nsec=7))
+    bench.box_says(BoxState.STOP, acknowledge=pb.Time(**before_run))
+    for _ in range(5):
+        bench.box_says(BoxState.PREPARE, acknowledge=pb.Time(**before_run))
+        bench.run(1)
+    assert bench.state is RobotState.STOP
+    bench.box_says(BoxState.PREPARE)
     assert bench.state is RobotState.PREPARING
+
+
+def test_after_a_silence_of_the_box_no_recorded_state_moves_the_robot(linked):
+    executing(linked, "HNF", generic_goal="[1, 2, 3]")
+    older = linked.sent[0][1].time
+    linked.box_says(BoxState.WAITING_RESULT, "HNF")
+    linked.run(3)
+    linked.take_news()
+    for state in (BoxState.PREPARE, BoxState.GOAL_TX, BoxState.WAITING_RESULT):
+        linked.box_says(state, "HNF", acknowledge=older)
+    assert linked.state is RobotState.EXECUTING
+    assert linked.take_news() == []
 
 
 def test_the_benchmark_changes_within_a_channel(linked):

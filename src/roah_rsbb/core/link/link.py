@@ -139,6 +139,15 @@ class RobotLink:
         self._bad = None
         return Heard(True, new_host, state_changed, tuple(notices))
 
+    def hear_copy(self, now: Now, host: str) -> Tuple[str, ...]:
+        """A copy of a message that was taken before arrived from `host`: notices of it.
+
+        The network doubles datagrams. From another host a copy is a recording, also while the robot is silent.
+        """
+        self._old += 1
+        self.record.old(duplicate=True)
+        return () if self.host in (None, host) else self._note_rival(now, host)
+
     def on_bad_datagram(self, now: Now, text: str) -> None:
         """Something arrived that could not be read; `text` says from whom, and what it likely means."""
         self._bad, self._bad_mono = text, now.mono

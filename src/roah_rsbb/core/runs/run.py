@@ -230,6 +230,11 @@ class Run(ScoredRun):
             self._emit(effects.SendState(self.port, self.message, How.REPLY if urgent else How.QUIET))
         return True
 
+    def on_copy(self, now: Now, host: str) -> None:
+        """A copy of a datagram of the robot arrived from `host`: it changes nothing."""
+        for notice in self.link.hear_copy(now, host):
+            self._say(now, Level.WARNING, notice)
+
     def _step(self, now: Now, report: RobotReport) -> None:
         step = machine.step(self.message.state, report.state, explicit_goal=False)
         if step is machine.Step.EXECUTE:

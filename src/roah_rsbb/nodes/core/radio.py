@@ -12,6 +12,7 @@ import rospy
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encoded_size
+from roah_rsbb.comm.seen import Seen
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import How
@@ -72,6 +73,7 @@ class CoreRadio:
         self._event = event
         self._listening = True
         self._privates: Dict[int, _Private] = {}
+        self._seen = Seen()  # of all channels, for as long as the box runs
         self._beacon_timer: Optional[asyncio.TimerHandle] = None
         self._beacon_soon: Optional[asyncio.TimerHandle] = None
         self._last_beacon = float("-inf")
@@ -129,7 +131,8 @@ class CoreRadio:
             lambda message, address: self._on_private(port, message, address),
             lambda text: self._on_private_complaint(port, text),
             cipher=network.cipher, bind_host=network.bind_host, broadcast=network.broadcast,
-            max_datagram=network.max_datagram, read=ReportReader(),
+            max_datagram=network.max_datagram, read=ReportReader(), seen=self._seen,
+            on_copy=lambda address: self._event(self._box.on_robot_copy, port, address[0]),
         )
         channel.open()
         channel.remote = host
@@ -202,6 +205,11 @@ class CoreRadio:
     def _on_private(self, port: int, message: object, address: Address) -> None:
         if isinstance(message, RobotReport):
             self._event(self._box.on_robot_report, port, address[0], message)
+            run, private = self._box.run_at(port), self._privates.get(port)
+            # What came from elsewhere does not count. If it counted here, a copy that overtakes the robot's own
+            # datagram would keep that one out.
+            if run is not None and private is not None and run.link.host == address[0]:
+                private.channel.remember()
         else:
             self._event(self._box.on_foreign_box, address[0])
 

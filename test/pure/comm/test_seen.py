@@ -1,0 +1,27 @@
+"""Ciphertexts that were taken before are known, and new ones are not."""
+
+import os
+
+from roah_rsbb.comm.seen import BITS_PER_ENTRY, Seen
+
+
+def test_what_was_added_is_known_and_nothing_else():
+    seen = Seen(2**16)
+    texts = [os.urandom(32) for _ in range(2**16 // BITS_PER_ENTRY)]
+    for text in texts:
+        assert text not in seen
+        seen.add(text)
+        assert text in seen
+    assert all(text in seen for text in texts)
+    assert sum(os.urandom(32) in seen for _ in range(2000)) <= 20  # one in 2,000 is expected
+
+
+def test_a_full_filter_is_kept_while_the_next_one_fills():
+    seen = Seen(2**12)
+    capacity = 2**12 // BITS_PER_ENTRY
+    texts = [os.urandom(32) for _ in range(3 * capacity)]
+    for number, text in enumerate(texts):
+        seen.add(text)
+        assert all(last in seen for last in texts[max(0, number - capacity + 1):number + 1])
+    assert sum(text in seen for text in texts[:capacity]) <= capacity // 10
+    assert sum(os.urandom(32) in seen for _ in range(2000)) <= 40
