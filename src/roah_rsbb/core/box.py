@@ -225,9 +225,16 @@ class Box:
     def on_robot_copy(self, now: Now, port: int, host: str) -> None:
         """A copy of a datagram that was taken before arrived on the private channel `port` from `host`."""
         self._tick_if_due(now)
-        run = self.run_at(port)
+        run = self.zones.run_at(port)
         if run is not None:
             run.on_copy(now, host)
+
+    def on_robot_overload(self, now: Now, port: int, count: int) -> None:
+        """So many datagrams of the robot on the private channel `port` were not read: it sends too much."""
+        self._tick_if_due(now)
+        run = self.zones.run_at(port)
+        if run is not None:
+            run.on_overload(now, count)
 
     def on_unreadable(self, now: Now, port: int, text: str) -> None:
         """Unreadable datagrams arrived on the private channel `port`; `text` says from whom and why."""

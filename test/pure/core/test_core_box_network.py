@@ -4,9 +4,10 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition
-from roah_rsbb.core import effects
+from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.effects import GiveUp, Level
 from roah_rsbb.core.robots import MAX_STRANGERS
+from roah_rsbb.core.runs.online_data import StringsBudget
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
 from roah_rsbb.protocol import RobotState
@@ -207,3 +208,55 @@ def test_trouble_of_this_computer_is_told_once():
     driver.event(driver.box.on_mended, "the disk is full: free it", "all is written")
     assert driver.notices(Level.INFO)[-1] == "all is written"
     assert driver.box.watches.warnings(driver.now) == ["another trouble"]
+
+
+def test_a_copy_of_what_the_robot_said_changes_nothing_and_is_told_if_it_comes_from_elsewhere():
+    driver = BoxDriver()
+    robot = driver.executing()
+    driver.run(5)
+    driver.taken()
+    for _ in range(5):
+        driver.run(0.1)
+        driver.event(driver.box.on_robot_copy, robot.port, "10.0.0.66")
+        driver.event(driver.box.on_robot_copy, robot.port, robot.host)
+    driver.event(driver.box.on_robot_copy, 9999, "10.0.0.66")
+    told, = driver.notices(Level.WARNING)
+    assert told.startswith("Messages for this run come from 10.0.0.66, too")
+    assert driver.run_in().link.sample(driver.now, 0).duplicates == 10
+
+
+def test_a_robot_whose_messages_are_not_read_is_told_of():
+    driver = BoxDriver()
+    robot = driver.executing()
+    driver.taken()
+    for _ in range(9):
+        driver.event(driver.box.on_robot_overload, robot.port, 100)
+        driver.run(1)
+    first, = (text for text in driver.notices(Level.WARNING) if "sends too much" in text)
+    assert first.startswith("Robot sends too much: 0 new strings were not logged, 100 messages not read")
+
+
+def test_a_robot_that_always_says_something_new_is_logged_as_far_as_its_budget_goes():
+    driver = BoxDriver(competition(a=["HWV"], b=["HGTKMH"]))
+    robot = driver.executing("a")
+    driver.taken()
+    for i in range(100):
+        robot.says(after=0.002, notifications=[f"{i} {j}" for j in range(300)])
+    logged = [value for topic, value in driver.bags[robot.port] if topic == run_log.NOTIFICATION]
+    assert logged[:300] == [f"0 {j}" for j in range(300)]
+    assert len(logged) == pytest.approx(StringsBudget.STRINGS_AT_ONCE + 0.2 * StringsBudget.STRINGS_PER_SECOND, abs=2)
+    told, = (text for text in driver.notices(Level.WARNING) if "sends too much" in text)
+    assert told.startswith("Robot sends too much: 100 new strings were not logged")
+    driver.run(2)
+    robot.says(notifications=["at last"])
+    assert driver.bags[robot.port][-1] != logged[-1]
+    assert "at last" in [value for topic, value in driver.bags[robot.port] if topic == run_log.NOTIFICATION]
+
+
+def test_long_texts_use_up_the_budget_too():
+    driver = BoxDriver(competition(a=["HWV"]))
+    robot = driver.executing("a")
+    for i in range(100):
+        robot.says(after=0.002, notifications=[f"{i}" + "x" * 1000])
+    logged = [value for topic, value in driver.bags[robot.port] if topic == run_log.NOTIFICATION]
+    assert 40 <= len(logged) <= 60

@@ -1,5 +1,6 @@
 """A robot's payloads, one after the other, read as each of them alone."""
 
+import itertools
 import random
 
 import pytest
@@ -7,7 +8,7 @@ import pytest
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.heartbeat import Heartbeat
 from roah_rsbb.nodes.core import wire_convert
-from roah_rsbb.nodes.core.report_reader import ReportReader
+from roah_rsbb.nodes.core.report_reader import BYTES_AT_ONCE, BYTES_PER_SECOND, ReportReader, Unread
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 IDS = frame.ids_of(pb.RobotState)
@@ -111,7 +112,7 @@ def test_a_time_in_more_bytes_than_it_needs_is_the_same_time():
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_is_read_as_if_nothing_had_come_before(seed):
     """Bytes changed, removed and doubled, mostly in the beginning, between good payloads."""
-    rng, reader, accepted = random.Random(seed), ReportReader(), 0
+    rng, reader, accepted = random.Random(seed), ReportReader(itertools.count().__next__), 0
     good = [payload((rng.randrange(2**31), rng.randrange(10**9)), notifications=["abc"]) for _ in range(4)]
     for _ in range(3000):
         data = bytearray(rng.choice(good))
@@ -140,3 +141,28 @@ def test_a_payload_that_ends_early_is_no_heartbeat(begin):
 
 def test_nothing_is_a_heartbeat_before_anything_was_remembered():
     assert Heartbeat().time_of(payload()) is None
+
+
+def test_a_robot_that_sends_too_much_is_read_as_far_as_its_budget_goes():
+    now = 100.0
+    reader = ReportReader(lambda: now)
+    data = payload(notifications=["x" * 979])
+    read = [reader(data) for _ in range(3 * BYTES_AT_ONCE // len(data))]
+    taken = [report for report in read if not isinstance(report, Unread)]
+    assert read[:len(taken)] == taken
+    assert len(taken) == BYTES_AT_ONCE // len(data)
+    assert [unread.count for unread in read[len(taken):]] == [1] + [0] * (len(read) - len(taken) - 1)
+    now += 1.0
+    again = [reader(data) for _ in range(BYTES_PER_SECOND // len(data) + 2)]
+    assert not isinstance(again[0], Unread)
+    assert next(unread.count for unread in again if isinstance(unread, Unread)) == len(read) - len(taken)
+    left = sum(not isinstance(report, Unread) for report in again) - BYTES_PER_SECOND // len(data)
+    assert left in (0, 1)  # what was too little for one message before
+
+
+def test_a_usual_robot_is_always_read():
+    now = 100.0
+    reader = ReportReader(lambda: now)
+    for i in range(20 * 60):
+        now += 0.05
+        assert not isinstance(reader(payload((1447000001 + i, 0), notifications=[f"{i}" * 100])), Unread)

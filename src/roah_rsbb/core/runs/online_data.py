@@ -6,6 +6,9 @@ came in between (docs/protocol.md, "Repeated strings"). Only fresh messages may 
 
 from typing import FrozenSet, Iterable, List, Tuple
 
+from roah_rsbb.core.budget import Budget
+from roah_rsbb.core.clock import Now
+
 
 class RepeatedStrings:
     """One field of repeated strings of one robot on one channel."""
@@ -27,6 +30,25 @@ class RepeatedStrings:
         new = [text for text in unique if text not in self._last]
         self._last = frozenset(unique)
         return new
+
+
+class StringsBudget:
+    """How many new strings of one robot are logged: each is an entry of the run log and of the journal.
+
+    A robot has something to say a few times a minute. One that says something new all the time would fill the disk
+    and hold up the other zones.
+    """
+
+    STRINGS_AT_ONCE, STRINGS_PER_SECOND = 500, 50
+    CHARACTERS_AT_ONCE, CHARACTERS_PER_SECOND = 50_000, 5_000
+
+    def __init__(self) -> None:
+        self._strings = Budget(self.STRINGS_AT_ONCE, self.STRINGS_PER_SECOND)
+        self._characters = Budget(self.CHARACTERS_AT_ONCE, self.CHARACTERS_PER_SECOND)
+
+    def take(self, now: Now, text: str) -> bool:
+        """Whether this string is logged."""
+        return self._strings.take(now.mono, 1) and self._characters.take(now.mono, len(text))
 
 
 class DisplayText:

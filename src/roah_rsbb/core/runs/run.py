@@ -16,7 +16,7 @@ from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs import machine
 from roah_rsbb.core.runs.clock import CountdownState, RunClock, SavingWatch
 from roah_rsbb.core.runs.device_commands import DeviceCommands, DeviceCommandsState
-from roah_rsbb.core.runs.online_data import DisplayText, RepeatedStrings
+from roah_rsbb.core.runs.online_data import DisplayText, RepeatedStrings, StringsBudget
 from roah_rsbb.core.runs.phases import EndReason, Phase
 from roah_rsbb.core.runs.run_book import BookState
 from roah_rsbb.core.runs.scored_run import ScoredRun
@@ -24,6 +24,9 @@ from roah_rsbb.core.scoring.records import NOBODY, By
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Event
+
+# So often the referee is told what was dropped of a robot that sends too much.
+DROPPED_PERIOD_S = 10.0
 
 
 class OnlineField(NamedTuple):
@@ -108,6 +111,9 @@ class Run(ScoredRun):
         self.online_data = DisplayText(settings.display_log_size)
         self.devices = DeviceCommands(event.benchmark.code)
         self._strings = {field.name: RepeatedStrings() for field in ONLINE_FIELDS}
+        self._strings_budget = StringsBudget()
+        self._dropped_strings = self._unread = 0
+        self._say_dropped_from = float("-inf")  # monotonic time (s)
         self._emit = surroundings.emit
         self._show_map = surroundings.show_map
         self.resumed = False  # after a restart of the core
@@ -246,15 +252,35 @@ class Run(ScoredRun):
             self._end(now, EndReason.COMPLETED)
 
     def _take_strings(self, now: Now, report: RobotReport) -> bool:
-        any_text = False
+        any_text, dropped = False, 0
         mark = "" if self.link.times_valid else " (robot's time invalid: clock skew)"
         for field in ONLINE_FIELDS:
             texts = getattr(report, field.name)
             any_text = any_text or bool(texts)
             for text in self._strings[field.name].receive(texts):
+                if not self._strings_budget.take(now, text):
+                    dropped += 1
+                    continue
                 self._emit(effects.RunLogged(self.port, field.topic, text))
                 self._tell_online(now, f"{field.name}: {text}{mark}")
+        if dropped:
+            self._dropped_strings += dropped
+            self._say_dropped(now)
         return any_text
+
+    def on_overload(self, now: Now, count: int) -> None:
+        """So many datagrams of the robot were not read."""
+        self._unread += count
+        self._say_dropped(now)
+
+    def _say_dropped(self, now: Now) -> None:
+        """Report what was dropped, once in a while."""
+        if now.mono < self._say_dropped_from:
+            return
+        self._say_dropped_from = now.mono + DROPPED_PERIOD_S
+        self._say(now, Level.WARNING,
+                  f"Robot sends too much: {self._dropped_strings} new strings were not logged, {self._unread} messages "
+                  "not read. Its program must send each text once")
 
     def _take_commands(self, now: Now, report: RobotReport) -> None:
         taken = self.devices.take(report)

@@ -18,7 +18,7 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import How
 from roah_rsbb.core.messages import Beacon, BoxMessage, RobotReport
 from roah_rsbb.nodes.core import wire_convert
-from roah_rsbb.nodes.core.report_reader import ReportReader
+from roah_rsbb.nodes.core.report_reader import ReportReader, Unread
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 Address = Tuple[str, int]
@@ -131,7 +131,7 @@ class CoreRadio:
             lambda message, address: self._on_private(port, message, address),
             lambda text: self._on_private_complaint(port, text),
             cipher=network.cipher, bind_host=network.bind_host, broadcast=network.broadcast,
-            max_datagram=network.max_datagram, read=ReportReader(), seen=self._seen,
+            max_datagram=network.max_datagram, read=ReportReader(self._loop.time), seen=self._seen,
             on_copy=lambda address: self._event(self._box.on_robot_copy, port, address[0]),
         )
         channel.open()
@@ -203,9 +203,12 @@ class CoreRadio:
             self._event(self._box.on_foreign_box, host)
 
     def _on_private(self, port: int, message: object, address: Address) -> None:
-        if isinstance(message, RobotReport):
+        if isinstance(message, Unread):
+            if message.count:
+                self._event(self._box.on_robot_overload, port, message.count)
+        elif isinstance(message, RobotReport):
             self._event(self._box.on_robot_report, port, address[0], message)
-            run, private = self._box.run_at(port), self._privates.get(port)
+            run, private = self._box.zones.run_at(port), self._privates.get(port)
             # What came from elsewhere does not count. If it counted here, a copy that overtakes the robot's own
             # datagram would keep that one out.
             if run is not None and private is not None and run.link.host == address[0]:
