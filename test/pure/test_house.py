@@ -46,7 +46,7 @@ ROOMS: Dict[str, Room] = {
     "tablet": Room(("protocol", "arguments", "comm", "pb"), ("tornado", "yaml")),
     "web": Room(("protocol", "arguments", "wording"), ("tornado",)),
     "ros": Room(("protocol", "arguments", "wording", "msg", "srv"), ROS),
-    "rqt": Room(("protocol", "ros", "wording", "msg", "srv"), (*ROS, "python_qt_binding", "rqt_gui_py")),
+    "rqt": Room(("protocol", "ros", "wording", "msg", "srv"), (*ROS, "rqt_gui_py")),
     "nodes": PROGRAMS,
     "referee": PROGRAMS,
     "tools": PROGRAMS,

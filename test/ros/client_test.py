@@ -14,7 +14,6 @@ import rospy
 import rostest
 from fake_core import FakeCore
 from gui_testing import QMessageBox, Qt, QTest, answer, click, question, show, wait_until
-from python_qt_binding.QtCore import QObject, QSettings
 from std_srvs.srv import Empty
 
 from roah_rsbb.rqt.app.panel_list import PANELS
@@ -25,6 +24,7 @@ from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.log_display import LogDisplayPanel
 from roah_rsbb.rqt.panels.online_data import OnlineDataPanel
 from roah_rsbb.rqt.panels.tablet_status import TabletStatusPanel
+from roah_rsbb.rqt.qt import QObject, QSettings
 from roah_rsbb.rqt.widgets.basic import ALARM, OLD
 
 HERE = pathlib.Path(__file__).resolve().parent

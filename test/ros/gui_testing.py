@@ -36,11 +36,16 @@ _settings = tempfile.TemporaryDirectory()
 os.environ.update({"DISPLAY": _start_display(), "QT_QPA_PLATFORM": "xcb", "XDG_CONFIG_HOME": _settings.name,
                    "XDG_RUNTIME_DIR": _settings.name})
 
-from python_qt_binding.QtCore import QPoint, Qt  # noqa: E402  (only now is there a display)
-from python_qt_binding.QtTest import QTest  # noqa: E402
-from python_qt_binding.QtWidgets import QApplication, QCheckBox, QMessageBox, QWidget  # noqa: E402
-
 from roah_rsbb.rqt.app.application import make_application  # noqa: E402
+from roah_rsbb.rqt.qt import (  # noqa: E402  (only now is there a display)  # noqa: E402
+    QApplication,
+    QCheckBox,
+    QMessageBox,
+    QPoint,
+    Qt,
+    QTest,
+    QWidget,
+)
 
 app = QApplication.instance() or make_application(["test"])
 

@@ -9,12 +9,11 @@ from fake_core import Asked
 from fake_devices import FakeDevices
 from gui_testing import QApplication, QPoint, Qt, QTest, click, show, wait_until
 from panels_test import PanelCase
-from python_qt_binding.QtCore import QEvent, QPointF
-from python_qt_binding.QtGui import QMouseEvent, QWheelEvent
 
 from roah_rsbb.rqt.panels import devices, overview
 from roah_rsbb.rqt.panels.devices import DevicesPanel
 from roah_rsbb.rqt.panels.overview import Arrangement, OverviewPanel, best_arrangement
+from roah_rsbb.rqt.qt import QEvent, QMouseEvent, QPointF, QWheelEvent
 from roah_rsbb.rqt.widgets.basic import KEEP_MS
 
 

@@ -15,13 +15,13 @@ import rosservice
 import rostest
 from fake_public import TEAMS, FakePublic, event, scene
 from gui_testing import SCREEN, SECOND_SCREEN, app, show, wait_until
-from python_qt_binding.QtCore import Qt
 
 from roah_rsbb.msg import PublicDetails
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.rqt.public import node
 from roah_rsbb.rqt.public.display import OLD_BACKGROUND, RUNNING, TOPIC, PublicDisplay
 from roah_rsbb.rqt.public.node import ScreenChoice
+from roah_rsbb.rqt.qt import Qt
 from roah_rsbb.srv import UInt8
 
 LAUNCH = pathlib.Path(__file__).resolve().parent.parent.parent / "launch" / "roah_rsbb_public.launch"

@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 # Qt aborts a process that cannot open a window, so another process tries first.
-_TRY = "from python_qt_binding.QtWidgets import QApplication; QApplication([])"
+_TRY = "from roah_rsbb.rqt.qt import QApplication; QApplication([])"
 NO_DISPLAY = "No display: no window can be opened. Use 'rosrun roah_rsbb referee', or gui:=none."
 
 

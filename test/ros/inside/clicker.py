@@ -9,12 +9,10 @@ import threading
 from typing import Callable
 
 import rospy
-from python_qt_binding.QtCore import QObject, QPoint, Qt, QTimer, Signal
-from python_qt_binding.QtTest import QTest
-from python_qt_binding.QtWidgets import QApplication, QTabBar, QWidget
 from std_msgs.msg import String as StringMsg
 
 from roah_rsbb.rqt.app import application
+from roah_rsbb.rqt.qt import QApplication, QObject, QPoint, Qt, QTabBar, QTest, QTimer, QWidget, Signal
 from roah_rsbb.srv import String
 
 SHOW_MS = 200

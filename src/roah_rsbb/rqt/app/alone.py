@@ -8,7 +8,6 @@ import sys
 from typing import Type
 
 import rospy
-from python_qt_binding.QtCore import QSettings
 
 from roah_rsbb.ros import display
 from roah_rsbb.ros.command_line import explain_panel
@@ -16,6 +15,7 @@ from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.app.application import PanelSettings
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.qt import QSettings
 from roah_rsbb.rqt.widgets import basic
 
 # Size at the first start, in units of the desktop's font.

@@ -7,10 +7,9 @@ from typing import List
 
 import rosgraph
 import rospy
-from python_qt_binding.QtCore import QSettings, Qt, QTimer
-from python_qt_binding.QtWidgets import QApplication
 
 from roah_rsbb.ros import connections
+from roah_rsbb.rqt.qt import QApplication, QSettings, Qt, QTimer
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 # How often Python can handle a signal while Qt waits, and the end of ROS is noticed.

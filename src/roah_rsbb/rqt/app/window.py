@@ -5,8 +5,6 @@ import sys
 from typing import Dict
 
 import rospy
-from python_qt_binding.QtCore import QSettings, Qt
-from python_qt_binding.QtWidgets import QApplication, QDockWidget, QMainWindow
 
 from roah_rsbb.ros import display
 from roah_rsbb.rqt.app import application
@@ -15,6 +13,7 @@ from roah_rsbb.rqt.app.panel_list import PANELS
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.qt import QApplication, QDockWidget, QMainWindow, QSettings, Qt
 from roah_rsbb.rqt.widgets import basic
 
 # Increase it when the set of panels changes: an older layout would hide new panels.

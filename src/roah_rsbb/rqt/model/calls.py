@@ -5,9 +5,9 @@ import threading
 from typing import Any, Callable, Dict, NamedTuple, Optional
 
 import rospy
-from python_qt_binding.QtCore import QObject, QTimer, Signal
 
 from roah_rsbb.ros import refusals
+from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 
 # Timeout of a call. A later answer is ignored.
 TIMEOUT_S = 5.0

@@ -2,13 +2,12 @@
 
 from typing import Optional
 
-from python_qt_binding.QtCore import QObject, Signal
-
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.rqt.model.calls import Calls
 from roah_rsbb.rqt.model.model import TOPICS, Model
 from roah_rsbb.rqt.model.presses import DoublePress
 from roah_rsbb.rqt.model.zone_parameter import ZoneParameter
+from roah_rsbb.rqt.qt import QObject, Signal
 
 
 class RefereeName(QObject):

@@ -3,8 +3,6 @@
 import time
 from typing import List, Optional
 
-from python_qt_binding.QtCore import QObject, QTimer, Signal
-
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
@@ -16,6 +14,7 @@ from roah_rsbb.msg import (
     ZoneState,
 )
 from roah_rsbb.rqt.model.box_clock import BoxClock
+from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 
 GUI_TOPIC = "/core/to_gui"
 DETAILS_TOPIC = "/core/details"

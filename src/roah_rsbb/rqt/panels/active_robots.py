@@ -2,12 +2,10 @@
 
 from typing import List, Tuple
 
-from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTableWidgetItem
-
 from roah_rsbb.msg import RobotInfo
 from roah_rsbb.rqt.model import link_quality
 from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.qt import QAbstractItemView, QHeaderView, Qt, QTableWidget, QTableWidgetItem
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import times
 

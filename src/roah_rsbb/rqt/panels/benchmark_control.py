@@ -5,14 +5,12 @@ Keys: F5 twice starts, Esc twice stops, whichever panel of the process has the f
 
 from typing import Dict, NamedTuple, Optional, Tuple
 
-from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QSizePolicy
-
 from roah_rsbb.msg import ZoneDetails, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels import phases
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
+from roah_rsbb.rqt.qt import QComboBox, QGridLayout, QLabel, QLineEdit, QSizePolicy, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
 from roah_rsbb.srv import StopReason, Zone

@@ -8,12 +8,11 @@ the root namespace, ends the whole RSBB.
 from typing import Dict
 
 import rospy
-from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import QGridLayout, QLabel
 from std_srvs.srv import Empty
 
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
+from roah_rsbb.rqt.qt import QGridLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
 
 SHUTDOWN = "roah_rsbb_shutdown"

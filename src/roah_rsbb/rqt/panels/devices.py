@@ -8,22 +8,22 @@ import time
 from functools import partial
 from typing import Callable, Dict, List, Sequence
 
-from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import (
+from std_srvs.srv import Empty
+
+from roah_rsbb.rqt.model.calls import CallOutcome
+from roah_rsbb.rqt.model.edits import Edits
+from roah_rsbb.rqt.panels.panel import Answer, Panel
+from roah_rsbb.rqt.qt import (
     QFrame,
     QHBoxLayout,
     QLabel,
     QScrollArea,
     QSlider,
     QSpinBox,
+    Qt,
     QVBoxLayout,
     QWidget,
 )
-from std_srvs.srv import Empty
-
-from roah_rsbb.rqt.model.calls import CallOutcome
-from roah_rsbb.rqt.model.edits import Edits
-from roah_rsbb.rqt.panels.panel import Answer, Panel
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import Bool, Percentage
 from roah_rsbb.wording import times

@@ -3,13 +3,11 @@
 import time
 from typing import Callable, Dict, List, Optional, Tuple
 
-from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import QDialog, QHBoxLayout, QPushButton, QVBoxLayout, QWidget
-
 from roah_rsbb.msg import RunSheet, RunSummary, ScoreChange, ZoneScoreGroup
 from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.panel import Answer
+from roah_rsbb.rqt.qt import QDialog, QHBoxLayout, QPushButton, Qt, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog

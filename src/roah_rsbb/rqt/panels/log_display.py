@@ -2,10 +2,9 @@
 
 import re
 
-from python_qt_binding.QtGui import QColor, QSyntaxHighlighter, QTextCharFormat, QTextDocument
-
 from roah_rsbb.msg import ZoneState
 from roah_rsbb.rqt.panels.text_panel import TextPanel
+from roah_rsbb.rqt.qt import QColor, QSyntaxHighlighter, QTextCharFormat, QTextDocument
 from roah_rsbb.rqt.widgets import basic
 
 # The core writes the level of warnings and errors after the time.

@@ -2,11 +2,9 @@
 
 from typing import List, Optional, Tuple
 
-from python_qt_binding.QtCore import Qt, QTimer
-from python_qt_binding.QtWidgets import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea
-
 from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.rqt.panels.panel import Answer, Panel
+from roah_rsbb.rqt.qt import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import ManualOperationAnswer
 

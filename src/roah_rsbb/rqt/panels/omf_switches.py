@@ -2,11 +2,9 @@
 
 from typing import List
 
-from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import QGridLayout, QHBoxLayout, QLabel
-
 from roah_rsbb.msg import ZoneState
 from roah_rsbb.rqt.panels.panel import Answer, Panel
+from roah_rsbb.rqt.qt import QGridLayout, QHBoxLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import Zone, ZoneUInt8
 

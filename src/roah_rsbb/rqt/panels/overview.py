@@ -7,14 +7,23 @@ import math
 from functools import partial
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from python_qt_binding.QtCore import QSize, Qt, Signal
-from python_qt_binding.QtWidgets import QApplication, QFrame, QGridLayout, QLabel, QScrollArea, QSizePolicy, QWidget
-
 from roah_rsbb.msg import ZoneDetails, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels import phases
 from roah_rsbb.rqt.panels.panel import Answer, Panel
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
+from roah_rsbb.rqt.qt import (
+    QApplication,
+    QFrame,
+    QGridLayout,
+    QLabel,
+    QScrollArea,
+    QSize,
+    QSizePolicy,
+    Qt,
+    QWidget,
+    Signal,
+)
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.basic import HoldButton
 from roah_rsbb.wording import times

@@ -2,12 +2,10 @@
 
 from typing import Callable, Optional
 
-from python_qt_binding.QtCore import Qt, QTimer
-from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QMessageBox, QSizePolicy, QVBoxLayout, QWidget
-
 from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.client import Client, RefereeName
+from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QLineEdit, QMessageBox, QSizePolicy, Qt, QTimer, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import StopRun
 from roah_rsbb.wording import times

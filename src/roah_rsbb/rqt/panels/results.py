@@ -2,12 +2,10 @@
 
 from typing import List, Optional, Tuple
 
-from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSplitter, QTabWidget, QVBoxLayout, QWidget
-
 from roah_rsbb.msg import RunSheet, RunSummary, ScoreItem, ZoneScoreGroup
 from roah_rsbb.rqt.panels.history import History, RunSheets, why_fixed
 from roah_rsbb.rqt.panels.panel import Answer, RefereePanel, ask
+from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QPushButton, QSplitter, Qt, QTabWidget, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog

@@ -4,8 +4,12 @@ import html
 from functools import partial
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import (
+from roah_rsbb.msg import ModuleScore, ZoneDetails, ZoneScoreGroup, ZoneState
+from roah_rsbb.rqt.model.calls import CallOutcome
+from roah_rsbb.rqt.model.edits import Edits
+from roah_rsbb.rqt.panels.history import HistoryDialog
+from roah_rsbb.rqt.panels.panel import Answer, RefereePanel
+from roah_rsbb.rqt.qt import (
     QFrame,
     QGroupBox,
     QHBoxLayout,
@@ -14,16 +18,11 @@ from python_qt_binding.QtWidgets import (
     QPushButton,
     QScrollArea,
     QStackedLayout,
+    Qt,
     QToolButton,
     QVBoxLayout,
     QWidget,
 )
-
-from roah_rsbb.msg import ModuleScore, ZoneDetails, ZoneScoreGroup, ZoneState
-from roah_rsbb.rqt.model.calls import CallOutcome
-from roah_rsbb.rqt.model.edits import Edits
-from roah_rsbb.rqt.panels.history import HistoryDialog
-from roah_rsbb.rqt.panels.panel import Answer, RefereePanel
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
 from roah_rsbb.srv import ScoreMark

@@ -3,12 +3,9 @@
 import time
 from typing import Callable, Hashable, Tuple
 
-from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtGui import QKeySequence
-from python_qt_binding.QtWidgets import QShortcut
-
 from roah_rsbb.rqt.model import presses
 from roah_rsbb.rqt.panels.panel import Answer, Panel
+from roah_rsbb.rqt.qt import QKeySequence, QShortcut, Qt
 from roah_rsbb.rqt.widgets.basic import CommandButton
 
 

@@ -2,10 +2,8 @@
 
 from typing import Dict
 
-from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import QFormLayout, QLabel
-
 from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.qt import QFormLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import times
 

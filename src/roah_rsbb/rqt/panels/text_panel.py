@@ -1,11 +1,9 @@
 """A panel with a growing text: the base of Online Data and Log Display."""
 
-from python_qt_binding.QtGui import QFontDatabase, QTextCursor
-from python_qt_binding.QtWidgets import QCheckBox, QPlainTextEdit
-
 from roah_rsbb.msg import ZoneState
 from roah_rsbb.ros.tail import added
 from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.qt import QCheckBox, QFontDatabase, QPlainTextEdit, QTextCursor
 from roah_rsbb.rqt.widgets.text_search import TextSearch
 
 # The core publishes only the end of the text; the panel keeps what it received since it was opened.

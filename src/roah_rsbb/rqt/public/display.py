@@ -6,14 +6,11 @@ It has no controls. Colours are dim, for a hall in the evening; colour is never 
 import time
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from python_qt_binding.QtCore import QRectF, Qt
-from python_qt_binding.QtGui import QColor, QFont, QFontMetricsF, QPainter
-from python_qt_binding.QtWidgets import QWidget
-
 from roah_rsbb.rqt.model.box_clock import BoxClock
 from roah_rsbb.rqt.public import content, layout
 from roah_rsbb.rqt.public.content import ListLine, PublicContent, RunCard
 from roah_rsbb.rqt.public.layout import Rect, Screen
+from roah_rsbb.rqt.qt import QColor, QFont, QFontMetricsF, QPainter, QRectF, Qt, QWidget
 
 # A long text shrinks to this share of its size at most, then it is shortened: it must stay legible.
 SMALLEST = 0.7

@@ -5,9 +5,6 @@ import time
 from typing import List
 
 import rospy
-from python_qt_binding.QtCore import QTimer
-from python_qt_binding.QtGui import QGuiApplication, QScreen
-from python_qt_binding.QtWidgets import QWidget
 
 from roah_rsbb.msg import PublicDetails
 from roah_rsbb.ros import display
@@ -16,6 +13,7 @@ from roah_rsbb.ros.feed import Feed
 from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.model.model import RENEW_S
 from roah_rsbb.rqt.public.display import TOPIC, PublicDisplay
+from roah_rsbb.rqt.qt import QGuiApplication, QScreen, QTimer, QWidget
 from roah_rsbb.srv import UInt8, UInt8Response
 
 SERVICE = "screen"

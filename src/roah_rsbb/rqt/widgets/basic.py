@@ -4,10 +4,22 @@ import html
 import re
 from typing import Iterable, NamedTuple, Optional, Sequence, Tuple
 
-from python_qt_binding.QtCore import QSize, Qt, QTimer, Signal
-from python_qt_binding.QtGui import QFont, QFontMetricsF, QPainter, QPalette
-from python_qt_binding.QtWidgets import QApplication, QLabel, QPushButton, QSizePolicy, QTextEdit, QWidget
-
+from roah_rsbb.rqt.qt import (
+    QApplication,
+    QFont,
+    QFontMetricsF,
+    QLabel,
+    QPainter,
+    QPalette,
+    QPushButton,
+    QSize,
+    QSizePolicy,
+    Qt,
+    QTextEdit,
+    QTimer,
+    QWidget,
+    Signal,
+)
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import texts
 

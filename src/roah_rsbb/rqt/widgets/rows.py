@@ -2,9 +2,7 @@
 
 from typing import Hashable, List, NamedTuple, Optional, Sequence, Tuple
 
-from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTableWidgetItem, QWidget
-
+from roah_rsbb.rqt.qt import QAbstractItemView, QHeaderView, Qt, QTableWidget, QTableWidgetItem, QWidget
 from roah_rsbb.rqt.widgets import basic
 
 

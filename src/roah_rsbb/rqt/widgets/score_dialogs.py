@@ -2,8 +2,8 @@
 
 from typing import Callable, Optional
 
-from python_qt_binding.QtCore import Qt
-from python_qt_binding.QtWidgets import (
+from roah_rsbb.msg import ZoneScoreGroup
+from roah_rsbb.rqt.qt import (
     QCheckBox,
     QDialog,
     QDialogButtonBox,
@@ -11,10 +11,9 @@ from python_qt_binding.QtWidgets import (
     QLabel,
     QLineEdit,
     QSpinBox,
+    Qt,
     QWidget,
 )
-
-from roah_rsbb.msg import ZoneScoreGroup
 from roah_rsbb.rqt.widgets import basic
 
 MAX_NOTE = 500

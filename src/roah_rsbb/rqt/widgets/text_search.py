@@ -2,10 +2,21 @@
 
 from typing import List, Optional
 
-from python_qt_binding.QtCore import Qt, Signal
-from python_qt_binding.QtGui import QColor, QKeySequence, QTextCharFormat, QTextCursor
-from python_qt_binding.QtWidgets import QHBoxLayout, QLabel, QLineEdit, QPlainTextEdit, QShortcut, QTextEdit, QWidget
-
+from roah_rsbb.rqt.qt import (
+    QColor,
+    QHBoxLayout,
+    QKeySequence,
+    QLabel,
+    QLineEdit,
+    QPlainTextEdit,
+    QShortcut,
+    Qt,
+    QTextCharFormat,
+    QTextCursor,
+    QTextEdit,
+    QWidget,
+    Signal,
+)
 from roah_rsbb.rqt.widgets import basic
 
 # Highlighting more matches would make the text slow.
