@@ -14,8 +14,8 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.client import RobotClient
-from roah_rsbb.robot.dummy_robot import DummyOptions, DummyRobot
-from roah_rsbb.robot.times import wire_time
+from roah_rsbb.robot.dummy import DummyOptions, DummyRobot
+from roah_rsbb.robot.link import wire_time
 from roah_rsbb.tablet.radio import TabletRadio
 from roah_rsbb.tablet.state import TabletState
 

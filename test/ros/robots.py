@@ -22,7 +22,7 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.client import Behaviour, RobotClient
-from roah_rsbb.robot.times import wire_time
+from roah_rsbb.robot.link import wire_time
 
 T = TypeVar("T")
 

@@ -123,7 +123,7 @@ class TestMisbehaviour(DummyCase):
         robot = self.dummy("Delta", crash_in="execute")
         self.begin("Crash")
         robot.wait_ended()
-        self.assertIn("crashing, as I was told to", robot.text)
+        self.assertIn("crashing on request", robot.text)
         self.assertIn("HGTKMH: executing", robot.text)
         self.box.wait_text("Crash", "WARNING: No message from the robot for 3 s")
         self.assertEqual(self.box.zone_details("Crash").phase, "running")

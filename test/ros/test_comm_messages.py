@@ -20,17 +20,18 @@ class TestTroubles(ChannelCase):
         self.box.close_channel()
         # Nothing is sent for 5 s, on no channel.
         self.wait_logged(
-            Log.WARN, f"the box at 127.0.0.1 has sent nothing on port {port} for 5 s: has it lost this robot, or does "
-            "a firewall keep that port closed?")
+            Log.WARN, f"the box at 127.0.0.1 has sent nothing on port {port} for 5 s: check that no firewall blocks "
+            "this port")
         self.wait_logged(
-            Log.WARN, "no beacon of a box for 5 s: is the box on, on this network and on this public port, and does a "
-            "firewall let its broadcast in?")
+            Log.WARN, "no beacon of a box for 5 s: check that the box runs on this network and public port, and that "
+                      "no "
+            "firewall blocks its broadcasts")
         self.assertEqual(self.benchmarks.messages[-1].benchmark, NUMBERS["HGTKMH"], "the run is not given up")
         self.box.listen(port)
         self.box.beacon(port)
         self.box.send("HGTKMH", BoxState.STOP)
-        self.wait_logged(Log.INFO, f"the box at 127.0.0.1 is heard again on port {port}")
-        self.wait_logged(Log.INFO, "the box at 127.0.0.1 is heard")
+        self.wait_logged(Log.INFO, f"the box at 127.0.0.1 is received again on port {port}")
+        self.wait_logged(Log.INFO, "the box at 127.0.0.1 is received")
 
     def test_a_wrong_password(self) -> None:
         self.box.close()
@@ -42,8 +43,8 @@ class TestTroubles(ChannelCase):
         wait_until(lambda: self.box.complaints, "the robot sends what the box cannot read")
         self.box.send("HGTKMH", BoxState.STOP)
         self.wait_logged(
-            Log.WARN, f"what the box at 127.0.0.1 sends on port {port} cannot be decrypted: this robot's password of "
-            "team Alpha is not the one in the box's passwords file")
+            Log.WARN, f"messages of the box at 127.0.0.1 on port {port} cannot be decrypted: this robot's password of "
+            "team Alpha differs from the one in the box's passwords file")
         self.assertEqual(self.benchmarks.messages[-1].benchmark, 0)
 
     def test_another_robot_of_the_same_name(self) -> None:
@@ -51,9 +52,9 @@ class TestTroubles(ChannelCase):
         twin.send(pb.RobotBeacon(team_name="Alpha", robot_name="Another", time=wire(0)))
         twin.send(pb.RobotBeacon(team_name="Alpha", robot_name="Robot", time=wire(0)))
         self.wait_logged(
-            Log.WARN, f"another robot at {TABLET} also calls itself Robot of team Alpha: the box cannot tell them "
-            "apart, stop one or give it another robot name")
-        self.assertEqual(sum("calls itself" in text for text in self.logged(Log.WARN)), 1)
+            Log.WARN, f"another robot at {TABLET} also has the name Robot of team Alpha: the box cannot distinguish "
+            "them. Stop one of them, or change its robot name")
+        self.assertEqual(sum("also has the name" in text for text in self.logged(Log.WARN)), 1)
 
     def test_another_box(self) -> None:
         self.box.beacon()

@@ -1,5 +1,5 @@
-"""The team's side of the protocol: what a robot does between the box and its own behaviours.
+"""The team's side of the protocol: what a robot does between the box and its own behaviour.
 
-Needs protobuf and cryptography, no ROS. `client.RobotClient` is the way in; `session.Session` is the
-same without sockets and clocks; `dummy` is a robot that only pretends.
+It needs protobuf and cryptography, but no ROS. `client.RobotClient` is the entry point; `session.Session` is the same
+without sockets and clocks; `dummy` is a simulated robot.
 """

@@ -9,9 +9,8 @@
 
     asyncio.run(RobotClient("MyTeam", "password", MyRobot()).run())
 
-Everything happens in the asyncio loop of `RobotClient.run`: behaviours must not block it (use
-`loop.run_in_executor` for what takes time), and other threads call the client only through
-`loop.call_soon_threadsafe`.
+Everything runs in the asyncio loop of `RobotClient.run`. Behaviours must not block it (use `loop.run_in_executor` for
+long calls). Other threads must call the client through `loop.call_soon_threadsafe`.
 """
 
 import abc
@@ -30,16 +29,16 @@ from roah_rsbb.robot.runner import SessionRunner, always
 
 _log = logging.getLogger(__name__)
 
-# A behaviour that was cancelled may take this long to end before the next one begins beside it.
+# Time limit for a cancelled behaviour to end; after that, the next one begins in parallel.
 CANCEL_S = 5.0
 
 
 class Behaviour(abc.ABC):
     """What a robot does. Override what you need; `client` is the `RobotClient` that runs it.
 
-    `prepare` and `execute` are cancelled (asyncio.CancelledError is raised in them) when the box stops the
-    robot, and when a waypoint timed out and the next one follows. What they raise is logged; the robot
-    then stays where it is until the box's timeout.
+    `prepare` and `execute` are cancelled (asyncio.CancelledError is raised in them) when the box stops the robot, and
+    when a waypoint timed out and the next one follows. Their exceptions are logged; the robot then keeps its state
+    until the box's timeout.
     """
 
     client: "RobotClient"
@@ -51,18 +50,18 @@ class Behaviour(abc.ABC):
     async def execute(self, benchmark: str, goal: Optional[Goal]) -> Result:
         """Execute a goal; return when it is complete.
 
-        `goal` is None in benchmarks without explicit goals. Return a `HopfResult` in HOPF, a `HppfResult`
-        in HPPF, else None. HPFF ends by its timeout: wait there until cancelled.
+        `goal` is None in benchmarks without explicit goals. Return a `HopfResult` in HOPF, a `HppfResult` in HPPF,
+        else None. HPFF ends by its timeout: wait until cancelled.
         """
 
     def stop(self, why: str) -> None:  # noqa: B027
-        """Stop all motion now. `prepare` or `execute`, if one runs, is being cancelled."""
+        """Stop all motion now. `prepare` or `execute` is cancelled."""
 
     def on_devices(self, devices: fx.Devices) -> None:  # noqa: B027
-        """The home devices' state, at first and when it changes."""
+        """The state of the home devices, initially and after changes."""
 
     def on_tablet(self, tablet: fx.Tablet) -> None:  # noqa: B027
-        """The tablet's state, at first and when it changes."""
+        """The state of the tablet, initially and after changes."""
 
     def on_bell(self) -> None:  # noqa: B027
         """Somebody rang the bell."""
@@ -74,7 +73,7 @@ class Behaviour(abc.ABC):
         """A position (metres) was selected on the tablet."""
 
     def on_report(self, report: fx.Report) -> None:
-        """Trouble that the client noticed, or its end."""
+        """A problem that the client noticed, or its end."""
         _log.log(logging.INFO if report.over else logging.WARNING, "%s", report.text)
 
 
@@ -83,10 +82,10 @@ def _warn(text: str) -> None:
 
 
 class RobotClient:
-    """One robot: joins whatever run the box lists it in, and lets a `Behaviour` do the work.
+    """One robot: joins the runs in which the box lists it, and runs a `Behaviour`.
 
-    Its methods raise `machine.IllegalEvent`, whose text says why, when they make no sense now: there is
-    no run, or a value does not fit.
+    Its methods raise `machine.IllegalEvent`, whose text says why, if they are not possible now: there is no run, or a
+    value is invalid.
     """
 
     def __init__(
@@ -102,7 +101,7 @@ class RobotClient:
         clock: Callable[[], float] = time.time,
         passes: Callable[[], bool] = always,
     ) -> None:
-        """`rsbb_host`: the network's broadcast address, or the box's. The rest: see `SessionRunner`."""
+        """`rsbb_host`: broadcast address of the network, or address of the box. For the rest see `SessionRunner`."""
         self._behaviour = behaviour
         behaviour.client = self
         self._settings = {
@@ -112,17 +111,17 @@ class RobotClient:
         }
         self._runner: Optional[SessionRunner] = None
         self._messages_saved = 0
-        self._phases: Set[asyncio.Task] = set()  # that have not ended, the cancelled ones too
-        self._phase: Optional[asyncio.Task] = None  # the one that may move the robot on
+        self._phases: Set[asyncio.Task] = set()  # that have not ended, including cancelled ones
+        self._phase: Optional[asyncio.Task] = None  # the present one
 
     async def run(self) -> None:
-        """Be a robot until cancelled. ValueError or OSError, which name the remedy, if it cannot begin."""
+        """Run until cancelled. Raises ValueError or OSError, which name the remedy, if it cannot start."""
         loop = asyncio.get_event_loop()
         self._runner = SessionRunner(loop, on_effect=self._follow, on_complaint=_warn, **self._settings)
         self._runner.session.progress.messages_saved = self._messages_saved
         try:
             self._runner.open()
-            await loop.create_future()  # never comes: the rest happens in callbacks
+            await loop.create_future()  # waits forever: callbacks do the work
         finally:
             self._runner.close()
             self._runner = None
@@ -130,29 +129,29 @@ class RobotClient:
             if self._phases:
                 await asyncio.wait(self._phases, timeout=CANCEL_S)
 
-    # What can be seen.
+    # State.
 
     @property
     def state(self) -> RobotState:
-        """The robot's state, as the box is told."""
+        """The robot's state, as sent to the box."""
         return self._runner.session.progress.state if self._runner else RobotState.STOP
 
     @property
     def benchmark(self) -> Optional[str]:
-        """The code of the present benchmark; None while there is no run."""
+        """The code of the present benchmark; None without a run."""
         return self._runner.session.progress.benchmark if self._runner else None
 
     @property
     def strings_pending(self) -> int:
-        """How many strings the box has not acknowledged yet."""
+        """Number of strings that the box has not acknowledged."""
         link = self._runner.session.link if self._runner else None
         return link.strings_pending if link else 0
 
-    # What can be told to the box.
+    # Messages to the box.
 
     @property
     def messages_saved(self) -> int:
-        """How much offline data is recorded (a count or bytes): the box stops a run where it stays 0."""
+        """The amount of recorded offline data (count or bytes). The box ends a run if this stays 0."""
         return self._messages_saved
 
     @messages_saved.setter
@@ -163,35 +162,35 @@ class RobotClient:
 
     def notify(self, text: str) -> None:
         """Online data: a notification (HWV, HOMF, HNF)."""
-        self._tell("add_string", "notifications", text)
+        self._request("add_string", "notifications", text)
 
     def activation_event(self, text: str) -> None:
-        """Online data: what the robot was activated by (HWV)."""
-        self._tell("add_string", "activation_event", text)
+        """Online data: what activated the robot (HWV)."""
+        self._request("add_string", "activation_event", text)
 
     def visitor(self, text: str) -> None:
         """Online data: who the visitor is (HWV)."""
-        self._tell("add_string", "visitor", text)
+        self._request("add_string", "visitor", text)
 
     def final_command(self, text: str) -> None:
         """Online data: the command that the robot understood (HCFGAC)."""
-        self._tell("add_string", "final_command", text)
+        self._request("add_string", "final_command", text)
 
     def set_device(self, name: str, value: Union[bool, int]) -> None:
         """Set a device (HCFGAC): switch_1 to switch_3 to a bool, dimmer and blinds to 0 to 100 per cent."""
-        self._tell("set_device", name, value)
+        self._request("set_device", name, value)
 
     def display_map(self, display: bool) -> None:
         """Let the tablet show its map (True) or its call button (False) (HCFGAC)."""
-        self._tell("display_map", display)
+        self._request("display_map", display)
 
-    def _tell(self, method: str, *arguments: Any) -> None:
+    def _request(self, method: str, *arguments: Any) -> None:
         if self._runner is None:
-            raise IllegalEvent("the client does not run: await its run()")
+            raise IllegalEvent("the client is not running: await its run()")
         getattr(self._runner.session, method)(*arguments)
         self._runner.wake()
 
-    # What the session brings.
+    # Effects of the session.
 
     def _follow(self, effect: fx.Effect) -> None:
         behaviour = self._behaviour
@@ -231,18 +230,18 @@ class RobotClient:
     async def _run_phase(
         self, work: Callable[[], Awaitable[Any]], end: Callable[[Any], None], before: Set[asyncio.Task]
     ) -> None:
-        """Do `work` when the phases `before`, which are cancelled, have ended; then `end`."""
+        """Do `work` after the cancelled phases `before` have ended; then call `end`."""
         if before:
             _, late = await asyncio.wait(before, timeout=CANCEL_S)
             if late:
                 _log.error(
-                    "a behaviour has not ended %.0f s after it was cancelled: let asyncio.CancelledError "
-                    "pass. The next one begins beside it", CANCEL_S,
+                    "a behaviour has not ended %.0f s after it was cancelled: it must not suppress "
+                    "asyncio.CancelledError. The next one starts in parallel", CANCEL_S,
                 )
         try:
             result = await work()
         except Exception:
-            _log.exception("a behaviour failed: the robot stays %s until the box stops it", self.state.name)
+            _log.exception("a behaviour failed: the robot stays in %s until the box stops it", self.state.name)
             return
         if self._phase is asyncio.current_task() and self._runner is not None:
             self._phase = None
@@ -256,5 +255,5 @@ class RobotClient:
         try:
             self._runner.session.end_execute(result)
         except ValueError as error:
-            _log.error("the goal ends without a result: %s", error)
+            _log.error("the goal is completed without a result: %s", error)
             self._runner.session.end_execute(None)

@@ -1,35 +1,203 @@
-"""The dummy robot as a program: `python -m roah_rsbb.robot.dummy --help`, `rosrun roah_rsbb dummy_robot`.
+"""A simulated robot: takes part in every benchmark, and misbehaves on request.
 
-No ROS is needed; what roslaunch adds to the arguments of a node is left aside.
+As a program: `python -m roah_rsbb.robot.dummy --help`, `rosrun roah_rsbb dummy_robot`. It needs no ROS. Arguments that
+roslaunch adds for nodes are ignored.
 """
 
 import argparse
 import asyncio
 import contextlib
 import logging
+import os
+import random
 import signal
 import sys
-from typing import List, Optional
+import time
+from dataclasses import dataclass
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from roah_rsbb.arguments import Parser, number
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.comm.sockets import ANY_HOST
-from roah_rsbb.robot.client import RobotClient
-from roah_rsbb.robot.dummy_robot import PHASES, DummyOptions, dummy_client
+from roah_rsbb.robot import effects as fx
+from roah_rsbb.robot.client import Behaviour, RobotClient
+from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
+
+_log = logging.getLogger("dummy_robot")
+
+SAVE_PERIOD_S = 1.0
+CRASH_STATUS = 70  # exit status after a requested crash
+PHASES = ("prepare", "execute")
+
+Action = Callable[[RobotClient], None]
+
+
+@dataclass(frozen=True)
+class DummyOptions:
+    """How a dummy robot behaves. Durations and skew in seconds."""
+
+    prepare_duration: float = 3.0
+    execute_duration: float = 3.0
+    never_end: bool = False  # executes until stopped
+    crash_in: Optional[str] = None  # one of PHASES
+    skew: float = 0.0  # its clock minus the true time
+    save_nothing: bool = False  # messages_saved stays 0
+    loss: float = 0.0  # share of lost datagrams, in both directions
+    seed: Optional[int] = None  # None: a different one each time
+
+
+# What it does while executing, spread evenly over the time.
+_ACTIONS: Dict[str, Tuple[Action, ...]] = {
+    "HWV": (
+        lambda client: client.activation_event("the bell rang"),
+        lambda client: client.notify("going to the door"),
+        lambda client: client.visitor("Deli Man"),
+        lambda client: client.notify("guiding the visitor"),
+        lambda client: client.notify("going to the door"),  # again: the box logs it twice
+    ),
+    "HCFGAC": (
+        lambda client: client.final_command("close the blinds, light, and show me the map"),
+        lambda client: client.set_device("switch_1", True),
+        lambda client: client.set_device("switch_2", True),
+        lambda client: client.set_device("switch_3", True),
+        lambda client: client.set_device("dimmer", 70),
+        lambda client: client.set_device("blinds", 100),
+        lambda client: client.display_map(True),
+        lambda client: client.set_device("switch_3", False),
+        lambda client: client.set_device("blinds", 0),
+        lambda client: client.display_map(False),
+    ),
+    "HNF": (lambda client: client.notify("on my way"),),
+    "HOMF": (lambda client: client.notify("switching"),),
+}
+
+
+class _NamedLog(logging.LoggerAdapter):
+    """Begins each line with a robot's name, if it has one."""
+
+    def process(self, msg: Any, kwargs: Any) -> Tuple[Any, Any]:
+        name = self.extra["name"].replace("%", "%%")
+        return (f"{name}: {msg}" if name else msg), kwargs
+
+
+class DummyRobot(Behaviour):
+    """Waits where a robot would work, and sends what a robot would send."""
+
+    def __init__(
+        self, options: DummyOptions, crash: Callable[[int], None] = os._exit, name_in_log: str = ""
+    ) -> None:
+        """`crash` ends the process with this exit status. `name_in_log` is for several robots in one log."""
+        self._log = _NamedLog(_log, {"name": name_in_log})
+        self._options = options
+        self._crash = crash
+        self._rng = random.Random(options.seed)
+
+    async def prepare(self, benchmark: str) -> None:
+        """Take `prepare_duration`."""
+        self._log.info("%s: preparing", benchmark)
+        await self._spend("prepare", self._options.prepare_duration, ())
+        self._log.info("%s: ready", benchmark)
+
+    async def execute(self, benchmark: str, goal: Optional[Goal]) -> Result:
+        """Take `execute_duration`, and return a result that fits the benchmark."""
+        self._log.info("%s: executing%s", benchmark, "" if goal is None else f" {_goal_text(goal)}")
+        await self._spend("execute", self._options.execute_duration, _ACTIONS.get(benchmark, ()))
+        if self._options.never_end or benchmark == "HPFF":
+            # In HPFF the robot follows the person until the timeout (docs/benchmarks.md, "HPFF").
+            await asyncio.get_event_loop().create_future()
+        result = self._result(benchmark)
+        self._log.info("%s: complete%s", benchmark, "" if result is None else f", {result}")
+        return result
+
+    def stop(self, why: str) -> None:
+        """Log it; there is nothing to stop."""
+        self._log.info("stopped: %s", why)
+
+    def on_bell(self) -> None:
+        """Log it."""
+        self._log.info("the bell rings")
+
+    def on_tablet_call(self) -> None:
+        """Log it."""
+        self._log.info("the tablet calls")
+
+    def on_tablet_position(self, x: float, y: float) -> None:
+        """Log it."""
+        self._log.info("the tablet sends me to %.2f, %.2f", x, y)
+
+    def on_report(self, report: fx.Report) -> None:
+        """Log it."""
+        self._log.log(logging.INFO if report.over else logging.WARNING, "%s", report.text)
+
+    async def _spend(self, phase: str, duration: float, actions: Tuple[Action, ...]) -> None:
+        """Wait for `duration`, with the actions evenly spread over it. Offline data is saved each second."""
+        count = len(actions) + 1
+        plan = [(duration * (number + 1) / count, action) for number, action in enumerate(actions)]
+        plan += [(second * SAVE_PERIOD_S, self._save) for second in range(int(duration / SAVE_PERIOD_S) + 1)]
+        if self._options.crash_in == phase:
+            plan.append((duration / 2, self._die))
+        loop = asyncio.get_event_loop()
+        began = loop.time()
+        for moment, action in sorted(plan, key=lambda entry: entry[0]):
+            await asyncio.sleep(began + moment - loop.time())
+            action(self.client)
+        await asyncio.sleep(began + duration - loop.time())
+
+    def _save(self, client: RobotClient) -> None:
+        if not self._options.save_nothing:
+            client.messages_saved += 1
+
+    def _die(self, _client: RobotClient) -> None:
+        self._log.error("crashing on request")
+        self._crash(CRASH_STATUS)
+
+    def _result(self, benchmark: str) -> Result:
+        x, y, theta = (round(self._rng.uniform(0.0, 0.5), 3) for _ in range(3))
+        pose = Pose(x, y, theta)
+        results: Dict[str, Result] = {
+            "HOPF": HopfResult("cups", "red_cup", pose),
+            "HPPF": HppfResult("Annie", pose),
+            "STB": "SOME RESULT",
+        }
+        return results.get(benchmark)
+
+
+def _goal_text(goal: Goal) -> str:
+    """A goal in one line."""
+    fields = goal._replace(text=None)._asdict().items()
+    return ", ".join(f"{name} {value}" for name, value in fields if value not in (None, ())) or repr(goal.text)
+
+
+def dummy_client(
+    team: str, password: str, robot: str = "DummyRobot", options: Optional[DummyOptions] = None,
+    rsbb_host: str = "10.255.255.255", rsbb_port: int = 6666, bind_host: str = ANY_HOST,
+    cipher: Cipher = Cipher.AES_128_CBC, name_in_log: str = "",
+) -> RobotClient:
+    """A client that runs a dummy robot; for arguments and exceptions see `RobotClient` and `DummyRobot`."""
+    options = options or DummyOptions()
+    network = random.Random(options.seed)
+    return RobotClient(
+        team, password, DummyRobot(options, name_in_log=name_in_log), robot, rsbb_host, rsbb_port, bind_host, cipher,
+        clock=lambda: time.time() + options.skew,
+        passes=lambda: network.random() >= options.loss,
+    )
+
+
+# -- the program ------------------------------------------------------------------------------------
 
 PROGRAM = "dummy_robot"
 
 _DESCRIPTION = """\
-A robot that only pretends: it joins every run that the box gives it, prepares and executes for as long as
-you say, and sends what a robot would send. It needs no ROS. Ctrl-C ends it.
+A simulated robot. It joins every run in which the box lists it, prepares and executes for the given times, and sends
+what a robot would send. It needs no ROS. Ctrl-C ends it.
 """
 
 _EPILOG = f"""\
-The team's password comes from --password-file, from the environment variable {PASSWORD_VARIABLE}, or from
---password; the last one shows it to everybody who can list this machine's processes.
+The team's password comes from --password-file, the environment variable {PASSWORD_VARIABLE}, or --password, which is
+visible in this machine's list of processes.
 
-On one machine with the box give each participant an address of its own, for example the box 127.0.0.1 and
+On the same machine as the box, give each participant its own address, for example 127.0.0.1 for the box and
   {PROGRAM} --team TestingTeam --host 127.255.255.255 --bind 127.0.0.2
 """
 
@@ -43,7 +211,7 @@ def _cipher(label: str) -> Cipher:
 
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
-    who = parser.add_argument_group("who it is")
+    who = parser.add_argument_group("identity")
     who.add_argument("--team", required=True, help="team name, as in the box's schedule and passwords")
     who.add_argument("--robot", default="DummyRobot", help="robot name (default: %(default)s)")
     password = who.add_mutually_exclusive_group()
@@ -54,36 +222,36 @@ def _parser() -> argparse.ArgumentParser:
                          help="the network's broadcast address, or the box's address (default: %(default)s)")
     network.add_argument("--port", type=int, default=6666, help="public UDP port (default: %(default)s)")
     network.add_argument("--bind", default=ANY_HOST, metavar="HOST",
-                         help="own address, where participants share a machine (default: %(default)s)")
+                         help="local address, if participants share a machine (default: %(default)s)")
     network.add_argument("--cipher", type=_cipher, default=Cipher.AES_128_CBC, metavar="NAME",
-                         help="for what it sends, such as aes-256-cbc (default: aes-128-cbc)")
+                         help="cipher of its messages, such as aes-256-cbc (default: aes-128-cbc)")
     _add_behaviour(parser)
     return parser
 
 
 def _add_behaviour(parser: argparse.ArgumentParser) -> None:
     usual = DummyOptions()
-    work = parser.add_argument_group("how it works")
+    work = parser.add_argument_group("behaviour")
     work.add_argument("--prepare-duration", type=number(0, 1e6), default=usual.prepare_duration, metavar="S",
-                      help="seconds from PREPARE until it is ready (default: %(default)s)")
+                      help="seconds from PREPARE until ready (default: %(default)s)")
     work.add_argument("--execute-duration", type=number(0, 1e6), default=usual.execute_duration, metavar="S",
                       help="seconds for each goal (default: %(default)s)")
-    wrong = parser.add_argument_group("how it misbehaves")
+    wrong = parser.add_argument_group("misbehaviour")
     wrong.add_argument("--never-end", action="store_true", help="execute until the box stops it")
-    wrong.add_argument("--crash-in", choices=PHASES, help="die in the middle of preparing or executing")
+    wrong.add_argument("--crash-in", choices=PHASES, help="crash while preparing or executing")
     wrong.add_argument("--skew", type=number(-1e9, 1e9), default=usual.skew, metavar="S",
-                       help="seconds by which its clock is ahead (default: %(default)s)")
-    wrong.add_argument("--save-nothing", action="store_true", help="say that no offline data is saved")
+                       help="offset of its clock in seconds (default: %(default)s)")
+    wrong.add_argument("--save-nothing", action="store_true", help="report that no offline data is saved")
     wrong.add_argument("--loss", type=number(0, 1), default=usual.loss, metavar="SHARE",
-                       help="share of the datagrams that are lost, both ways (default: %(default)s)")
-    wrong.add_argument("--seed", type=int, help="makes its losses and results the same each time")
+                       help="share of lost datagrams, in both directions (default: %(default)s)")
+    wrong.add_argument("--seed", type=int, help="random seed, for reproducible losses and results")
 
 
 def _password(options: argparse.Namespace) -> str:
-    """The password from wherever it is; ValueError when it is nowhere."""
+    """Find the password; ValueError if there is none."""
     password = own_password(options.password, options.password_file)
     if password is None:
-        raise ValueError(f"no password: give --password-file or the environment variable {PASSWORD_VARIABLE}")
+        raise ValueError(f"no password: use --password-file or the environment variable {PASSWORD_VARIABLE}")
     return password
 
 
@@ -100,7 +268,7 @@ async def _run(client: RobotClient) -> None:
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     given = sys.argv[1:] if arguments is None else arguments
-    # roslaunch appends __name:=... and __log:=..., and may be given any other remapping.
+    # roslaunch appends __name:=... and __log:=..., and may add other remappings.
     options = _parser().parse_args([argument for argument in given if ":=" not in argument])
     robot = options.robot.replace("%", "%%")
     logging.basicConfig(
@@ -118,7 +286,3 @@ def main(arguments: Optional[List[str]] = None) -> None:
         asyncio.run(_run(client))
     except (ValueError, OSError) as error:
         sys.exit(f"{PROGRAM}: {error}")
-
-
-if __name__ == "__main__":
-    main()

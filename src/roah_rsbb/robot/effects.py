@@ -1,4 +1,4 @@
-"""What a `Session` wants done: datagrams and channels for whoever holds the sockets, news for the owner."""
+"""The effects of a `Session`: datagrams and channels for the sockets, news for the robot's software."""
 
 import enum
 from dataclasses import dataclass
@@ -40,14 +40,14 @@ class SendState:
 
 @dataclass(frozen=True)
 class WouldSendState:
-    """The state that would be sent now if the owner did not play the box (`Session.override`)."""
+    """The state that would be sent without `Session.override`."""
 
     message: pb.RobotState
 
 
 @dataclass(frozen=True)
 class BenchmarkIs:
-    """The benchmark changed; None: there is none any more."""
+    """The benchmark changed; None if the run is over."""
 
     code: Optional[str]
 
@@ -61,14 +61,14 @@ class StateIs:
 
 @dataclass(frozen=True)
 class Prepare:
-    """Prepare for a goal, then call `Session.end_prepare`. What was going on has ended."""
+    """Prepare for a goal, then call `Session.end_prepare`. Any earlier activity has ended."""
 
     benchmark: str
 
 
 @dataclass(frozen=True)
 class Execute:
-    """Execute, then call `Session.end_execute`. `goal` is None where the box gave none."""
+    """Execute, then call `Session.end_execute`. `goal` is None if the box sent none."""
 
     benchmark: str
     goal: Optional[Goal]
@@ -76,7 +76,7 @@ class Execute:
 
 @dataclass(frozen=True)
 class Stop:
-    """Stop whatever is going on. `halt`: at once, the benchmark was not completed by the robot."""
+    """Stop all activity. `halt`: immediately, because the robot did not complete the benchmark."""
 
     halt: bool
     why: str
@@ -84,9 +84,9 @@ class Stop:
 
 @dataclass(frozen=True)
 class Devices:
-    """State of the home devices, at the first beacon and when it changed. dimmer, blinds: per cent."""
+    """State of the home devices, at the first beacon and after changes. dimmer, blinds: per cent."""
 
-    bell: Tuple[int, int]  # time of the last ring: seconds and nanoseconds since 1970
+    bell: Tuple[int, int]  # time of the latest ring: seconds and nanoseconds since 1970
     switch_1: bool
     switch_2: bool
     switch_3: bool
@@ -97,7 +97,7 @@ class Devices:
 
 @dataclass(frozen=True)
 class Tablet:
-    """State of the tablet, at the first beacon and when it changed. Times as in `Devices`, metres."""
+    """State of the tablet, at the first beacon and after changes. Times as in `Devices`; metres."""
 
     display_map: bool
     call_time: Tuple[int, int]
@@ -124,24 +124,24 @@ class PositionSelected:
     y: float
 
 
-class Trouble(enum.Enum):
-    """Kinds of trouble that a session can notice."""
+class Problem(enum.Enum):
+    """Problems that a session can notice."""
 
-    NO_BOX = "no box is heard"
+    NO_BOX = "no box is received"
     BOX_SILENT = "the box is silent on the private channel"
     WRONG_PASSWORD = "the box's messages cannot be decrypted"
     SAME_NAME = "another robot has the same team and name"
     ANOTHER_BOX = "there is another box"
-    UNEXPECTED_STATE = "the box asked for what cannot follow"
+    UNEXPECTED_STATE = "the box sent an impossible state"
     BAD_GOAL = "the goal cannot be read"
     CHANNEL = "the private channel cannot be opened"
 
 
 @dataclass(frozen=True)
 class Report:
-    """Trouble, told once; `over` tells that it has ended."""
+    """A problem, reported once; `over`: it has ended."""
 
-    trouble: Trouble
+    problem: Problem
     text: str
     over: bool = False
 

@@ -1,49 +1,52 @@
-"""The robot's state machine, as tables (docs/protocol.md, "Robot's next state").
+"""The robot's state machine as tables (docs/protocol.md, "Robot's next state"), and the state with its goal and result.
 
-The box leads. It repeats what it wants (`BoxState`) until the robot's own state shows that it was
-heard, so most entries say "keep": the robot hears the same word many times. One goal goes
+The box leads. It repeats its state (`BoxState`) until the robot's state shows that the robot received it, so most
+entries mean "keep". The course of one goal is
 
     STOP --PREPARE--> PREPARING ==> WAITING_GOAL --GOAL_TX--> EXECUTING ==> RESULT_TX --STOP--> STOP
 
-where ``==>`` are the robot's own two events. Where a benchmark has no explicit goal the box says
-WAITING_RESULT instead of GOAL_TX; where another goal follows it says PREPARE instead of the last
-STOP. A STOP at any other moment is the referee's, or the clock's: the robot halts.
+where ``==>`` are the robot's own two events. In benchmarks without explicit goals, the box sends WAITING_RESULT instead
+of GOAL_TX. If another goal follows, it sends PREPARE instead of the last STOP. A STOP at any other time comes from the
+referee or a timeout: the robot halts.
 
-What cannot follow (a goal for a robot that did not prepare) is an error: the robot goes to STOP,
-where the box finds it and starts again with PREPARE.
+An impossible state of the box (a goal for a robot that did not prepare) is an error. The robot goes to STOP, and the
+box starts again with PREPARE.
 """
 
 import enum
-from typing import Dict, NamedTuple, Tuple
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.robot import effects as fx
+from roah_rsbb.robot.goals import BadGoal, Goal, Result, check_result, read_goal
 
 
 class IllegalEvent(Exception):
-    """The robot's owner asked for what makes no sense now. Nothing was changed; str() says why."""
+    """The request is not possible now. Nothing was changed; the text says why."""
 
 
 class Act(enum.Enum):
-    """What a step asks of the robot, beside the new state."""
+    """What the robot must do in a transition."""
 
-    KEEP = "go on"
+    KEEP = "continue"
     PREPARE = "prepare for a goal"
-    EXECUTE = "read the goal and execute it"
-    EXECUTE_NO_GOAL = "execute: there is no explicit goal"
-    HALT = "stop at once"
+    EXECUTE = "read and execute the goal"
+    EXECUTE_NO_GOAL = "execute without an explicit goal"
+    HALT = "stop immediately"
     END = "the benchmark is over"
-    ERROR = "stop: the box asked for what cannot follow"
+    ERROR = "stop: the box sent an impossible state"
 
 
-class Step(NamedTuple):
-    """An entry of the table: the robot's next state, and what to do."""
+class Transition(NamedTuple):
+    """An entry of the table: the robot's next state and action."""
 
     state: RobotState
     act: Act
 
 
-class Own(enum.Enum):
-    """What the robot itself brings about."""
+class RobotEvent(enum.Enum):
+    """The events that the robot itself causes."""
 
     PREPARATION_COMPLETE = "preparation complete"
     GOAL_COMPLETE = "goal complete"
@@ -52,66 +55,162 @@ class Own(enum.Enum):
 _KEEP, _PREPARE, _EXECUTE, _NO_GOAL, _HALT, _END, _ERROR = Act
 _R = RobotState
 
-# (benchmark state received, the robot's present state) -> step.
-BOX_TABLE: Dict[Tuple[BoxState, RobotState], Step] = {
-    (BoxState.STOP, _R.STOP): Step(_R.STOP, _KEEP),
-    (BoxState.STOP, _R.PREPARING): Step(_R.STOP, _HALT),
-    (BoxState.STOP, _R.WAITING_GOAL): Step(_R.STOP, _HALT),
-    (BoxState.STOP, _R.EXECUTING): Step(_R.STOP, _HALT),
-    (BoxState.STOP, _R.RESULT_TX): Step(_R.STOP, _END),
+# (received benchmark state, robot's present state) -> transition.
+BOX_TABLE: Dict[Tuple[BoxState, RobotState], Transition] = {
+    (BoxState.STOP, _R.STOP): Transition(_R.STOP, _KEEP),
+    (BoxState.STOP, _R.PREPARING): Transition(_R.STOP, _HALT),
+    (BoxState.STOP, _R.WAITING_GOAL): Transition(_R.STOP, _HALT),
+    (BoxState.STOP, _R.EXECUTING): Transition(_R.STOP, _HALT),
+    (BoxState.STOP, _R.RESULT_TX): Transition(_R.STOP, _END),
 
-    (BoxState.PREPARE, _R.STOP): Step(_R.PREPARING, _PREPARE),
-    (BoxState.PREPARE, _R.PREPARING): Step(_R.PREPARING, _KEEP),
-    (BoxState.PREPARE, _R.WAITING_GOAL): Step(_R.WAITING_GOAL, _KEEP),
-    # The box may not have heard yet that the robot executes. See also PREPARE_ENDS_GOAL.
-    (BoxState.PREPARE, _R.EXECUTING): Step(_R.EXECUTING, _KEEP),
-    (BoxState.PREPARE, _R.RESULT_TX): Step(_R.PREPARING, _PREPARE),
+    (BoxState.PREPARE, _R.STOP): Transition(_R.PREPARING, _PREPARE),
+    (BoxState.PREPARE, _R.PREPARING): Transition(_R.PREPARING, _KEEP),
+    (BoxState.PREPARE, _R.WAITING_GOAL): Transition(_R.WAITING_GOAL, _KEEP),
+    # The box may not know yet that the robot executes. See also PREPARE_ENDS_GOAL.
+    (BoxState.PREPARE, _R.EXECUTING): Transition(_R.EXECUTING, _KEEP),
+    (BoxState.PREPARE, _R.RESULT_TX): Transition(_R.PREPARING, _PREPARE),
 
-    (BoxState.GOAL_TX, _R.STOP): Step(_R.STOP, _ERROR),
-    (BoxState.GOAL_TX, _R.PREPARING): Step(_R.STOP, _ERROR),
-    (BoxState.GOAL_TX, _R.WAITING_GOAL): Step(_R.EXECUTING, _EXECUTE),
-    (BoxState.GOAL_TX, _R.EXECUTING): Step(_R.EXECUTING, _KEEP),
-    (BoxState.GOAL_TX, _R.RESULT_TX): Step(_R.RESULT_TX, _KEEP),
+    (BoxState.GOAL_TX, _R.STOP): Transition(_R.STOP, _ERROR),
+    (BoxState.GOAL_TX, _R.PREPARING): Transition(_R.STOP, _ERROR),
+    (BoxState.GOAL_TX, _R.WAITING_GOAL): Transition(_R.EXECUTING, _EXECUTE),
+    (BoxState.GOAL_TX, _R.EXECUTING): Transition(_R.EXECUTING, _KEEP),
+    (BoxState.GOAL_TX, _R.RESULT_TX): Transition(_R.RESULT_TX, _KEEP),
 
-    (BoxState.WAITING_RESULT, _R.STOP): Step(_R.STOP, _ERROR),
-    (BoxState.WAITING_RESULT, _R.PREPARING): Step(_R.STOP, _ERROR),
-    (BoxState.WAITING_RESULT, _R.WAITING_GOAL): Step(_R.EXECUTING, _NO_GOAL),
-    (BoxState.WAITING_RESULT, _R.EXECUTING): Step(_R.EXECUTING, _KEEP),
-    (BoxState.WAITING_RESULT, _R.RESULT_TX): Step(_R.RESULT_TX, _KEEP),
+    (BoxState.WAITING_RESULT, _R.STOP): Transition(_R.STOP, _ERROR),
+    (BoxState.WAITING_RESULT, _R.PREPARING): Transition(_R.STOP, _ERROR),
+    (BoxState.WAITING_RESULT, _R.WAITING_GOAL): Transition(_R.EXECUTING, _NO_GOAL),
+    (BoxState.WAITING_RESULT, _R.EXECUTING): Transition(_R.EXECUTING, _KEEP),
+    (BoxState.WAITING_RESULT, _R.RESULT_TX): Transition(_R.RESULT_TX, _KEEP),
 }
 
-# Benchmarks in which PREPARE while EXECUTING means that the goal (a waypoint) timed out and the next
-# one follows: what robots in the field do (docs/protocol.md, "Robot's next state").
+# In these benchmarks PREPARE while EXECUTING means that the goal (a waypoint) timed out and the next one follows, as
+# existing robots do (docs/protocol.md, "Robot's next state").
 PREPARE_ENDS_GOAL = frozenset({"HNF"})
 
-# (own event, the robot's present state) -> next state. There is no other own event.
-OWN_TABLE: Dict[Tuple[Own, RobotState], RobotState] = {
-    (Own.PREPARATION_COMPLETE, _R.PREPARING): _R.WAITING_GOAL,
-    (Own.GOAL_COMPLETE, _R.EXECUTING): _R.RESULT_TX,
+# (robot's event, robot's present state) -> next state.
+EVENT_TABLE: Dict[Tuple[RobotEvent, RobotState], RobotState] = {
+    (RobotEvent.PREPARATION_COMPLETE, _R.PREPARING): _R.WAITING_GOAL,
+    (RobotEvent.GOAL_COMPLETE, _R.EXECUTING): _R.RESULT_TX,
 }
 
 
-def box_step(benchmark: str, received: BoxState, state: RobotState) -> Step:
-    """The step of a robot in `state` that hears `received` from the box in benchmark `benchmark`."""
+def box_transition(benchmark: str, received: BoxState, state: RobotState) -> Transition:
+    """The transition of a robot in `state` that receives `received` in benchmark `benchmark`."""
     if (received, state) == (BoxState.PREPARE, RobotState.EXECUTING) and benchmark in PREPARE_ENDS_GOAL:
-        return Step(RobotState.PREPARING, Act.PREPARE)
+        return Transition(RobotState.PREPARING, Act.PREPARE)
     return BOX_TABLE[received, state]
 
 
-def own_step(event: Own, state: RobotState) -> RobotState:
-    """The state after an own event; `IllegalEvent` when `event` cannot happen in `state`."""
-    following = OWN_TABLE.get((event, state))
+def event_transition(event: RobotEvent, state: RobotState) -> RobotState:
+    """The state after an event of the robot; `IllegalEvent` if `event` is impossible in `state`."""
+    following = EVENT_TABLE.get((event, state))
     if following is None:
-        when = next(before for known, before in OWN_TABLE if known is event)
+        when = next(before for known, before in EVENT_TABLE if known is event)
         raise IllegalEvent(
-            f"{event.value}: the robot is in {state.name}, this is only possible in {when.name}"
+            f"{event.value}: only possible in {when.name}, but the robot is in {state.name}"
         )
     return following
 
 
 def error_text(received: BoxState, state: RobotState) -> str:
-    """What to tell the robot's owner about an `Act.ERROR` step."""
+    """The report of an `Act.ERROR` transition."""
     return (
-        f"the box sent {received.name} to a robot in {state.name}, which has no goal to wait for: stopped. "
-        "Normal after a restart of this program in the middle of a run; the box starts again with PREPARE"
+        f"the box sent {received.name} while this robot is in {state.name} without a goal: stopped. "
+        "This is normal after a restart of this program during a run: the box starts again with PREPARE"
     )
+
+
+# -- the state of a robot ---------------------------------------------------------------------------
+
+_MAX_UINT32 = 2**32 - 1
+
+
+class Progress:
+    """The robot's state with benchmark, goal and result. Methods return the effects for the robot's software."""
+
+    def __init__(self) -> None:
+        self.state = RobotState.STOP
+        self.benchmark: Optional[str] = None  # code; None without a run
+        self.goal: Optional[Goal] = None  # the present goal, if the box sent one
+        self.result: Result = None  # of the latest completed goal
+        self._messages_saved = 0
+        self._reported: Optional[Tuple[BoxState, str]] = None  # reported problem, until it is over
+
+    @property
+    def messages_saved(self) -> int:
+        """The amount of recorded offline data (count or bytes). The box ends a run if this stays 0."""
+        return self._messages_saved
+
+    @messages_saved.setter
+    def messages_saved(self, count: int) -> None:
+        if not 0 <= count <= _MAX_UINT32:
+            raise ValueError(f"messages_saved must be a number from 0 to {_MAX_UINT32}, not {count!r}")
+        self._messages_saved = int(count)
+
+    def hear(self, message: pb.BenchmarkState, goal_needed: bool = True) -> List[fx.Effect]:
+        """Take a state of the box. Without `goal_needed`, an unreadable goal is ignored."""
+        received = BoxState(message.benchmark_state)
+        effects: List[fx.Effect] = []
+        if message.benchmark_type != self.benchmark:
+            if self.benchmark is not None:
+                effects += self._enter(Transition(RobotState.STOP, Act.HALT), "the benchmark changed")
+            self.benchmark = message.benchmark_type
+            effects.append(fx.BenchmarkIs(self.benchmark))
+        step = box_transition(message.benchmark_type, received, self.state)
+        goal = None
+        if step.act is Act.EXECUTE:
+            try:
+                goal = read_goal(message)
+            except BadGoal as bad:
+                if goal_needed:
+                    # Stay in this state: the box repeats the goal. Executing nothing would lose the goal.
+                    return effects + self._report(fx.Problem.BAD_GOAL, received, str(bad))
+        if step.act is Act.ERROR:
+            text = error_text(received, self.state)
+            effects += self._enter(step, text)
+            return effects + self._report(fx.Problem.UNEXPECTED_STATE, received, text)
+        self._reported = None
+        return effects + self._enter(step, f"the box sent {received.name}", goal)
+
+    def leave(self, why: str) -> List[fx.Effect]:
+        """The run is over."""
+        effects = self._enter(Transition(RobotState.STOP, Act.HALT), why)
+        if self.benchmark is not None:
+            self.benchmark = None
+            effects.append(fx.BenchmarkIs(None))
+        self._reported = None
+        return effects
+
+    def end_prepare(self) -> List[fx.Effect]:
+        """The robot has prepared; IllegalEvent if that was not requested."""
+        return self._enter(Transition(event_transition(RobotEvent.PREPARATION_COMPLETE, self.state), Act.KEEP), "")
+
+    def end_execute(self, result: Result) -> List[fx.Effect]:
+        """The goal is complete; IllegalEvent without a goal, ValueError for an unsuitable `result`."""
+        following = event_transition(RobotEvent.GOAL_COMPLETE, self.state)
+        check_result(self.benchmark or "", result)
+        self.result = result
+        return self._enter(Transition(following, Act.KEEP), "")
+
+    def _enter(self, step: Transition, why: str, goal: Optional[Goal] = None) -> List[fx.Effect]:
+        before, self.state = self.state, step.state
+        effects: List[fx.Effect] = []
+        if step.state is not before:
+            effects.append(fx.StateIs(step.state))
+            if step.state is not RobotState.EXECUTING:
+                self.goal = None
+            if step.act in (Act.HALT, Act.END, Act.ERROR):
+                effects.append(fx.Stop(halt=step.act is not Act.END, why=why))
+        if step.act is Act.PREPARE:
+            effects.append(fx.Prepare(self.benchmark or ""))
+        elif step.act in (Act.EXECUTE, Act.EXECUTE_NO_GOAL):
+            self.goal = goal
+            effects.append(fx.Execute(self.benchmark or "", goal))
+        return effects
+
+    def _report(self, problem: fx.Problem, received: BoxState, text: str) -> List[fx.Effect]:
+        """Report a problem once, although the box repeats its state."""
+        if self._reported == (received, problem.name):
+            return []
+        self._reported = (received, problem.name)
+        return [fx.Report(problem, text)]

@@ -1,7 +1,6 @@
-"""A `Session` on real sockets and clocks: it does the effects that need them and passes all of them on.
+"""A `Session` with real sockets and clocks: carries out effects that need them, and passes all effects on.
 
-This is what `client.RobotClient` and the ROS node are built on. All methods belong to the thread of the
-asyncio loop.
+`client.RobotClient` and the ROS node use it. Call all methods in the thread of the asyncio loop.
 """
 
 import asyncio
@@ -18,17 +17,17 @@ from roah_rsbb.robot.session import Address, Session
 
 _log = logging.getLogger(__name__)
 
-# Of a filter that remembers what a box sends in many hours.
+# Size of a filter that remembers what a box sends in many hours.
 SEEN_BITS = 2**22
 
 
 def always() -> bool:
-    """A network that loses nothing, as far as we are asked."""
+    """Lose no datagram."""
     return True
 
 
 class SessionRunner:
-    """The robot's public channel, its private one while there is a run, and the session between them."""
+    """The robot's session with its public channel and, during a run, its private one."""
 
     def __init__(
         self,
@@ -45,14 +44,14 @@ class SessionRunner:
         clock: Callable[[], float] = time.time,
         passes: Callable[[], bool] = always,
     ) -> None:
-        """ValueError for an empty name or password, and for `Cipher.NONE`. Nothing is opened yet.
+        """Raises ValueError for an empty name or password, and for `Cipher.NONE`. Opens nothing yet.
 
-        `on_effect` gets every effect after it was done, `on_complaint` a text about the network or a bad
-        datagram. `clock` gives the robot's time in seconds since 1970. `passes` is asked for each datagram
-        sent or received: False loses it, to try a bad network.
+        `on_effect` is called with every effect after it was carried out, `on_complaint` with a text about the network
+        or an invalid datagram. `clock` returns the robot's time in seconds since 1970. `passes` is called for each
+        datagram that is sent or received; False drops it, to simulate a bad network.
         """
         if cipher is Cipher.NONE:
-            raise ValueError("a private channel is never plain: choose another cipher than none")
+            raise ValueError("a private channel must be encrypted: choose another cipher than none")
         self.session = Session(team, robot, loop.time())
         self._loop = loop
         self._on_effect = on_effect
@@ -67,17 +66,17 @@ class SessionRunner:
         )
         self._private: Optional[PrivateChannel] = None
         self._seen = Seen(SEEN_BITS)
-        self._bad_datagrams = 0  # of the box, on the private channel
+        self._bad_datagrams = 0  # of the box on the private channel
         self._timer: Optional[asyncio.TimerHandle] = None
         self._woken = False
 
     def open(self) -> None:
-        """Begin. Raises OSError whose text names the remedy."""
+        """Start. Raises OSError whose text names the remedy."""
         self._public.open()
         self._poll()
 
     def close(self) -> None:
-        """End, without a word to the box; does nothing if closed."""
+        """Stop without informing the box; has no effect if closed."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -85,10 +84,10 @@ class SessionRunner:
         self._public.close()
 
     def wake(self) -> None:
-        """Call after each use of the session's methods: what follows is done at once.
+        """Carry out effects soon. Call this after each use of the session's methods.
 
-        That is when the caller has returned to the loop, so that what was asked for together is sent
-        together, and a handler of effects may ask for more.
+        The effects follow when the caller has returned to the loop. So simultaneous requests are sent together, and a
+        handler of effects may make further requests.
         """
         if not self._woken:
             self._woken = True
@@ -103,7 +102,7 @@ class SessionRunner:
             try:
                 self._on_effect(effect)
             except Exception:
-                # A mistake there must not silence the robot: the next effect may be a stop.
+                # An error there must not stop the session: the next effect may be a stop.
                 _log.exception("a handler of the robot's effects failed")
         if self._timer is not None:
             self._timer.cancel()
@@ -155,7 +154,7 @@ class SessionRunner:
             self._poll()
 
     def _private_complaint(self, text: str) -> None:
-        """Bad datagrams, told once a second, or a failure to send: tell them apart by the counts."""
+        """A summary of invalid datagrams, or a failure to send; the counts distinguish them."""
         self._on_complaint(text)
         link = self.session.link
         if self._private is None or link is None:

@@ -1,14 +1,13 @@
-"""Everything a robot does between its behaviours and the network, without sockets and clocks.
+"""Everything a robot does between its behaviour and the network, without sockets and clocks.
 
-Feed a `Session` with what was received and with what the robot's owner wants; after each call, and at
-`deadline`, call `poll` and do what the effects say, in order. The session asks no clock: `now_mono`
-is a monotonic time in seconds, `now_utc` the robot's clock in seconds since 1970.
+Pass received messages and requests of the robot's software to a `Session`. After each call, and at `deadline`, call
+`poll` and carry out the effects in order. The session has no clock: `now_mono` is a monotonic time in seconds,
+`now_utc` the robot's clock in seconds since 1970.
 
-Which box. The first box heard is the robot's box, and stays so while its beacon or its private messages
-were heard within the last 5 s; the beacon of another one is reported and changes nothing. After a silence
-in which nobody was heard, the network was away and not the box: another one must have been heard for 5 s
-without it. Only a robot that has no private channel follows any box that lists it, and one whose private
-channel never brought anything.
+Choice of the box. The first box that is received is the robot's box. It remains so while its beacons or private
+messages arrive at least every 5 s; beacons of another box are reported and ignored. If nothing at all was received, the
+network was down, not the box: another box must then be received alone for 5 s. A robot without a private channel, or
+whose private channel never delivered anything, follows any box that lists it.
 """
 
 from typing import List, Optional, Tuple, Union
@@ -16,18 +15,16 @@ from typing import List, Optional, Tuple, Union
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Result
-from roah_rsbb.robot.link import Link
-from roah_rsbb.robot.machine import IllegalEvent
-from roah_rsbb.robot.progress import Progress
-from roah_rsbb.robot.times import wire_time
-from roah_rsbb.robot.watch import SILENCE_S, Alone, Home, Reports, Silence
+from roah_rsbb.robot.link import Link, wire_time
+from roah_rsbb.robot.machine import IllegalEvent, Progress
+from roah_rsbb.robot.watch import SILENCE_S, Home, OtherBoxes, Reports, Silence
 
 BEACON_PERIOD_S = 1.0
 
 PublicMessage = Union[pb.RoahRsbbBeacon, pb.RobotBeacon, pb.TabletBeacon]
 PrivateMessage = Union[pb.BenchmarkState, pb.RobotState]
 
-# Where a datagram came from: host and port.
+# The sender of a datagram: host and port.
 Address = Tuple[str, int]
 
 
@@ -35,34 +32,35 @@ class Session:
     """One robot of one team: `progress` in its benchmark, `link` to the box (None: no private channel)."""
 
     def __init__(self, team: str, robot: str, now_mono: float) -> None:
-        """ValueError when a name is empty."""
+        """Raises ValueError for an empty name."""
         if not team or not robot:
-            raise ValueError("a robot needs a team name and a robot name, neither may be empty")
+            raise ValueError("team name and robot name must not be empty")
         self.team = team
         self.robot = robot
         self.progress = Progress()
         self.link: Optional[Link] = None
         self._box: Optional[str] = None  # address of the robot's box
-        self._others = Alone()
+        self._others = OtherBoxes()
         self._silence = Silence(SILENCE_S, now_mono)  # of the box's beacon
         self._beacon_due = now_mono
-        self._changed = False  # the box is to hear at once
+        self._changed = False  # send to the box immediately
         self._home = Home()
         self._reports = Reports()
         self._effects: List[fx.Effect] = []
 
-    # What the network brings.
+    # Received messages.
 
     def public_message(self, now_mono: float, message: PublicMessage, sender: Address) -> None:
-        """A message on the public channel, from another participant."""
+        """Take a message of another participant on the public channel."""
         if isinstance(message, pb.RoahRsbbBeacon):
             self._hear_beacon(now_mono, message, sender[0])
         elif isinstance(message, pb.RobotBeacon) and self._is_me(message):
             self._hear_twin(sender[0])
-        # A TabletBeacon is for the box: robots trust what the box says of the tablet (docs/protocol.md, "Messages").
+        # A TabletBeacon is for the box. Robots use the tablet's state in the box's beacon (docs/protocol.md,
+        # "Messages").
 
     def private_message(self, now_mono: float, message: PrivateMessage, sender: Address) -> None:
-        """A message on the private channel."""
+        """Take a message on the private channel."""
         link = self.link
         if link is None or link.by_hand:
             return
@@ -70,9 +68,8 @@ class Session:
             self._hear_twin(sender[0])
         elif sender[0] != link.host:
             self._effects += self._reports.once(
-                fx.Trouble.ANOTHER_BOX, sender[0],
-                f"a box at {sender[0]} sends on port {link.port}, where the box at {link.host} runs this "
-                "robot: ignored",
+                fx.Problem.ANOTHER_BOX, sender[0],
+                f"a box at {sender[0]} sends on port {link.port}, which belongs to the box at {link.host}: ignored",
             )
         else:
             link.decoded = True
@@ -87,25 +84,25 @@ class Session:
         self._end_silence(now_mono, link)
         if not link.decoded:
             self._effects += self._reports.once(
-                fx.Trouble.WRONG_PASSWORD, link.port,
-                f"what the box at {link.host} sends on port {link.port} cannot be decrypted: this robot's "
-                f"password of team {self.team} is not the one in the box's passwords file",
+                fx.Problem.WRONG_PASSWORD, link.port,
+                f"messages of the box at {link.host} on port {link.port} cannot be decrypted: this robot's "
+                f"password of team {self.team} differs from the one in the box's passwords file",
             )
 
     def channel_failed(self, reason: str) -> None:
-        """The private channel could not be opened. It is tried again at the next beacon."""
+        """The private channel could not be opened. It is retried at the next beacon."""
         if self.link is not None and not self.link.by_hand:
-            self._effects += self._reports.once(fx.Trouble.CHANNEL, reason, reason)
+            self._effects += self._reports.once(fx.Problem.CHANNEL, reason, reason)
             self._drop(reason)
 
-    # What the robot's owner wants. Each raises IllegalEvent, and changes nothing, when it makes no sense.
+    # Requests of the robot's software. Each raises IllegalEvent, and changes nothing, if it is not possible now.
 
     def end_prepare(self) -> None:
-        """The robot has prepared and waits for its goal."""
+        """The robot has prepared and waits for a goal."""
         self._follow(self.progress.end_prepare())
 
     def end_execute(self, result: Result = None) -> None:
-        """The robot has finished the goal; ValueError for a result that does not fit the benchmark."""
+        """The robot has finished the goal; ValueError for an unsuitable result."""
         self._follow(self.progress.end_execute(result))
 
     def add_string(self, field: str, text: str) -> None:
@@ -124,24 +121,24 @@ class Session:
         self._changed = True
 
     def override(self, now_mono: float, message: Optional[pb.BenchmarkState]) -> None:
-        """Play the box, to test a robot without one; None: back to normal.
+        """Play the box to test a robot without one; None ends this.
 
-        The private channel is closed, nothing is sent to anybody, and the states that would be sent
-        come as `WouldSendState`. A goal that is missing in `message` does not matter then.
+        The private channel is closed, and nothing is sent. States become `WouldSendState` effects. A missing goal in
+        `message` is ignored.
         """
         if message is None:
             if self.link is not None and self.link.by_hand:
                 self._drop("the override has ended")
             return
         if self.link is None or not self.link.by_hand:
-            self._drop("the owner overrides the box")
+            self._drop("the box is overridden")
             self.link = Link("", 0, now_mono, by_hand=True)
         self._hear_state(now_mono, self.link, message)
 
     # Time.
 
     def deadline(self) -> float:
-        """When `poll` has something to do next, in monotonic seconds."""
+        """When to call `poll` next, in monotonic seconds."""
         if self.link is None:
             return min(self._silence.deadline, self._beacon_due)
         if self.link.by_hand:
@@ -149,7 +146,7 @@ class Session:
         return min(self._silence.deadline, self.link.silence.deadline, self.link.sender.deadline)
 
     def poll(self, now_mono: float, now_utc: float) -> List[fx.Effect]:
-        """What is to be done now, in this order."""
+        """Return what is to be done now, in order."""
         link = self.link
         if link is None or not link.by_hand:
             self._begin_silences(now_mono)
@@ -172,11 +169,11 @@ class Session:
 
     def _running(self, to_do: str) -> Link:
         if self.link is None:
-            raise IllegalEvent(f"cannot {to_do}: there is no run, the box does not list this robot")
+            raise IllegalEvent(f"cannot {to_do}: the box does not list this robot in a run")
         return self.link
 
     def _follow(self, effects: List[fx.Effect]) -> None:
-        """Pass on what a step brought; the box hears of a new state at once."""
+        """Add effects. A new state is sent to the box immediately."""
         self._changed = self._changed or any(isinstance(effect, fx.StateIs) for effect in effects)
         self._effects += effects
 
@@ -185,39 +182,39 @@ class Session:
             return
         effects = self.progress.hear(message, goal_needed=not link.by_hand)
         if any(isinstance(effect, fx.Report) for effect in effects):
-            link.sender.reply(now_mono)  # where the robot really is, so that the box can begin again
+            link.sender.reply(now_mono)  # send the real state, so that the box can start again
         self._follow(effects)
 
     def _drop(self, why: str) -> None:
-        """End the run, as far as this robot goes."""
+        """End the run for this robot."""
         self._effects += self.progress.leave(why)
         if self.link is not None and not self.link.by_hand:
             self._effects.append(fx.CloseChannel(why))
         self.link = None
 
-    # Which box, and whether it is there.
+    # Choice of the box, and silences.
 
     def _hear_beacon(self, now_mono: float, beacon: pb.RoahRsbbBeacon, host: str) -> None:
         port = self._listed_port(beacon, host)
         if not self._follows(now_mono, host, listed=port is not None):
             self._effects += self._reports.once(
-                fx.Trouble.ANOTHER_BOX, host,
-                f"there is another box at {host}, beside the one at {self._box}: its beacon is ignored while "
-                "that one is heard",
+                fx.Problem.ANOTHER_BOX, host,
+                f"there is another box at {host} besides the one at {self._box}: it is ignored while the other "
+                "one is received",
             )
             return
         if host != self._box:
-            self._box, self._home = host, Home()  # what another box tells at first is long past
+            self._box, self._home = host, Home()  # the first beacon of another box has old times
         self._others.end()
         if self._silence.heard(now_mono):
-            self._effects.append(fx.Report(fx.Trouble.NO_BOX, f"the box at {host} is heard", over=True))
+            self._effects.append(fx.Report(fx.Problem.NO_BOX, f"the box at {host} is received", over=True))
         self._effects += self._home.see(beacon)
         link = self.link
         if link is not None:
             if link.by_hand or (link.host, link.port) == (host, port):
                 return
             self._drop(
-                "the box does not list this robot any more" if port is None
+                "the box no longer lists this robot" if port is None
                 else f"the box at {host} gave this robot port {port}"
             )
         if port is not None:
@@ -228,14 +225,14 @@ class Session:
         return (message.team_name, message.robot_name) == (self.team, self.robot)
 
     def _listed_port(self, beacon: pb.RoahRsbbBeacon, host: str) -> Optional[int]:
-        """The port of this robot's private channel, where the beacon lists the robot with a valid one."""
+        """The port of this robot's private channel if the beacon lists it with a valid one."""
         for entry in beacon.benchmarking_teams:
             if self._is_me(entry):
                 if 0 < entry.rsbb_port < 65536:
                     return entry.rsbb_port
                 self._effects += self._reports.once(
-                    fx.Trouble.CHANNEL, entry.rsbb_port,
-                    f"the box at {host} gave this robot port {entry.rsbb_port}: there is no such port",
+                    fx.Problem.CHANNEL, entry.rsbb_port,
+                    f"the box at {host} gave this robot the invalid port {entry.rsbb_port}",
                 )
         return None
 
@@ -251,27 +248,27 @@ class Session:
 
     def _hear_twin(self, host: str) -> None:
         self._effects += self._reports.once(
-            fx.Trouble.SAME_NAME, host,
-            f"another robot at {host} also calls itself {self.robot} of team {self.team}: the box cannot "
-            "tell them apart, stop one or give it another robot name",
+            fx.Problem.SAME_NAME, host,
+            f"another robot at {host} also has the name {self.robot} of team {self.team}: the box cannot "
+            "distinguish them. Stop one of them, or change its robot name",
         )
 
     def _end_silence(self, now_mono: float, link: Link) -> None:
         self._others.end()
         if link.silence.heard(now_mono):
-            text = f"the box at {link.host} is heard again on port {link.port}"
-            self._effects.append(fx.Report(fx.Trouble.BOX_SILENT, text, over=True))
+            text = f"the box at {link.host} is received again on port {link.port}"
+            self._effects.append(fx.Report(fx.Problem.BOX_SILENT, text, over=True))
 
     def _begin_silences(self, now_mono: float) -> None:
         if self._silence.begins(now_mono):
             self._effects.append(fx.Report(
-                fx.Trouble.NO_BOX,
-                f"no beacon of a box for {SILENCE_S:.0f} s: is the box on, on this network and on this "
-                "public port, and does a firewall let its broadcast in?",
+                fx.Problem.NO_BOX,
+                f"no beacon of a box for {SILENCE_S:.0f} s: check that the box runs on this network and public port, "
+                "and that no firewall blocks its broadcasts",
             ))
         if self.link is not None and self.link.silence.begins(now_mono):
             self._effects.append(fx.Report(
-                fx.Trouble.BOX_SILENT,
+                fx.Problem.BOX_SILENT,
                 f"the box at {self.link.host} has sent nothing on port {self.link.port} for "
-                f"{SILENCE_S:.0f} s: has it lost this robot, or does a firewall keep that port closed?",
+                f"{SILENCE_S:.0f} s: check that no firewall blocks this port",
             ))

@@ -1,4 +1,4 @@
-"""What a robot watches beside its run: silences, other participants, the home in the box's beacons."""
+"""What a robot monitors besides its run: silences, other boxes, and the home in the box's beacons."""
 
 from typing import Hashable, List, NamedTuple, Optional, Set, Tuple
 
@@ -8,87 +8,87 @@ from roah_rsbb.robot.effects import (
     Devices,
     Effect,
     PositionSelected,
+    Problem,
     Report,
     Tablet,
     TabletCalled,
-    Trouble,
 )
 
-# A box that was not heard for so long is silent: it sends once a second on each channel.
+# A box counts as silent after this time; it sends once a second on each channel.
 SILENCE_S = 5.0
 
-# Boxes send once a second: where this long nothing came, nobody could be heard.
+# Boxes send once a second: a longer gap means that the network was down.
 _GAP_S = 3.0
 
-# So many beacons in a row with an older time are no stragglers.
-_MEANT = 5
+# After this many beacons in a row with an older time, the time was set back.
+_SET_BACK_BEACONS = 5
 
-# Reports made once are remembered; forged datagrams must not let that grow for ever.
-_MAX_TOLD = 100
+# Limits the memory of reports, because datagrams can be forged.
+_MAX_REPORTED = 100
 
 
 class Silence:
-    """Notices, once, that nothing was heard for `limit_s` seconds."""
+    """Detects, once, that nothing was received for `limit_s` seconds."""
 
     def __init__(self, limit_s: float, now_mono: float) -> None:
         self._limit_s = limit_s
         self._heard_mono = now_mono
-        self._told = False
+        self._reported = False
 
     @property
     def deadline(self) -> float:
-        """The moment from which `begins` is True, if nothing is heard; infinity once it was told."""
-        return float("inf") if self._told else self._heard_mono + self._limit_s
+        """When `begins` becomes True if nothing is received; infinity after it was reported."""
+        return float("inf") if self._reported else self._heard_mono + self._limit_s
 
     def heard(self, now_mono: float) -> bool:
-        """Something was heard. True when this ends a silence that was told."""
-        ended, self._told = self._told, False
+        """Something was received. Returns whether this ends a reported silence."""
+        ended, self._reported = self._reported, False
         self._heard_mono = now_mono
         return ended
 
     def begins(self, now_mono: float) -> bool:
-        """True once, when it has been silent for the limit."""
+        """True once, when the limit is reached."""
         if now_mono < self.deadline:
             return False
-        self._told = True
+        self._reported = True
         return True
 
     def lasts(self, now_mono: float) -> bool:
-        """Whether nothing was heard for the limit."""
+        """Whether nothing was received for the limit."""
         return now_mono >= self._heard_mono + self._limit_s
 
 
-class Alone:
-    """For how long other boxes were heard while the robot's own was not, without a gap in which nobody was."""
+class OtherBoxes:
+    """Measures how long only other boxes were received, without a gap."""
 
     def __init__(self) -> None:
         self._since_mono = 0.0
         self._last_mono = float("-inf")
 
     def heard(self, now_mono: float) -> float:
-        """Another box was heard; returns since how many seconds that is so."""
+        """Another box was received. Returns for how many seconds only others were."""
         if now_mono - self._last_mono > _GAP_S:
             self._since_mono = now_mono
         self._last_mono = now_mono
         return now_mono - self._since_mono
 
     def end(self) -> None:
-        """The robot's own box was heard."""
+        """The robot's box was received."""
         self._last_mono = float("-inf")
 
 
 class Reports:
-    """Reports of what would otherwise be told with every datagram: once for each key."""
+    """Makes each report once per key, not with every datagram."""
 
     def __init__(self) -> None:
-        self._told: Set[Tuple[Trouble, Hashable]] = set()
+        self._reported: Set[Tuple[Problem, Hashable]] = set()
 
-    def once(self, trouble: Trouble, key: Hashable, text: str) -> List[Report]:
-        """The report, unless it was made before for this `trouble` and `key`."""
-        if (trouble, key) in self._told or len(self._told) >= _MAX_TOLD:
+    def once(self, problem: Problem, key: Hashable, text: str) -> List[Report]:
+        """The report, unless it was made before for this `problem` and `key`."""
+        if (problem, key) in self._reported or len(self._reported) >= _MAX_REPORTED:
             return []
-        self._told.add((trouble, key))
-        return [Report(trouble, text)]
+        self._reported.add((problem, key))
+        return [Report(problem, text)]
 
 
 class _Seen(NamedTuple):
@@ -97,10 +97,10 @@ class _Seen(NamedTuple):
 
 
 class _Moments:
-    """Tells a new moment (of a ring, say) from those that were told before, by its time alone.
+    """Detects a new event (such as a ring of the bell) by its time alone.
 
-    A time that goes back is a beacon that was overtaken: the next one brings the newer time again, which is
-    no second ring. Where it stays older, the box started again, or its clock was set back.
+    An older time means that a beacon arrived out of order: the next one has the newer time again, which is not a second
+    ring. If it stays older, the box restarted or its clock was set back.
     """
 
     def __init__(self) -> None:
@@ -108,10 +108,10 @@ class _Moments:
         self._older = 0  # times in a row
 
     def is_new(self, time: Tuple[int, int]) -> bool:
-        """Whether the time in a beacon is a new moment; that in the first beacon is none."""
+        """Whether the time in a beacon is that of a new event. The first beacon has none."""
         before = self._newest
         self._older = self._older + 1 if before is not None and time < before else 0
-        if before is None or time > before or self._older >= _MEANT:
+        if before is None or time > before or self._older >= _SET_BACK_BEACONS:
             self._newest = time
         return before is not None and time > before
 
@@ -119,8 +119,8 @@ class _Moments:
 class Home:
     """The devices and the tablet as the box's beacons show them.
 
-    The bell, the call button and a selected position are known by their times only. The first beacon
-    tells when they last were, not that they are now.
+    Beacons contain only the times of the latest ring, call and selected position. The first beacon gives old times, not
+    new events.
     """
 
     def __init__(self) -> None:
@@ -128,7 +128,7 @@ class Home:
         self._bell, self._call, self._position = _Moments(), _Moments(), _Moments()
 
     def see(self, beacon: pb.RoahRsbbBeacon) -> List[Effect]:
-        """The news in a beacon."""
+        """Return the changes in a beacon."""
         now = _Seen(
             Devices(
                 _wire_time(beacon.devices_bell),

@@ -10,10 +10,10 @@ from fuzzing.target import Step, Target
 from helpers import golden
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tools.capture import packets, records
+from roah_rsbb.tools.capture import listening, recording
 from roah_rsbb.tools.capture.decoding import Decoder
-from roah_rsbb.tools.capture.lines import TextLines, json_line
-from roah_rsbb.tools.capture.records import BadRecording, Datagram
+from roah_rsbb.tools.capture.output import TextLines, json_line
+from roah_rsbb.tools.capture.recording import BadRecording, Datagram
 
 _PORT = 6666
 _UTC = 1_800_000_000.5
@@ -50,7 +50,7 @@ def packet_steps(data: bytes) -> Iterator[Step]:
     decoder = _decoder()
 
     def take() -> None:
-        found = packets.parse(data, _UTC)
+        found = listening.parse_packet(data, _UTC)
         if isinstance(found, Datagram):
             _show(decoder, found)
 
@@ -73,7 +73,7 @@ def recording_steps(data: bytes) -> Iterator[Step]:
 
     def read() -> None:
         try:
-            _, datagrams = records.read(lines, "recording")
+            _, datagrams = recording.read(lines, "recording")
             for _, datagram in zip(range(_MOST), datagrams):
                 _show(decoder, datagram)
         except BadRecording as bad:
@@ -109,8 +109,8 @@ def datagram_seeds() -> List[bytes]:
 
 def recording_seeds() -> List[bytes]:
     """A recording, and what is none."""
-    head = records.header_line(_PORT) + "\n"
-    line = records.datagram_line(Datagram(_UTC, "10.0.0.2", _PORT, "10.0.0.1", _PORT, public_seeds()[0])) + "\n"
+    head = recording.header_line(_PORT) + "\n"
+    line = recording.datagram_line(Datagram(_UTC, "10.0.0.2", _PORT, "10.0.0.1", _PORT, public_seeds()[0])) + "\n"
     texts = (
         head + line * 3, head + line[:40], "", "{}", "[", "[" * 3000, head, head + "{}\n",
         head.replace("6666", "1e999"),

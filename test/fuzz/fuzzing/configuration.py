@@ -16,7 +16,7 @@ from roah_rsbb.comm.passwords import BadPasswords, parse_passwords
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.errors import MAX_ERRORS, ConfigErrors, Report
 from roah_rsbb.tablet import images, maps
-from roah_rsbb.tools.competition.moments import VenueClock
+from roah_rsbb.tools.competition.plan import VenueClock
 from roah_rsbb.tools.competition.sheet import read_sheet
 
 _ROOT = pathlib.Path(__file__).resolve().parents[3]

@@ -14,7 +14,7 @@ from roah_rsbb.tablet import dummy as dummy_tablet
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
 from roah_rsbb.tablet.state import BoxSaid, TabletState
-from roah_rsbb.tools.capture import options
+from roah_rsbb.tools.capture.program import parse_options as parse_capture_options
 
 _MOST_WORDS = 30
 _PLAN = Map(b"\x89PNG image", 200, 100, 0.05, (0.0, 0.0, 0.0), False)
@@ -44,7 +44,7 @@ _PROGRAMS: List[Callable[[List[str]], object]] = [
     _dummy_robot,
     lambda words: dummy_tablet._parser().parse_args(words),
     lambda words: args.parser().parse_args(words),
-    options.parse,
+    parse_capture_options,
 ]
 
 

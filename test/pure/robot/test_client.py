@@ -112,7 +112,7 @@ def test_a_result_in_both_forms():
 def test_a_result_that_does_not_fit_ends_the_goal_without_one(caplog):
     box = run_through(Recorder([HppfResult("Annie", Pose(0, 0, 0))]), "HOPF")
     assert not box.finished[0].HasField("generic_result")
-    assert "no result of HOPF" in caplog.text
+    assert "not a result of HOPF" in caplog.text
 
 
 def test_a_waypoint_that_times_out():
@@ -224,7 +224,7 @@ def test_mistakes_of_a_behaviour_do_not_end_the_connection(caplog):
                 await box.until(lambda: box.robot_state is RobotState.STOP)
 
     asyncio.run(body())
-    assert "stays EXECUTING until the box stops it" in caplog.text
+    assert "stays in EXECUTING until the box stops it" in caplog.text
     assert caplog.text.count("RuntimeError: stop") == 2
 
 
@@ -281,7 +281,7 @@ def test_a_wrong_password_is_reported():
             await box.until(lambda: behaviour.reports)
 
     asyncio.run(body())
-    assert [report.trouble for report in behaviour.reports] == [fx.Trouble.WRONG_PASSWORD]
+    assert [report.problem for report in behaviour.reports] == [fx.Problem.WRONG_PASSWORD]
 
 
 def test_a_private_port_in_use_is_reported_and_tried_again():
@@ -293,7 +293,7 @@ def test_a_private_port_in_use_is_reported_and_tried_again():
                 other.bind((ROBOT, box.private_port))
                 async with running(box, behaviour):
                     await box.until(lambda: behaviour.reports)
-                    assert behaviour.reports[0].trouble is fx.Trouble.CHANNEL
+                    assert behaviour.reports[0].problem is fx.Problem.CHANNEL
                     assert f"{ROBOT}:{box.private_port}" in behaviour.reports[0].text
                     other.close()
                     await box.run_through()
@@ -322,14 +322,14 @@ def test_another_robot_of_this_name_is_reported():
             assert told == []
 
     asyncio.run(body())
-    assert [report.trouble for report in behaviour.reports] == [fx.Trouble.SAME_NAME]
+    assert [report.problem for report in behaviour.reports] == [fx.Problem.SAME_NAME]
     assert "127.0.0.3" in behaviour.reports[0].text
 
 
 @pytest.mark.parametrize("settings, error, found", [
-    ({"team": ""}, ValueError, "neither may be empty"),
+    ({"team": ""}, ValueError, "must not be empty"),
     ({"password": ""}, ValueError, "password is empty"),
-    ({"cipher": Cipher.NONE}, ValueError, "never plain"),
+    ({"cipher": Cipher.NONE}, ValueError, "must be encrypted"),
     ({"bind_host": "10.1.2.3"}, OSError, "is not an address of this machine"),
 ])
 def test_a_client_that_cannot_begin_says_why(settings, error, found):
@@ -340,6 +340,6 @@ def test_a_client_that_cannot_begin_says_why(settings, error, found):
 
 def test_a_client_that_does_not_run_tells_nobody():
     client = RobotClient(TEAM, PASSWORD, Recorder(), rsbb_host=BOX)
-    with pytest.raises(IllegalEvent, match="does not run"):
+    with pytest.raises(IllegalEvent, match="is not running"):
         client.notify("x")
     assert (client.state, client.benchmark, client.strings_pending) == (RobotState.STOP, None, 0)

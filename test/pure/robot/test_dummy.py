@@ -15,7 +15,7 @@ from roah_rsbb.comm.sockets import listen
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot import dummy
 from roah_rsbb.robot.client import RobotClient
-from roah_rsbb.robot.dummy_robot import CRASH_STATUS, DummyOptions, DummyRobot, dummy_client
+from roah_rsbb.robot.dummy import CRASH_STATUS, DummyOptions, DummyRobot, dummy_client
 
 QUICK = {"prepare_duration": 0.05, "execute_duration": 0.05, "seed": 1}
 
@@ -161,9 +161,9 @@ def no_password(monkeypatch):
 
 @pytest.mark.parametrize("arguments, found", [
     ([], "--team"),
-    (["--team", "T"], "no password: give --password-file or the environment variable ROAH_RSBB_KEY"),
+    (["--team", "T"], "no password: use --password-file or the environment variable ROAH_RSBB_KEY"),
     (["--team", "T", "--password", ""], "password is empty"),
-    (["--team", "", "--password", "p"], "neither may be empty"),
+    (["--team", "", "--password", "p"], "must not be empty"),
     (["--team", "T", "--password", "p", "--password-file", "f"], "not allowed with"),
     (["--team", "T", "--password-file", "/no/such/file"], "cannot read --password-file /no/such/file"),
     (["--team", "T", "--password", "p", "--loss", "1.5"], "'1.5' is no number from 0 to 1"),

@@ -151,13 +151,13 @@ def test_results_that_fit(code, result):
 
 
 @pytest.mark.parametrize("code, result, found", [
-    ("HNF", HOPF, "HopfResult is no result of HNF"),
-    ("HOPF", HppfResult("A", Pose(0, 0, 0)), "HppfResult is no result of HOPF"),
+    ("HNF", HOPF, "HopfResult is not a result of HNF"),
+    ("HOPF", HppfResult("A", Pose(0, 0, 0)), "HppfResult is not a result of HOPF"),
     ("HOPF", {"class": "cups"}, "not {'class': 'cups'}"),
     ("HOPF", HOPF._replace(pose=Pose(math.inf, 0, 0)), "finite"),
     ("HOPF", HOPF._replace(pose=(1, 2)), "cannot be sent|unpack"),
     ("HOPF", HOPF._replace(object_class=7), "cannot be sent"),
-    ("HOPF", HOPF._replace(object_name="a\nb"), "printed"),
+    ("HOPF", HOPF._replace(object_name="a\nb"), "unprintable"),
     ("HOPF", HOPF._replace(object_name="x" * 400), "at most 400"),
     ("STB", "x" * 400, "at most 400"),
     ("STB", "\ud800", "."),

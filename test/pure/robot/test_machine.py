@@ -7,14 +7,14 @@ import pytest
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.machine import (
     BOX_TABLE,
-    OWN_TABLE,
+    EVENT_TABLE,
     Act,
     IllegalEvent,
-    Own,
-    Step,
-    box_step,
+    RobotEvent,
+    Transition,
+    box_transition,
     error_text,
-    own_step,
+    event_transition,
 )
 
 # The table as the protocol has it: rows are what the box sends, columns the robot's present state.
@@ -32,38 +32,38 @@ def _entries():
     for row in rows:
         for column, cell in zip(header, row[1:]):
             state, _, act = cell.partition(":")
-            yield BoxState[row[0]], RobotState[column], Step(RobotState[state], Act[act or "KEEP"])
+            yield BoxState[row[0]], RobotState[column], Transition(RobotState[state], Act[act or "KEEP"])
 
 
 @pytest.mark.parametrize("received, state, expected", _entries())
 def test_every_entry(received, state, expected):
     benchmarks = ["HGTKMH", "HWV", "HCFGAC", "HOPF", "HPPF", "HPFF", "HGMF", "HOMF", "STB"]
-    assert {box_step(benchmark, received, state) for benchmark in benchmarks} == {expected}
+    assert {box_transition(benchmark, received, state) for benchmark in benchmarks} == {expected}
 
 
 @pytest.mark.parametrize("received, state, expected", _entries())
 def test_in_hnf_prepare_ends_the_waypoint_and_nothing_else_differs(received, state, expected):
     if (received, state) == (BoxState.PREPARE, RobotState.EXECUTING):
-        expected = Step(RobotState.PREPARING, Act.PREPARE)
-    assert box_step("HNF", received, state) == expected
+        expected = Transition(RobotState.PREPARING, Act.PREPARE)
+    assert box_transition("HNF", received, state) == expected
 
 
 def test_the_tables_have_exactly_these_entries():
     assert set(BOX_TABLE) == set(itertools.product(BoxState, RobotState))
-    assert OWN_TABLE == {
-        (Own.PREPARATION_COMPLETE, RobotState.PREPARING): RobotState.WAITING_GOAL,
-        (Own.GOAL_COMPLETE, RobotState.EXECUTING): RobotState.RESULT_TX,
+    assert EVENT_TABLE == {
+        (RobotEvent.PREPARATION_COMPLETE, RobotState.PREPARING): RobotState.WAITING_GOAL,
+        (RobotEvent.GOAL_COMPLETE, RobotState.EXECUTING): RobotState.RESULT_TX,
     }
 
 
-@pytest.mark.parametrize("event, state", itertools.product(Own, RobotState))
+@pytest.mark.parametrize("event, state", itertools.product(RobotEvent, RobotState))
 def test_own_events(event, state):
-    if (event, state) in OWN_TABLE:
-        assert own_step(event, state) is OWN_TABLE[event, state]
+    if (event, state) in EVENT_TABLE:
+        assert event_transition(event, state) is EVENT_TABLE[event, state]
         return
-    only = {Own.PREPARATION_COMPLETE: "PREPARING", Own.GOAL_COMPLETE: "EXECUTING"}[event]
-    with pytest.raises(IllegalEvent, match=f"{event.value}.* in {state.name}, .* only possible in {only}"):
-        own_step(event, state)
+    only = {RobotEvent.PREPARATION_COMPLETE: "PREPARING", RobotEvent.GOAL_COMPLETE: "EXECUTING"}[event]
+    with pytest.raises(IllegalEvent, match=f"{event.value}: only possible in {only}, but the robot is in {state.name}"):
+        event_transition(event, state)
 
 
 def test_an_error_says_what_came_and_what_the_robot_was_doing():

@@ -5,8 +5,8 @@ from collections import defaultdict
 
 import pytest
 
+from roah_rsbb.robot.link import RepeatedStrings
 from roah_rsbb.robot.machine import IllegalEvent
-from roah_rsbb.robot.repeated import RepeatedStrings
 
 FIELDS = ("notifications", "visitor")
 
@@ -168,7 +168,7 @@ def test_what_waits_is_bounded():
     sender = RepeatedStrings(FIELDS, budget_bytes=30, max_waiting=3)
     for number in range(3):
         sender.add("visitor", str(number))
-    with pytest.raises(IllegalEvent, match="3 strings wait"):
+    with pytest.raises(IllegalEvent, match="3 strings already wait"):
         sender.add("visitor", "one more")
     sender.for_message(1)
     sender.add("visitor", "one more")

@@ -35,7 +35,7 @@ def test_a_robot_without_a_channel_says_so_each_second(bench):
 
 @pytest.mark.parametrize("team, robot", [("", "Robot"), ("Team", "")])
 def test_names_are_needed(team, robot):
-    with pytest.raises(ValueError, match="neither may be empty"):
+    with pytest.raises(ValueError, match="must not be empty"):
         Session(team, robot, 0.0)
 
 
@@ -82,7 +82,7 @@ def test_a_robot_that_is_not_listed_any_more_halts_and_beacons_again(linked):
 def test_a_port_that_does_not_exist_is_reported_once(bench, port):
     for _ in range(3):
         bench.beacon(port=port)
-    assert [report.trouble for report in bench.take_news(fx.Report, fx.OpenChannel)] == [fx.Trouble.CHANNEL]
+    assert [report.problem for report in bench.take_news(fx.Report, fx.OpenChannel)] == [fx.Problem.CHANNEL]
 
 
 def test_a_channel_that_cannot_be_opened_is_tried_again_and_reported_once(bench):
@@ -94,7 +94,7 @@ def test_a_channel_that_cannot_be_opened_is_tried_again_and_reported_once(bench)
     news = bench.take_news(fx.OpenChannel, fx.Report)
     assert news.count(fx.OpenChannel(BOX, PORT)) == 3
     assert [effect for effect in news if isinstance(effect, fx.Report)] == [
-        fx.Report(fx.Trouble.CHANNEL, "port 6667 is in use")
+        fx.Report(fx.Problem.CHANNEL, "port 6667 is in use")
     ]
 
 

@@ -69,7 +69,7 @@ def test_a_waypoint_that_timed_out_is_followed_by_the_next(linked):
 
 def test_a_result_that_does_not_fit_changes_nothing(linked):
     executing(linked, "HOPF")
-    with pytest.raises(ValueError, match="no result of HOPF"):
+    with pytest.raises(ValueError, match="not a result of HOPF"):
         linked.session.end_execute(HppfResult("A", Pose(0, 0, 0)))
     assert linked.state is RobotState.EXECUTING
 
@@ -80,7 +80,7 @@ def test_a_goal_that_cannot_be_read_is_reported_once_and_the_robot_waits(linked)
     linked.take_news()
     for _ in range(5):
         linked.box_says(BoxState.GOAL_TX, "HNF", generic_goal="north")
-    assert [report.trouble for report in linked.take_news()] == [fx.Trouble.BAD_GOAL]
+    assert [report.problem for report in linked.take_news()] == [fx.Problem.BAD_GOAL]
     assert linked.state is RobotState.WAITING_GOAL
     linked.box_says(BoxState.GOAL_TX, "HNF", generic_goal="[1, 2, 3]")
     assert linked.state is RobotState.EXECUTING
@@ -97,7 +97,7 @@ def test_what_cannot_follow_stops_the_robot_and_is_reported_once(linked, prepare
         linked.box_says(BoxState.WAITING_RESULT)
     news = linked.take_news(fx.Report, fx.Stop)
     assert [type(effect) for effect in news] == ([fx.Stop, fx.Report] if prepared else [fx.Report])
-    assert news[-1].trouble is fx.Trouble.UNEXPECTED_STATE
+    assert news[-1].problem is fx.Problem.UNEXPECTED_STATE
     assert linked.state is RobotState.STOP
     assert linked.sent[0][0] == linked.now, "the box hears at once that it has to begin again"
     linked.box_says(BoxState.PREPARE)

@@ -25,10 +25,10 @@ def test_no_box_is_reported_once_and_its_return_too(bench):
     bench.run(4.9)
     assert bench.take_news() == []
     bench.run(20)
-    assert [(report.trouble, report.over) for report in bench.take_news()] == [(fx.Trouble.NO_BOX, False)]
+    assert [(report.problem, report.over) for report in bench.take_news()] == [(fx.Problem.NO_BOX, False)]
     bench.beacon(port=None)
     reports = bench.take_news(fx.Report)
-    assert [(report.trouble, report.over) for report in reports] == [(fx.Trouble.NO_BOX, True)]
+    assert [(report.problem, report.over) for report in reports] == [(fx.Problem.NO_BOX, True)]
     bench.run(5.1)
     assert len(bench.take_news(fx.Report)) == 1
 
@@ -40,11 +40,11 @@ def test_a_box_silent_on_the_private_channel_is_reported_once(linked):
             linked.box_says(BoxState.PREPARE)
         linked.run(1)
     reports = linked.take_news(fx.Report)
-    assert [(report.trouble, report.over) for report in reports] == [(fx.Trouble.BOX_SILENT, False)]
+    assert [(report.problem, report.over) for report in reports] == [(fx.Problem.BOX_SILENT, False)]
     assert BOX in reports[0].text and str(PORT) in reports[0].text
     assert linked.state is RobotState.PREPARING, "a bad network ends no run"
     linked.box_says(BoxState.PREPARE)
-    assert [(report.trouble, report.over) for report in linked.take_news()] == [(fx.Trouble.BOX_SILENT, True)]
+    assert [(report.problem, report.over) for report in linked.take_news()] == [(fx.Problem.BOX_SILENT, True)]
 
 
 def test_a_wrong_password_is_told_once_and_not_taken_for_silence(linked):
@@ -53,7 +53,7 @@ def test_a_wrong_password_is_told_once_and_not_taken_for_silence(linked):
         linked.session.private_undecodable(linked.now, BOX)
         linked.run(1)
     reports = linked.take_news(fx.Report)
-    assert [report.trouble for report in reports] == [fx.Trouble.WRONG_PASSWORD]
+    assert [report.problem for report in reports] == [fx.Problem.WRONG_PASSWORD]
     assert "password of team Team" in reports[0].text
 
 
@@ -76,7 +76,7 @@ def test_another_robot_of_the_same_name_is_reported_once_for_each_address(linked
             linked.session.public_message(linked.now, twin, (host, 6666))
     linked.poll()
     reports = linked.take_news()
-    assert [report.trouble for report in reports] == [fx.Trouble.SAME_NAME] * 2
+    assert [report.problem for report in reports] == [fx.Problem.SAME_NAME] * 2
     assert "127.0.0.7" in reports[0].text and "127.0.0.8" in reports[1].text
 
 
@@ -109,7 +109,7 @@ def test_another_box_changes_nothing_while_ours_is_heard(linked, port):
         linked.beacon()
         linked.beacon(port=port, host=OTHER_BOX, devices_switch_1=True)
         linked.run(1)
-    reports = [effect for effect in linked.take_news(fx.Report) if effect.trouble is fx.Trouble.ANOTHER_BOX]
+    reports = [effect for effect in linked.take_news(fx.Report) if effect.problem is fx.Problem.ANOTHER_BOX]
     assert len(reports) == 1 and OTHER_BOX in reports[0].text and BOX in reports[0].text
     assert linked.state is RobotState.EXECUTING
     assert linked.take_news(fx.Devices, fx.CloseChannel, fx.OpenChannel) == []
@@ -184,4 +184,4 @@ def test_states_of_another_box_are_ignored(linked):
     for _ in range(3):
         linked.box_says(BoxState.PREPARE, host=OTHER_BOX)
     assert linked.state is RobotState.STOP
-    assert [report.trouble for report in linked.take_news()] == [fx.Trouble.ANOTHER_BOX]
+    assert [report.problem for report in linked.take_news()] == [fx.Problem.ANOTHER_BOX]

@@ -1,6 +1,6 @@
 """The times of a robot's messages, and the numbers behind acknowledgements."""
 
-from roah_rsbb.robot.times import MessageTimes, wire_time
+from roah_rsbb.robot.link import MessageTimes, wire_time
 
 T0 = 1_800_000_000
 

@@ -172,7 +172,7 @@ EXPECTED = {field: [text for planned, text in DATA if planned == field] for fiel
 def test_a_run_completes_on_a_bad_network(seed, loss, doubled, latest_s):
     linked = Linked(seed, loss, doubled, latest_s).run_through()
     assert _logged(linked) == EXPECTED
-    assert [report for report in linked.reports if report.trouble is fx.Trouble.UNEXPECTED_STATE] == []
+    assert [report for report in linked.reports if report.problem is fx.Problem.UNEXPECTED_STATE] == []
 
 
 @pytest.mark.parametrize("step", [-0.9, -5.0, -3600.0, 3600.0])

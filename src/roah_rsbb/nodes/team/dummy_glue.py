@@ -21,7 +21,7 @@ from std_srvs.srv import Empty as EmptySrv
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
 from roah_rsbb.nodes.team.comm_interface import GOAL_TYPES, NUMBERS
 from roah_rsbb.nodes.team.dummy_log import log_to_ros
-from roah_rsbb.robot.dummy_robot import PHASES, DummyOptions, DummyRobot
+from roah_rsbb.robot.dummy import PHASES, DummyOptions, DummyRobot
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
 from roah_rsbb.robot.link import PERCENTAGES
 from roah_rsbb.ros import connections

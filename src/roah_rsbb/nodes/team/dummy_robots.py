@@ -16,7 +16,7 @@ import rospy
 
 from roah_rsbb.nodes.team.dummy_log import log_to_ros
 from roah_rsbb.robot.client import RobotClient
-from roah_rsbb.robot.dummy_robot import dummy_client
+from roah_rsbb.robot.dummy import dummy_client
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop

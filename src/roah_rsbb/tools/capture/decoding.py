@@ -1,7 +1,7 @@
-"""From a datagram to what it means, or why it means nothing. No I/O and no clock.
+"""Decodes datagrams into messages, or into the reason why they are not messages. No I/O and no clock.
 
-The decoder learns as it listens: from the box's beacons which private port belongs to which robot, from
-every message who speaks from which address. What it remembers is bounded, whatever the network brings.
+The decoder learns while it listens: the box's beacons say which private port belongs to which robot, and each message
+shows who sends from which address. Its memory is bounded, whatever the network brings.
 """
 
 import enum
@@ -12,10 +12,10 @@ from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.comm.frame import BadDatagram, Reason
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tools.capture.records import Datagram
+from roah_rsbb.tools.capture.recording import Datagram
 
 PRIVATE_PORTS = 99
-"""Ports above the public one that are taken for private channels before a beacon has named them."""
+"""This many ports above the public one count as private channels, also before a beacon lists them."""
 
 _MAX_REMEMBERED = 1000  # addresses with their speakers, and ports with their keys
 
@@ -33,56 +33,56 @@ class Speaker(NamedTuple):
 BOX, TABLET = Speaker("box"), Speaker("tablet")
 
 
-class Kind(enum.Enum):
-    """What became of a datagram."""
+class DatagramKind(enum.Enum):
+    """The result of decoding a datagram."""
 
     MESSAGE = "message"
-    ENCRYPTED = "encrypted"  # no password for it is known here
-    ERROR = "error"  # nobody can make a message of it, or its receiver cannot
+    ENCRYPTED = "encrypted"  # without a known password
+    ERROR = "error"  # not a message, or its receiver cannot decrypt it
 
 
-class Entry(NamedTuple):
-    """One datagram and what it means."""
+class HeardDatagram(NamedTuple):
+    """One datagram with the result of decoding."""
 
     datagram: Datagram
-    kind: Kind
-    private: bool  # of the channel
-    speaker: Optional[Speaker]  # None: not known
-    team: str  # of the private channel, or of who speaks; empty: none, or not known
-    message: Any = None  # of Kind.MESSAGE
-    text: str = ""  # of the other kinds: why
-    reason: Optional[Reason] = None  # of Kind.ERROR
+    kind: DatagramKind
+    private: bool  # whether it was on a private channel
+    speaker: Optional[Speaker]  # None: unknown
+    team: str  # of the private channel or the speaker; empty if unknown or none
+    message: Any = None  # for MESSAGE
+    text: str = ""  # for other kinds: the reason
+    reason: Optional[Reason] = None  # for ERROR
 
 
 class Decoder:
     """Decodes the datagrams of one public port and the private ports above it."""
 
     def __init__(self, rsbb_port: int, passwords: Dict[str, str], password: Optional[str] = None) -> None:
-        """`passwords` by team; `password`: for every team without. ValueError if one cannot be a password."""
+        """`passwords` by team; `password` for all other teams. ValueError for an invalid password."""
         self.rsbb_port = rsbb_port
         self.listed: Dict[int, Speaker] = {}
-        """Private ports in the last beacon, and their robots."""
+        """Private ports in the latest beacon, with their robots."""
         self._keys = {team: Key(text) for team, text in passwords.items()}
         self._other_key = None if password is None else Key(password)
-        self._robots: OrderedDict[int, Speaker] = OrderedDict()  # of every port that was ever listed
+        self._robots: OrderedDict[int, Speaker] = OrderedDict()  # of all ports that were ever listed
         self._speakers: OrderedDict[Tuple[str, int], Speaker] = OrderedDict()  # by address and port
 
     def concerns(self, datagram: Datagram) -> bool:
-        """Whether a datagram is on one of the channels, as far as its ports tell."""
+        """Whether the ports of a datagram are those of a channel."""
         if datagram.dport == self.rsbb_port or datagram.dport in self._robots:
             return True
         above = datagram.dport - self.rsbb_port
         return datagram.sport == datagram.dport and 1 <= above <= PRIVATE_PORTS
 
-    def decode(self, datagram: Datagram) -> Entry:
-        """What a datagram means, by all that was heard before."""
+    def decode(self, datagram: Datagram) -> HeardDatagram:
+        """Decode a datagram, using what was heard before."""
         if datagram.dport == self.rsbb_port:
             return self._public(datagram)
         return self._private(datagram)
 
     # -- public ---------------------------------------------------------------------------------------
 
-    def _public(self, datagram: Datagram) -> Entry:
+    def _public(self, datagram: Datagram) -> HeardDatagram:
         try:
             message = frame.decode_public(datagram.data)
         except BadDatagram as bad:
@@ -106,7 +106,7 @@ class Decoder:
 
     # -- private --------------------------------------------------------------------------------------
 
-    def _private(self, datagram: Datagram) -> Entry:
+    def _private(self, datagram: Datagram) -> HeardDatagram:
         robot = self._robots.get(datagram.dport)
         speaker = self._speaker_at(datagram)
         try:
@@ -119,14 +119,14 @@ class Decoder:
         from_box = isinstance(message, pb.BenchmarkState)
         speaker = BOX if from_box else robot or Speaker("robot", owner)
         if robot is not None and owner not in ("", robot.team):
-            detail = f"its password is that of team {owner}, this channel is {robot}'s"
+            detail = f"it has the password of team {owner}, but the channel belongs to {robot}"
             return self._error(datagram, True, speaker, BadDatagram(Reason.UNDECRYPTABLE, detail))
         return self._message(datagram, True, speaker, message)
 
     def _decrypt(self, datagram: Datagram, robot: Optional[Speaker]) -> Tuple[str, Any]:
-        """The team whose password it is ("": that for the other teams) and the message; None: no password fits.
+        """Return the team whose password fits ("" for the common password) and the message; None if no password fits.
 
-        Raises BadDatagram for what can be decrypted and is no message, and where a password should have fitted.
+        Raises BadDatagram if the content is not a message, or if a password should have fitted.
         """
         own_team = robot.team if robot else ""
         candidates = sorted(self._keys.items(), key=lambda item: item[0] != own_team)
@@ -141,31 +141,31 @@ class Decoder:
                     raise
                 should_fit = should_fit or team in ("", own_team)
         if should_fit:
-            raise BadDatagram(Reason.UNDECRYPTABLE, "the password given here does not fit")
+            raise BadDatagram(Reason.UNDECRYPTABLE, "the given password does not fit")
         return "", None
 
     # -- entries --------------------------------------------------------------------------------------
 
-    def _message(self, datagram: Datagram, private: bool, speaker: Speaker, message: Any) -> Entry:
+    def _message(self, datagram: Datagram, private: bool, speaker: Speaker, message: Any) -> HeardDatagram:
         _remember(self._speakers, (datagram.src, datagram.dport), speaker)
-        return Entry(datagram, Kind.MESSAGE, private, speaker, self._team(datagram, speaker), message)
+        return HeardDatagram(datagram, DatagramKind.MESSAGE, private, speaker, self._team(datagram, speaker), message)
 
-    def _error(self, datagram: Datagram, private: bool, speaker: Optional[Speaker], bad: BadDatagram) -> Entry:
-        return Entry(datagram, Kind.ERROR, private, speaker, self._team(datagram, speaker),
+    def _error(self, datagram: Datagram, private: bool, speaker: Optional[Speaker], bad: BadDatagram) -> HeardDatagram:
+        return HeardDatagram(datagram, DatagramKind.ERROR, private, speaker, self._team(datagram, speaker),
                      text=str(bad), reason=bad.reason)
 
-    def _encrypted(self, datagram: Datagram, robot: Optional[Speaker], speaker: Optional[Speaker]) -> Entry:
+    def _encrypted(self, datagram: Datagram, robot: Optional[Speaker], speaker: Optional[Speaker]) -> HeardDatagram:
         cipher = frame.open_private(datagram.data).cipher
-        known = f"of team {robot.team} is known" if robot else "that is known here fits"
+        known = f"of team {robot.team} is known" if robot else "known here fits"
         text = f"{len(datagram.data)} bytes with {cipher.label}: no password {known}"
-        return Entry(datagram, Kind.ENCRYPTED, True, speaker, self._team(datagram, speaker), text=text)
+        return HeardDatagram(datagram, DatagramKind.ENCRYPTED, True, speaker, self._team(datagram, speaker), text=text)
 
     def _team(self, datagram: Datagram, speaker: Optional[Speaker]) -> str:
         robot = self._robots.get(datagram.dport) or speaker
         return robot.team if robot else ""
 
     def _speaker_at(self, datagram: Datagram) -> Optional[Speaker]:
-        """Who spoke from that address before: on this port, or else on the public one."""
+        """Who sent from this address before: on this port, or else on the public one."""
         for port in (datagram.dport, self.rsbb_port):
             speaker = self._speakers.get((datagram.src, port))
             if speaker is not None:
@@ -174,7 +174,7 @@ class Decoder:
 
 
 def _remember(where: "OrderedDict[Any, Speaker]", key: Any, speaker: Speaker) -> None:
-    """Keep the newest ones: names and addresses can be forged without end."""
+    """Remember the latest entries only, because names and addresses can be forged."""
     where[key] = speaker
     where.move_to_end(key)
     if len(where) > _MAX_REMEMBERED:

@@ -1,42 +1,149 @@
-"""Hears what passes on the channels, without being a participant: nobody may lose a datagram to it.
+"""Listens to the channels passively, so that no participant loses a datagram.
 
-With a raw socket (Linux, root or CAP_NET_RAW) everything on the interfaces is heard, unicast of private
-channels too, whoever owns the ports. Plain sockets hear broadcasts only: they are bound to the broadcast
-address, since a socket on 0.0.0.0 would take other programs' unicast datagrams.
+A raw socket (Linux, root or CAP_NET_RAW) hears everything on the interfaces, including unicast datagrams of private
+channels, whichever program has bound the ports. Plain sockets hear broadcasts only: they are bound to the broadcast
+address, because a socket on 0.0.0.0 would take unicast datagrams from other programs.
 """
 
 import ctypes
 import errno
+import ipaddress
+import os
 import socket
 import struct
+import sys
 import time
-from typing import Callable, Dict, List
+from typing import Callable, Dict, List, NamedTuple, Optional, Set, Union
 
 from roah_rsbb.comm import sockets
-from roah_rsbb.tools.capture import packets, routes
+from roah_rsbb.comm.sockets import OpenError
 from roah_rsbb.tools.capture.decoding import Decoder
-from roah_rsbb.tools.capture.records import Datagram
+from roah_rsbb.tools.capture.recording import Datagram
+
+_IP = struct.Struct(">BxHxxHxBxx4s4s")  # version and header words, length, fragment, protocol, addresses
+_UDP = struct.Struct(">HHHxx")  # ports, length
+_MORE_FRAGMENTS, _OFFSET = 0x2000, 0x1FFF
+
+
+class Fragment(NamedTuple):
+    """The first fragment of a datagram. Later fragments have no ports and are ignored."""
+
+    src: str
+    dport: int
+    size: int  # bytes of the complete datagram
+
+
+def parse_packet(packet: bytes, time: float) -> Union[Datagram, Fragment, None]:
+    """Extract the UDP datagram from an IPv4 packet received at `time`; None for other packets and later fragments."""
+    if len(packet) < _IP.size:
+        return None
+    version_words, length, fragment, protocol, src, dst = _IP.unpack_from(packet)
+    start = version_words % 16 * 4
+    if version_words // 16 != 4 or start < _IP.size or protocol != socket.IPPROTO_UDP or fragment & _OFFSET:
+        return None
+    if not start + _UDP.size <= length <= len(packet):
+        return None
+    sport, dport, udp_length = _UDP.unpack_from(packet, start)
+    if fragment & _MORE_FRAGMENTS:
+        return Fragment(socket.inet_ntoa(src), dport, max(0, udp_length - _UDP.size))
+    data = _udp_content(packet[start + _UDP.size:length], udp_length)
+    if data is None:
+        return None
+    return Datagram(time, socket.inet_ntoa(src), sport, socket.inet_ntoa(dst), dport, data)
+
+
+def _udp_content(content: bytes, udp_length: int) -> Optional[bytes]:
+    """The datagram's bytes. A packet may be longer than its content, but not shorter."""
+    size = udp_length - _UDP.size
+    return content[:size] if 0 <= size <= len(content) else None
+
+
+# XXDOC py: What this Linux machine's network looks like, from the tables in /proc.
+
+
+LOOPBACK = "lo"
+
+
+def interfaces_to(rsbb_host: str) -> List[str]:
+    """Return the interfaces that the channels use: the loopback, and the one that leads to `rsbb_host`.
+
+    Raises OpenError, whose text names the remedy, if no interface leads there.
+    """
+    if ipaddress.IPv4Address(rsbb_host).is_loopback:
+        return [LOOPBACK]
+    interface = route(rsbb_host, _read_table("/proc/net/route"))
+    if interface is None:
+        raise OpenError(0, f"--host {rsbb_host} is not in a network of this machine: give the broadcast address of the "
+                           "network with the robots ('ip -4 addr' shows it as brd)")
+    return [LOOPBACK, interface]
+
+
+def route(host: str, table: str) -> Optional[str]:
+    """Find the interface to `host` in the text of /proc/net/route; None if `host` is not in a local network."""
+    address = int(ipaddress.IPv4Address(host))
+    best, interface = -1, None
+    for line in table.splitlines()[1:]:
+        columns = line.split()
+        destination, gateway, mask = (_address(columns[index]) for index in (1, 2, 7))
+        if address & mask == destination and mask > best:
+            best, interface = mask, None if gateway else columns[0]
+    return interface
+
+
+def udp_sockets(port: int, table: str) -> Set[int]:
+    """Find the inodes of the sockets that are bound to a UDP port in the text of /proc/net/udp."""
+    rows = (line.split() for line in table.splitlines()[1:])
+    return {int(columns[9]) for columns in rows if int(columns[1].split(":")[1], 16) == port}
+
+
+def others_use(port: int, own: List[socket.socket]) -> bool:
+    """Whether another program on this machine uses a UDP port."""
+    return bool(udp_sockets(port, _read_table("/proc/net/udp")) - {os.fstat(one.fileno()).st_ino for one in own})
+
+
+def broadcast_address(rsbb_host: str) -> str:
+    """Return `rsbb_host` if it is a broadcast address of this machine; else raise OpenError, which names the remedy."""
+    if not sockets.is_broadcast(rsbb_host):
+        raise OpenError(0, f"--host {rsbb_host} is not a broadcast address of this machine: give the one of the "
+                           "network with the robots ('ip -4 addr' shows it as brd)")
+    return rsbb_host
+
+
+def _address(hexadecimal: str) -> int:
+    """Convert an address of /proc/net, which is in the byte order of this processor."""
+    return int.from_bytes(int(hexadecimal, 16).to_bytes(4, sys.byteorder), "big")
+
+
+def _read_table(path: str) -> str:
+    try:
+        with open(path, encoding="ascii", errors="replace") as file:
+            return file.read()
+    except OSError:
+        return ""
+
+
+# -- listeners --------------------------------------------------------------------------------------
 
 _LARGEST_PACKET = 65536
 _MAX_READS_PER_WAKE_UP = 100
 _ETH_P_ALL, _ETH_P_IP = 3, 0x0800
 _PACKET_OUTGOING = 4
 _SO_ATTACH_FILTER = 26
-# A program for the kernel: pass IPv4 packets whose protocol is UDP whole, drop the rest. So the many other
-# packets of a busy machine cost nothing here.
+# A packet filter for the kernel: pass complete IPv4 packets with UDP, drop all others. This program then spends no
+# time on the other packets of a busy machine.
 _ONLY_UDP = ((0x30, 0, 0, 9), (0x15, 0, 1, socket.IPPROTO_UDP), (0x06, 0, 0, _LARGEST_PACKET), (0x06, 0, 0, 0))
 
 
 class RawListener:
-    """Hears every datagram of the channels on the loopback and on the interface of the network."""
+    """Hears all datagrams of the channels on the loopback and on the network's interface."""
 
     def __init__(self, decoder: Decoder, rsbb_host: str, notice: Callable[[str], None]) -> None:
-        """PermissionError without the right; OpenError, whose text names the remedy."""
+        """Raises PermissionError without the right, or OpenError, whose text names the remedy."""
         self.sockets: List[socket.socket] = []
-        """What to wait for."""
+        """The sockets to wait for."""
         self._decoder = decoder
         self._notice = notice
-        self._interfaces = routes.interfaces_to(rsbb_host)
+        self._interfaces = interfaces_to(rsbb_host)
         try:
             for interface in self._interfaces:
                 self.sockets.append(_raw_socket(interface))
@@ -46,11 +153,11 @@ class RawListener:
 
     @property
     def what(self) -> str:
-        """What is heard, for people."""
+        """A description of what is heard."""
         return f"UDP {self._decoder.rsbb_port} and private channels, all datagrams on {' and '.join(self._interfaces)}"
 
     def read(self, endpoint: socket.socket) -> List[Datagram]:
-        """What came."""
+        """Read the available datagrams."""
         heard = []
         for _ in range(_MAX_READS_PER_WAKE_UP):
             try:
@@ -58,37 +165,37 @@ class RawListener:
             except (BlockingIOError, InterruptedError):
                 break
             except OSError as error:
-                if error.errno == errno.ENETDOWN:  # told once; it goes on when the network is back
+                if error.errno == errno.ENETDOWN:  # reported once; continues when the network is back
                     self._notice("a network interface is down")
                     break
                 raise
-            # On the loopback each packet passes twice, out and in.
-            if protocol != _ETH_P_IP or (kind == _PACKET_OUTGOING and interface == routes.LOOPBACK):
+            # The loopback delivers each packet twice, outgoing and incoming.
+            if protocol != _ETH_P_IP or (kind == _PACKET_OUTGOING and interface == LOOPBACK):
                 continue
-            datagram = packets.parse(packet, time.time())
-            if isinstance(datagram, packets.Fragment):
-                self._tell_fragment(datagram)
+            datagram = parse_packet(packet, time.time())
+            if isinstance(datagram, Fragment):
+                self._report_fragment(datagram)
             elif datagram is not None and self._decoder.concerns(datagram):
                 heard.append(datagram)
         return heard
 
     def follow(self) -> None:
-        """Called when all that was read is decoded: there is nothing to open."""
+        """Called after decoding. A raw listener need not open anything."""
 
     def close(self) -> None:
-        """Hear no more."""
+        """Stop listening."""
         for endpoint in self.sockets:
             endpoint.close()
         self.sockets = []
 
-    def _tell_fragment(self, fragment: packets.Fragment) -> None:
+    def _report_fragment(self, fragment: Fragment) -> None:
         if fragment.dport == self._decoder.rsbb_port or fragment.dport in self._decoder.listed:
-            self._notice(f"{fragment.src} sent {fragment.size} bytes to port {fragment.dport}, which came in fragments "
+            self._notice(f"{fragment.src} sent {fragment.size} bytes to port {fragment.dport}, which were fragmented "
                          "and are not shown: robots read at most 1024 bytes")
 
 
 def _raw_socket(interface: str) -> socket.socket:
-    endpoint = socket.socket(socket.AF_PACKET, socket.SOCK_DGRAM, 0)  # hears nothing until it is bound
+    endpoint = socket.socket(socket.AF_PACKET, socket.SOCK_DGRAM, 0)  # receives nothing until it is bound
     try:
         endpoint.setblocking(False)
         program = b"".join(struct.pack("HBBI", *instruction) for instruction in _ONLY_UDP)
@@ -103,32 +210,32 @@ def _raw_socket(interface: str) -> socket.socket:
 
 
 class PlainListener:
-    """Hears broadcasts: those of the public channel and, where nobody here needs the ports, of private ones.
+    """Hears broadcasts on the public channel and, if no other program here needs the ports, on private ones.
 
-    A private port is owned by one program alone: had we bound it, a robot or box on this machine could not
-    open it. So while another program here uses the public port, the private ones are left alone.
+    Only one program can bind a private port. If this program bound it, a robot or box on this machine could not open
+    it. Therefore private ports stay closed while another program here uses the public port.
     """
 
     def __init__(self, decoder: Decoder, rsbb_host: str, notice: Callable[[str], None]) -> None:
-        """OpenError, whose text names the remedy."""
+        """Raises OpenError, whose text names the remedy."""
         self._decoder = decoder
-        self._host = routes.broadcast_address(rsbb_host)
+        self._host = broadcast_address(rsbb_host)
         self._notice = notice
         self._public = sockets.listen(self._host, decoder.rsbb_port, shared=True)
         self._private: Dict[int, socket.socket] = {}
 
     @property
     def what(self) -> str:
-        """What is heard, for people."""
+        """A description of what is heard."""
         return f"UDP {self._decoder.rsbb_port}, broadcasts to {self._host} only"
 
     @property
     def sockets(self) -> List[socket.socket]:
-        """What to wait for."""
+        """The sockets to wait for."""
         return [self._public, *self._private.values()]
 
     def read(self, endpoint: socket.socket) -> List[Datagram]:
-        """What came."""
+        """Read the available datagrams."""
         heard = []
         port = endpoint.getsockname()[1]
         for _ in range(_MAX_READS_PER_WAKE_UP):
@@ -140,9 +247,9 @@ class PlainListener:
         return heard
 
     def follow(self) -> None:
-        """Called when all that was read is decoded: open the ports that the box lists now, close the others."""
+        """Called after decoding: open the ports that the box lists now, close the others."""
         wanted = set(self._decoder.listed)
-        if wanted and routes.others_use(self._decoder.rsbb_port, [self._public]):
+        if wanted and others_use(self._decoder.rsbb_port, [self._public]):
             self._notice("private channels are not heard: a box or robot on this machine may need their ports")
             wanted = set()
         for port in set(self._private) - wanted:
@@ -154,7 +261,7 @@ class PlainListener:
                 self._notice(f"private channel {port} is not heard: {error}")
 
     def close(self) -> None:
-        """Hear no more."""
+        """Stop listening."""
         for endpoint in self.sockets:
             endpoint.close()
         self._private = {}

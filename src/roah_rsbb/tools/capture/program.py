@@ -11,54 +11,119 @@ import time
 from collections import Counter
 from typing import Callable, Iterator, List, Optional, Set, TextIO, Union
 
+from roah_rsbb.arguments import Parser, number
 from roah_rsbb.comm import sockets
-from roah_rsbb.comm.passwords import BadPasswords, own_password, read_passwords
-from roah_rsbb.tools.capture import options as arguments_of
-from roah_rsbb.tools.capture import records
-from roah_rsbb.tools.capture.decoding import Decoder, Entry, Kind
-from roah_rsbb.tools.capture.filters import Filter
-from roah_rsbb.tools.capture.lines import TextLines, json_line
+from roah_rsbb.comm.frame import PRIVATE_TYPES, PUBLIC_TYPES
+from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, BadPasswords, own_password, read_passwords
+from roah_rsbb.tools.capture import recording
+from roah_rsbb.tools.capture.decoding import DatagramKind, Decoder, HeardDatagram
 from roah_rsbb.tools.capture.listening import PlainListener, RawListener
-from roah_rsbb.tools.capture.options import PROGRAM
-from roah_rsbb.tools.capture.records import Datagram
+from roah_rsbb.tools.capture.output import Filter, TextLines, json_line
+from roah_rsbb.tools.capture.recording import Datagram
 
-# Some tell what the network brought, which can be forged without end.
+PROGRAM = "capture_comm"
+MESSAGES = tuple(kind.DESCRIPTOR.name for kind in PUBLIC_TYPES + PRIVATE_TYPES)
+
+_DESCRIPTION = """\
+Shows every datagram between box, robots and tablet: time (UTC), channel, address, speaker, and the message with its
+fields, or the reason why it is not a message. The program only listens. Ctrl-C ends it.
+"""
+
+_EPILOG = f"""\
+what can be heard
+  As root (or with CAP_NET_RAW) on Linux: everything that reaches or leaves this machine, and what its programs send
+  to each other. Otherwise: broadcasts, that is, the public channel.
+  Box and robot exchange the states of a run by unicast. Capture them as root on the box's or the robot's machine.
+  Switches and access points do not deliver them to a third machine. With the core's parameter
+  private_mode:=broadcast, a third machine gets the box's states, but not the robot's.
+  The program learns the private ports of runs from the box's beacons.
+
+passwords
+  --passwords FILE is the box's passwords file. The password of one team comes from --password-file, the environment
+  variable {PASSWORD_VARIABLE}, or --password, which is visible in this machine's list of processes. Add --team;
+  otherwise the password is tried on every channel.
+
+examples
+  on the box's machine:  {PROGRAM} --host 192.168.1.255 --passwords config/passwords.yaml
+  on a robot:            {PROGRAM} --host 192.168.1.255 --team MyTeam --password-file key.txt
+  all on one machine:    {PROGRAM} --host 127.255.255.255 --passwords config/passwords.yaml
+  only errors:           {PROGRAM} --host 192.168.1.255 --passwords config/passwords.yaml --errors-only
+  record, then show:     {PROGRAM} --host 192.168.1.255 --write run.jsonl
+                         {PROGRAM} --read run.jsonl --passwords config/passwords.yaml --changes-only
+  for other programs:    {PROGRAM} --read run.jsonl --json | jq 'select(.message == "RobotState").fields'
+"""
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 65535:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a UDP port (1 to 65535)")
+    return int(text)
+
+
+def parse_options(arguments: Optional[List[str]]) -> argparse.Namespace:
+    """Parse the arguments; ends the program with an error message if they are invalid."""
+    parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
+    source = parser.add_argument_group("source")
+    source.add_argument("--host", default="10.255.255.255",
+                        help="the network's broadcast address, like the box's rsbb_host (default: %(default)s)")
+    source.add_argument("--port", type=_port, default=6666, help="public UDP port (default: %(default)s)")
+    source.add_argument("--plain", action="store_true", help="hear broadcasts only, also as root")
+    source.add_argument("--duration", type=number(0, 1e9), metavar="S", help="end after this many seconds")
+    keep = source.add_mutually_exclusive_group()
+    keep.add_argument("--write", metavar="FILE", help="record all datagrams in a new file (they stay encrypted)")
+    keep.add_argument("--read", metavar="FILE", help="show a recording instead of listening")
+    secrets = parser.add_argument_group("passwords for private channels")
+    secrets.add_argument("--passwords", metavar="FILE", help="a file with a line 'team: password' for each team")
+    password = secrets.add_mutually_exclusive_group()
+    password.add_argument("--password-file", metavar="FILE", help="a file whose first line is a team's password")
+    password.add_argument("--password", help="a team's password, for tests")
+    show = parser.add_argument_group("selection")
+    show.add_argument("--team", metavar="NAME", help="only this team's robots, and beacons that list one")
+    show.add_argument("--message", choices=MESSAGES, metavar="TYPE", help="only: " + ", ".join(MESSAGES))
+    show.add_argument("--errors-only", action="store_true", help="only datagrams that are not messages")
+    show.add_argument("--changes-only", action="store_true", help="omit repetitions that differ only in their times")
+    show.add_argument("--json", action="store_true", help="one JSON object per line")
+    return parser.parse_args(arguments)
+
+
+# Some notices depend on the network's content, which can be forged.
 _MAX_NOTICES = 100
 
 Listener = Union[RawListener, PlainListener]
 
 
 class _Screen:
-    """Shows entries on standard output, and counts them; what is said beside goes to standard error."""
+    """Shows and counts datagrams on standard output; notices go to standard error."""
 
     def __init__(self, options: argparse.Namespace) -> None:
         self._filter = Filter(options.team, options.message, options.errors_only, options.changes_only)
         color = sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
-        self._line: Callable[[Entry], str] = json_line if options.json else TextLines(color).line
+        self._line: Callable[[HeardDatagram], str] = json_line if options.json else TextLines(color).line
         self._counts: Counter = Counter()
-        self._told: Set[str] = set()
+        self._noticed: Set[str] = set()
 
-    def show(self, entry: Entry) -> None:
-        """Show an entry, if the filter passes it."""
+    def show(self, entry: HeardDatagram) -> None:
+        """Show a datagram if it passes the filter."""
         self._counts[entry.kind] += 1
         if self._filter.passes(entry):
             print(self._line(entry), flush=True)
 
     def notice(self, text: str) -> None:
-        """Say something once, however often it happens."""
-        if text not in self._told and len(self._told) < _MAX_NOTICES:
-            self._told.add(text)
+        """Print a notice, once for each text."""
+        if text not in self._noticed and len(self._noticed) < _MAX_NOTICES:
+            self._noticed.add(text)
             print(f"{PROGRAM}: {text}", file=sys.stderr, flush=True)
 
     def summary(self) -> str:
-        """How much there was."""
+        """The counts."""
         count = self._counts
-        return (f"{sum(count.values())} datagrams: {count[Kind.MESSAGE]} messages, {count[Kind.ENCRYPTED]} encrypted "
-                f"without a known password, {count[Kind.ERROR]} errors")
+        return (f"{sum(count.values())} datagrams: {count[DatagramKind.MESSAGE]} messages, "
+                f"{count[DatagramKind.ENCRYPTED]} encrypted "
+                f"without a known password, {count[DatagramKind.ERROR]} errors")
 
 
 def _decoder(options: argparse.Namespace, rsbb_port: int) -> Decoder:
-    """ValueError or BadPasswords, which name the remedy."""
+    """Raises ValueError or BadPasswords, which name the remedy."""
     passwords = read_passwords(options.passwords) if options.passwords is not None else {}
     password = own_password(options.password, options.password_file)
     if password is not None and options.team is not None:
@@ -67,19 +132,19 @@ def _decoder(options: argparse.Namespace, rsbb_port: int) -> Decoder:
 
 
 def _listener(options: argparse.Namespace, decoder: Decoder, screen: _Screen) -> Listener:
-    """OSError whose text names the remedy."""
+    """Raises OSError whose text names the remedy."""
     host = sockets.resolve(options.host, "--host")
     if not options.plain:
         try:
             return RawListener(decoder, host, screen.notice)
         except (PermissionError, AttributeError):  # the latter: a system other than Linux
             command = f'sudo env PYTHONPATH="$PYTHONPATH" {shlex.quote(sys.executable)} -m roah_rsbb.tools.capture'
-            screen.notice(f"unicast of private channels needs root's rights (CAP_NET_RAW): {command} …")
+            screen.notice(f"to hear private channels, run as root or with CAP_NET_RAW: {command} …")
     return PlainListener(decoder, host, screen.notice)
 
 
 def _heard(listener: Listener, duration: Optional[float]) -> Iterator[Datagram]:
-    """Datagrams as they come, for `duration` seconds or without end."""
+    """Yield datagrams as they arrive, for `duration` seconds or forever."""
     end_mono = None if duration is None else time.monotonic() + duration
     while True:
         left = None if end_mono is None else end_mono - time.monotonic()
@@ -97,11 +162,11 @@ def _capture(options: argparse.Namespace, screen: _Screen, files: contextlib.Exi
     keep: Optional[TextIO] = None
     if options.write is not None:
         keep = files.enter_context(_open(options.write, "x"))
-        print(records.header_line(options.port), file=keep, flush=True)
+        print(recording.header_line(options.port), file=keep, flush=True)
     screen.notice(listener.what)
     for datagram in _heard(listener, options.duration):
         if keep is not None:
-            print(records.datagram_line(datagram), file=keep, flush=True)
+            print(recording.datagram_line(datagram), file=keep, flush=True)
         screen.show(decoder.decode(datagram))
 
 
@@ -109,14 +174,14 @@ def _open(path: str, mode: str) -> TextIO:
     try:
         return open(path, mode, encoding="utf-8", errors="replace")
     except FileExistsError:
-        raise OSError(f"{path} exists already: give --write another name, or move that file away") from None
+        raise OSError(f"{path} already exists: choose another name for --write, or move the file") from None
     except OSError as error:
         raise OSError(f"cannot open {path}: {error.strerror}") from None
 
 
 def _replay(options: argparse.Namespace, screen: _Screen, files: contextlib.ExitStack) -> None:
     file = files.enter_context(_open(options.read, "r"))
-    rsbb_port, datagrams = records.read(file, options.read)
+    rsbb_port, datagrams = recording.read(file, options.read)
     decoder = _decoder(options, rsbb_port)
     for datagram in datagrams:
         screen.show(decoder.decode(datagram))
@@ -128,7 +193,7 @@ def _interrupt(*_: object) -> None:
 
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
-    options = arguments_of.parse(arguments)
+    options = parse_options(arguments)
     signal.signal(signal.SIGTERM, _interrupt)
     screen = _Screen(options)
     with contextlib.ExitStack() as files:
@@ -136,9 +201,9 @@ def main(arguments: Optional[List[str]] = None) -> None:
             (_capture if options.read is None else _replay)(options, screen, files)
         except KeyboardInterrupt:
             pass
-        except BrokenPipeError:  # whoever read our lines has gone
+        except BrokenPipeError:  # the reader has closed the pipe
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return
-        except (OSError, ValueError, BadPasswords, records.BadRecording) as error:
+        except (OSError, ValueError, BadPasswords, recording.BadRecording) as error:
             sys.exit(f"{PROGRAM}: {error}")
     print(f"{PROGRAM}: {screen.summary()}", file=sys.stderr)

@@ -1,5 +1,5 @@
-"""A competition's directory: made from a few answers or a CSV sheet, and checked (docs/organiser.md).
+"""Creates a competition's folder from a few answers or a CSV sheet, and checks it (docs/organiser.md).
 
-It knows what an organiser decides (teams, zones, benchmarks, days) and writes the files that the box reads; what
-these files may say is the core's knowledge, and the benchmarking modules'. No ROS.
+This package knows the organiser's decisions (teams, zones, benchmarks, days) and writes the files that the box reads.
+The format of these files belongs to the rulebook and the benchmarking modules. No ROS.
 """

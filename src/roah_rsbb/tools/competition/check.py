@@ -1,4 +1,4 @@
-"""Whether a competition's directory is right: what the box would refuse, and what is probably not meant."""
+"""Checks a competition's folder: errors that the box would reject, and probable mistakes."""
 
 import os
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
@@ -12,30 +12,30 @@ from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, Event
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
 from roah_rsbb.rulebook.yaml_lines import read_text
 from roah_rsbb.tools.competition import files
-from roah_rsbb.tools.competition.texts import module_codes
+from roah_rsbb.tools.competition.files import module_codes
 
-# The launch file's arguments that name files of the directory.
+# Arguments of the launch file that name files of the folder.
 _NAMED_FILES = {
     "benchmarks_file": files.BENCHMARKS, "schedule_file": files.SCHEDULE, "passwords_file": files.PASSWORDS,
     "modules_dir": files.MODULES,
 }
 _BESIDE = "$(dirname)/"
-# Each further overlap of a zone or a team says nothing new.
+# At most this many overlaps of a zone or team are listed.
 _SHOWN = 3
 
 
 class Checked(NamedTuple):
-    """What was found: lines for the organiser."""
+    """The result: lines for the organiser."""
 
     errors: List[str]
     warnings: List[str]
-    summary: str  # of what will be held; "" if the configuration cannot be read
+    summary: str  # counts; "" if the configuration cannot be read
 
 
 def check(directory: str) -> Checked:
-    """Look at everything in a competition's directory; all that is wrong is told at once."""
+    """Check all files of a competition's folder and report all errors at once."""
     if not os.path.isdir(directory):
-        return Checked([f"{directory}: found no such directory; expected a competition's, as new_competition makes it"],
+        return Checked([f"{directory}: found no such folder; expected one that new_competition created"],
                        [], "")
     report = Report()
     errors: List[str] = []
@@ -70,13 +70,13 @@ def _count(number: int, what: str) -> str:
 
 
 def _events(loaded: Config) -> List[Tuple[str, Event]]:
-    """Every event with its zone, in order of time."""
+    """All events with their zones, ordered by time."""
     events = [(zone.name, event) for zone in loaded.zones for event in zone.events]
     return sorted(events, key=lambda entry: entry[1].scheduled)
 
 
 def _check_times(report: Report, path: str, loaded: Config) -> None:
-    """Runs that begin before another one in the same zone, or of the same team, can be over."""
+    """Warn of runs that begin before an earlier one of the same zone or team has ended."""
     whole = Place(path, 0, 0)
     by_zone: Dict[str, List[str]] = {}
     by_team: Dict[str, List[str]] = {}
@@ -85,7 +85,7 @@ def _check_times(report: Report, path: str, loaded: Config) -> None:
     for zone, event in _events(loaded):
         before = last_in_zone.get(zone)
         if before is not None and event.scheduled < before.scheduled + before.benchmark.total_timeout:
-            by_zone.setdefault(zone, []).append(f"{_name(event)} before {_name(before)} can be over")
+            by_zone.setdefault(zone, []).append(f"{_name(event)} before the end of {_name(before)}")
         last_in_zone[zone] = event
         for team, (other, busy) in last_of_team.items():
             together = team == event.team or ALL_TEAMS in (team, event.team)
@@ -95,7 +95,7 @@ def _check_times(report: Report, path: str, loaded: Config) -> None:
                                                    f"{quote(other)}")
         last_of_team[event.team] = (zone, event)
     for zone, found in by_zone.items():
-        report.warn(whole, f"zone {quote(zone)}: too short a time between runs: {_few(found)}")
+        report.warn(whole, f"zone {quote(zone)}: too little time between runs: {_few(found)}")
     for team, found in by_team.items():
         report.warn(whole, f"team {quote(team)} is in two zones at once: {_few(found)}")
 
@@ -113,29 +113,29 @@ def _check_teams(report: Report, path: str, loaded: Config) -> None:
     scheduled = {event.team for _, event in _events(loaded)}
     idle = [team for team in loaded.passwords if team not in scheduled]
     if idle:
-        report.warn(Place(path, 0, 0), f"no runs in the schedule for {listing(map(quote, idle))}: left out by mistake?")
+        report.warn(Place(path, 0, 0), f"no runs in the schedule for {listing(map(quote, idle))}: is that intended?")
 
 
 def _check_modules(report: Report, directory: str, loaded: Config) -> List[str]:
-    """Errors in the parameters of the benchmarking modules that the schedule needs."""
+    """Check the parameters of the scheduled benchmarking modules."""
     needed = scheduled_modules(loaded)
     folder = os.path.join(directory, files.MODULES)
     if not needed:
         return []
     if not os.path.isdir(folder):
-        report.warn(Place(folder, 0, 0), f"there is none, so the shipped parameters of {listing(needed)} count: they "
-                    "are those of no real venue; copy config/modules of roah_rsbb there")
+        report.warn(Place(folder, 0, 0), f"not found, so the default parameters of {listing(needed)} apply, which fit "
+                    "no real venue. Copy config/modules of roah_rsbb to this place")
         return []
     return module_errors(folder, needed)
 
 
 def scheduled_modules(loaded: Config) -> List[str]:
-    """The codes of the scheduled benchmarks that a benchmarking module runs."""
+    """The codes of the scheduled benchmarks with a benchmarking module."""
     return module_codes(sorted({event.benchmark.code for zone in loaded.zones for event in zone.events}))
 
 
 def module_errors(folder: str, codes: Sequence[str]) -> List[str]:
-    """Every error in the files that the benchmarking modules of these codes read in `folder`."""
+    """Return all errors in the files that these benchmarking modules read in `folder`."""
     known = modules()
     errors: List[str] = []
     for code in codes:
@@ -151,9 +151,10 @@ def module_errors(folder: str, codes: Sequence[str]) -> List[str]:
 
 
 def _check_launch(report: Report, path: str) -> None:
-    """The launch file can be read, and starts the box with the files that are checked here."""
+    """Check that the launch file is valid and starts the box with the files of this folder."""
     if not os.path.lexists(path):
-        report.warn(Place(path, 0, 0), "there is none: start with 'roslaunch roah_rsbb roah_rsbb.launch' and the files "
+        report.warn(Place(path, 0, 0), "not found: start with 'roslaunch roah_rsbb roah_rsbb.launch' and pass the "
+                                       "files "
                     "as arguments")
         return
     text = read_text(path, report, "the launch file")
@@ -168,18 +169,18 @@ def _check_launch(report: Report, path: str) -> None:
         own = _NAMED_FILES.get(given.get("name", "")) if name == "arg" else None
         named = given.get("default", given.get("value"))
         if own is not None and named is not None and named != _BESIDE + own:
-            report.warn(Place(path, line, 0), f"{given['name']} is {quote(named)}, but what was checked is "
+            report.warn(Place(path, line, 0), f"{given['name']} is {quote(named)}, but the checked file is "
                         f"{_BESIDE + own}")
 
 
 def _elements(report: Report, path: str, text: str) -> Iterator[Tuple[str, Dict[str, str], int]]:
-    """Each element's name, attributes and line."""
+    """Return name, attributes and line of each element."""
     found: List[Tuple[str, Dict[str, str], int]] = []
     parser = expat.ParserCreate()
     parser.StartElementHandler = lambda name, given: found.append((name, given, parser.CurrentLineNumber))
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
-        report.error(Place(path, error.lineno, error.offset + 1), f"no XML ({expat.ErrorString(error.code)})",
+        report.error(Place(path, error.lineno, error.offset + 1), f"invalid XML ({expat.ErrorString(error.code)})",
                      "each <tag> closed with </tag> or />, values in quotes, no -- within a comment")
     return iter(found)

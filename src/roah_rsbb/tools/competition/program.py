@@ -1,4 +1,4 @@
-"""`rosrun roah_rsbb new_competition DIR`: makes a competition's directory, or checks one (docs/organiser.md)."""
+"""`rosrun roah_rsbb new_competition DIR`: creates a competition's folder, or checks one (docs/organiser.md)."""
 
 import argparse
 import os
@@ -11,25 +11,24 @@ from roah_rsbb.rulebook.benchmarks_file import BenchmarksFile
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report
 from roah_rsbb.rulebook.passwords_file import PasswordsFile
 from roah_rsbb.tools.competition import answers, files
+from roah_rsbb.tools.competition.answers import QUESTIONS, Missing, known_answers
 from roah_rsbb.tools.competition.check import check
 from roah_rsbb.tools.competition.files import CannotWrite, Hosts
-from roah_rsbb.tools.competition.moments import read_clock
-from roah_rsbb.tools.competition.plan import Day, Plan, timetable
-from roah_rsbb.tools.competition.questions import QUESTIONS, Missing, known_answers
+from roah_rsbb.tools.competition.plan import Plan, PlannedDay, read_clock, timetable
 from roah_rsbb.tools.competition.sheet import OPTIONAL, REQUIRED, Known, read_sheet
 from roah_rsbb.tools.interfaces import interfaces
 
 _DESCRIPTION = """\
-Make the directory of a competition: benchmarks, passwords (made by chance), schedule, parameters of the
-benchmarking modules, and a launch file that starts all of it as it is. What is not given as an option is asked.
+Create the folder of a competition: benchmarks, passwords (randomly generated), schedule, parameters of the
+benchmarking modules, and a launch file for all of it. At a terminal, the program asks for missing options.
 """
 _EPILOG = f"""\
-The sheet is CSV, as spreadsheet programs save it. Its first row names the columns, in any order:
-  {', '.join(REQUIRED)}   and, if wished, {', '.join(OPTIONAL)}
+The sheet is a CSV file from a spreadsheet program. Its first row names the columns, in any order:
+  {', '.join(REQUIRED)}   and optionally {', '.join(OPTIONAL)}
 Each further row is a run, such as
   Home,HGTKMH,BrassButlers,2026-11-28,09:00
-where the time is the venue's. All robots do HSUF at once: its team is ALL, or empty. Without a column round the
-round is the number of the day; without a column run the runs of a team are counted.
+where the time is the venue's local time. All robots do HSUF at once: its team is ALL, or empty. Without the column
+'round', the round is the number of the day. Without the column 'run', the runs of a team are numbered.
 
 Examples:
   new_competition erl2026
@@ -38,37 +37,37 @@ Examples:
   new_competition erl2026 --sheet plan.csv --schedule-only
   new_competition --check erl2026
 
-The exit status is 0 if all is well (there may be warnings), 1 if there are errors, 2 for wrong usage.
+The exit status is 0 on success (possibly with warnings), 1 for errors, 2 for wrong usage.
 """
 
 
 def main(config_dir: str, arguments: Optional[List[str]] = None) -> None:
-    """Run the program; `config_dir` has the shipped configuration files."""
+    """Run the program; `config_dir` contains the default configuration files."""
     options = _parser().parse_args(sys.argv[1:] if arguments is None else arguments)
     ask = input if sys.stdin is not None and sys.stdin.isatty() else None
     try:
         sys.exit(_run(options, config_dir, ask))
     except (EOFError, KeyboardInterrupt):
-        print("\nnew_competition: ended before all was answered; nothing was written", file=sys.stderr)
+        print("\nnew_competition: cancelled; nothing was written", file=sys.stderr)
         sys.exit(1)
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = Parser("new_competition", _DESCRIPTION, _EPILOG)
-    parser.add_argument("directory", metavar="DIR", help="the competition's directory")
-    parser.add_argument("--check", action="store_true", help="only check the directory; change nothing")
-    parser.add_argument("--sheet", metavar="CSV", help="make the schedule from this sheet (see below)")
+    parser.add_argument("directory", metavar="DIR", help="the competition's folder")
+    parser.add_argument("--check", action="store_true", help="check the folder without changing it")
+    parser.add_argument("--sheet", metavar="CSV", help="create the schedule from this sheet (see below)")
     parser.add_argument("--schedule-only", action="store_true",
-                        help="with --sheet: only make the schedule of an existing competition anew")
+                        help="with --sheet: replace only the schedule of an existing competition")
     for question in QUESTIONS:
         parser.add_argument("--" + question.option, metavar=question.example.strip("'"), help=question.help)
     return parser
 
 
 def _run(options: argparse.Namespace, config_dir: str, ask: Optional[Callable[[str], str]]) -> int:
-    """Do what is wanted; returns the exit status."""
+    """Run the command; returns the exit status."""
     if options.check:
-        return _told(options.directory)
+        return _checked(options.directory)
     report = Report()
     try:
         if options.schedule_only:
@@ -87,17 +86,17 @@ def _run(options: argparse.Namespace, config_dir: str, ask: Optional[Callable[[s
         return 2
     for warning in report.warnings:
         print(f"warning: {warning}")
-    return _told(options.directory) or _next_steps(options, found)
+    return _checked(options.directory) or _next_steps(options, found)
 
 
 def _benchmarks(config_dir: str) -> str:
-    """What each benchmark is about."""
+    """Describe all benchmarks."""
     shipped = BenchmarksFile(os.path.join(config_dir, files.BENCHMARKS), Report()).by_code
     return "\n".join(f"  {code:7} {benchmark.desc}" for code, benchmark in shipped.items())
 
 
 def _plan(report: Report, options: argparse.Namespace, found: Dict[str, object]) -> Optional[Plan]:
-    """The plan in the sheet, or the one that the answers make."""
+    """Make the plan from the sheet or from the answers."""
     if options.sheet:
         teams = found["teams"]
         known = None if teams is None else Known(teams, "the teams in --teams")
@@ -106,7 +105,7 @@ def _plan(report: Report, options: argparse.Namespace, found: Dict[str, object])
     zones = answers.usual_zones(found["benchmarks"]) if found["zones"] is None else answers.share(
         report, Place("--zones", 0, 0), found["zones"], found["benchmarks"])
     report.raise_errors()
-    days = [Day(day, found["begin"], found["end"], found["every"]) for day in found["days"]]
+    days = [PlannedDay(day, found["begin"], found["end"], found["every"]) for day in found["days"]]
     return timetable(report, found["teams"], zones, days, found["time-zone"])
 
 
@@ -119,13 +118,13 @@ def _new(options: argparse.Namespace, config_dir: str, plan: Plan, found: Dict[s
 
 
 def _schedule_only(report: Report, options: argparse.Namespace, config_dir: str) -> int:
-    """Make the schedule of an existing competition anew from a sheet; its teams and benchmarks stay."""
+    """Replace the schedule of an existing competition from a sheet; its teams and benchmarks stay."""
     if not options.sheet:
-        raise Missing("not given: --sheet, from which --schedule-only makes the schedule")
+        raise Missing("not given: --sheet, which --schedule-only needs")
     for question in QUESTIONS:
         if question.option != "time-zone" and getattr(options, question.option.replace("-", "_")) is not None:
-            report.error(Place("--" + question.option, 0, 0), "this option beside --schedule-only",
-                         "it only makes the schedule anew")
+            report.error(Place("--" + question.option, 0, 0), "this option together with --schedule-only",
+                         "only --sheet and --time-zone")
     clock = read_clock(report, Place("--time-zone", 0, 0), options.time_zone or "local")
     benchmarks, passwords = (os.path.join(options.directory, name) for name in (files.BENCHMARKS, files.PASSWORDS))
     teams = PasswordsFile(passwords, report).by_team
@@ -138,11 +137,11 @@ def _schedule_only(report: Report, options: argparse.Namespace, config_dir: str)
     print(f"Written: {files.SCHEDULE} in {options.directory}" + (f"; the old one is {before}" if before else ""))
     for warning in report.warnings:
         print(f"warning: {warning}")
-    return _told(options.directory)
+    return _checked(options.directory)
 
 
-def _told(directory: str) -> int:
-    """Check a directory and print what was found."""
+def _checked(directory: str) -> int:
+    """Check a folder and print the result."""
     found = check(directory)
     for error in found.errors:
         print(f"error: {error}")
@@ -150,10 +149,10 @@ def _told(directory: str) -> int:
         print(f"warning: {warning}")
     if found.errors:
         count = len(found.errors)
-        print("1 error: mend it before the box is started" if count == 1 else
-              f"{count} errors: mend them before the box is started")
+        print("1 error: correct it before you start the box" if count == 1 else
+              f"{count} errors: correct them before you start the box")
         return 1
-    print(f"All is well: {found.summary}")
+    print(f"No errors: {found.summary}")
     return 0
 
 
@@ -171,11 +170,11 @@ def _next_steps(options: argparse.Namespace, found: Dict[str, object]) -> int:
         print(f"Now set the waypoints, objects and people of your venue in {files.MODULES}/, and ", end="")
     else:
         print("Now ", end="")
-    print(f"give each team its own password of {files.PASSWORDS}.")
+    print(f"give each team its password from {files.PASSWORDS}.")
     example = host or "192.168.1.255"
     print(f"Close the robots' network: check the interface in {files.FIREWALL}, then: sudo nft -f "
           f"{shlex.quote(os.path.join(directory, files.FIREWALL))}")
-    print(f"Look whether all is well: rosrun roah_rsbb preflight --rsbb-host {example} --competition "
+    print(f"Check the set-up: rosrun roah_rsbb preflight --rsbb-host {example} --competition "
           f"{shlex.quote(directory)}")
     print(f"Start the box: roslaunch {path}" + ("" if host else f" rsbb_host:={example}"))
     return 0

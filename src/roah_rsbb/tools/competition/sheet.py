@@ -1,7 +1,7 @@
-"""A schedule from a CSV sheet, as any spreadsheet program saves it.
+"""Reads a schedule from a CSV sheet of any spreadsheet program.
 
-The first row names the columns, in any order: zone, benchmark, team, date, time, and, if wished, round and run.
-Each further row is a run. Commas, semicolons and tabs are all taken as separators, as programs differ in it.
+The first row names the columns, in any order: zone, benchmark, team, date, time, and optionally round and run. Each
+further row is a run. The separator may be a comma, a semicolon or a tab.
 """
 
 import csv
@@ -14,15 +14,14 @@ from roah_rsbb.rulebook.errors import Place, Report, listing, quote
 from roah_rsbb.rulebook.yaml_fields import integer, text
 from roah_rsbb.rulebook.yaml_lines import Scalar, read_text
 from roah_rsbb.tools.competition.answers import benchmark_code, team_name
-from roah_rsbb.tools.competition.moments import VenueClock, read_day, read_time
-from roah_rsbb.tools.competition.plan import Plan, PlannedZone, Run, for_all
+from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock, for_all, read_day, read_time
 from roah_rsbb.wording.suggestions import did_you_mean, nearest
 
 REQUIRED = ("zone", "benchmark", "team", "date", "time")
 OPTIONAL = ("round", "run")
 _COLUMNS = (*REQUIRED, *OPTIONAL)
 _WHAT = "the sheet (option --sheet)"
-_SHAPE = f"a row that names the columns: {', '.join(REQUIRED)}; if wished also {' and '.join(OPTIONAL)}"
+_SHAPE = f"a row that names the columns: {', '.join(REQUIRED)}; optionally {' and '.join(OPTIONAL)}"
 _SEPARATORS = ",;\t"
 _MAX_ROUND = 255  # as in a schedule file
 
@@ -35,7 +34,7 @@ class Known(NamedTuple):
 
 
 class _Row(NamedTuple):
-    """A row that could be read; round and run are None where the sheet leaves them to us."""
+    """A valid row; round and run are None if the sheet omits them."""
 
     place: Place
     zone: str
@@ -50,9 +49,9 @@ class _Row(NamedTuple):
 def read_sheet(
     path: str, report: Report, clock: VenueClock, teams: Optional[Known] = None, codes: Optional[Known] = None
 ) -> Optional[Plan]:
-    """The plan in a sheet; None after errors, of which every bad cell has one in the report.
+    """Read the plan in a sheet; None after errors. The report gets an error for each invalid cell.
 
-    Without `teams` the teams are those that the sheet names, without `codes` all benchmarks may be held.
+    Without `teams`, all names of teams are accepted. Without `codes`, all benchmarks are accepted.
     """
     before = len(report.errors)
     content = read_text(path, report, _WHAT)
@@ -67,7 +66,7 @@ def read_sheet(
 
 
 def column_name(number: int) -> str:
-    """A column's name in spreadsheet programs: A, B, …, Z, AA, …; `number` counts from 1."""
+    """The name of a column in spreadsheet programs: A, B, …, Z, AA, …; `number` counts from 1."""
     name = ""
     while number:
         number, letter = divmod(number - 1, 26)
@@ -83,21 +82,21 @@ class _Sheet:
         self._path, self._content, self._report, self._clock = path, content, report, clock
         self._teams, self._codes = teams, codes
         self._columns: Dict[str, int] = {}  # name to its index
-        self._head: List[str] = []
+        self._header: List[str] = []
 
     def rows(self) -> List[_Row]:
-        """All rows without errors; none if the head is not right."""
+        """Return all valid rows; none if the header is invalid."""
         lines = self._lines()
-        number, self._head = next(lines, (1, []))
-        if not self._read_head(number):
+        number, self._header = next(lines, (1, []))
+        if not self._read_header(number):
             return []
         return [row for row in (self._row(number, cells) for number, cells in lines) if row is not None]
 
     def _lines(self) -> Iterator[Tuple[int, List[str]]]:
-        """Lines that are not empty, with their numbers and cells."""
+        """Yield lines that are not empty, with their numbers and cells."""
         if "\0" in self._content:
             line = self._content[:self._content.index("\0")].count("\n") + 1
-            self._report.error(Place(self._path, line, 0), "a control character", "text: is it saved as CSV?")
+            self._report.error(Place(self._path, line, 0), "a control character", "text; save the sheet as CSV")
             return
         first = next((line for line in self._content.splitlines() if line.strip()), "")
         separator = max(_SEPARATORS, key=first.count)
@@ -109,12 +108,12 @@ class _Sheet:
                     yield begin, [cell.strip() for cell in cells]
                 begin = reader.line_num + 1
         except csv.Error:
-            self._report.error(Place(self._path, begin, 1), "a quote that is not closed, or text behind a closing one",
+            self._report.error(Place(self._path, begin, 1), "an unclosed quote, or text after a closing one",
                                'cells without quotes, or with one at each end; a quote within is written twice: ""')
 
-    def _read_head(self, number: int) -> bool:
+    def _read_header(self, number: int) -> bool:
         known = len(self._report.errors)
-        for index, name in enumerate(self._head):
+        for index, name in enumerate(self._header):
             word = name.casefold()
             place = Place(self._path, number, index + 1)
             if not word:
@@ -131,11 +130,11 @@ class _Sheet:
         return known == len(self._report.errors)
 
     def _row(self, number: int, cells: List[str]) -> Optional[_Row]:
-        """A run; None if anything is wrong with it."""
+        """Read a run; None after an error."""
         report = self._report
         known = len(report.errors)
         for index, content in enumerate(cells):
-            if content and not (index < len(self._head) and self._head[index]):
+            if content and not (index < len(self._header) and self._header[index]):
                 report.error(Place(self._path, number, index + 1),
                              f"{quote(content)} in column {column_name(index + 1)}, which has no name",
                              "a name for it in the first row, or nothing")
@@ -179,9 +178,9 @@ class _Sheet:
 
 
 def _plan(report: Report, rows: List[_Row]) -> Plan:
-    """The plan of the rows; rounds that they do not name are days, and runs are counted."""
+    """Make the plan from the rows. Missing rounds are numbers of days; missing runs are numbered."""
     days = sorted({row.day for row in rows})
-    zones: Dict[str, List[Run]] = {row.zone: [] for row in rows}
+    zones: Dict[str, List[PlannedRun]] = {row.zone: [] for row in rows}
     seen: Dict[Tuple[str, str, int, int], Place] = {}
     counts: Dict[Tuple[str, str, int], int] = {}
     for row in sorted(rows, key=lambda row: row.begins):
@@ -192,18 +191,19 @@ def _plan(report: Report, rows: List[_Row]) -> Plan:
                     f"{row.code}, team {quote(row.team)}, round {number}, run {run}", "each run once")
         for name, value in (("round", number), ("run", run)):
             if value > _MAX_ROUND:
-                report.error(row.place, f"{name} {value}", f"at most {_MAX_ROUND}: give rounds and runs in columns")
-        zones[row.zone].append(Run(row.code, row.team, number, run, row.begins))
+                report.error(row.place, f"{name} {value}", f"at most {_MAX_ROUND}: add columns for rounds and runs")
+        zones[row.zone].append(PlannedRun(row.code, row.team, number, run, row.begins))
     teams = dict.fromkeys(row.team for row in rows if row.team != ALL_TEAMS)
     return Plan(tuple(teams), tuple(PlannedZone(name, tuple(runs)) for name, runs in zones.items()))
 
 
 def _warn_of_names(report: Report, rows: List[_Row]) -> None:
-    """Names that differ by upper and lower case or blanks alone are probably one: each would be one of its own."""
+    """Warn of names that differ only in case or blanks, because they are probably the same."""
     for what, names in (("team", [(row.team, row.place) for row in rows]),
                         ("zone", [(row.zone, row.place) for row in rows])):
         first: Dict[str, str] = {}
         for name, place in dict(reversed(names)).items():
             other = first.setdefault("".join(name.casefold().split()), name)
             if other != name:
-                report.warn(place, f"{what} {quote(name)} and {what} {quote(other)} are two: is one of them misspelt?")
+                report.warn(place, f"{what} {quote(name)} and {what} {quote(other)} "
+                                   "are different: is one of them misspelt?")

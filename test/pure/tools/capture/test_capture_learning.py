@@ -6,9 +6,9 @@ from helpers.small_box import PASSWORD
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import Reason, encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tools.capture.decoding import BOX, PRIVATE_PORTS, TABLET, Decoder, Kind, Speaker
-from roah_rsbb.tools.capture.filters import Filter
-from roah_rsbb.tools.capture.records import Datagram
+from roah_rsbb.tools.capture.decoding import BOX, PRIVATE_PORTS, TABLET, DatagramKind, Decoder, Speaker
+from roah_rsbb.tools.capture.output import Filter
+from roah_rsbb.tools.capture.recording import Datagram
 
 PORT = 6666
 NEVER = pb.Time(sec=0, nsec=0)
@@ -92,7 +92,7 @@ def test_a_port_stays_known_after_its_run():
     decoder.decode(datagram(box_beacon()))
     assert decoder.listed == {}
     late = decoder.decode(datagram(state(), port=20000, password=PASSWORD))
-    assert late.speaker == Speaker("Robot", "Team") and late.kind is Kind.MESSAGE
+    assert late.speaker == Speaker("Robot", "Team") and late.kind is DatagramKind.MESSAGE
 
 
 def test_ports_that_cannot_be_are_no_private_channels():
@@ -120,18 +120,19 @@ def test_every_team_has_its_own_password():
         (port, password): decoder.decode(datagram(state(), port=port, password=password))
         for port in (6667, 6669) for password in ("1", "2", "3")
     }
-    assert kinds[6667, "1"].kind is Kind.MESSAGE and kinds[6667, "1"].team == "One"
+    assert kinds[6667, "1"].kind is DatagramKind.MESSAGE and kinds[6667, "1"].team == "One"
     assert kinds[6667, "2"].reason is kinds[6667, "3"].reason is Reason.UNDECRYPTABLE
-    assert "its password is that of team Two" in kinds[6667, "2"].text
-    assert "the password given here does not fit" in kinds[6667, "3"].text
-    assert kinds[6669, "3"].kind is Kind.ENCRYPTED and "no password of team Three is known" in kinds[6669, "3"].text
+    assert "it has the password of team Two" in kinds[6667, "2"].text
+    assert "the given password does not fit" in kinds[6667, "3"].text
+    assert kinds[6669, "3"].kind is DatagramKind.ENCRYPTED
+    assert "no password of team Three is known" in kinds[6669, "3"].text
 
 
 def test_a_teams_own_password_counts_on_its_channel_and_no_other():
     decoder = Decoder(PORT, {"Another": "same", "Team": "same"}, "for the others")
     decoder.decode(datagram(box_beacon(("Team", "Robot", 6667))))
     own = decoder.decode(datagram(state(), port=6667, password="same"))
-    assert (own.kind, own.team) == (Kind.MESSAGE, "Team")
+    assert (own.kind, own.team) == (DatagramKind.MESSAGE, "Team")
     other = decoder.decode(datagram(state(), port=6667, password="for the others"))
     assert other.reason is Reason.UNDECRYPTABLE
 
@@ -139,7 +140,7 @@ def test_a_teams_own_password_counts_on_its_channel_and_no_other():
 def test_an_unlisted_port_is_known_by_the_password_that_fits():
     decoder = Decoder(PORT, {"One": "1", "Two": "2"})
     entry = decoder.decode(datagram(state(), port=6700, password="2"))
-    assert (entry.kind, entry.speaker, entry.team) == (Kind.MESSAGE, Speaker("robot", "Two"), "Two")
+    assert (entry.kind, entry.speaker, entry.team) == (DatagramKind.MESSAGE, Speaker("robot", "Two"), "Two")
 
 
 def test_what_decrypts_and_is_no_message_is_an_error_also_with_the_password_for_all():

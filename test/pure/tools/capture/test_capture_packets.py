@@ -6,8 +6,8 @@ import struct
 
 import pytest
 
-from roah_rsbb.tools.capture.packets import Fragment, parse
-from roah_rsbb.tools.capture.records import Datagram
+from roah_rsbb.tools.capture.listening import Fragment, parse_packet
+from roah_rsbb.tools.capture.recording import Datagram
 
 SRC, DST, TIME = "10.0.0.2", "10.0.0.255", 1700000000.5
 DATA = bytes(range(40))
@@ -36,25 +36,25 @@ DO_NOT_FRAGMENT, MORE_FRAGMENTS = 0x4000, 0x2000
     {"trailer": bytes(6)},  # Ethernet fills short packets up
 ])
 def test_a_datagram(changes):
-    assert parse(packet(**changes), TIME) == EXPECTED
+    assert parse_packet(packet(**changes), TIME) == EXPECTED
 
 
 def test_an_empty_datagram():
-    assert parse(packet(b""), TIME) == EXPECTED._replace(data=b"")
+    assert parse_packet(packet(b""), TIME) == EXPECTED._replace(data=b"")
 
 
 def test_a_datagram_shorter_than_its_packet():
-    assert parse(packet(udp_length=8 + 5), TIME) == EXPECTED._replace(data=DATA[:5])
+    assert parse_packet(packet(udp_length=8 + 5), TIME) == EXPECTED._replace(data=DATA[:5])
 
 
 def test_the_first_fragment_is_told_and_the_others_cannot_be_known():
-    assert parse(packet(fragment=MORE_FRAGMENTS, udp_length=8 + 3000), TIME) == Fragment(SRC, 6668, 3000)
-    assert parse(packet(fragment=MORE_FRAGMENTS | 185), TIME) is None
-    assert parse(packet(fragment=185), TIME) is None
+    assert parse_packet(packet(fragment=MORE_FRAGMENTS, udp_length=8 + 3000), TIME) == Fragment(SRC, 6668, 3000)
+    assert parse_packet(packet(fragment=MORE_FRAGMENTS | 185), TIME) is None
+    assert parse_packet(packet(fragment=185), TIME) is None
 
 
 def test_a_fragment_that_announces_less_than_nothing():
-    assert parse(packet(fragment=MORE_FRAGMENTS, udp_length=3), TIME) == Fragment(SRC, 6668, 0)
+    assert parse_packet(packet(fragment=MORE_FRAGMENTS, udp_length=3), TIME) == Fragment(SRC, 6668, 0)
 
 
 @pytest.mark.parametrize("changes", [
@@ -65,20 +65,20 @@ def test_a_fragment_that_announces_less_than_nothing():
     {"udp_length": 8 + len(DATA) + 1, "trailer": b"x"},
 ])
 def test_what_is_no_whole_udp_datagram(changes):
-    assert parse(packet(**changes), TIME) is None
+    assert parse_packet(packet(**changes), TIME) is None
 
 
 def test_a_header_shorter_than_any():
     whole = bytearray(packet())
     whole[0] = 0x44
     whole[20:22] = (8 + len(DATA)).to_bytes(2, "big")  # a size that fits, where it would be then
-    assert parse(bytes(whole), TIME) is None
+    assert parse_packet(bytes(whole), TIME) is None
 
 
 @pytest.mark.parametrize("options", [b"", bytes(8)])
 def test_a_packet_that_is_cut_off_anywhere(options):
     whole = packet(options=options)
-    assert [parse(whole[:size], TIME) for size in range(len(whole))] == [None] * len(whole)
+    assert [parse_packet(whole[:size], TIME) for size in range(len(whole))] == [None] * len(whole)
 
 
 def test_noise_is_never_an_error():
@@ -87,5 +87,5 @@ def test_noise_is_never_an_error():
         noise = bytearray(packet(options=bytes(4 * rng.randrange(3))))
         for _ in range(rng.randrange(1, 6)):
             noise[rng.randrange(len(noise))] = rng.randrange(256)
-        found = parse(bytes(noise[:rng.randrange(len(noise) + 1)]), TIME)
+        found = parse_packet(bytes(noise[:rng.randrange(len(noise) + 1)]), TIME)
         assert found is None or isinstance(found, (Datagram, Fragment))

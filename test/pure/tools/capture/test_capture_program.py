@@ -9,9 +9,9 @@ import pytest
 from helpers.small_box import BROADCAST, free_ports
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tools.capture import program, records
+from roah_rsbb.tools.capture import program, recording
 from roah_rsbb.tools.capture.program import main
-from roah_rsbb.tools.capture.records import Datagram
+from roah_rsbb.tools.capture.recording import Datagram
 
 PORT = 6666
 
@@ -92,7 +92,7 @@ def test_what_is_kept_can_be_read_again(network, tmp_path, capsys):
     # A filter chooses what is shown only.
     main(["--plain", "--port", "7000", "--write", str(path), "--message", "TabletBeacon"])
     assert capsys.readouterr().out == ""
-    rsbb_port, datagrams = records.read(iter(path.read_text().splitlines(keepends=True)), "run.jsonl")
+    rsbb_port, datagrams = recording.read(iter(path.read_text().splitlines(keepends=True)), "run.jsonl")
     assert rsbb_port == 7000 and list(datagrams) == [beacon(1), beacon(2)]
 
 
@@ -109,7 +109,7 @@ def test_a_file_that_exists_is_not_written_over(network, tmp_path):
     path = tmp_path / "run.jsonl"
     path.write_text("precious")
     network(beacon())
-    with pytest.raises(SystemExit, match="run.jsonl exists already: give --write another name"):
+    with pytest.raises(SystemExit, match="run.jsonl already exists: choose another name for --write"):
         main(["--plain", "--write", str(path)])
     assert path.read_text() == "precious"
 
@@ -173,7 +173,7 @@ def test_without_the_right_to_all_it_says_so_and_hears_broadcasts(network, monke
     main(["--host", BROADCAST])
     out, err = capsys.readouterr()
     assert len(out.splitlines()) == 1
-    assert "needs root's rights" in err and f"{sys.executable} -m roah_rsbb.tools.capture" in err
+    assert "run as root or with CAP_NET_RAW" in err and f"{sys.executable} -m roah_rsbb.tools.capture" in err
 
 
 def test_with_the_right_to_all_it_hears_all(network, monkeypatch, capsys):
@@ -215,9 +215,9 @@ def test_what_it_cannot_begin_with_is_told_in_a_line(arguments, told):
 
 
 @pytest.mark.parametrize("arguments, told", [
-    (["--port", "0"], "'0' is no UDP port"),
-    (["--port", "65536"], "'65536' is no UDP port"),
-    (["--port", "²"], "'²' is no UDP port"),
+    (["--port", "0"], "'0' is not a UDP port"),
+    (["--port", "65536"], "'65536' is not a UDP port"),
+    (["--port", "²"], "'²' is not a UDP port"),
     (["--duration", "nan"], "'nan' is no number from 0"),
     (["--write", "a", "--read", "b"], "not allowed with argument"),
     (["--password", "a", "--password-file", "b"], "not allowed with argument"),

@@ -6,9 +6,9 @@ import json
 import pytest
 
 from helpers.golden import PASSWORD, SESSIONS, load
-from roah_rsbb.tools.capture import records
+from roah_rsbb.tools.capture import recording
 from roah_rsbb.tools.capture.program import main
-from roah_rsbb.tools.capture.records import Datagram
+from roah_rsbb.tools.capture.recording import Datagram
 
 PORT = 6666
 BEGIN = 1700000000.0
@@ -30,7 +30,7 @@ def shown(tmp_path, capsys, monkeypatch):
     def replay(what, *arguments):
         path = tmp_path / "run.jsonl"
         if not isinstance(what, str):
-            what = "".join(line + "\n" for line in [records.header_line(PORT), *map(records.datagram_line, what)])
+            what = "".join(line + "\n" for line in [recording.header_line(PORT), *map(recording.datagram_line, what)])
         path.write_text(what, encoding="utf-8")
         main(["--read", str(path), *arguments])
         out, err = capsys.readouterr()
@@ -85,23 +85,23 @@ def test_a_line_for_people(shown):
     assert "robot_state=STOP" in lines[0] and "skew=" in lines[0]
 
 
-HEADER = records.header_line(PORT) + "\n"
-GOOD = records.datagram_line(Datagram(BEGIN, "10.99.0.2", PORT, "10.99.0.255", PORT, b"\x02")) + "\n"
+HEADER = recording.header_line(PORT) + "\n"
+GOOD = recording.datagram_line(Datagram(BEGIN, "10.99.0.2", PORT, "10.99.0.255", PORT, b"\x02")) + "\n"
 
 
 @pytest.mark.parametrize("text, told", [
-    ("", ":1: this is no recording"),
-    ("TestingTeam: PASSWORD\n", ":1: this is no recording"),
-    ('{"roah_rsbb_capture": 2, "rsbb_port": 6666}\n', ":1: a recording of format 2"),
+    ("", ":1: this is not a recording"),
+    ("TestingTeam: PASSWORD\n", ":1: this is not a recording"),
+    ('{"roah_rsbb_capture": 2, "rsbb_port": 6666}\n', ":1: the recording has format 2"),
     ('{"roah_rsbb_capture": 1, "rsbb_port": 65536}\n', ":1: found rsbb_port 65536"),
     ('{"roah_rsbb_capture": 1, "rsbb_port": true}\n', ":1: found rsbb_port True"),
-    (HEADER + GOOD + GOOD[:-20], ":3: found no datagram; expected a line like .* cut off here"),
-    (HEADER + GOOD + "\n" + GOOD, ":3: found no datagram"),
-    (HEADER + GOOD.replace('"02"', '"0g"'), ":2: found no datagram"),
-    (HEADER + GOOD.replace("10.99.0.255", "10.99.0.256"), ":2: found no datagram"),
-    (HEADER + GOOD.replace("1700000000.0", "Infinity"), ":2: found no datagram"),
-    (HEADER + GOOD.replace("1700000000.0", "9" * 400), ":2: found no datagram"),
-    (HEADER + "[" * 100000 + "\n", ":2: found no datagram"),
+    (HEADER + GOOD + GOOD[:-20], ":3: found an invalid line; expected one like .* cut off here"),
+    (HEADER + GOOD + "\n" + GOOD, ":3: found an invalid line"),
+    (HEADER + GOOD.replace('"02"', '"0g"'), ":2: found an invalid line"),
+    (HEADER + GOOD.replace("10.99.0.255", "10.99.0.256"), ":2: found an invalid line"),
+    (HEADER + GOOD.replace("1700000000.0", "Infinity"), ":2: found an invalid line"),
+    (HEADER + GOOD.replace("1700000000.0", "9" * 400), ":2: found an invalid line"),
+    (HEADER + "[" * 100000 + "\n", ":2: found an invalid line"),
 ])
 def test_a_damaged_recording_is_told_with_its_line(shown, text, told):
     with pytest.raises(SystemExit, match=told):

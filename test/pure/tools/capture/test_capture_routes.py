@@ -7,7 +7,7 @@ import pytest
 
 from helpers.small_box import BROADCAST, free_ports
 from roah_rsbb.comm.sockets import OpenError
-from roah_rsbb.tools.capture import routes
+from roah_rsbb.tools.capture import listening
 
 
 def hexadecimal(address):
@@ -43,25 +43,26 @@ BEHIND = ("eth1", "10.3.0.0", "10.2.0.1", "255.255.0.0")
     (DEFAULT, HOME, ROBOTS, PART, BEHIND), (BEHIND, PART, ROBOTS, HOME, DEFAULT),
 ])
 def test_the_interface_to_a_network(host, interface, rows):
-    assert routes.route(host, route_table(*rows)) == interface
+    assert listening.route(host, route_table(*rows)) == interface
 
 
 def test_of_two_ways_the_first_counts():
     rows = [("eth0", "10.0.0.0", NO_GATEWAY, "255.0.0.0"), ("eth1", "10.0.0.0", NO_GATEWAY, "255.0.0.0")]
-    assert routes.route("10.255.255.255", route_table(*rows)) == "eth0"
+    assert listening.route("10.255.255.255", route_table(*rows)) == "eth0"
 
 
 def test_a_machine_without_a_network():
-    assert routes.route("10.255.255.255", route_table()) is None
-    assert routes.route("10.255.255.255", "") is None
+    assert listening.route("10.255.255.255", route_table()) is None
+    assert listening.route("10.255.255.255", "") is None
 
 
 def test_interfaces_to_a_network(monkeypatch):
-    monkeypatch.setattr(routes, "_read", lambda path: {"/proc/net/route": route_table(DEFAULT, ROBOTS)}[path])
-    assert routes.interfaces_to("10.255.255.255") == ["lo", "eth0"]
-    assert routes.interfaces_to("127.255.255.255") == ["lo"]
-    with pytest.raises(OpenError, match=r"no network of this machine has --host 172\.16\.0\.255: give the broadcast"):
-        routes.interfaces_to("172.16.0.255")
+    monkeypatch.setattr(listening, "_read_table", lambda path: {"/proc/net/route": route_table(DEFAULT, ROBOTS)}[path])
+    assert listening.interfaces_to("10.255.255.255") == ["lo", "eth0"]
+    assert listening.interfaces_to("127.255.255.255") == ["lo"]
+    with pytest.raises(OpenError, match=r"--host 172\.16\.0\.255 is not in a network of this machine: give the "
+                                        r"broadcast"):
+        listening.interfaces_to("172.16.0.255")
 
 
 def test_the_sockets_on_a_port():
@@ -71,9 +72,9 @@ def test_the_sockets_on_a_port():
         "  11: 0100007F:1A0A 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 4712 2 0 0\n"
         "  12: 00001A0A:0035 00000000:0000 07 00000000:00000000 00:00000000 00000000     0        0 4713 2 0 0\n"
     )
-    assert routes.udp_sockets(6666, table) == {4711, 4712}
-    assert routes.udp_sockets(6667, table) == set()
-    assert routes.udp_sockets(6666, "") == set()
+    assert listening.udp_sockets(6666, table) == {4711, 4712}
+    assert listening.udp_sockets(6667, table) == set()
+    assert listening.udp_sockets(6666, "") == set()
 
 
 def test_other_programs_on_a_port_are_seen_and_our_own_are_not():
@@ -81,13 +82,13 @@ def test_other_programs_on_a_port_are_seen_and_our_own_are_not():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own, \
             socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         own.bind(("127.0.0.1", port))
-        assert not routes.others_use(port, [own])
+        assert not listening.others_use(port, [own])
         other.bind(("127.0.0.2", port))
-        assert routes.others_use(port, [own])
-        assert not routes.others_use(port, [own, other])
+        assert listening.others_use(port, [own])
+        assert not listening.others_use(port, [own, other])
 
 
 def test_only_a_broadcast_address_is_listened_to():
-    assert routes.broadcast_address(BROADCAST) == BROADCAST
-    with pytest.raises(OpenError, match=r"127\.0\.0\.1 is not a broadcast address of this machine: give that"):
-        routes.broadcast_address("127.0.0.1")
+    assert listening.broadcast_address(BROADCAST) == BROADCAST
+    with pytest.raises(OpenError, match=r"127\.0\.0\.1 is not a broadcast address of this machine: give the one"):
+        listening.broadcast_address("127.0.0.1")

@@ -10,7 +10,7 @@ from helpers.small_box import BOX, BROADCAST, PASSWORD, ROBOT, free_ports
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tools.capture.decoding import Decoder, Kind, Speaker
+from roah_rsbb.tools.capture.decoding import DatagramKind, Decoder, Speaker
 from roah_rsbb.tools.capture.listening import PlainListener, RawListener
 
 TIMEOUT_S = 10
@@ -63,7 +63,7 @@ def test_broadcasts_are_heard_and_unicast_stays_with_whom_it_was_sent_to():
         robot.sendto(encode(BEACON)[:5], (BROADCAST, port))
         entries = hear(listener, decoder, 2)
         assert box.recv(100) == b"unicast"
-    assert [entry.kind for entry in entries] == [Kind.MESSAGE, Kind.ERROR]
+    assert [entry.kind for entry in entries] == [DatagramKind.MESSAGE, DatagramKind.ERROR]
     assert entries[0].message == BEACON and entries[0].datagram[1:5] == (ROBOT, port, BROADCAST, port)
     assert entries[1].speaker == Speaker("Robot", "Team")  # known by its address
     assert not notices
@@ -112,7 +112,7 @@ def raw():
     try:
         listener = RawListener(decoder, BROADCAST, lambda text: pytest.fail(text))
     except PermissionError:
-        pytest.skip("needs root's rights (CAP_NET_RAW)")
+        pytest.skip("run as root or with CAP_NET_RAW (CAP_NET_RAW)")
     with contextlib.closing(listener):
         yield decoder, listener
 

@@ -7,7 +7,7 @@ import pytest
 
 from roah_rsbb.rulebook.benchmarks import KINDS
 from roah_rsbb.rulebook.errors import Place, Report
-from roah_rsbb.tools.competition import answers, moments
+from roah_rsbb.tools.competition import answers, plan
 
 PLACE = Place("--option", 0, 0)
 
@@ -80,10 +80,10 @@ def test_benchmarks_are_shared_out():
 
 def test_benchmarks_that_cannot_be_shared_out():
     assert not_shared([("A", ("STB",))], ["STB", "HNF"]) == [
-        "found no zone for HNF; expected each benchmark in a zone, or a zone that names none"]
+        "found no zone for HNF; expected each benchmark in a zone, or a zone without benchmarks"]
     assert not_shared([("A", ("STB",)), ("B", ("STB",))], ["STB"])[0].startswith("found benchmark STB in two zones")
     assert not_shared([("A", ("HNF",))], ["STB"])[0] == (
-        "found benchmark HNF in a zone; expected one of those that are held: STB")
+        "found benchmark HNF in a zone; expected one of the competition's benchmarks: STB")
     assert not_shared([("A", ()), ("B", ())], ["STB"])[0].startswith("found nothing to do in zone 'B'")
 
 
@@ -120,7 +120,7 @@ def test_addresses():
 
 def test_times_of_day():
     def read_time(report, place, text):
-        return moments.read_time(report, place, text, "time")
+        return plan.read_time(report, place, text, "time")
 
     assert read(read_time, "9:05") == datetime.time(9, 5)
     assert read(read_time, "23:59:58") == datetime.time(23, 59, 58)
@@ -130,21 +130,21 @@ def test_times_of_day():
 
 @pytest.mark.parametrize("zone, hour", [("UTC", 9), ("utc", 9), ("+01:30", 7), ("-2:00", 11)])
 def test_time_zones(zone, hour):
-    clock = read(moments.read_clock, zone)
+    clock = read(plan.read_clock, zone)
     moment = clock.utc(datetime.date(2026, 11, 28), datetime.time(9))
     assert (moment.tzinfo, moment.hour) == (datetime.timezone.utc, hour)
-    assert clock.wall(moment).time() == datetime.time(9)
+    assert clock.local(moment).time() == datetime.time(9)
 
 
 def test_the_local_time_zone_has_summers(monkeypatch):
     monkeypatch.setenv("TZ", "CET-1CEST,M3.5.0,M10.5.0/3")
     time.tzset()
     try:
-        clock = read(moments.read_clock, "local")
+        clock = read(plan.read_clock, "local")
         for month, hour in ((1, 8), (7, 7)):
             moment = clock.utc(datetime.date(2026, month, 10), datetime.time(9))
             assert moment.hour == hour
-            assert clock.wall(moment).hour == 9
+            assert clock.local(moment).hour == 9
     finally:
         monkeypatch.undo()
         time.tzset()
@@ -152,4 +152,4 @@ def test_the_local_time_zone_has_summers(monkeypatch):
 
 def test_wrong_time_zones():
     for zone in ("CET", "+1", "+15:00", "+01:60"):
-        assert "such as +01:00" in refused(moments.read_clock, zone)[0]
+        assert "such as +01:00" in refused(plan.read_clock, zone)[0]

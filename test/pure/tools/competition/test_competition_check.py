@@ -8,15 +8,14 @@ from helpers.config_files import SHIPPED
 from roah_rsbb.tools.competition import files
 from roah_rsbb.tools.competition.check import check
 from roah_rsbb.tools.competition.files import Hosts
-from roah_rsbb.tools.competition.moments import VenueClock
-from roah_rsbb.tools.competition.plan import Plan, PlannedZone, Run
+from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock
 
 CLOCK = VenueClock(datetime.timedelta(0))
 
 
 def run(code, team, minute=0, number=1):
     begins = datetime.datetime(2026, 11, 28, 9, tzinfo=datetime.timezone.utc) + datetime.timedelta(minutes=minute)
-    return Run(code, team, 1, number, begins)
+    return PlannedRun(code, team, 1, number, begins)
 
 
 @pytest.fixture
@@ -80,7 +79,7 @@ def test_no_parameters_at_all_are_a_warning(competition):
     for path in (directory / "modules").iterdir():
         path.unlink()
     (directory / "modules").rmdir()
-    assert [w for w in warnings(directory) if "the shipped parameters of HNF count" in w]
+    assert [w for w in warnings(directory) if "the default parameters of HNF apply" in w]
 
 
 @pytest.mark.parametrize("name", ["no", "file"])
@@ -88,7 +87,7 @@ def test_what_is_no_directory(tmp_path, name):
     (tmp_path / "file").write_text("", encoding="utf-8")
     found = check(str(tmp_path / name))
     assert found.errors == [
-        f"{tmp_path}/{name}: found no such directory; expected a competition's, as new_competition makes it"]
+        f"{tmp_path}/{name}: found no such folder; expected one that new_competition created"]
 
 
 def test_an_empty_directory(tmp_path):
@@ -100,8 +99,8 @@ def test_an_empty_directory(tmp_path):
 def test_runs_that_follow_too_soon(competition):
     directory = competition(X=[run("HWV", "A"), run("HWV", "B", 9), run("HWV", "A", 19, 2)])
     assert warnings(directory) == [
-        "schedule.yaml: zone 'X': too short a time between runs: HWV of B (round 1, run 1) before HWV of A (round 1, "
-        "run 1) can be over"]
+        "schedule.yaml: zone 'X': too little time between runs: HWV of B (round 1, run 1) before the end of HWV of A "
+        "(round 1, run 1)"]
 
 
 def test_many_runs_that_follow_too_soon_are_one_warning(competition):
@@ -125,7 +124,7 @@ def test_all_robots_at_once_while_a_team_is_in_a_run(competition):
 
 def test_a_team_without_runs(competition):
     directory = competition(teams=("A", "B", "C"))
-    assert warnings(directory) == ["passwords.yaml: no runs in the schedule for 'C': left out by mistake?"]
+    assert warnings(directory) == ["passwords.yaml: no runs in the schedule for 'C': is that intended?"]
 
 
 def test_passwords_that_others_can_read(competition):
@@ -142,10 +141,10 @@ def test_no_launch_file(competition):
 
 def test_a_launch_file_that_is_no_xml(competition):
     directory = competition()
-    change(directory / files.LAUNCH, "beside", "-- beside")
+    change(directory / files.LAUNCH, "in this folder", "-- in this folder")
     told = check(str(directory)).errors
     assert len(told) == 1
-    assert "competition.launch:2: found no XML" in told[0]
+    assert "competition.launch:2: found invalid XML" in told[0]
 
 
 def test_a_launch_file_that_does_not_start_the_box(competition):
@@ -160,4 +159,4 @@ def test_a_launch_file_with_another_schedule(competition):
     directory = competition()
     change(directory / files.LAUNCH, "$(dirname)/schedule.yaml", "/other.yaml")
     assert warnings(directory) == [
-        "competition.launch:11: schedule_file is '/other.yaml', but what was checked is $(dirname)/schedule.yaml"]
+        "competition.launch:11: schedule_file is '/other.yaml', but the checked file is $(dirname)/schedule.yaml"]

@@ -14,11 +14,10 @@ from helpers.config_files import SHIPPED, TEXTS
 from roah_rsbb.comm.passwords import read_passwords
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import KINDS
-from roah_rsbb.tools.competition import files, texts
+from roah_rsbb.tools.competition import files
 from roah_rsbb.tools.competition.files import CannotWrite, Hosts
 from roah_rsbb.tools.competition.firewall import TABLE, firewall_text, loaded_for
-from roah_rsbb.tools.competition.moments import VenueClock
-from roah_rsbb.tools.competition.plan import Plan, PlannedZone, Run
+from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock
 
 CLOCK = VenueClock(datetime.timedelta(hours=1))
 NO_HOSTS = Hosts(None, None)
@@ -26,7 +25,7 @@ AWKWARD = ("Brass Butlers", "123", "yes", "n", "Übung's", "a, {b}", "x #y", "-"
 
 
 def run(code, team, number=1, hour=8):
-    return Run(code, team, number, 1, datetime.datetime(2026, 11, 28, hour, tzinfo=datetime.timezone.utc))
+    return PlannedRun(code, team, number, 1, datetime.datetime(2026, 11, 28, hour, tzinfo=datetime.timezone.utc))
 
 
 def plan(*runs, teams=("A", "B")):
@@ -59,7 +58,7 @@ def test_the_box_reads_what_was_planned(tmp_path):
 
 
 def test_each_time_of_the_venue_stands_behind_its_run():
-    text = texts.schedule_text(TEXTS["schedule"], plan(run("HNF", "A", hour=8)).zones, CLOCK)
+    text = files.schedule_text(TEXTS["schedule"], plan(run("HNF", "A", hour=8)).zones, CLOCK)
     line = next(line for line in text.splitlines() if "HNF" in line and not line.startswith("#"))
     assert "scheduled_time: 2026-11-28 08:00:00 }  # Saturday 09:00" in line
     assert text.startswith(TEXTS["schedule"].splitlines()[0])
@@ -73,7 +72,7 @@ def test_passwords_are_private_different_and_hard_to_guess(tmp_path):
     assert mode == 0o600
     passwords = [password for name in ("one", "two") for password in load(tmp_path / name)[0].passwords.values()]
     assert len(set(passwords)) == 4
-    for password in (*passwords, *(texts.new_password() for _ in range(200))):
+    for password in (*passwords, *(files.new_password() for _ in range(200))):
         assert len(password) == 16
         assert password.isalnum()
         assert not set(password) & set("lIoO01")
@@ -91,13 +90,13 @@ def test_a_private_file_is_so_whatever_the_umask(tmp_path):
 
 @pytest.mark.parametrize("code", KINDS)
 def test_any_benchmark_alone(code):
-    text = texts.benchmarks_text(TEXTS["benchmarks"], [code])
+    text = files.benchmarks_text(TEXTS["benchmarks"], [code])
     assert [entry for entry in yaml.safe_load(TEXTS["benchmarks"]) if entry["code"] == code] == yaml.safe_load(text)
     assert text.startswith("# The benchmarks")
 
 
 def test_all_benchmarks_are_the_shipped_file():
-    assert texts.benchmarks_text(TEXTS["benchmarks"], list(KINDS)) == TEXTS["benchmarks"]
+    assert files.benchmarks_text(TEXTS["benchmarks"], list(KINDS)) == TEXTS["benchmarks"]
 
 
 def test_parameters_of_the_modules_that_are_needed(tmp_path):
@@ -111,7 +110,7 @@ def test_what_is_there_is_not_overwritten(tmp_path):
     (tmp_path / files.SCHEDULE).write_text("mine", encoding="utf-8")
     with pytest.raises(CannotWrite) as raised:
         written(tmp_path, plan(run("HWV", "A")))
-    assert f"schedule.yaml in {tmp_path} would be overwritten" in str(raised.value)
+    assert f"schedule.yaml in {tmp_path} already exist" in str(raised.value)
     assert os.listdir(str(tmp_path)) == [files.SCHEDULE]
     assert (tmp_path / files.SCHEDULE).read_text("utf-8") == "mine"
 
@@ -121,7 +120,7 @@ def test_what_cannot_be_written_leaves_nothing(tmp_path):
     with pytest.raises(CannotWrite) as raised:
         written(tmp_path, plan(run("HNF", "A")))
     assert f"{tmp_path}/modules" in str(raised.value)
-    assert "choose another directory" in str(raised.value)
+    assert "hoose another folder" in str(raised.value)
     assert os.listdir(str(tmp_path)) == ["modules"]
 
 
@@ -147,13 +146,13 @@ def test_a_first_schedule_keeps_nothing(tmp_path):
     ("HGTKMH", []), ("HWV", ["devices"]), ("HCFGAC", ["devices", "tablet"]), ("HNF", ["modules"]), ("HSUF", []),
 ])
 def test_only_what_the_benchmarks_need_is_started(code, started):
-    arguments = launch_arguments(texts.launch_text(plan(run(code, "ALL")), None, None))
+    arguments = launch_arguments(files.launch_text(plan(run(code, "ALL")), None, None))
     assert sorted(name for name in ("devices", "modules", "tablet") if arguments[name] == "true") == started
     assert ("modules_dir" in arguments) == (code == "HNF")
 
 
 def test_addresses_in_the_launch_file():
-    arguments = launch_arguments(texts.launch_text(plan(run("HWV", "A")), "10.0.0.255", "10.0.0.9"))
+    arguments = launch_arguments(files.launch_text(plan(run("HWV", "A")), "10.0.0.255", "10.0.0.9"))
     assert (arguments["rsbb_host"], arguments["smartif_host"]) == ("10.0.0.255", "10.0.0.9")
 
 

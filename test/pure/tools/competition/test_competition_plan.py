@@ -7,15 +7,14 @@ import pytest
 
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.errors import Report
-from roah_rsbb.tools.competition.moments import VenueClock
-from roah_rsbb.tools.competition.plan import Day, timetable
+from roah_rsbb.tools.competition.plan import PlannedDay, VenueClock, timetable
 
 UTC = VenueClock(datetime.timedelta(0))
 
 
 def days(count=1, first="09:00", last="18:00", minutes=15):
     times = [datetime.time(*map(int, text.split(":"))) for text in (first, last)]
-    return [Day(datetime.date(2026, 11, 28 + number), *times, datetime.timedelta(minutes=minutes))
+    return [PlannedDay(datetime.date(2026, 11, 28 + number), *times, datetime.timedelta(minutes=minutes))
             for number in range(count)]
 
 

@@ -43,7 +43,7 @@ def load(directory):
 def test_options_alone(run, tmp_path):
     status, out, err = run("erl", *OPTIONS)
     assert (status, err) == (0, "")
-    assert "All is well: 2 teams, 2 zones, 2 benchmarks, 8 runs" in out
+    assert "No errors: 2 teams, 2 zones, 2 benchmarks, 8 runs" in out
     assert f"roslaunch {tmp_path}/erl/competition.launch rsbb_host:=192.168.1.255" in out
     loaded, warnings = load(tmp_path / "erl")
     assert warnings == []
@@ -98,7 +98,7 @@ def test_questions_are_asked_again_until_they_are_answered(run, tmp_path):
 def test_what_is_given_is_not_asked(run):
     status, out, _ = run("erl", *OPTIONS, "--zones", "A,B", "--begin", "9:00", typed="10.0.0.255\n")
     assert status == 0
-    assert out.count("Enter:") == 1
+    assert out.count("press Enter") == 1
 
 
 @pytest.mark.parametrize("typed", ["", "BrassButlers\n"])
@@ -121,7 +121,7 @@ def test_all_wrong_options_are_told_at_once(run, tmp_path):
 def test_a_day_that_is_too_short(run, tmp_path):
     status, _, err = run("erl", *OPTIONS, "--end", "09:20")
     assert status == 1
-    assert "--days: found runs on 2026-11-28 until 09:30; expected that they are over by 09:20" in err
+    assert "--days: found runs on 2026-11-28 until 09:30; expected that they end by 09:20" in err
     assert os.listdir(str(tmp_path)) == []
 
 
@@ -129,7 +129,7 @@ def test_a_sheet(run, tmp_path):
     (tmp_path / "plan.csv").write_text(SHEET, encoding="utf-8")
     status, out, err = run("erl", "--sheet", "plan.csv", typed="never read")
     assert (status, err) == (0, "")
-    assert "All is well: 1 team, 1 zone, 2 benchmarks, 2 runs" in out
+    assert "No errors: 1 team, 1 zone, 2 benchmarks, 2 runs" in out
     assert list(load(tmp_path / "erl")[0].passwords) == ["BrassButlers"]
 
 
@@ -149,7 +149,7 @@ def test_what_a_sheet_says_is_no_option(run, tmp_path):
     (tmp_path / "plan.csv").write_text(SHEET, encoding="utf-8")
     status, _, err = run("erl", "--sheet", "plan.csv", "--days", "2026-11-28")
     assert status == 1
-    assert "--days: found this option beside --sheet; expected one of both" in err
+    assert "--days: found this option together with --sheet; expected only one of them" in err
 
 
 def test_a_new_schedule_for_an_old_competition(run, tmp_path):
@@ -180,29 +180,29 @@ def test_a_new_schedule_with_what_the_competition_has_not(run, tmp_path):
 
 def test_a_new_schedule_only_needs_a_sheet_and_takes_nothing_else(run, tmp_path):
     assert run("erl", "--schedule-only")[::2] == (
-        2, "new_competition: not given: --sheet, from which --schedule-only makes the schedule\n")
+        2, "new_competition: not given: --sheet, which --schedule-only needs\n")
     run("erl", *OPTIONS)
     (tmp_path / "plan.csv").write_text(SHEET, encoding="utf-8")
     status, _, err = run("erl", "--schedule-only", "--sheet", "plan.csv", "--teams", "A")
     assert status == 1
-    assert "--teams: found this option beside --schedule-only" in err
+    assert "--teams: found this option together with --schedule-only" in err
 
 
 def test_nothing_is_overwritten(run):
     run("erl", *OPTIONS)
     status, _, err = run("erl", *OPTIONS)
     assert status == 1
-    assert "would be overwritten" in err
+    assert "already exist" in err
 
 
 def test_check(run, tmp_path):
     run("erl", *OPTIONS)
-    assert run("--check", "erl") == (0, "All is well: 2 teams, 2 zones, 2 benchmarks, 8 runs\n", "")
+    assert run("--check", "erl") == (0, "No errors: 2 teams, 2 zones, 2 benchmarks, 8 runs\n", "")
     (tmp_path / "erl" / "passwords.yaml").unlink()
     status, out, _ = run("--check", "erl")
     assert status == 1
     assert out.splitlines()[0].startswith("error: erl/passwords.yaml: found no file")
-    assert out.splitlines()[-1] == "1 error: mend it before the box is started"
+    assert out.splitlines()[-1] == "1 error: correct it before you start the box"
 
 
 def test_help(run):

@@ -5,7 +5,7 @@ import datetime
 import pytest
 
 from roah_rsbb.rulebook.errors import ConfigErrors, Report
-from roah_rsbb.tools.competition.moments import VenueClock
+from roah_rsbb.tools.competition.plan import VenueClock
 from roah_rsbb.tools.competition.sheet import Known, column_name, read_sheet
 
 UTC = VenueClock(datetime.timedelta(0))
@@ -139,7 +139,7 @@ def test_a_wrong_head(errors, head, line, told):
 
 def test_a_quote_that_is_not_closed_is_named_with_its_line(errors):
     found = errors(HEAD + 'X,HNF,A,2026-11-28,10:00\n"X,HNF,A,2026-11-28,10:00\nX,HNF,A,2026-11-28,11:00\n')
-    assert (found[0][0], found[0][2][:33]) == (3, "found a quote that is not closed,")
+    assert (found[0][0], found[0][2][:24]) == (3, "found an unclosed quote,")
 
 
 def test_lines_are_counted_where_a_cell_has_more(errors):
@@ -187,8 +187,8 @@ def test_names_that_are_probably_the_same(sheet):
     _, report = sheet(HEAD + "Home A,HNF,Butlers,2026-11-28,10:00\nhome a,HWV,butlers,2026-11-28,11:00\n")
     assert report.errors == []
     assert [warning.partition(": ")[2] for warning in report.warnings] == [
-        "team 'Butlers' and team 'butlers' are two: is one of them misspelt?",
-        "zone 'Home A' and zone 'home a' are two: is one of them misspelt?",
+        "team 'Butlers' and team 'butlers' are different: is one of them misspelt?",
+        "zone 'Home A' and zone 'home a' are different: is one of them misspelt?",
     ]
 
 

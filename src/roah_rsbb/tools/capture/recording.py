@@ -1,16 +1,15 @@
-"""Datagrams as they were heard, and the file that keeps them (`--write`, `--read`).
+"""The file format of recorded datagrams (`--write`, `--read`).
 
-The file is text in UTF-8, one JSON object a line. The first line says what it is:
+The file is UTF-8 text with one JSON object per line. The first line identifies it:
 
     {"roah_rsbb_capture": 1, "rsbb_port": 6666}
 
-with the version of the format and the public port. Every further line is a datagram in the order in
-which they were heard:
+with the version of the format and the public port. Each further line is a datagram, in the order of arrival:
 
     {"time": 1700000000.123456, "src": "10.0.0.2", "sport": 6667, "dst": "10.0.0.1", "dport": 6667, "hex": "0202…"}
 
-`time` is UTC, seconds since 1970, by the clock of who listened; `hex` is the whole UDP payload. What was
-encrypted stays encrypted: a recording holds no password, and whoever reads it needs the teams' passwords.
+`time` is UTC in seconds since 1970, by the listener's clock; `hex` is the complete UDP payload. Encrypted datagrams
+stay encrypted: a recording contains no passwords, and reading it requires the teams' passwords.
 """
 
 import ipaddress
@@ -21,24 +20,24 @@ FORMAT = "roah_rsbb_capture"
 VERSION = 1
 
 LAST_SECOND = 2**32 - 1
-"""Beyond it a clock says nothing that a time of day could show."""
+"""Latest time that can be shown as a time of day."""
 
 _MAX_PORT = 65535
 
 
 class Datagram(NamedTuple):
-    """One UDP datagram that was heard."""
+    """One UDP datagram with its addresses."""
 
     time: float  # UTC seconds since 1970
     src: str  # IPv4 address
     sport: int
-    dst: str  # IPv4 address; a broadcast address, where it is one
+    dst: str  # IPv4 address, possibly a broadcast address
     dport: int
     data: bytes
 
 
 class BadRecording(Exception):
-    """A file that is no recording, or is damaged; str() says where, what was found and what was expected."""
+    """The file is not a recording, or it is damaged. The text says where, what was found and what was expected."""
 
 
 def header_line(rsbb_port: int) -> str:
@@ -47,22 +46,23 @@ def header_line(rsbb_port: int) -> str:
 
 
 def datagram_line(datagram: Datagram) -> str:
-    """The line that keeps a datagram."""
+    """The line of a datagram."""
     record = datagram._replace(time=round(datagram.time, 6))._asdict()
     record["hex"] = record.pop("data").hex()
     return json.dumps(record)
 
 
 def read(lines: Iterator[str], name: str) -> Tuple[int, Iterator[Datagram]]:
-    """The public port of a recording, and its datagrams one by one. `name`: the file's, for errors.
+    """Return the public port of a recording and an iterator over its datagrams. `name` appears in errors.
 
-    Raises BadRecording, at once for what is no recording, and when its turn comes for a damaged line.
+    Raises BadRecording immediately if it is not a recording. The iterator raises it for a damaged line.
     """
     first = _parse(next(lines, ""))
     if FORMAT not in first:
-        raise BadRecording(f"{name}:1: this is no recording of capture_comm: its first line is not {header_line(6666)}")
+        raise BadRecording(f"{name}:1: this is not a recording of capture_comm: the first line is not "
+                           f"{header_line(6666)}")
     if first[FORMAT] != VERSION:
-        raise BadRecording(f"{name}:1: a recording of format {first[FORMAT]!r}; only {VERSION} can be read here")
+        raise BadRecording(f"{name}:1: the recording has format {first[FORMAT]!r}; this program reads only {VERSION}")
     port = first.get("rsbb_port")
     if not _is_port(port):
         raise BadRecording(f"{name}:1: found rsbb_port {port!r}; expected the number of a UDP port")
@@ -76,7 +76,7 @@ def _datagrams(lines: Iterator[str], name: str) -> Iterator[Datagram]:
         except (KeyError, TypeError, ValueError, OverflowError):
             expected = datagram_line(Datagram(0.5, "10.0.0.2", 6667, "10.0.0.1", 6667, b"\x02"))
             cut = "" if line.endswith("\n") else "; the recording was cut off here"
-            raise BadRecording(f"{name}:{number}: found no datagram; expected a line like {expected}{cut}") from None
+            raise BadRecording(f"{name}:{number}: found an invalid line; expected one like {expected}{cut}") from None
 
 
 def _datagram(record: Any) -> Datagram:
@@ -89,7 +89,7 @@ def _datagram(record: Any) -> Datagram:
 
 
 def _parse(line: str) -> Any:
-    """The JSON object of a line; an empty one where there is none."""
+    """Parse the JSON object of a line; empty if there is none."""
     try:
         parsed = json.loads(line)
     except (ValueError, RecursionError):
