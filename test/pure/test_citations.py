@@ -12,7 +12,7 @@ SUFFIXES = {".py", ".msg", ".srv", ".proto", ".launch", ".xml", ".test", ".yaml"
 FOLDERS = ("src", "scripts", "msg", "srv", "proto", "launch", "config", "resource", "tools", "bench", "test")
 # In a comment of several lines, a citation may go on behind the sign of the next comment line.
 _BREAK = re.compile(r"\s*\n\s*(?:#|//)?\s*")
-_CITATION = re.compile(r'((?:[\w-]+/)*[\w-]+\.md)((?:,| and) "[^"\n]+"(?:(?:,| and) "[^"\n]+")*)?')
+_CITATION = re.compile(r'(?<![\w$/.-])((?:[\w-]+/)*[\w-]+\.md)((?:,| and) "[^"\n]+"(?:(?:,| and) "[^"\n]+")*)?')
 _OTHER_FORM = re.compile(r"(?:wire protocol|ROS interface|manual|benchmarks|architecture), (?:[A-Z]|section|rule)")
 
 

@@ -1,0 +1,98 @@
+"""docs/architecture.md names folders, files, classes and functions that exist, and all folders of the package."""
+
+import ast
+import functools
+import pathlib
+import re
+from typing import Dict, List, Set
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "src" / "roah_rsbb"
+PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+PROSE = re.sub(r"^ *```.*?^ *```$", "", PAGE, flags=re.MULTILINE | re.DOTALL)
+# The table of imports is read by test_house.py.
+WALKS = re.sub(r"^## Imports$.*?^## ", "## ", PROSE, flags=re.MULTILINE | re.DOTALL)
+SPANS = sorted(set(re.findall(r"`([^`\n]+)`", WALKS)))
+FILES = [span for span in SPANS if re.fullmatch(r"[\w/]+\.(?:py|md)", span)]
+METHODS = [span for span in SPANS if re.fullmatch(r"[A-Z]\w+\.\w+", span)]
+CLASSES = [span for span in SPANS if re.fullmatch(r"(?:[A-Z][a-z]+)+", span)]
+FUNCTIONS = [span for span in SPANS
+             if re.fullmatch(r"[a-z]\w+\.[a-z]\w+", span) and span not in FILES and span != "runs.outcome"]
+
+
+class _Names:
+    """The classes of the package with all that they define, and the functions of each module by its last name."""
+
+    def __init__(self) -> None:
+        self.classes: Dict[str, Set[str]] = {}
+        self.functions: Dict[str, Set[str]] = {}
+        bases: Dict[str, List[str]] = {}
+        for path in PACKAGE.rglob("*.py"):
+            tree = ast.parse(path.read_text(encoding="utf-8"))
+            functions = self.functions.setdefault(path.stem, set())
+            for node in tree.body:
+                if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                    functions.add(node.name)
+                elif isinstance(node, ast.ClassDef):
+                    methods = [part for part in node.body if isinstance(part, (ast.FunctionDef, ast.AsyncFunctionDef))]
+                    self.classes.setdefault(node.name, set()).update(method.name for method in methods)
+                    bases.setdefault(node.name, []).extend(b.id for b in node.bases if isinstance(b, ast.Name))
+        for _ in range(len(self.classes)):
+            before = sum(map(len, self.classes.values()))
+            for name, of in bases.items():
+                self.classes[name].update(*(self.classes.get(base, set()) for base in of))
+            if sum(map(len, self.classes.values())) == before:
+                break
+
+
+@functools.lru_cache(maxsize=None)
+def names() -> _Names:
+    return _Names()
+
+
+def tree_paths() -> List[str]:
+    """The paths in the tree of the page."""
+    block = next(b for b in re.findall(r"^```text\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL) if "protocol.py" in b)
+    paths, parent = [], ""
+    for line in block.splitlines():
+        name = line.split()[0]
+        if line.startswith("  "):
+            paths.append(parent + name)
+        else:
+            parent = name
+            paths.append(name)
+    return paths
+
+
+def test_the_tree_names_all_folders_and_files_of_the_package():
+    there = {f"{path.relative_to(PACKAGE)}/" for path in PACKAGE.rglob("*/") if list(path.glob("*.py"))}
+    there |= {path.name for path in PACKAGE.glob("*.py")} - {"__init__.py"}
+    assert set(tree_paths()) == there
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_file_exists(name):
+    assert any((folder / name).is_file() for folder in (ROOT, PACKAGE, ROOT / "docs"))
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_method_exists(name):
+    owner, method = name.split(".")
+    assert method in names().classes.get(owner, set())
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_a_class_exists(name):
+    assert name in names().classes
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_function_exists(name):
+    module, function = name.split(".")
+    assert function in names().functions.get(module, set())
+
+
+def test_there_is_something_to_look_at():
+    assert len(FILES) > 40 and len(METHODS) > 30 and len(CLASSES) > 15 and len(FUNCTIONS) > 5
