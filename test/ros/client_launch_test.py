@@ -62,8 +62,7 @@ class TestPrograms(unittest.TestCase):
         self.addCleanup(Client.release)
         wait_until(lambda: not client.model.is_old, "the core is heard")
         core.kill()
-        took = wait_until(lambda: client.model.is_old, "it is gone")
-        self.assertLess(took, 2.0)
+        wait_until(lambda: client.model.is_old, "it is gone")
         self.start_core()
         wait_until(lambda: not client.model.is_old, "the new one is heard")
 

@@ -193,8 +193,9 @@ class TestCatering(DevicesCase):
         robot = self.run_of("Alpha", "Catering")
         robot.tell("set_device", "dimmer", 33)
         self.wait_robot(robot, dimmer=33)
+        before = self.state.bell
         call("/devices/bell/mock")
-        bell = wait_until(lambda: self.state.bell.to_nsec() and self.state.bell, "the bell")
+        bell = wait_until(lambda: self.state.bell > before and self.state.bell, "the bell")
         wait_until(lambda: rospy.get_param("/roah_devices/held", {}).get("bell") == [str(bell.secs), str(bell.nsecs)],
                    "it is kept")
         self.state = self.status = None

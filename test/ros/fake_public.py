@@ -11,6 +11,9 @@ from roah_rsbb.rqt.public.display import TOPIC
 BENCHMARKS = ("Getting to know my home", "Welcoming visitors", "Catering for Granny Annie's Comfort")
 TEAMS = ("BrassButlers", "CopperKettle", "HomeAlone", "TeaAtFive")
 PERIOD_S = 0.5
+# The display must look the same at any time of day at which the tests run.
+NOON = time.mktime((2026, 11, 21, 12, 0, 0, 0, 0, -1))
+MIDNIGHT = NOON + 12 * 3600.0
 
 
 def stamp(utc_s: float) -> rospy.Time:
@@ -18,18 +21,20 @@ def stamp(utc_s: float) -> rospy.Time:
     return rospy.Time.from_sec(utc_s)
 
 
-def event(number: int) -> PublicEvent:
-    """An ordinary event of a competition."""
+def event(number: int, now_s: float = NOON) -> PublicEvent:
+    """An ordinary event of a competition; at `now_s` the first one begins."""
     return PublicEvent(
         f"Home {number + 1}", BENCHMARKS[number % 3], TEAMS[number % 4], 1 + number // 12, 1 + number % 3,
-        stamp(time.time() // 60 * 60 + 600 * number),
+        stamp(now_s // 60 * 60 + 600 * number),
     )
 
 
 class FakePublic:
     """Publishes what is in `runs`, `following` and `finished`, twice a second until `silent`."""
 
-    def __init__(self) -> None:
+    def __init__(self, now_s: float = NOON) -> None:
+        """The box's clock begins at `now_s`, UTC seconds."""
+        self._ahead_of_mono_s = now_s - time.monotonic()
         self.box_uuid = "fake"
         self.results = "none"
         self.runs: List[PublicRun] = []
@@ -47,7 +52,11 @@ class FakePublic:
 
     def now(self) -> float:
         """The box's clock, UTC seconds."""
-        return time.time() + self.ahead_s
+        return time.monotonic() + self._ahead_of_mono_s + self.ahead_s
+
+    def event(self, number: int) -> PublicEvent:
+        """An event; the first one begins now."""
+        return event(number, self.now())
 
     def publish(self) -> None:
         """Publish once."""
@@ -58,7 +67,7 @@ class FakePublic:
     def run(self, number: int = 0, phase: str = "running", left_s: float = 571.0, **fields: object) -> PublicRun:
         """A run in a zone of its own; while it runs its time counts."""
         counting = phase == "running"
-        run = PublicRun(event=event(number), teams=[TEAMS[number % 4]], phase=phase, counting=counting)
+        run = PublicRun(event=self.event(number), teams=[TEAMS[number % 4]], phase=phase, counting=counting)
         run.ends = stamp(self.now() + left_s if counting else 0.0)
         run.left = rospy.Duration.from_sec(left_s)
         for name, value in fields.items():
@@ -68,7 +77,7 @@ class FakePublic:
     def result(self, number: int = 0, end_reason: str = "completed", scores: bool = False) -> PublicResult:
         """A run that is over."""
         result = PublicResult(
-            event=event(number), end_reason=end_reason, disconnected=stamp(self.now() - 300.0 * (number + 1))
+            event=self.event(number), end_reason=end_reason, disconnected=stamp(self.now() - 300.0 * (number + 1))
         )
         if scores:
             result.scoring = [_group("Achievements", 3, 1), _group("Penalized behaviours", 2)]
@@ -89,7 +98,7 @@ def scene(fake: FakePublic, runs: int, scores: bool = True) -> Tuple[int, int]:
         fake.runs[1] = fake.run(1, "connected", left_s=600.0)
     if runs > 2:
         fake.runs[2] = fake.run(2, "ended", end_reason="completed")
-    fake.following = [event(runs + i) for i in range(12)]
+    fake.following = [fake.event(runs + i) for i in range(12)]
     fake.results = "scores" if scores else "none"
     fake.finished = [fake.result(i, reasons[i % 5], scores=True) for i in range(5)] if scores else []
     return len(fake.finished), len(fake.following)

@@ -8,7 +8,9 @@ import os
 import subprocess
 import tempfile
 import time
-from typing import Callable
+from typing import Callable, Union
+
+from waiting import LIMIT_S
 
 SCREEN = (1366, 768)
 SECOND_SCREEN = (1920, 1080)
@@ -50,14 +52,13 @@ from roah_rsbb.rqt.qt import (  # noqa: E402  (only now is there a display)  # n
 app = QApplication.instance() or make_application(["test"])
 
 
-def wait_until(condition: Callable[[], object], what: str, limit_s: float = 15.0) -> float:
-    """Let Qt and ROS work until `condition` holds; returns how long that took, seconds."""
+def wait_until(condition: Callable[[], object], what: Union[str, Callable[[], str]], limit_s: float = LIMIT_S) -> None:
+    """Let Qt and ROS work until `condition` holds."""
     began = time.monotonic()
     while not condition():
         if time.monotonic() - began > limit_s:
-            raise AssertionError(f"after {limit_s:.0f} s still not: {what}")
+            raise AssertionError(f"after {limit_s:.0f} s still not: {what if isinstance(what, str) else what()}")
         QTest.qWait(20)
-    return time.monotonic() - began
 
 
 def show(widget: QWidget, width: int = 640, height: int = 700) -> None:

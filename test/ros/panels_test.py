@@ -213,8 +213,7 @@ class TestBenchmarkControl(PanelCase):
         self.zone.command("start")
         self.wait_phase("RUNNING")
         self.core.silent = True
-        took = wait_until(lambda: "OLD" in self.panel._news.text(), "it is marked as old")
-        self.assertLess(took, 2.0)
+        wait_until(lambda: "OLD" in self.panel._news.text(), "it is marked as old")
         self.assertTrue(self.panel._countdown.text().startswith("("))
         on = {name for name, button in self.buttons.items() if button.isEnabled()}
         self.assertEqual(on, {"stop"})  # it may still get through

@@ -125,9 +125,10 @@ class TestMisbehaviour(DummyCase):
         robot.wait_ended()
         self.assertIn("crashing on request", robot.text)
         self.assertIn("HGTKMH: executing", robot.text)
-        self.box.wait_text("Crash", "WARNING: No message from the robot for 3 s")
+        # The text names the seconds, and changes each second.
+        self.box.wait_text("Crash", "WARNING: No message from the robot for ")
         self.assertEqual(self.box.zone_details("Crash").phase, "running")
-        self.dummy("Delta")  # the same robot, mended
+        self.dummy("Delta")  # the same robot, repaired
         self.box.wait_text("Crash", "Benchmark completed by the robot")
 
     def test_a_comm_node_that_is_killed(self) -> None:
@@ -139,8 +140,9 @@ class TestMisbehaviour(DummyCase):
         node = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode("/roah_rsbb_comm"))
         os.kill(node.getPid("/test")[2], signal.SIGKILL)
         self.box.wait_text("Back", "Benchmark completed by the robot")
-        self.assertEqual([robot.text.count(f"HGTKMH: {what}") for what in ("preparing", "executing", "complete")],
-                         [2, 2, 1], robot.text)
+        # Whether the first execution ended before the comm node was back is a matter of time.
+        for what in ("preparing", "executing"):
+            self.assertEqual(robot.text.count(f"HGTKMH: {what}"), 2, robot.text)
 
     def test_lost_datagrams(self) -> None:
         self.dummy("Epsilon", loss=0.3, execute_duration=2.0)

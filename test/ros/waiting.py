@@ -6,8 +6,8 @@ from typing import Callable, TypeVar, Union
 
 T = TypeVar("T")
 
-# Nothing that is waited for takes long; a machine that does much else at once does.
-LIMIT_S = 30.0
+# A guard against hanging, not a measure: nothing that is waited for takes long, but the machine may be busy.
+LIMIT_S = 60.0
 # Some things tell nobody when they happen (a file is complete, a process is gone): they are looked at this often.
 LOOK_S = 0.1
 

@@ -95,13 +95,19 @@ def _format(pattern: str, utc_s: float) -> str:
 
 
 def short_time(moment: str, clock: str) -> str:
-    """Shortens `moment` ("2015-12-31 10:00:00"): "10:00" on the clock's day, "31 Dec 10:00" on another."""
+    """Shortens `moment` ("2015-12-31 10:00:00"): "10:00" on the clock's day, "Thu 10:00" within six days of it.
+
+    Further away it is "31 Dec 10:00".
+    """
     date, _, hours = moment.strip().rpartition(" ")
     shown = hours[:-3] if hours.count(":") == 2 else hours
-    if date == clock.strip().rpartition(" ")[0]:
+    today = clock.strip().rpartition(" ")[0]
+    if date == today:
         return shown
     with contextlib.suppress(ValueError):  # text that is not a date is shown unchanged
-        date = time.strftime("%d %b", time.strptime(date, "%Y-%m-%d")).lstrip("0")
+        day = datetime.datetime.strptime(date, "%Y-%m-%d")
+        is_near = abs((day - datetime.datetime.strptime(today, "%Y-%m-%d")).days) < 7
+        date = day.strftime("%a" if is_near else "%d %b").lstrip("0")
     return f"{date} {shown}".strip()
 
 

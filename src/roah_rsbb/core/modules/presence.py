@@ -1,7 +1,7 @@
 """Which benchmarks are driven, by which nodes of benchmarking modules, and whether these are there.
 
-A node of modules says what it drives twice a second. One that was not heard for `GONE_S` is gone; when two
-drive the same benchmark, the one that was first keeps it.
+A node of modules says what it drives twice a second. One that was not heard for `GONE_S` is gone, and so is one
+that says at its end that it drives nothing. When two drive the same benchmark, the one that was first keeps it.
 """
 
 from typing import Dict, List, NamedTuple, Optional
@@ -34,7 +34,10 @@ class Modules:
         self._heard: Dict[str, _Heard] = {}
 
     def hear(self, now: Now, state: ModulesState) -> None:
-        """A node says what it drives."""
+        """A node says what it drives; one that drives nothing has left."""
+        if not state.modules:
+            self._heard.pop(state.node, None)
+            return
         if state.node not in self._heard:
             self.forget_gone(now)
             if len(self._heard) >= MAX_NODES:

@@ -5,6 +5,7 @@ of them), parameters_dir (a YAML file for each benchmark, and ground_truth.yaml)
 next start, and the next look for a pose, go by them as they are then.
 """
 
+import contextlib
 import os
 import sys
 import time
@@ -35,6 +36,8 @@ from roah_rsbb.wording.suggestions import did_you_mean
 BEAT_S = 0.5
 # Modules watch up to ten times a second: their times are met this closely.
 TICK_S = 0.02
+# The last message is sent within milliseconds, unless a subscriber hangs.
+LEAVE_S = 1.0
 
 
 class ModulesNode:
@@ -61,7 +64,14 @@ class ModulesNode:
         self._beat()
         rospy.Subscriber("/core/module_runs", ModuleRuns, self._on_runs, queue_size=10, tcp_nodelay=True)
         self._ros.run()
+        self._leave()
         self._ros.close()
+
+    def _leave(self) -> None:
+        """Tell the core that this process drives nothing more. Otherwise it counts until it was silent for a while."""
+        # ROS may have shut down already.
+        with contextlib.suppress(rospy.ROSException):
+            _publish_and_wait(self._publisher, state_message(ModulesState(self._node, (), ())))
 
     # -- the core -----------------------------------------------------------------------------------
 
@@ -127,6 +137,19 @@ class ModulesNode:
         except rospy.ROSException as error:
             if not rospy.is_shutdown():
                 rospy.logerr_throttle(1.0, f"{self._publisher.name} could not be published: {error}")
+
+
+def _publish_and_wait(publisher: rospy.Publisher, message: ModulesStateMsg) -> None:
+    """Publish, and wait until it is sent: rospy sends from threads of its own, which end with the node."""
+    def sent() -> List[int]:
+        _, _, connections = publisher.impl.get_stats()
+        return [count for _, _, count, is_open in connections if is_open]
+
+    before = sum(sent())
+    deadline = time.monotonic() + LEAVE_S
+    publisher.publish(message)
+    while sum(sent()) < before + len(sent()) and time.monotonic() < deadline:
+        time.sleep(TICK_S)
 
 
 def _chosen(words: str) -> Dict[str, Type[Module]]:

@@ -10,6 +10,8 @@ save_nothing.
 import asyncio
 import concurrent.futures
 import sys
+import threading
+import time
 from typing import Any, Awaitable, Callable, Dict, Optional
 
 import rospy
@@ -32,6 +34,7 @@ from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
 
 # The comm node may be starting, and it advertises a service a moment after what it follows from.
 SERVICE_S = 5.0
+LOOK_S = 0.2
 
 
 class Services:
@@ -78,17 +81,40 @@ class Services:
         self._tell("tablet/map" if display else "tablet/buttons", EmptySrv)
 
     async def call(self, name: str, kind: type, *arguments: Any) -> None:
-        """Call a service of the comm node, after those before; raises ROSException or ServiceException."""
+        """Call a service of the comm node, after the calls before it; raises ROSException or ServiceException.
+
+        A cancelled call gives up waiting for its service, so that it does not delay the calls after it.
+        """
+        given_up = threading.Event()
+        service = f"/roah_rsbb/{name}"
 
         def do() -> None:
-            rospy.wait_for_service(f"/roah_rsbb/{name}", SERVICE_S)
-            rospy.ServiceProxy(f"/roah_rsbb/{name}", kind)(*arguments)
+            if _wait_for_service(service, given_up):
+                rospy.ServiceProxy(service, kind)(*arguments)
 
-        await self._loop.run_in_executor(self._caller, do)
+        try:
+            await self._loop.run_in_executor(self._caller, do)
+        except asyncio.CancelledError:
+            given_up.set()
+            raise
 
     def _tell(self, name: str, kind: type, *arguments: Any) -> None:
         """Call a service, and go on meanwhile."""
         self._loop.create_task(_logged(self.call(name, kind, *arguments), name))
+
+
+def _wait_for_service(service: str, given_up: threading.Event) -> bool:
+    """Wait until a service is there, and return whether it is still wanted; ROSException after `SERVICE_S`."""
+    deadline = time.monotonic() + SERVICE_S
+    while not given_up.is_set():
+        try:
+            rospy.wait_for_service(service, LOOK_S)
+        except rospy.ROSException:
+            if time.monotonic() > deadline:
+                raise
+        else:
+            return not given_up.is_set()
+    return False
 
 
 class GlueNode:

@@ -2,6 +2,7 @@
 
 import signal
 import sys
+import time
 import traceback
 from typing import List
 
@@ -26,12 +27,20 @@ def make_application(argv: List[str]) -> QApplication:
 
 
 def init_node(name: str) -> None:
-    """Become the ROS node `name`; says so while it waits for a master. Ctrl-C ends the waiting."""
-    if not rosgraph.is_master_online():
-        print(f"Waiting for the ROS master at {rosgraph.get_master_uri()}: start roah_rsbb.launch", file=sys.stderr)
-    connections.init_node(name, anonymous=True, disable_signals=True)
+    """Become the ROS node `name`; says so while it waits for a master. A signal ends the waiting, and the program.
+
+    From then on a signal ends `run`. The handlers come first: a signal that ended the program right after the node
+    registered would leave its name at the master.
+    """
     for number in _SIGNALS:
         signal.signal(number, _on_signal)
+    if not rosgraph.is_master_online():
+        print(f"Waiting for the ROS master at {rosgraph.get_master_uri()}: start roah_rsbb.launch", file=sys.stderr)
+        while not rosgraph.is_master_online():
+            if _signalled:
+                raise SystemExit(0)
+            time.sleep(LOOK_MS / 1000)
+    connections.init_node(name, anonymous=True, disable_signals=True)
 
 
 def run(app: QApplication) -> int:

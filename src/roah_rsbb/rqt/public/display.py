@@ -208,19 +208,18 @@ class PublicDisplay(QWidget):
             writer.write(rest._replace(h=layout.ROW * unit), "The schedule is done", TEXT, LETTERS)
 
     def _paint_lines(self, writer: Writer, lines: Sequence[ListLine], area: Rect, unit: float) -> None:
-        letters, gap = LETTERS * layout.ROW * unit, 0.03 * unit
-        times, teams, lasts = _columns(lines, letters, area.w)
-        rest = max(0.0, area.w - times - teams - lasts - 3 * gap)
+        gap = 0.03 * unit
+        fill, times, teams, benchmarks = _columns(lines, LETTERS, layout.ROW * unit, area.w - 3 * gap)
         with_scores = _have_scores(lines)
         colour = FAINT if self.content.trouble else TEXT
         top = area.y
         for line in lines:
             row = Rect(area.x, top, area.w, layout.ROW * unit)
-            when, team, benchmark, last = row.columns(gap, times, teams, rest)
-            writer.write(when, line.time, FAINT, LETTERS)
-            writer.write(team, line.team, colour, LETTERS, bold=True)
-            writer.write(benchmark, line.benchmark, colour, LETTERS)
-            writer.write(last, line.last, FAINT, LETTERS, Qt.AlignRight)
+            when, team, benchmark, last = row.columns(gap, times, teams, benchmarks)
+            writer.write(when, line.time, FAINT, fill)
+            writer.write(team, line.team, colour, fill, bold=True)
+            writer.write(benchmark, line.benchmark, colour, fill)
+            writer.write(last, line.last, FAINT, fill, Qt.AlignRight)
             top = row.bottom
             if with_scores:
                 scores = Rect(team.x, top, row.right - team.x, layout.SCORES_ROW * unit)
@@ -228,12 +227,24 @@ class PublicDisplay(QWidget):
                 top = scores.bottom
 
 
-def _columns(lines: Sequence[ListLine], letters: float, wide: float) -> Tuple[float, float, float]:
-    """Returns the widths of time, team and last: as much as they need, up to a share of the row."""
-    times = max(width(line.time, letters) for line in lines)
-    teams = max(width(line.team, letters, bold=True) for line in lines)
-    lasts = max(width(line.last, letters) for line in lines)
-    return min(1.02 * times, 0.2 * wide), min(1.02 * teams, 0.3 * wide), min(1.02 * lasts, 0.22 * wide)
+def _columns(lines: Sequence[ListLine], fill: float, high: float, wide: float) -> Tuple[float, float, float, float]:
+    """Returns the share of a row's height that its letters fill, and the widths of time, team and benchmark.
+
+    Where a row needs more than `wide`, all of its letters are made smaller, down to `SMALLEST`. Only then are the
+    other columns limited to a share of the row, so that the benchmark's title has the rest.
+    """
+    letters = fill * high
+    needed = (
+        1.02 * max(width(line.time, letters) for line in lines),
+        1.02 * max(width(line.team, letters, bold=True) for line in lines),
+        1.02 * max(width(line.benchmark, letters) for line in lines),
+        1.02 * max(width(line.last, letters) for line in lines),
+    )
+    scale = max(SMALLEST, min(1.0, wide / sum(needed)))
+    times, teams, benchmarks, lasts = (scale * each for each in needed)
+    if times + teams + benchmarks + lasts > wide:
+        times, teams, lasts = min(times, 0.2 * wide), min(teams, 0.3 * wide), min(lasts, 0.22 * wide)
+    return scale * fill, times, teams, wide - times - teams - lasts
 
 
 def _have_scores(lines: Sequence[ListLine]) -> bool:

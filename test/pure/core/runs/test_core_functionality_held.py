@@ -175,6 +175,17 @@ def test_a_node_is_gone_when_it_was_not_heard_for_two_seconds():
     assert modules.driver(at(11.0), "HOPF") is None
 
 
+def test_a_node_that_drives_nothing_more_has_left():
+    modules = Modules()
+    for node in ("first", "second"):
+        modules.hear(at(0.0), ModulesState(node, (ModuleInfo("STB"),)))
+    modules.hear(at(0.1), ModulesState("first", ()))
+    assert modules.driver(at(0.1), "STB").node == "second"
+    modules.hear(at(0.1), ModulesState("second", ()))
+    assert modules.driver(at(0.1), "STB") is None
+    assert modules.deadline() is None
+
+
 def test_a_node_that_comes_back_comes_after_the_one_that_took_over():
     modules = Modules()
     for mono, node in ((0.0, "first"), (1.0, "second")):

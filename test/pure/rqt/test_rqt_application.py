@@ -1,0 +1,53 @@
+"""A program with windows, and signals while it starts."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+pytest.importorskip("python_qt_binding")
+
+# Becomes a node with a stand-in for rospy's part, which is interrupted in the middle of it.
+STARTING = """
+import os, signal
+from roah_rsbb.rqt.app import application
+
+def register(name, **_):
+    os.kill(os.getpid(), signal.SIGNAL)
+    print("registered")
+
+application.rosgraph.is_master_online = lambda: True
+application.connections.init_node = register
+app = application.make_application(["test", "-platform", "offscreen"])
+application.init_node("test")
+print("started")
+print("ended with", application.run(app))
+"""
+WAITING = """
+import os, signal, sys
+from roah_rsbb.rqt.app import application
+
+application.rosgraph.is_master_online = lambda: os.kill(os.getpid(), signal.SIGNAL)
+application.connections.init_node = lambda *_, **__: print("registered")
+application.init_node("test")
+"""
+
+
+def _printed(program, signal_name):
+    done = subprocess.run(
+        [sys.executable, "-c", program.replace("SIGNAL", signal_name)], stdout=subprocess.PIPE, text=True, timeout=300,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, check=False,
+    )
+    return done.stdout.splitlines(), done.returncode
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_signal_while_the_node_registers_ends_the_program_after_that(name):
+    """A program that ended at once would leave its name at the master."""
+    assert _printed(STARTING, name) == (["registered", "started", "ended with 0"], 0)
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_signal_ends_the_wait_for_a_master(name):
+    assert _printed(WAITING, name) == ([], 0)
