@@ -59,7 +59,7 @@ class TestGettingToKnowMyHome(BoxCase):
         self.assertIn("All OK for start", zone.state)
         self.assertEqual(
             (zone.connect_enabled, zone.disconnect_enabled, zone.stop_enabled, zone.prev_enabled, zone.next_enabled),
-            (False, True, True, False, False),
+            (False, True, False, False, False),
         )
         wait_until(lambda: self.public_line().running, "the public display shows the run")
         self.assertEqual(self.robot.did, [])
@@ -309,7 +309,9 @@ class TestTwoZonesAtOnce(BoxCase):
 
         epsilon.let("execute")
         self.box.wait_text("One", "Benchmark completed by the robot")
-        self.box.command("stop", "One")  # of a run that has ended: leaves it
+        self.box.command("stop", "One")  # of a run that has ended: stays connected
+        self.assertEqual(self.box.zone_details("One").phase, "ended")
+        self.box.command("disconnect", "One")
         self.box.wait_phase("One", "idle")
         self.assertGreater(self.box.connect("Two"), max(ports.values()))
         self.box.command("disconnect", "Two")

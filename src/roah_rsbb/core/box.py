@@ -294,6 +294,12 @@ class Box:
         else:  # the run that it came from was left since
             self._outbox.notice(Level.WARNING, text, zone_name)
 
+    def on_notice(self, now: Now, text: str) -> None:
+        """The start found out something about the time before it. It is over, so referees see it for a minute only."""
+        self.tick(now)
+        if self._watches.notice(now, text):
+            self._outbox.notice(Level.WARNING, text)
+
     def on_trouble(self, now: Now, text: str) -> None:
         """Something on this computer does not work; `text` names the remedy. Every referee is told."""
         self.tick(now)

@@ -10,6 +10,7 @@ from roah_rsbb.core.tablet import Heard
 # A warning stays before the referees' eyes for this long after its last cause.
 REMEMBER_S = 10.0
 CLOCK_REMEMBER_S = 60.0
+NOTICE_REMEMBER_S = 60.0
 TROUBLE_REMEMBER_S = 300.0
 # So many causes of one kind are remembered; what more there may be is a flood.
 MAX_KEPT = 20
@@ -74,6 +75,10 @@ class Watches:
     def trouble(self, now: Now, text: str) -> Optional[str]:
         """Something on this computer does not work."""
         return self._keep(now, ("trouble", text), text, TROUBLE_REMEMBER_S)
+
+    def notice(self, now: Now, text: str) -> Optional[str]:
+        """What this start found out about the time before it, such as a journal that is not continued."""
+        return self._keep(now, ("notice", text), text, NOTICE_REMEMBER_S)
 
     def mended(self, text: str) -> None:
         """A trouble of this text is over."""

@@ -6,7 +6,7 @@ from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.all_robots import AllRobotsRun, AllRobotsState
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
-from roah_rsbb.core.runs.phases import EndReason
+from roah_rsbb.core.runs.phases import RAN_TO_THE_END, EndReason
 from roah_rsbb.core.runs.run import Run, RunState
 from roah_rsbb.core.runs.zone_run import ZoneRun
 from roah_rsbb.rulebook.benchmarks import Event, ZonePlan
@@ -103,11 +103,11 @@ class Zone:
         return bool(found)
 
     def leave(self, auto_next: bool) -> None:
-        """Take out the run, which is closed. After a completed one the zone moves to the next event."""
+        """Take out the run, which is closed. After one that ran to its end the zone moves to the next event."""
         run, self.run = self.run, None
         assert run is not None, "there is a run to leave"
         self.last_run = LastRun(run.end_reason, run.log.text, run.online_data.text)
-        if auto_next and run.end_reason is EndReason.COMPLETED and not self.at_last:
+        if auto_next and run.end_reason in RAN_TO_THE_END and not self.at_last:
             self.move(1)
 
 

@@ -30,7 +30,7 @@ _RUN = "a run that is over: 'last', or a part of its name ('runs' has them)"
 _COMMANDS = {
     "connect": "connect the robot of the zone's event, and open the run",
     "start": "start the run, or start it again after a stop",
-    "stop": "stop the run; once it is over: leave it, as disconnect does",
+    "stop": "stop the run; it stays connected",
     "disconnect": "end the connection to the robot; after a completed run the zone moves on",
     "previous": "go to the previous event of the zone's schedule",
     "next": "go to the next event of the zone's schedule",

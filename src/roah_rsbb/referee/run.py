@@ -19,17 +19,11 @@ from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.follow import Follower
 from roah_rsbb.referee.state import COMPLETED, CONNECTED, ENDED, IDLE, RUNNING, STOPPED, Item, Zone
 from roah_rsbb.referee.words import BadWord, EventWanted, pick_item, value_of
+from roah_rsbb.wording.sheets import END_REASONS
 
 # A core that crashed is restarted within seconds. After this long without it, the script gives up.
 GIVE_UP_S = 60.0
 STEP_S = 1.0
-
-# What became of a run, by ZoneDetails.end_reason; other end reasons speak for themselves.
-ENDS = {
-    "goals_timed_out": "every goal timed out",
-    "no_messages_saved": "the robot saved no offline data",
-    "module_failed": "the benchmarking module failed",
-}
 
 
 class Operations(enum.Enum):
@@ -245,8 +239,7 @@ class RunScript:
         if zone.end_reason == STOPPED:
             # Whoever stopped it may want to start it again.
             return RunOutcome(Exit.NOT_COMPLETED, "stopped by another referee, and left connected for that one", zone)
-        ended = ENDS.get(zone.end_reason, zone.end_reason.replace("_", " "))
-        return self._leave(Exit.NOT_COMPLETED, f"the run did not complete: {ended}")
+        return self._leave(Exit.NOT_COMPLETED, f"the run did not complete: {END_REASONS[zone.end_reason]}")
 
     def _is_running(self) -> bool:
         zone = self._zone()

@@ -17,6 +17,7 @@ NOT_SIGNED_OFF = "not signed off"
 END_REASONS = {
     "stopped": "stopped",
     "completed": "completed",
+    "goals_timed_out": "all goals timed out",
     "timeout": "timeout",
     "no_messages_saved": "no data saved",
     "module_failed": "module failed",

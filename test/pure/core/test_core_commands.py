@@ -65,7 +65,7 @@ def test_connected():
     connected = "A run is connected: disconnect it first"
     assert _all_off(driver) == {
         "connect": ["Already connected"],
-        "disconnect": [], "start": [], "stop": [],
+        "disconnect": [], "start": [], "stop": ["The run is not started: disconnect to leave it"],
         "previous": [connected, "This is the zone's first event"],
         "next": [connected, "This is the zone's last event"],
     }
@@ -78,7 +78,7 @@ def test_running():
     assert (off["start"], off["stop"], off["disconnect"]) == (["Already started"], [], [])
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", [command for command in COMMANDS if command != "stop"])
 def test_whatever_is_off_is_refused_with_the_same_reasons_and_changes_nothing(command):
     scenes = [BoxDriver(competition(tbm=["HGTKMH"])), BoxDriver(), BoxDriver(), BoxDriver(listening=True)]
     scenes[1].connected()
@@ -194,14 +194,16 @@ def test_start_after_the_boxs_clock_was_set_waits_for_the_next_message():
     driver.command("start")
 
 
-def test_the_first_stop_ends_the_run_and_the_second_leaves_it():
+def test_the_first_stop_ends_the_run_and_the_second_changes_nothing():
     driver = BoxDriver()
     driver.executing()
     driver.command("stop")
     run = driver.run_in()
     assert (run.phase, run.end_reason, run.message.state) == (Phase.ENDED, EndReason.STOPPED, BoxState.STOP)
     driver.command("stop")
-    assert driver.run_in() is None
+    assert driver.run_in() is run
+    assert len(run.record(driver.now).stops) == 1
+    assert driver.off("stop") == ["The run is over: disconnect to leave it"]
 
 
 def test_a_run_by_its_name_is_stopped_and_never_left():
@@ -237,11 +239,11 @@ def test_a_stop_that_was_meant_for_the_run_before_does_not_stop_this_one():
     assert driver.run_in().phase is Phase.RUNNING
 
 
-def test_stop_leaves_a_run_that_never_started():
+def test_stop_does_not_leave_a_run_that_never_started():
     driver = BoxDriver()
     driver.connected()
     driver.command("stop")
-    assert driver.run_in() is None
+    assert driver.run_in().phase is Phase.CONNECTED
 
 
 @pytest.mark.parametrize("command", COMMANDS)

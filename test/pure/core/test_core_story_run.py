@@ -266,7 +266,7 @@ def test_scores_are_marked_from_connect_to_disconnect():
     robot.executes()
     robot.completes()
     assert mark(5) == [5]
-    driver.command("stop")
+    driver.command("disconnect")
     with pytest.raises(Refused):
         mark(6)
     assert driver.logged(robot.port, run_log.SCORE) == [("Penalized", "bumps", v) for v in (1, 2, 5)]
@@ -337,3 +337,29 @@ def test_the_panels_texts_are_bounded():
     assert len(view.online_data) <= 500
     assert "49 x" in view.online_data
     assert "48 -> 49" in view.log
+
+
+def test_a_robot_that_stays_where_it_is_after_the_start_is_reported():
+    """As one that does not know the benchmark's code."""
+    driver = _minute()
+    robot = driver.connected()
+    driver.command("start")
+    robot.lives(9.0)
+    assert not _hint(driver)
+    robot.lives(1.5)
+    assert "may not know benchmark HGTKMH" in _hint(driver)
+    robot.says(RobotState.PREPARING)
+    robot.lives(20.0)
+    assert not _hint(driver)
+
+
+def test_a_robot_that_is_silent_after_the_start_is_reported_as_silent_only():
+    driver = _minute()
+    driver.connected()
+    driver.command("start")
+    driver.run(12.0)
+    assert driver.view().warnings and not _hint(driver)
+
+
+def _hint(driver):
+    return "".join(warning for warning in driver.view().warnings if "has stayed in STOP" in warning)

@@ -4,7 +4,14 @@ import pytest
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.robots import ActiveRobot, RobotId, Squatter
-from roah_rsbb.core.watches import CLOCK_REMEMBER_S, MAX_KEPT, REMEMBER_S, TROUBLE_REMEMBER_S, Watches
+from roah_rsbb.core.watches import (
+    CLOCK_REMEMBER_S,
+    MAX_KEPT,
+    NOTICE_REMEMBER_S,
+    REMEMBER_S,
+    TROUBLE_REMEMBER_S,
+    Watches,
+)
 
 
 @pytest.fixture
@@ -44,6 +51,7 @@ CASES = [
     (lambda w, now: w.squatter(now, Squatter("10.0.0.9", "A", 1)), "Many addresses, such as 10.0.0.9", REMEMBER_S),
     (lambda w, now: w.not_listed(now, "10.0.0.9"), "Beacons from 10.0.0.9 are ignored", REMEMBER_S),
     (lambda w, now: w.trouble(now, "disk full"), "disk full", TROUBLE_REMEMBER_S),
+    (lambda w, now: w.notice(now, "journal not continued"), "journal not continued", NOTICE_REMEMBER_S),
 ]
 
 

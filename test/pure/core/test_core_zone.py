@@ -31,12 +31,12 @@ def test_a_zone_with_one_event_is_at_both_ends():
 
 @pytest.mark.parametrize("auto_next", [True, False])
 @pytest.mark.parametrize("reason", [None, *EndReason])
-def test_only_a_completed_run_moves_the_zone_on(auto_next, reason):
+def test_only_a_run_that_ran_to_its_end_moves_the_zone_on(auto_next, reason):
     zone = _zone("HGTKMH", "HWV")
     text = SimpleNamespace(text="12:00:00Z STOP\n")
     zone.run = SimpleNamespace(end_reason=reason, log=text, online_data=text)
     zone.leave(auto_next)
-    moved = auto_next and reason is EndReason.COMPLETED
+    moved = auto_next and reason in (EndReason.COMPLETED, EndReason.GOALS_TIMED_OUT)
     assert (zone.index, zone.run) == (int(moved), None)
     # The log of the last run stays to be read, until the zone shows another event.
     assert zone.last_run == (None if moved else (reason, text.text, text.text))

@@ -101,7 +101,7 @@ def test_a_referee_who_connects_at_the_same_moment_keeps_the_run(link):
 
 
 @pytest.mark.parametrize("reason, text", [
-    ("timeout", "timeout"), ("no_messages_saved", "saved no offline data"), ("goals_timed_out", "every goal timed out"),
+    ("timeout", "timeout"), ("no_messages_saved", "no data saved"), ("goals_timed_out", "all goals timed out"),
 ])
 def test_a_run_that_ends_otherwise_did_not_complete(link, reason, text):
     link.at(5, lambda: link.end(reason))

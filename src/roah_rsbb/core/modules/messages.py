@@ -84,7 +84,7 @@ class RunForModule(NamedTuple):
     round: int
     number: int  # of the run in its round
     running: bool  # whether the attempt is under way
-    end_reason: str = ""  # why it is over: stopped, completed, timeout, no_messages_saved or module_failed
+    end_reason: str = ""  # why it is over, as in ZoneDetails
     elapsed_s: float = 0.0  # seconds that count of the attempt, when it ended
     goal_timeout: float = 0.0  # seconds, from the benchmarks file
     total_timeout: float = 0.0  # seconds, from the benchmarks file

@@ -38,6 +38,7 @@ from roah_rsbb.protocol import BoxState
 MAX_STEPS = 2000
 
 HOPF = "HOPF"
+HPFF = "HPFF"  # a robot that follows until the timeout has done its task
 
 
 class FunctionalityState(NamedTuple):
@@ -208,9 +209,21 @@ class FunctionalityRun(Run):
         elif self._open_request() is not None:
             return
         elif progress.finished and _number(progress) == len(self.steps):
-            self._end(now, EndReason.COMPLETED, "Benchmark complete")
+            self._end_by_module(now)
         elif progress.request is not None and progress.request.number == len(self.steps) + 1:
             self._open(now, progress.request)
+
+    def _end_by_module(self, now: Now) -> None:
+        """The module has no more requests. Only a robot that completed a goal completed the benchmark."""
+        ends = [step.outcome.kind for step in self.steps
+                if step.request.kind is RequestKind.GOAL and step.outcome is not None]
+        late = 0 if self.event.benchmark.code == HPFF else ends.count(OutcomeKind.TIMED_OUT)
+        if late and late == len(ends):
+            self._end(now, EndReason.GOALS_TIMED_OUT)
+        elif late:
+            self._end(now, EndReason.COMPLETED, f"Benchmark complete: {late} of {len(ends)} goals timed out")
+        else:
+            self._end(now, EndReason.COMPLETED, "Benchmark complete")
 
     def _open(self, now: Now, request: Request) -> None:
         problem = self._problem(request)

@@ -27,6 +27,9 @@ from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Event
 
 # So often the referee is told what was dropped of a robot that sends too much.
 DROPPED_PERIOD_S = 10.0
+# The robot state that a robot leaves as soon as it hears the box's state, and after how long a hint is given.
+STUCK = {BoxState.PREPARE: RobotState.STOP, BoxState.GOAL_TX: RobotState.WAITING_GOAL}
+STUCK_S = 10.0
 
 
 class OnlineField(NamedTuple):
@@ -120,6 +123,7 @@ class Run(ScoredRun):
         self.desc = ""  # what is the matter, in one line
         self._last_logged: Optional[Tuple[RobotReport, bool]] = None
         self.message = BoxMessage(event.benchmark.code, BoxState.STOP)
+        self._state_mono = now.mono  # when the box's state changed last, or the core was restarted
 
     def open(self, now: Now) -> None:
         """Begin: `resume` is the other way to."""
@@ -308,6 +312,7 @@ class Run(ScoredRun):
     def _set_state(self, now: Now, state: BoxState, desc: str, goal: GoalMessage = NO_GOAL) -> None:
         self.desc = desc
         self.message = self.message._replace(state=state, goal=goal)
+        self._state_mono = now.mono
         for topic, value in (
             (run_log.STATE, int(state)), (run_log.STATE_NAME, state.name), (run_log.STATE_DESC, desc),
             (run_log.BOX_STATE, int(state)), (run_log.BOX_PAYLOAD, self.message.lines()),
@@ -358,7 +363,19 @@ class Run(ScoredRun):
 
     def warnings(self, now: Now) -> List[str]:
         """What the referee should look at now."""
-        return self.link.warnings(now)
+        return self.link.warnings(now) + self._stuck(now)
+
+    def _stuck(self, now: Now) -> List[str]:
+        """What may keep the robot from following the box's state."""
+        state, waited_s = self.message.state, now.mono - self._state_mono
+        if state not in STUCK or STUCK[state] is not self.robot_state or waited_s < STUCK_S or self.link.is_silent(now):
+            return []
+        code = self.event.benchmark.code
+        if state is BoxState.PREPARE:
+            return [f"The robot has stayed in STOP for {waited_s:.0f} s after the start. Its program may not know "
+                    f"benchmark {code}, or may not be ready: check the robot's own log"]
+        return [f"The robot has not taken its goal for {waited_s:.0f} s. Its program may be too old for the goals of "
+                f"{code}: check the robot's own log"]
 
     def status_lines(self, now: Now) -> List[str]:
         """What the referee should know of the run, besides what is the matter and the warnings."""

@@ -8,7 +8,7 @@ from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.runs.phases import RAN_TO_THE_END, EndReason, Phase
 from roah_rsbb.core.scoring.finished_runs import Result
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.rulebook.benchmarks import Event
@@ -84,7 +84,7 @@ def _run(zone: Zone, now: Now, results: PublicResults) -> PublicRun:
 def _following(zone: Zone) -> List[Following]:
     """What comes in a zone. An event whose run is connected, or was completed, comes no more."""
     last = zone.last_run
-    is_over = zone.run is not None or (last is not None and last.end_reason is EndReason.COMPLETED)
+    is_over = zone.run is not None or (last is not None and last.end_reason in RAN_TO_THE_END)
     return [Following(zone.name, event) for event in zone.events[zone.index + is_over:]]
 
 

@@ -154,14 +154,14 @@ class CoreNode:
         self._network = network
         self._log_dir = log_dir
         for warning in (*port_warnings, *self._store.warnings):
-            self._driver.event(box.on_trouble, warning)
+            self._driver.event(box.on_notice, warning)
         self._check_log_dir()
 
     def _go_on(self) -> None:
         """Go on where the core was when it ended, if it is in the journal."""
         saved, warnings = saved_before(self._store.before, self._driver.now(), boot_id())
         for warning in warnings:
-            self._driver.event(self._box.on_trouble, warning)
+            self._driver.event(self._box.on_notice, warning)
         self._journal.restore(saved.records)
         self._driver.event(self._box.resume, saved)
         self._run_logs.repair(self._store.before.log_files)

@@ -82,8 +82,6 @@ COMMANDS = {
         _Command("disconnect", "Disconnect", "Leave the run and close the channel", "disconnect"),
     )
 }
-STOP_LEAVES = "Leave run"
-STOP_LEAVES_TIP = "Leave the run, as Disconnect does"
 NO_ZONE = "This zone is not in the schedule. Choose a zone above."
 SILENT = "The core is silent: this is its last known state"
 
@@ -94,11 +92,6 @@ NEXT_STEP = {
     ("running", "stop"): basic.ALARM,
     ("ended", "disconnect"): basic.READY,
 }
-
-
-def _leaves(details: Optional[ZoneDetails]) -> bool:
-    """Whether *stop* leaves the run because nothing is running."""
-    return details is not None and details.robot != "" and details.phase != "running"
 
 
 class _ZoneBox(QComboBox):
@@ -150,9 +143,6 @@ class BenchmarkControlPanel(Panel):
         for name in ("start", "stop"):
             button = basic.enlarged(self.buttons[name], 1.9, bold=True)
             button.setSizePolicy(QSizePolicy.Preferred, QSizePolicy.Expanding)
-        # Its text changes, but its size must not: nothing may move under the referee's hand.
-        self.buttons["stop"].setText(STOP_LEAVES)
-        self.buttons["stop"].setMinimumWidth(self.buttons["stop"].sizeHint().width())
         self.body.addWidget(self._answer)
         self.body.addWidget(self.reason)
         self.body.addLayout(commands)
@@ -252,8 +242,6 @@ class BenchmarkControlPanel(Panel):
     def _show_button(self, command: _Command, zone: Optional[ZoneState], details: Optional[ZoneDetails]) -> None:
         button = self.buttons[command.service]
         running = details is not None and details.phase == "running"
-        if command.service == "stop":
-            button.setText(STOP_LEAVES if _leaves(details) else command.label)
         if zone is None:
             button.allow(False, [NO_ZONE if self.model.gui else "Waiting for the core"])
             return
@@ -264,8 +252,7 @@ class BenchmarkControlPanel(Panel):
             return
         reasons = getattr(details, f"{command.field}_off") if details else ()
         tone = NEXT_STEP.get((details.phase if details else "", command.service))
-        leaves = STOP_LEAVES_TIP if command.service == "stop" and not running else ""
-        button.allow(allowed, reasons, tone, leaves)
+        button.allow(allowed, reasons, tone)
 
     # -- commands -----------------------------------------------------------------------------------
 
@@ -291,7 +278,7 @@ class BenchmarkControlPanel(Panel):
                 button.let_go()
 
         details = self.model.details_of(zone)
-        if service == "stop" and not _leaves(details):
+        if service == "stop":
             self.stop_run(zone, details, done)
         else:
             self.client.calls.service(self, f"/core/{service}", Zone, (zone,), done)

@@ -293,7 +293,7 @@ def test_stop_ends_all_in_every_state(reached):
         "1 completed, 2 stopped by the referee)" if completed else "3 stopped by the referee)"
     )
     driver.command("stop")
-    assert driver.run_in() is None
+    assert driver.run_in() is run
 
 
 def test_after_a_stop_all_start_again_and_the_clock_went_on():

@@ -169,3 +169,22 @@ def test_stop_and_start_again_anywhere(reach):
     assert modules.run().steps == (), "what it says of the attempt before is not for this one"
     modules.asks(**WAYPOINT)
     assert driver.box_state() is BoxState.PREPARE
+
+
+@pytest.mark.parametrize("completed, reason, desc", [
+    (0, EndReason.GOALS_TIMED_OUT, "Benchmark over: every goal timed out"),
+    (1, EndReason.COMPLETED, "Benchmark complete: 1 of 2 goals timed out"),
+    (2, EndReason.COMPLETED, "Benchmark complete"),
+])
+def test_a_run_of_goals_that_timed_out_is_not_completed_by_the_robot(completed, reason, desc):
+    driver, modules, robot = started(settings=NO_SAVING)
+    for number in range(2):
+        modules.asks(timeout=30.0, **WAYPOINT)
+        if number < completed:
+            does_goal(robot)
+        else:
+            modules.lives(30.1, robot)
+    modules.says(finished=True)
+    run = driver.run_in()
+    assert (run.phase, run.end_reason, run.desc) == (Phase.ENDED, reason, desc)
+    assert run.record(driver.now).end_reason == reason.name.lower()
