@@ -13,8 +13,7 @@ import rospy
 from fake_scores import FakeScores, present
 from std_srvs.srv import Empty
 
-from roah_rsbb.core.runs.run_book import RunBook
-from roah_rsbb.core.scoring.finished_runs import FinishedRuns
+from roah_rsbb.core.scoring.book import FinishedRuns, RunBook
 from roah_rsbb.core.scoring.records import By, RunRecord, ScoreValue
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import (

@@ -21,8 +21,8 @@ from roah_rsbb.core.restart.restart import BoxSaved, Restart, Saved
 from roah_rsbb.core.robots import ActiveRobots, RobotId
 from roah_rsbb.core.runs.device_commands import CATERING
 from roah_rsbb.core.runs.run import Run
+from roah_rsbb.core.scoring.book import FinishedRuns
 from roah_rsbb.core.scoring.desk import ScoreDesk
-from roah_rsbb.core.scoring.finished_runs import FinishedRuns
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches

@@ -14,9 +14,8 @@ from roah_rsbb.core.effects import Outbox
 from roah_rsbb.core.link.skew import skew_off
 from roah_rsbb.core.referee import MAX_NOTE, Refused, RunName, checked_who, cut_note
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots
-from roah_rsbb.core.runs.phases import EndReason, Phase
-from roah_rsbb.core.runs.zone_run import ZoneRun
-from roah_rsbb.core.scoring.records import By
+from roah_rsbb.core.runs.run import ZoneRun
+from roah_rsbb.core.scoring.records import By, EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import NO_RUN, Zone, Zones

@@ -15,9 +15,9 @@ from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.device_commands import CATERING
-from roah_rsbb.core.runs.functionality import FunctionalityRun
-from roah_rsbb.core.runs.run import Entry, Run, RunState, Surroundings
-from roah_rsbb.core.scoring.finished_runs import FinishedRuns
+from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
+from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState
+from roah_rsbb.core.scoring.book import FinishedRuns
 from roah_rsbb.core.scoring.records import NOBODY, By
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
@@ -121,28 +121,31 @@ class Connections:
 
     def _open_run(self, now: Now, zone: Zone, robot: ActiveRobot) -> None:
         self._last_port += 1
-        entry = Entry(zone.name, zone.event, robot.id, self._last_port)
-        self._outbox.emit(effects.PortTaken(entry.port))
-        self._outbox.emit(effects.OpenChannel(entry.port, robot.id.team, robot.id.robot, robot.host))
+        port, context = self._last_port, self._context(zone.name)
+        assignment = Assignment(zone.name, zone.event, robot.id, port)
+        self._outbox.emit(effects.PortTaken(port))
+        self._outbox.emit(effects.OpenChannel(port, robot.id.team, robot.id.robot, robot.host))
         if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
-            zone.run = zone.run or AllRobotsRun(entry, self._settings, self._surroundings(zone.name), now)
-            zone.run.add(now, entry)
+            zone.run = zone.run or AllRobotsRun(now, assignment, context)
+            zone.run.add(now, assignment)
         else:
-            zone.run = run = self._make_run(now, entry)
+            zone.run = run = self._make_run(now, assignment, context)
             run.open(now)
-        self._zones.run_at(entry.port).link.expect_after(robot.last_heard, robot.time)
+        self._zones.run_at(port).link.expect_after(robot.last_heard, robot.time)
         if zone.event.benchmark.code == CATERING:
             self._tablet.display_map = False  # the previous run's view is not this robot's
         self._outbox.emit(effects.SendBeacon())
 
-    def _make_run(self, now: Now, entry: Entry) -> Run:
-        surroundings = self._surroundings(entry.zone)
-        if entry.event.benchmark.kind is Kind.FUNCTIONALITY:
-            return FunctionalityRun(entry, self._settings, surroundings, self._modules, now)
-        return Run(entry, self._settings, surroundings, now)
+    def _make_run(
+        self, now: Now, assignment: Assignment, context: RunContext,
+        state: Optional[RunState] = None, of_module: Optional[FunctionalityState] = None,
+    ) -> Run:
+        if assignment.event.benchmark.kind is Kind.FUNCTIONALITY:
+            return FunctionalityRun(now, assignment, context, self._modules, state, of_module)
+        return Run(now, assignment, context, state)
 
-    def _surroundings(self, zone: str) -> Surroundings:
-        return Surroundings(self._outbox.of_zone(zone), self._show_map)
+    def _context(self, zone: str) -> RunContext:
+        return RunContext(self._settings, self._outbox.of_zone(zone), self._show_map)
 
     def _show_map(self, display_map: bool) -> None:
         if display_map != self._tablet.display_map:
@@ -158,19 +161,17 @@ class Connections:
         if not runs:
             return
         self._check_channels(runs)
-        entries = [Entry(zone.name, zone.event, run.robot, run.port) for run in runs]
         for run in runs:
             self._last_port = max(self._last_port, run.port)
             self._outbox.emit(effects.PortTaken(run.port))
             self._outbox.emit(effects.OpenChannel(run.port, run.robot.team, run.robot.robot, run.link.host))
-        if state.all_robots is not None:
-            zone.run = AllRobotsRun(entries[0], self._settings, self._surroundings(zone.name), now)
-            zone.run.resume(now, state.all_robots)
-            return
-        zone.run = self._make_run(now, entries[0])
-        zone.run.resume(now, state.run)
-        if isinstance(zone.run, FunctionalityRun) and state.for_module is not None:
-            zone.run.resume_for_module(state.for_module)
+        first = Assignment(zone.name, zone.event, runs[0].robot, runs[0].port)
+        context = self._context(zone.name)
+        if state.run is not None:
+            zone.run = self._make_run(now, first, context, state.run, state.for_module)
+        else:
+            zone.run = AllRobotsRun(now, first, context, state.all_robots)
+        zone.run.resume()
 
     def _check_channels(self, runs: Sequence[RunState]) -> None:
         """Raise ValueError if these runs could have no private channels."""

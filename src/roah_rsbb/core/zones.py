@@ -1,14 +1,14 @@
 """Zones: each has a group of scheduled events, the current one, and its run (docs/organiser.md, "schedule.yaml")."""
 
+from dataclasses import dataclass
 from typing import Dict, Iterable, List, NamedTuple, Optional
 
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.robots import RobotId
-from roah_rsbb.core.runs.all_robots import AllRobotsRun, AllRobotsState
+from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
-from roah_rsbb.core.runs.phases import RAN_TO_THE_END, EndReason
-from roah_rsbb.core.runs.run import Run, RunState
-from roah_rsbb.core.runs.zone_run import ZoneRun
+from roah_rsbb.core.runs.run import AllRobotsState, Run, RunState, ZoneRun
+from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason
 from roah_rsbb.rulebook.benchmarks import Event, ZonePlan
 from roah_rsbb.wording.suggestions import did_you_mean
 
@@ -38,8 +38,9 @@ def key_of(event: Event) -> EventKey:
     return EventKey(event.benchmark.code, event.team, event.round, event.run, event.scheduled)
 
 
-class ZoneState(NamedTuple):
-    """The saved state of a zone. At most one of the runs' states is there; of modules only with `run`."""
+@dataclass
+class ZoneState:
+    """The state of a zone. It has at most one run's state, and `for_module` only with `run`."""
 
     event: EventKey
     run: Optional[RunState] = None
@@ -80,14 +81,14 @@ class Zone:
 
     def saved(self) -> ZoneState:
         """The state for the journal."""
-        state = ZoneState(key_of(self.event))
         run = self.run
-        if isinstance(run, AllRobotsRun):
-            return state._replace(all_robots=run.saved())
-        if isinstance(run, Run):
-            for_module = run.saved_for_module() if isinstance(run, FunctionalityRun) else None
-            return state._replace(run=run.saved(), for_module=for_module)
-        return state._replace(last_run=self.last_run)
+        return ZoneState(
+            key_of(self.event),
+            run=run.state if isinstance(run, Run) else None,
+            for_module=run.of_module if isinstance(run, FunctionalityRun) else None,
+            all_robots=run.state if isinstance(run, AllRobotsRun) else None,
+            last_run=self.last_run,
+        )
 
     def resume_at(self, state: ZoneState) -> bool:
         """Go to the event that the zone was at before a restart. False: it is no longer in the schedule, and the
@@ -106,7 +107,7 @@ class Zone:
         """Take out the run, which is closed. After one that ran to its end the zone moves to the next event."""
         run, self.run = self.run, None
         assert run is not None, "there is a run to leave"
-        self.last_run = LastRun(run.end_reason, run.log.text, run.online_data.text)
+        self.last_run = LastRun(run.end_reason, run.log, run.online_data)
         if auto_next and run.end_reason in RAN_TO_THE_END and not self.at_last:
             self.move(1)
 

@@ -2,7 +2,7 @@
 
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
-from roah_rsbb.core.runs.manual_operations import MAX_DAMAGED
+from roah_rsbb.core.runs.requests import MAX_DAMAGED
 from roah_rsbb.core.scoring.sheet import MAX_VALUE, ScoreSheet
 from roah_rsbb.referee.state import Event, Item, Operation
 from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem

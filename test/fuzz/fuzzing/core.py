@@ -306,8 +306,8 @@ class Play:
         for run in runs:
             datagram = frame.encode(wire_convert.state_message(run.message), Cipher.AES_128_CBC, KEY)
             assert len(datagram) <= self.driver.settings.max_datagram
-            assert len(run.log.text) <= self.driver.settings.display_log_size
-            assert len(run.online_data.text) <= self.driver.settings.display_log_size
+            assert len(run.log) <= self.driver.settings.display_log_size
+            assert len(run.online_data) <= self.driver.settings.display_log_size
 
 
 def steps(data: bytes) -> Iterator[Step]:

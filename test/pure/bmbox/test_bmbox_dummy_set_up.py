@@ -11,7 +11,7 @@ from roah_rsbb.bmbox.framework.ground_truth import Pose3, compose, seen_from
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.core.modules.messages import RequestKind
-from roah_rsbb.core.runs.phases import EndReason
+from roah_rsbb.core.scoring.records import EndReason
 
 RESTARTS = [None, 1.7]  # seconds from one crash of the modules to the next
 

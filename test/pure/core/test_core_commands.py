@@ -7,7 +7,7 @@ from helpers.competition import competition, event
 from roah_rsbb.core import effects
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused, RunName
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState

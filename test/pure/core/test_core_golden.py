@@ -15,7 +15,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, wire_seconds

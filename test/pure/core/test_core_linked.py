@@ -6,7 +6,7 @@ import pytest
 
 from helpers.competition import competition, event
 from helpers.linked_world import FakeLink, World, assert_legal
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
 STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT

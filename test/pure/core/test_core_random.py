@@ -17,7 +17,7 @@ from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.link.timeline import Timeline, Verdict
 from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
 from roah_rsbb.core.referee import Refused, RunName
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
@@ -146,7 +146,7 @@ def test_no_order_of_events_breaks_the_box(sequence):
         for run in runs:
             assert (run.phase is Phase.RUNNING) is (run.message.state is not BoxState.STOP)
             assert run.message.state is not BoxState.GOAL_TX
-            assert len(run.log.text) <= 300
+            assert len(run.log) <= 300
         assert {r.port for r in driver.box.beacon().robots} == set(driver.channels) == {run.port for run in runs}
         for view in views.zones(driver.box, driver.now):
             assert view.state

@@ -6,7 +6,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from roah_rsbb.core import run_log
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
 

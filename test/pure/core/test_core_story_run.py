@@ -7,7 +7,7 @@ from helpers.competition import competition, event
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from helpers.competition import competition
-from roah_rsbb.core.runs.phases import EndReason
+from roah_rsbb.core.scoring.records import EndReason
 from roah_rsbb.core.zones import Zone
 
 
@@ -33,7 +33,7 @@ def test_a_zone_with_one_event_is_at_both_ends():
 @pytest.mark.parametrize("reason", [None, *EndReason])
 def test_only_a_run_that_ran_to_its_end_moves_the_zone_on(auto_next, reason):
     zone = _zone("HGTKMH", "HWV")
-    text = SimpleNamespace(text="12:00:00Z STOP\n")
+    text = "12:00:00Z STOP\n"
     zone.run = SimpleNamespace(end_reason=reason, log=text, online_data=text)
     zone.leave(auto_next)
     moved = auto_next and reason in (EndReason.COMPLETED, EndReason.GOALS_TIMED_OUT)
@@ -44,7 +44,7 @@ def test_only_a_run_that_ran_to_its_end_moves_the_zone_on(auto_next, reason):
 
 def test_after_the_last_event_there_is_no_next():
     zone = _zone("HGTKMH")
-    text = SimpleNamespace(text="")
+    text = ""
     zone.run = SimpleNamespace(end_reason=EndReason.COMPLETED, log=text, online_data=text)
     zone.leave(auto_next=True)
     assert (zone.index, zone.run) == (0, None)

@@ -252,7 +252,7 @@ class World:
         self._newest[port] = max(wire_ns(report.time), self._newest.get(port, -1))
 
     def _moved(self, run):
-        return run.message, run.phase, run.robot_state, run.log.text, len(self.box.bags[run.port])
+        return run.message, run.phase, run.robot_state, run.log, len(self.box.bags[run.port])
 
     # -- the referee ----------------------------------------------------------------------------------
 

@@ -11,7 +11,7 @@ from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.messages import DevicesState, TabletState
 from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
 from roah_rsbb.core.restart.saved import freeze
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 

@@ -4,6 +4,7 @@ Staleness, skew, silence and clock steps are judged here; what they mean for the
 `roah_rsbb.core.runs.run`.
 """
 
+from dataclasses import dataclass, field
 from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
@@ -43,29 +44,31 @@ class Heard(NamedTuple):
 STALE = Heard(False, False, False, ())
 
 
-class LinkState(NamedTuple):
-    """The saved state of a `RobotLink`; see its attributes."""
+@dataclass
+class LinkState:
+    """What the robot said last, and from where."""
 
     host: Optional[str] = None
     last: Optional[RobotReport] = None
     last_heard: Optional[Now] = None
-    timeline: TimelineState = TimelineState()
-    skew: Optional[SkewSample] = None
+    timeline: TimelineState = field(default_factory=TimelineState)
+    skew: Optional[SkewSample] = None  # the robot's clock minus the box's; None: not known
     told_invalid: bool = False
 
 
 class RobotLink:
     """One robot's messages on its private channel."""
 
-    def __init__(self, allowed_skew: float, now: Now) -> None:
-        """The channel is opened `now`; `allowed_skew` in seconds."""
+    def __init__(self, allowed_skew: float, now: Now, state: Optional[LinkState] = None) -> None:
+        """The channel is opened `now`; `allowed_skew` in seconds. After a restart the robot is not silent because
+        nobody listened."""
+        self.state = state or LinkState()
         self._allowed_skew = allowed_skew
-        self._timeline = Timeline()
-        self._skew = SkewEstimate()
+        self._timeline = Timeline(self.state.timeline)
+        self._skew = SkewEstimate(self.state.skew)
         self._listens_since = now.mono
         self._old = 0  # messages since the last fresh one that were not newer than that
         self._told_silent = False
-        self._told_invalid = False
         self._step: Optional[str] = None
         self._step_mono = 0.0
         self._rival: Optional[str] = None
@@ -75,27 +78,27 @@ class RobotLink:
         self._bad: Optional[str] = None
         self._bad_mono = 0.0
         self.record = LinkRecorder(now)
-        self.host: Optional[str] = None
-        self.last: Optional[RobotReport] = None
-        self.last_heard: Optional[Now] = None
 
-    def saved(self) -> LinkState:
-        """The state for the journal."""
-        return LinkState(
-            self.host, self.last, self.last_heard, self._timeline.saved(), self._skew.saved(), self._told_invalid
-        )
+    @property
+    def host(self) -> Optional[str]:
+        """The robot's address; None: not known yet."""
+        return self.state.host
 
-    def restore(self, state: LinkState) -> None:
-        """Go on as before a restart; the robot is not silent because nobody listened."""
-        self.host, self.last, self.last_heard = state.host, state.last, state.last_heard
-        self._timeline.restore(state.timeline)
-        self._skew.restore(state.skew)
-        self._told_invalid = state.told_invalid
+    @property
+    def last(self) -> Optional[RobotReport]:
+        """The robot's last message; None: none yet."""
+        return self.state.last
+
+    @property
+    def last_heard(self) -> Optional[Now]:
+        """When the last message came; None: never."""
+        return self.state.last_heard
 
     @property
     def skew(self) -> Optional[float]:
         """The robot's clock minus the box's, in seconds; None: not known."""
-        return self._skew.seconds
+        skew = self.state.skew
+        return None if skew is None else skew.seconds
 
     @property
     def times_valid(self) -> bool:
@@ -132,8 +135,8 @@ class RobotLink:
         new_host = host != self.host
         if new_host and self.host is not None:
             notices.extend(self._note_host(now, self.host, host))
-        state_changed = report.state != self.robot_state
-        self.host, self.last, self.last_heard = host, report, now
+        state, state_changed = self.state, report.state != self.robot_state
+        state.host, state.last, state.last_heard = host, report, now
         self._old = 0
         self._told_silent = False
         self._bad = None
@@ -155,6 +158,7 @@ class RobotLink:
     def restart_skew(self) -> None:
         """The box's clock was set: all samples so far mean nothing."""
         self._skew.restart()
+        self.state.skew = None
         self.record.clock_set()
 
     def sample(self, now: Now, unreadable: int) -> LinkSample:
@@ -254,13 +258,14 @@ class RobotLink:
             self._step, self._step_mono = step, now.mono
             self._skew.restart()
         skew = self._skew.sample(now.mono, sample)
+        self.state.skew = SkewSample(now.mono, skew)
         self.record.heard(now, report, late_s=skew - sample, clock_set=step is not None)
         return ([step] if step is not None else []) + self._note_validity()
 
     def _note_validity(self) -> List[str]:
-        if self.times_valid == (not self._told_invalid):
+        if self.times_valid == (not self.state.told_invalid):
             return []
-        self._told_invalid = not self.times_valid
-        if self._told_invalid:
+        self.state.told_invalid = not self.times_valid
+        if self.state.told_invalid:
             return [f"Robot's times are invalid from here on: clock skew {skew_text(self.skew or 0.0)}"]
         return [f"Robot's times are valid again: clock skew {skew_text(self.skew or 0.0)}"]

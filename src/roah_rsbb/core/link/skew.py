@@ -27,18 +27,12 @@ class SkewSample(NamedTuple):
 class SkewEstimate:
     """The skew of one robot, in seconds."""
 
-    def __init__(self) -> None:
+    def __init__(self, first: Optional[SkewSample] = None) -> None:
+        """`first`: the estimate from before a restart."""
         self._samples: Deque[Tuple[float, float]] = deque(maxlen=MAX_SAMPLES)
         self.seconds: Optional[float] = None
-
-    def saved(self) -> Optional[SkewSample]:
-        """The state for the journal: the estimate of now, as if it were one sample."""
-        return None if self.seconds is None else SkewSample(Mono(self._samples[-1][0]), self.seconds)
-
-    def restore(self, state: Optional[SkewSample]) -> None:
-        """Go on with what was measured before a restart."""
-        if state is not None:
-            self.sample(state.mono, state.seconds)
+        if first is not None:
+            self.sample(first.mono, first.seconds)
 
     @property
     def count(self) -> int:

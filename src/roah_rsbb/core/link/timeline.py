@@ -9,7 +9,8 @@ back would stand above all that follows.
 """
 
 import enum
-from typing import NamedTuple, Optional
+from dataclasses import dataclass
+from typing import Optional
 
 from roah_rsbb.core.restart.saved import Mono
 
@@ -29,29 +30,21 @@ class Verdict(enum.Enum):
     CLOCK_SET_BACK = "clock set back"  # accept it: the robot's timeline starts anew here
 
 
-class TimelineState(NamedTuple):
-    """The saved state of a `Timeline`."""
+@dataclass
+class TimelineState:
+    """The newest time of a robot's messages. What was old before a restart is old after it, too."""
 
     newest: Optional[int] = None  # nanoseconds, the robot's clock
-    newest_mono: Mono = Mono(0.0)
+    newest_mono: Mono = 0.0
 
 
 class Timeline:
     """The times of one robot's messages on one channel, in nanoseconds."""
 
-    def __init__(self) -> None:
-        self.newest: Optional[int] = None
-        self._newest_mono = 0.0
+    def __init__(self, state: Optional[TimelineState] = None) -> None:
+        self.state = state or TimelineState()
         self._candidate: Optional[int] = None
         self._rising = 0
-
-    def saved(self) -> TimelineState:
-        """The state for the journal."""
-        return TimelineState(self.newest, Mono(self._newest_mono))
-
-    def restore(self, state: TimelineState) -> None:
-        """What was old before a restart is old after it, too."""
-        self.newest, self._newest_mono = state
 
     def begin_after(self, mono: float, time_ns: int) -> None:
         """A time that came at `mono` (s), but not on this channel."""
@@ -59,23 +52,22 @@ class Timeline:
 
     def judge(self, mono: float, time_ns: int) -> Verdict:
         """Judge a message that arrived at `mono` (s) and carries `time_ns`; accepted ones count."""
-        if self.newest is None or time_ns > self.newest:
+        newest = self.state.newest
+        if newest is None or time_ns > newest:
             self._accept(mono, time_ns)
             return Verdict.FRESH
-        if time_ns == self.newest:
-            return Verdict.DUPLICATE
-        if time_ns == self._candidate:
+        if time_ns in (newest, self._candidate):
             return Verdict.DUPLICATE
         is_rising = self._candidate is not None and time_ns > self._candidate
         self._rising = self._rising + 1 if is_rising else 1
         self._candidate = time_ns
-        if self._rising >= RISING and mono - self._newest_mono >= QUIET_S:
+        if self._rising >= RISING and mono - self.state.newest_mono >= QUIET_S:
             self._accept(mono, time_ns)
             return Verdict.CLOCK_SET_BACK
         return Verdict.STALE
 
     def _accept(self, mono: float, time_ns: int) -> None:
-        self.newest = time_ns
-        self._newest_mono = mono
+        self.state.newest = time_ns
+        self.state.newest_mono = mono
         self._candidate = None
         self._rising = 0

@@ -15,8 +15,8 @@ from roah_rsbb.core.clock import Now, clock_text
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.messages import DevicesState, TabletState
-from roah_rsbb.core.runs.zone_run import ZoneRun
-from roah_rsbb.core.scoring.finished_runs import FinishedRuns, left_behind
+from roah_rsbb.core.runs.run import ZoneRun
+from roah_rsbb.core.scoring.book import FinishedRuns, left_behind
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones, ZoneState

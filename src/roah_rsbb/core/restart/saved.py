@@ -1,14 +1,17 @@
-"""Saved state: what outlives the process, as plain values that JSON can hold.
+"""Saved state: what outlives the process, as values that JSON can hold.
 
-Theory of operation. Every object with a state that a restart must not lose has `saved()`, which returns a
-NamedTuple of plain values, and `restore(state)`, which a fresh object takes it back with. `freeze` makes JSON's
-values of such a tuple, `thaw` the tuple again: by the names of its fields and their types, so that a state
-which an older version wrote can still be read as long as new fields have defaults.
+Theory of operation. Each object with a state that a restart must not lose keeps it in one dataclass, its `state`,
+and works on that. Its constructor takes either no state, or one that was saved. `freeze` makes JSON's values of a
+state, `thaw` makes the state again: by the names of its fields and their types, so that a state which an older
+version wrote can still be read, as long as new fields have defaults.
 
-A moment on the monotonic clock means nothing after the computer was started anew. Fields of that kind are
-declared as `Mono`, and `thaw` moves all of them by the same amount (see `Anchor`).
+A moment on the monotonic clock means nothing after a restart of the computer. Fields of that kind are declared as
+`Mono`, and `thaw` moves all of them by the same amount (see `Anchor`).
+
+Why no library: cattrs is packaged for Debian 12 but not for Ubuntu 20.04.
 """
 
+import dataclasses
 import enum
 import functools
 from typing import Any, Callable, Dict, NamedTuple, NewType, Optional, Tuple, TypeVar, Union, get_type_hints
@@ -20,13 +23,15 @@ Mono = NewType("Mono", float)
 
 # No clock shows so many seconds.
 _LAST_MOMENT = 1e12
+# Stands for the default of a field that has none.
+_REQUIRED = object()
 
 T = TypeVar("T")
 _Thaw = Callable[[Any, float], Any]
 
 
 class BadState(Exception):
-    """A saved state that this version cannot read; the text says where and why."""
+    """A saved state that this version cannot read. The text says where and why."""
 
 
 class Anchor(NamedTuple):
@@ -37,10 +42,10 @@ class Anchor(NamedTuple):
     boot: str
 
     def shift(self, now: Now, boot: str) -> float:
-        """By how many seconds moments that were saved at this anchor are to be moved, now and in this `boot`.
+        """Return by how many seconds to move the moments that were saved at this anchor, now and in this `boot`.
 
-        Within one start of the computer the monotonic clock tells the truth. Else UTC must: a clock that went
-        backwards meanwhile means that no time passed.
+        Within one start of the computer the monotonic clock is right. Otherwise UTC must do: if it went backwards
+        in between, no time passed.
         """
         if boot == self.boot:
             return 0.0
@@ -49,25 +54,39 @@ class Anchor(NamedTuple):
 
 
 def freeze(value: Any) -> Any:
-    """JSON's form of a saved state; fields that have their default are left out."""
+    """Return JSON's form of a state. Fields that have their default are left out."""
     if value is None or value.__class__ in (bool, int, float, str):
         return value
     if isinstance(value, enum.Enum):
         return value.name
-    if hasattr(value, "_fields"):
-        defaults = value._field_defaults
-        return {
-            name: freeze(field)
-            for name, field in zip(value._fields, value)
-            if name not in defaults or field != defaults[name]
-        }
+    if hasattr(value, "_fields") or dataclasses.is_dataclass(value):
+        frozen = {}
+        for name, default in _defaults(value.__class__):
+            field = getattr(value, name)
+            if default is _REQUIRED or field != default:
+                frozen[name] = freeze(field)
+        return frozen
     if isinstance(value, dict):
         return {str(key): freeze(item) for key, item in value.items()}
     return [freeze(item) for item in value]
 
 
+@functools.lru_cache(maxsize=None)
+def _defaults(cls: type) -> Tuple[Tuple[str, Any], ...]:
+    """The names of a state's fields, each with its default."""
+    if hasattr(cls, "_fields"):
+        return tuple((name, cls._field_defaults.get(name, _REQUIRED)) for name in cls._fields)
+    return tuple((field.name, _default(field)) for field in dataclasses.fields(cls))
+
+
+def _default(field: dataclasses.Field) -> Any:
+    if field.default_factory is not dataclasses.MISSING:
+        return field.default_factory()
+    return _REQUIRED if field.default is dataclasses.MISSING else field.default
+
+
 def thaw(cls: Callable[..., T], data: Any, shift: float = 0.0) -> T:
-    """The saved state of type `cls` that `freeze` made `data` of; moments are moved by `shift` seconds.
+    """Return the state of type `cls` that `freeze` made `data` of, with moments moved by `shift` seconds.
 
     Raises `BadState`.
     """
@@ -78,10 +97,10 @@ def thaw(cls: Callable[..., T], data: Any, shift: float = 0.0) -> T:
 
 
 def _moment(data: Any) -> float:
-    """Seconds on a clock: with what is none, sums would no longer pass by."""
+    """Return seconds on a clock. Rejects NaN and infinity, which would make every later comparison false."""
     seconds = float(data)
     if not abs(seconds) <= _LAST_MOMENT:
-        raise ValueError(f"{seconds} is no time")
+        raise ValueError(f"{seconds} is not a time")
     return seconds
 
 
@@ -98,20 +117,23 @@ def _thaw_of(hint: Any) -> _Thaw:
         return lambda data, _shift: float(data)
     if isinstance(hint, type) and issubclass(hint, enum.Enum):
         return lambda data, _shift: hint[data]
-    if hasattr(hint, "_fields"):
-        return _tuple_of_fields(hint)
+    if hasattr(hint, "_fields") or dataclasses.is_dataclass(hint):
+        return _thaw_of_fields(hint)
     origin, args = getattr(hint, "__origin__", None), getattr(hint, "__args__", ())
     if origin is Union and len(args) == 2 and type(None) in args:
         inner = _thaw_of(next(arg for arg in args if arg is not type(None)))
         return lambda data, shift: None if data is None else inner(data, shift)
     if origin is tuple:
         return _tuple_of_items(args)
+    if origin is list:
+        inner = _thaw_of(args[0])
+        return lambda data, shift: [inner(item, shift) for item in data]
     if origin is dict:
         inner = _thaw_of(args[1])
         return lambda data, shift: {key: inner(item, shift) for key, item in data.items()}
     if hint is Any or hint is object or origin is Union:
         return lambda data, _shift: data
-    raise TypeError(f"no saved state can hold {hint}")
+    raise TypeError(f"a state cannot hold {hint}")
 
 
 def _exactly(kind: type, data: Any, _shift: float) -> Any:
@@ -120,14 +142,14 @@ def _exactly(kind: type, data: Any, _shift: float) -> Any:
     return data
 
 
-def _tuple_of_fields(hint: Any) -> _Thaw:
+def _thaw_of_fields(hint: Any) -> _Thaw:
     fields: Optional[Dict[str, _Thaw]] = None
 
     def read(data: Any, shift: float) -> Any:
         nonlocal fields
         if fields is None:
             hints = get_type_hints(hint)
-            fields = {name: _thaw_of(hints[name]) for name in hint._fields}
+            fields = {name: _thaw_of(hints[name]) for name, _ in _defaults(hint)}
         return hint(**{name: fields[name](item, shift) for name, item in data.items() if name in fields})
 
     return read

@@ -11,18 +11,14 @@ ready then are left out, and join as soon as they are ready.
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.clock import Now, clock_text
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.link.link import SILENT_S
 from roah_rsbb.core.messages import RobotReport
-from roah_rsbb.core.runs.clock import CountdownState, RunClock
-from roah_rsbb.core.runs.online_data import DisplayText
-from roah_rsbb.core.runs.phases import EndReason, Phase
-from roah_rsbb.core.runs.run import Entry, Run, RunState, Surroundings, said_in
-from roah_rsbb.core.runs.run_book import BookState
-from roah_rsbb.core.runs.scored_run import ScoredRun
-from roah_rsbb.core.scoring.records import NOBODY, By
-from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.runs.clock import CountdownState
+from roah_rsbb.core.runs.run import AllRobotsState, Assignment, Run, RunContext, RunState, ZoneRun
+from roah_rsbb.core.scoring.book import BookState
+from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.protocol import BoxState
 
 # For so long *start* waits for robots that have not answered, or not stopped, yet.
@@ -56,35 +52,21 @@ DOINGS: Dict[BoxState, str] = {
 }
 
 
-class AllRobotsState(NamedTuple):
-    """The saved state of an `AllRobotsRun`; see its attributes."""
-
-    identity: str
-    opened_utc: float
-    phase: Phase
-    end_reason: Optional[EndReason]
-    desc: str
-    clock: CountdownState
-    book: BookState
-    log: str
-    online_data: str
-    members: Tuple[RunState, ...]
-
-
 class MemberRun(Run):
     """One robot's part in a run of all robots. In phase *connected* it is left out, as long as the others run."""
 
     def __init__(
-        self, whole: "AllRobotsRun", entry: Entry, settings: Settings, surroundings: Surroundings, now: Now
+        self, now: Now, whole: "AllRobotsRun", assignment: Assignment, context: RunContext,
+        state: Optional[RunState] = None,
     ) -> None:
+        super().__init__(now, assignment, context, state)
         self._whole = whole
-        super().__init__(entry, settings, surroundings, now)
-        self.clock = whole.clock
+        self.clock, self.state.clock = whole.clock, whole.clock.state
 
     def leave_out(self, now: Now) -> None:
         """The others start without this robot, which is not ready."""
-        self.phase, self.end_reason = Phase.CONNECTED, None
-        self._say(now, Level.WARNING, f"left out until it is ready: {self.why_not_ready(now)}")
+        self.state.phase, self.state.end_reason = Phase.CONNECTED, None
+        self.say(now, Level.WARNING, f"left out until it is ready: {self.why_not_ready(now)}")
 
     def why_not_ready(self, now: Now) -> str:
         """Why the robot cannot be started now; empty: it can."""
@@ -111,60 +93,47 @@ class MemberRun(Run):
     def _record_changed(self, now: Now) -> None:
         """The whole run has one record for all."""
 
-    def _say(self, now: Now, level: Level, text: str) -> None:
+    def say(self, now: Now, level: Level, text: str) -> None:
+        """The log is one for all; it names the robot."""
         self._whole.say(now, level, f"{self.robot}: {text}")
 
-    def _tell_online(self, now: Now, text: str) -> None:
-        self._whole.online_data.add(f"{clock_text(now.utc)} {self.robot}: {text}")
+    def tell_online(self, now: Now, text: str) -> None:
+        """The same for online data."""
+        self._whole.tell_online(now, f"{self.robot}: {text}")
 
 
-class AllRobotsRun(ScoredRun):
+class AllRobotsRun(ZoneRun):
     """See `ZoneRun`. It has at least one member whenever somebody looks at it."""
 
-    def __init__(self, first: Entry, settings: Settings, surroundings: Surroundings, now: Now) -> None:
-        """`first`: the entry of the robot that is added first."""
-        super().__init__(first.event)
-        self.event = event = first.event
-        self.zone = first.zone
-        self.identity = first.identity(now)
-        self.opened_utc = now.utc
-        self.phase = Phase.CONNECTED
-        self.end_reason: Optional[EndReason] = None
-        self.desc = ""
-        self.clock = RunClock(event.benchmark.total_timeout, settings.after_stop_duration)
-        self.log = DisplayText(settings.display_log_size)
-        self.online_data = DisplayText(settings.display_log_size)
-        self._settings = settings
-        self._surroundings = surroundings
-        self._emit = surroundings.emit
+    state: AllRobotsState
+
+    def __init__(
+        self, now: Now, first: Assignment, context: RunContext, state: Optional[AllRobotsState] = None
+    ) -> None:
+        """`first`: the robot that is added first. `state`: of a run that continues after a restart of the core."""
+        super().__init__(first.zone, first.event, context, state or AllRobotsState(
+            first.identity(now), now.utc, Phase.CONNECTED, None, "", CountdownState(), BookState()))
+        self._context = context
         self._settled_mono = now.mono + SETTLE_S
         self._members: List[MemberRun] = []
+        for of_member in self.state.members:
+            assignment = Assignment(self.zone, self.event, of_member.robot, of_member.port)
+            self._members.append(MemberRun(now, self, assignment, context, of_member))
 
     # -- members ------------------------------------------------------------------------------------
 
-    def add(self, now: Now, entry: Entry) -> None:
-        """One more robot, whose channel is being opened."""
-        member = MemberRun(self, entry, self._settings, self._surroundings, now)
+    def add(self, now: Now, assignment: Assignment) -> None:
+        """Add one more robot, whose channel is being opened."""
+        member = MemberRun(now, self, assignment, self._context)
         self._members.append(member)
+        self.state.members.append(member.state)
         self._record_changed(now)
         member.open(now)
 
-    def saved(self) -> AllRobotsState:
-        """The state for the journal."""
-        return AllRobotsState(
-            self.identity, self.opened_utc, self.phase, self.end_reason, self.desc, self.clock.saved(),
-            self.book.saved(), self.log.text, self.online_data.text,
-            tuple(member.saved() for member in self._members),
-        )
-
-    def resume(self, now: Now, state: AllRobotsState) -> None:
-        """Go on where the run was when the core ended."""
-        self._take_back(state)
-        for of_member in state.members:
-            entry = Entry(self.zone, self.event, of_member.robot, of_member.port)
-            member = MemberRun(self, entry, self._settings, self._surroundings, now)
-            self._members.append(member)
-            member.resume(now, of_member)
+    def resume(self) -> None:
+        """Continue where the run was when the core ended."""
+        for member in self._members:
+            member.resume()
 
     def members(self) -> Tuple[MemberRun, ...]:
         """See `ZoneRun`."""
@@ -173,6 +142,7 @@ class AllRobotsRun(ScoredRun):
     def without(self, member: Run) -> Optional["AllRobotsRun"]:
         """See `ZoneRun`."""
         self._members = [other for other in self._members if other is not member]
+        self.state.members = [other.state for other in self._members]
         return self if self._members else None
 
     def on_member_heard(self, now: Now, member: MemberRun) -> None:
@@ -186,15 +156,14 @@ class AllRobotsRun(ScoredRun):
 
     def start(self, now: Now) -> None:
         """See `ZoneRun`. The members start the clock that they share, and stop it when they end."""
-        self.phase = Phase.RUNNING
-        self.end_reason = None
+        self.state.phase, self.state.end_reason = Phase.RUNNING, None
         self._note_start(now)
         for member in self._members:
             if member.why_not_ready(now):
                 member.leave_out(now)
             else:
                 member.start(now)
-        self.desc = f"Started with {len(self._in_phase(Phase.RUNNING))} of {len(self._members)} robots"
+        self.state.desc = f"Started with {len(self._in_phase(Phase.RUNNING))} of {len(self._members)} robots"
         self.say(now, Level.INFO, self.desc)
 
     def stop(self, now: Now, by: By = NOBODY) -> None:
@@ -202,10 +171,6 @@ class AllRobotsRun(ScoredRun):
         for member in self._in_phase(Phase.RUNNING):
             member.stop(now)
         self._end(now, EndReason.STOPPED, by)
-
-    def warn(self, now: Now, text: str) -> None:
-        """See `ZoneRun`."""
-        self.say(now, Level.WARNING, text)
 
     def close(self, now: Now, by: By = NOBODY) -> None:
         """See `ZoneRun`."""
@@ -239,20 +204,15 @@ class AllRobotsRun(ScoredRun):
             self._end(now, EndReason.NO_MESSAGES_SAVED)
 
     def _end(self, now: Now, reason: EndReason, by: By = NOBODY) -> None:
-        self.phase = Phase.ENDED
-        self.end_reason = reason
+        self.state.phase, self.state.end_reason = Phase.ENDED, reason
         self._settled_mono = now.mono + SETTLE_S
         ends = [member.end_reason for member in self._in_phase(Phase.ENDED)]
         counted = [f"{ends.count(end)} {text}" for end, text in ENDS.items() if end in ends]
-        self.desc = f"{WHOLE_ENDS[reason]} ({', '.join(counted)})"
+        self.state.desc = f"{WHOLE_ENDS[reason]} ({', '.join(counted)})"
         self._note_end(now, self.desc, by)
         self.say(now, Level.INFO, self.desc)
 
     # -- for the referee's eyes ---------------------------------------------------------------------
-
-    def timer(self, now: Now) -> float:
-        """See `ZoneRun`."""
-        return self.clock.shown(now, ended=self.phase is Phase.ENDED)
 
     def start_off(self, now: Now) -> List[str]:
         """See `ZoneRun`. Nobody waits for long for a robot that is not ready, unless there is no other."""
@@ -293,15 +253,6 @@ class AllRobotsRun(ScoredRun):
     def robots(self, now: Now) -> List[str]:
         """Each robot and what it is doing, a line each."""
         return [f"{member.robot}: {member.doing(now)}" for member in self._members]
-
-    def say(self, now: Now, level: Level, text: str) -> None:
-        """Tell the referee, in the log of the run and in that of the node."""
-        self._emit(said_in(self.log, now, level, text, self.zone))
-
-    _say = say
-
-    def _log_ports(self) -> Tuple[int, ...]:
-        return tuple(member.port for member in self._members)
 
     def _robot_names(self) -> Tuple[str, ...]:
         return tuple(str(member.robot) for member in self._members)

@@ -3,7 +3,8 @@
 Both use the monotonic clock only (docs/architecture.md, "Two clocks").
 """
 
-from typing import NamedTuple, Optional
+from dataclasses import dataclass
+from typing import Optional
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
@@ -12,10 +13,11 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 
 
-class CountdownState(NamedTuple):
-    """The saved state of a countdown; see its attributes."""
+@dataclass
+class CountdownState:
+    """Where a countdown is."""
 
-    deadline: Optional[Mono] = None
+    deadline: Optional[Mono] = None  # as if there were no more pauses; None: not started
     paused_at: Optional[Mono] = None
     stopped_at: Optional[Mono] = None  # of a run's clock only
 
@@ -23,34 +25,25 @@ class CountdownState(NamedTuple):
 class Countdown:
     """Counts from its start to its end, except while it is paused."""
 
-    def __init__(self, seconds: float) -> None:
+    def __init__(self, seconds: float, state: Optional[CountdownState] = None) -> None:
         self._seconds = seconds
-        self._deadline: Optional[float] = None  # as if there were no more pauses
-        self._paused_at: Optional[float] = None
-
-    def saved(self) -> CountdownState:
-        """The state for the journal."""
-        return CountdownState(self._deadline, self._paused_at)
-
-    def restore(self, state: CountdownState) -> None:
-        """Go on where a countdown was when it was saved: the time since then has passed for it, too."""
-        self._deadline, self._paused_at = state.deadline, state.paused_at
+        self.state = state or CountdownState()
 
     def start(self, now: Now) -> None:
-        """Only the first call starts it."""
-        if self._deadline is None:
-            self._deadline = now.mono + self._seconds
+        """Start it. Only the first call has an effect."""
+        if self.state.deadline is None:
+            self.state.deadline = now.mono + self._seconds
 
     def pause(self, now: Now) -> None:
         """Time does not count until `resume`."""
-        if self._deadline is not None and self._paused_at is None:
-            self._paused_at = now.mono
+        if self.state.deadline is not None and self.state.paused_at is None:
+            self.state.paused_at = now.mono
 
     def resume(self, now: Now) -> None:
         """Time counts again."""
-        if self._paused_at is not None:
-            self._deadline += now.mono - self._paused_at
-            self._paused_at = None
+        if self.state.paused_at is not None:
+            self.state.deadline += now.mono - self.state.paused_at
+            self.state.paused_at = None
 
     def set_paused(self, now: Now, paused: bool) -> None:
         """Pause or resume, whatever it is now."""
@@ -59,11 +52,11 @@ class Countdown:
     @property
     def paused(self) -> bool:
         """Whether time does not count at the moment."""
-        return self._paused_at is not None
+        return self.state.paused_at is not None
 
     def deadline(self) -> Optional[float]:
         """Monotonic time (s) of its end; None: it is not started, or paused."""
-        return None if self.paused else self._deadline
+        return None if self.paused else self.state.deadline
 
     def is_over(self, now: Now) -> bool:
         """Whether the time is up."""
@@ -72,9 +65,9 @@ class Countdown:
 
     def left(self, now: Now) -> float:
         """Seconds left, at least 0."""
-        if self._deadline is None:
+        if self.state.deadline is None:
             return self._seconds
-        return max(0.0, self._deadline - (self._paused_at if self.paused else now.mono))
+        return max(0.0, self.state.deadline - (self.state.paused_at if self.paused else now.mono))
 
     def elapsed(self, now: Now) -> float:
         """Seconds that counted so far, at most all."""
@@ -84,34 +77,24 @@ class Countdown:
 class RunClock(Countdown):
     """Counts from the first start to the timeout. Stopped time counts (docs/protocol.md, "State machines")."""
 
-    def __init__(self, timeout: float, after_stop: float) -> None:
-        super().__init__(timeout)
+    def __init__(self, timeout: float, after_stop: float, state: Optional[CountdownState] = None) -> None:
+        super().__init__(timeout, state)
         self._after_stop = after_stop
-        self._stopped_at: Optional[float] = None
-
-    def saved(self) -> CountdownState:
-        """See `Countdown.saved`."""
-        return super().saved()._replace(stopped_at=self._stopped_at)
-
-    def restore(self, state: CountdownState) -> None:
-        """See `Countdown.restore`."""
-        super().restore(state)
-        self._stopped_at = state.stopped_at
 
     def start(self, now: Now) -> None:
         """The first start sets the deadline, a later one keeps it."""
         super().start(now)
-        self._stopped_at = None
+        self.state.stopped_at = None
 
     def stop(self, now: Now) -> None:
         """The run was stopped; the deadline stays, and no pause outlasts the run."""
         self.resume(now)
-        self._stopped_at = now.mono
+        self.state.stopped_at = now.mono
 
     def shown(self, now: Now, ended: bool) -> float:
         """Seconds left until the timeout or, in a run that ended, of the time after the stop; at least 0."""
-        if ended and self._stopped_at is not None:
-            return max(0.0, self._stopped_at + self._after_stop - now.mono)
+        if ended and self.state.stopped_at is not None:
+            return max(0.0, self.state.stopped_at + self._after_stop - now.mono)
         return self.left(now)
 
 

@@ -7,6 +7,7 @@ a change, but not those of the first message: a client of 2015 still carries the
 run there (docs/protocol.md, "Device commands"), where they mean nothing.
 """
 
+from dataclasses import dataclass
 from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.messages import RobotReport
@@ -30,8 +31,9 @@ class Taken(NamedTuple):
     problems: List[str]  # for the referee
 
 
-class DeviceCommandsState(NamedTuple):
-    """The saved state of `DeviceCommands`; see its attributes."""
+@dataclass
+class DeviceCommandsState:
+    """What was obeyed in a run. It is not obeyed again when the robot repeats it."""
 
     had_first: bool = False
     told_ignored: bool = False
@@ -41,34 +43,24 @@ class DeviceCommandsState(NamedTuple):
 class DeviceCommands:
     """The wishes of the robot in one run."""
 
-    def __init__(self, code: str) -> None:
+    def __init__(self, code: str, state: Optional[DeviceCommandsState] = None) -> None:
         self._obeys = code == CATERING
         self._code = code
-        self._had_first = False
-        self._told_ignored = False
-        self._wishes: Wishes = NO_WISHES
-
-    def saved(self) -> DeviceCommandsState:
-        """The state for the journal."""
-        return DeviceCommandsState(self._had_first, self._told_ignored, self._wishes)
-
-    def restore(self, state: DeviceCommandsState) -> None:
-        """What was obeyed before a restart is not obeyed again when the robot repeats it."""
-        self._had_first, self._told_ignored, self._wishes = state
+        self.state = state or DeviceCommandsState()
 
     def take(self, report: RobotReport) -> Taken:
         """Take a fresh message; only what changed since the messages before is a command."""
         taken = Taken([], None, [])
         wishes = tuple(getattr(report, field) for field in FIELDS)
-        had_first, self._had_first = self._had_first, True
+        had_first, self.state.had_first = self.state.had_first, True
         if not had_first or wishes == NO_WISHES:
             return taken
         if not self._obeys:
             return taken._replace(problems=self._tell_ignored())
         # A field that is not sent any more is neither a command nor forgotten.
-        before = self._wishes
-        self._wishes = tuple(old if new is None else new for old, new in zip(before, wishes))
-        for field, old, new in zip(FIELDS, before, self._wishes):
+        before = self.state.wishes
+        self.state.wishes = tuple(old if new is None else new for old, new in zip(before, wishes))
+        for field, old, new in zip(FIELDS, before, self.state.wishes):
             if new == old:
                 continue
             if field == "display_map":
@@ -80,7 +72,7 @@ class DeviceCommands:
         return taken
 
     def _tell_ignored(self) -> List[str]:
-        if self._told_ignored:
+        if self.state.told_ignored:
             return []
-        self._told_ignored = True
+        self.state.told_ignored = True
         return [f"Robot commands devices or tablet in {self._code}: ignored, only {CATERING} has that"]

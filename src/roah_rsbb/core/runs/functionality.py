@@ -5,7 +5,8 @@ timeouts, but no rule of any benchmark.
 """
 
 import json
-from typing import List, NamedTuple, Optional, Tuple
+from dataclasses import dataclass, field
+from typing import List, Optional, Tuple
 
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.clock import Now
@@ -25,13 +26,10 @@ from roah_rsbb.core.modules.presence import Driver, Modules
 from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs import machine
-from roah_rsbb.core.runs.goal import GOAL_OVERHEAD, Goal, GoalState
-from roah_rsbb.core.runs.manual_operations import Switches, SwitchesState, check_answer
-from roah_rsbb.core.runs.phases import EndReason, Phase
-from roah_rsbb.core.runs.run import Entry, Run, Surroundings
-from roah_rsbb.core.runs.run_book import Marked
-from roah_rsbb.core.scoring.records import NOBODY, By
-from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, Goal, GoalState, Switches, SwitchesState, check_answer
+from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState
+from roah_rsbb.core.scoring.book import Marked
+from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.protocol import BoxState
 
 # More steps than that are no benchmark, but a module that went wild.
@@ -41,15 +39,16 @@ HOPF = "HOPF"
 HPFF = "HPFF"  # a robot that follows until the timeout has done its task
 
 
-class FunctionalityState(NamedTuple):
-    """What a `FunctionalityRun` saves besides the state of every run; see its attributes."""
+@dataclass
+class FunctionalityState:
+    """What a functionality run has besides the state of every run."""
 
     attempt: int
-    steps: Tuple[Step, ...] = ()
+    steps: List[Step] = field(default_factory=list)
     scores: Tuple[ScoreValue, ...] = ()
     switches: Optional[SwitchesState] = None
-    held: bool = False
-    kept: str = ""
+    held: bool = False  # the module is gone: time does not count
+    kept: str = ""  # JSON that the module asked to keep
     goal: Optional[GoalState] = None  # of the last step
 
 
@@ -57,51 +56,56 @@ class FunctionalityRun(Run):
     """One robot, one event, and a benchmarking module that drives it."""
 
     def __init__(
-        self, entry: Entry, settings: Settings, surroundings: Surroundings, modules: Modules, now: Now
+        self, now: Now, assignment: Assignment, context: RunContext, modules: Modules,
+        state: Optional[RunState] = None, of_module: Optional[FunctionalityState] = None,
     ) -> None:
-        self.attempt = 0
-        self.steps: List[Step] = []
-        self.scores: Tuple[ScoreValue, ...] = ()
-        self.switches: Optional[Switches] = None
-        self.held = False  # the module is gone: time does not count
+        """`state` and `of_module`: of a run that continues after a restart of the core."""
+        super().__init__(now, assignment, context, state)
+        self.of_module = of_module or FunctionalityState(0)
+        self.switches = None if self.of_module.switches is None else Switches(self.of_module.switches)
+        goal = self.of_module.goal
+        self._goal = None if goal is None else Goal(self.of_module.steps[-1].request, goal)
         self._modules = modules
-        self._max_goal = settings.max_datagram - GOAL_OVERHEAD
+        self._max_goal = context.settings.max_datagram - GOAL_OVERHEAD
         self._node = ""  # of the modules that drive this attempt
         self._progress: Optional[Progress] = None
-        self._kept = ""
-        self._goal: Optional[Goal] = None
-        super().__init__(entry, settings, surroundings, now)
+
+    @property
+    def attempt(self) -> int:
+        """The number of starts."""
+        return self.of_module.attempt
+
+    @property
+    def steps(self) -> List[Step]:
+        """What the module asked for in this attempt, and what came of it."""
+        return self.of_module.steps
+
+    @property
+    def scores(self) -> Tuple[ScoreValue, ...]:
+        """See `ZoneRun`."""
+        return self.of_module.scores
+
+    @property
+    def held(self) -> bool:
+        """Whether the module is gone, so that time does not count."""
+        return self.of_module.held
 
     def open(self, now: Now) -> None:
         """See `Run.open`."""
         super().open(now)
         self._changed()
 
-    # -- restart of the core ------------------------------------------------------------------------
-
-    def saved_for_module(self) -> FunctionalityState:
-        """The state for the journal that other runs do not have."""
-        switches = None if self.switches is None else self.switches.saved()
-        goal = None if self._goal is None else self._goal.saved()
-        return FunctionalityState(
-            self.attempt, tuple(self.steps), self.scores, switches, self.held, self._kept, goal
-        )
-
-    def resume_for_module(self, state: FunctionalityState) -> None:
-        """After `resume`: the rest of it. Modules go on by themselves, as after a restart of their own."""
-        self.attempt, self.steps, self.scores = state.attempt, list(state.steps), state.scores
-        self.switches = None if state.switches is None else Switches.restored(state.switches)
-        self.held, self._kept = state.held, state.kept
-        self._goal = None if state.goal is None else Goal.restored(self.steps[-1].request, state.goal)
+    def resume(self) -> None:
+        """See `Run.resume`. Modules continue by themselves, as after a restart of their own."""
+        super().resume()
         self._changed()
 
     # -- the referee --------------------------------------------------------------------------------
 
     def _begin(self, now: Now) -> None:
         """A new attempt; the module begins anew."""
-        self.attempt += 1
-        self.steps, self.scores, self.switches = [], (), None
-        self.held, self._node, self._progress, self._kept, self._goal = False, "", None, "", None
+        self.of_module = FunctionalityState(self.attempt + 1)
+        self.switches, self._goal, self._node, self._progress = None, None, "", None
         self._set_state(now, BoxState.STOP, "Started: the benchmarking module begins")
         self._changed()
 
@@ -124,7 +128,7 @@ class FunctionalityRun(Run):
             raise Refused([f"no manual operation is asked for in zone '{self.zone}'"])
         answer = check_answer(asked, operation, answer)
         self._emit(effects.RunLogged(self.port, run_log.MANUAL_OPERATION, f"{asked.text}: done {answer}".rstrip()))
-        self._say(now, Level.INFO, f"Manual operation done: {asked.text} {answer}".rstrip())
+        self.say(now, Level.INFO, f"Manual operation done: {asked.text} {answer}".rstrip())
         self._answer_referee(now, Outcome(OutcomeKind.DONE, answer=answer, ended_utc=now.utc))
 
     def sheet_of_switches(self) -> Switches:
@@ -138,7 +142,7 @@ class FunctionalityRun(Run):
         switches = self.sheet_of_switches()
         text = json.dumps({"changed": switches.changed, "on": switches.on, "damaged": switches.damaged})
         self._emit(effects.RunLogged(self.port, run_log.SWITCHES, text))
-        self._say(now, Level.INFO, f"Switches changed: {switches.changed or 'none'}, damaged: {switches.damaged}")
+        self.say(now, Level.INFO, f"Switches changed: {switches.changed or 'none'}, damaged: {switches.damaged}")
 
     def complete_switches(self, now: Now) -> None:
         """HOMF: the referee confirms what was entered; raises `Refused`."""
@@ -146,7 +150,7 @@ class FunctionalityRun(Run):
         if asked is None or asked.kind is not RequestKind.SWITCHES:
             raise Refused(["the switches cannot be confirmed yet: the robot has not finished"])
         switches = self.sheet_of_switches()
-        self._say(now, Level.INFO, "Switches confirmed by the referee")
+        self.say(now, Level.INFO, "Switches confirmed by the referee")
         self._answer_referee(now, Outcome(
             OutcomeKind.DONE, ended_utc=now.utc, changed=tuple(switches.changed), damaged=switches.damaged
         ))
@@ -170,21 +174,21 @@ class FunctionalityRun(Run):
 
     def _note_driver(self, now: Now, driver: Optional[Driver]) -> None:
         if self.phase is not Phase.RUNNING:
-            self.held = False
+            self.of_module.held = False
             return
         if driver is None:
             if not self.held:
-                self.held = True
+                self.of_module.held = True
                 self._set_pauses(now)
-                self._say(now, Level.ERROR, "Benchmarking module is gone: the run is held, its time does not count")
+                self.say(now, Level.ERROR, "Benchmarking module is gone: the run is held, its time does not count")
             return
         if self._node not in ("", driver.node):
-            self._say(now, Level.WARNING, f"Benchmarking module is back, at step {len(self.steps)}: the run goes on")
+            self.say(now, Level.WARNING, f"Benchmarking module is back, at step {len(self.steps)}: the run goes on")
         elif self.held:
-            self._say(now, Level.WARNING, "Benchmarking module is heard again: the run goes on")
+            self.say(now, Level.WARNING, "Benchmarking module is heard again: the run goes on")
         self._node = driver.node
         if self.held:
-            self.held = False
+            self.of_module.held = False
             self._set_pauses(now)
 
     def _take(self, now: Now, progress: Progress) -> None:
@@ -193,16 +197,16 @@ class FunctionalityRun(Run):
             return  # it was started again, and has not arrived yet where it was
         before, self._progress = self._progress, progress
         if progress.scores != self.scores:
-            self.scores = progress.scores
+            self.of_module.scores = progress.scores
             self._emit(effects.RunLogged(self.port, run_log.MODULE_SCORE, scores_json(self.scores)))
             self._record_changed(now)
         for warning in progress.warnings:
             if before is None or warning not in before.warnings:
-                self._say(now, Level.WARNING, f"Benchmarking module: {warning}")
+                self.say(now, Level.WARNING, f"Benchmarking module: {warning}")
         if self.phase is not Phase.RUNNING:
             return
-        if progress.kept != self._kept:
-            self._kept = progress.kept
+        if progress.kept != self.of_module.kept:
+            self.of_module.kept = progress.kept
             self._changed()
         if progress.failed:
             self._end(now, EndReason.MODULE_FAILED, f"{EndReason.MODULE_FAILED.value}: {progress.failed}")
@@ -238,7 +242,7 @@ class FunctionalityRun(Run):
             self._open_goal(now, request)
         else:
             self._emit(effects.RunLogged(self.port, run_log.MANUAL_OPERATION, request.text))
-            self._say(now, Level.INFO, f"Manual operation: {request.text}")
+            self.say(now, Level.INFO, f"Manual operation: {request.text}")
             self._set_pauses(now)
         self._changed()
 
@@ -267,18 +271,18 @@ class FunctionalityRun(Run):
 
     def for_module(self) -> RunForModule:
         """The run as its module is told it."""
-        event = self.event
+        event, goal = self.event, self.of_module.goal
         return RunForModule(
             self.identity, self.attempt, self.zone, event.benchmark.code, event.team, event.round, event.run,
             running=self.phase is Phase.RUNNING,
             end_reason="" if self.end_reason is None else self.end_reason.name.lower(),
-            elapsed_s=self.book.elapsed_s,
+            elapsed_s=self.book.state.elapsed_s,
             goal_timeout=event.benchmark.timeout,
             total_timeout=event.benchmark.total_timeout,
-            told_utc=0.0 if self._goal is None or self._goal.told is None else self._goal.told.utc,
+            told_utc=0.0 if goal is None or goal.told is None else goal.told.utc,
             sheet=tuple(self.sheet.groups()),
             steps=tuple(self.steps),
-            kept=self._kept,
+            kept=self.of_module.kept,
         )
 
     # -- goals --------------------------------------------------------------------------------------
@@ -286,8 +290,10 @@ class FunctionalityRun(Run):
     def _open_goal(self, now: Now, request: Request) -> None:
         self._goal = Goal(request)
         self._goal.start(now)
+        self.of_module.goal = self._goal.state
         if request.initial_state:
-            self.switches = Switches(request.initial_state)
+            self.of_module.switches = SwitchesState(request.initial_state)
+            self.switches = Switches(self.of_module.switches)
         self._emit(effects.RunLogged(self.port, run_log.GOAL, goal_json(request)))
         self._set_pauses(now)
         self._set_state(now, BoxState.PREPARE, "Requested the robot to prepare for a new goal")
@@ -300,8 +306,8 @@ class FunctionalityRun(Run):
         explicit = goal.request.explicit_goal
         step = machine.step(self.message.state, report.state, explicit)
         if step is machine.Step.EXECUTE:
-            if goal.told is None:
-                goal.told = now
+            if goal.state.told is None:
+                goal.state.told = now
                 self._changed()
             if explicit:
                 self._set_state(now, BoxState.GOAL_TX, "Robot prepared, goal sent", goal.message)
@@ -320,20 +326,20 @@ class FunctionalityRun(Run):
             self._emit(effects.RunLogged(self.port, run_log.RESULT, result))
             if self.event.benchmark.code == HOPF:
                 self._emit(effects.RunLogged(self.port, run_log.HOPF_RESULT, result))
-            self._tell_online(now, f"result: {result}")
-        self._say(now, Level.INFO, f"Goal completed by the robot in {seconds:.1f} s")
+            self.tell_online(now, f"result: {result}")
+        self.say(now, Level.INFO, f"Goal completed by the robot in {seconds:.1f} s")
         self._close_goal(Outcome(OutcomeKind.DONE, result=result, executing_s=seconds, ended_utc=now.utc))
 
     def _goal_timed_out(self, now: Now, goal: Goal, due: float) -> None:
         seconds = goal.executing_s(due)
-        self._say(now, Level.WARNING, f"Goal timed out after {goal.request.timeout:g} s")
+        self.say(now, Level.WARNING, f"Goal timed out after {goal.request.timeout:g} s")
         self._close_goal(Outcome(
             OutcomeKind.TIMED_OUT, executing_s=seconds, ended_utc=now.utc - (now.mono - due)
         ))
 
     def _close_goal(self, outcome: Outcome) -> None:
-        self.desc = "Goal timed out" if outcome.kind is OutcomeKind.TIMED_OUT else "Goal completed by the robot"
-        self._goal = None
+        self.state.desc = "Goal timed out" if outcome.kind is OutcomeKind.TIMED_OUT else "Goal completed by the robot"
+        self._goal = self.of_module.goal = None
         self._answer(outcome)
 
     # -- time ---------------------------------------------------------------------------------------
@@ -360,8 +366,8 @@ class FunctionalityRun(Run):
         super().tick(now)
 
     def _end(self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY) -> None:
-        self._goal = None
-        self.held = False
+        self._goal = self.of_module.goal = None
+        self.of_module.held = False
         super()._end(now, reason, desc, by)
         self._changed()
 

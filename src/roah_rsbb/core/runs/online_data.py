@@ -1,35 +1,24 @@
-"""Online data: strings that a robot keeps sending until they are acknowledged.
+"""Online data: strings that a robot keeps sending until they are acknowledged; and texts of lines for panels.
 
-The box logs a string once; it logs the same text again only after a message that did not contain it
-came in between (docs/protocol.md, "Repeated strings"). Only fresh messages may be put in.
+The box logs a string once. It logs the same text again only after a message that did not contain it came in between
+(docs/protocol.md, "Repeated strings").
 """
 
-from typing import FrozenSet, Iterable, List, Tuple
+from typing import Dict, Iterable, List, Tuple
 
 from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.clock import Now
 
+# Of each field of repeated strings, by its name: the texts of the last message.
+Strings = Dict[str, Tuple[str, ...]]
 
-class RepeatedStrings:
-    """One field of repeated strings of one robot on one channel."""
 
-    def __init__(self) -> None:
-        self._last: FrozenSet[str] = frozenset()
-
-    def saved(self) -> Tuple[str, ...]:
-        """The state for the journal."""
-        return tuple(sorted(self._last))
-
-    def restore(self, state: Tuple[str, ...]) -> None:
-        """What was received before a restart is not new after it."""
-        self._last = frozenset(state)
-
-    def receive(self, texts: Iterable[str]) -> List[str]:
-        """Take one message's strings; return those that are new, in their order."""
-        unique = dict.fromkeys(texts)
-        new = [text for text in unique if text not in self._last]
-        self._last = frozenset(unique)
-        return new
+def receive(last: Strings, field: str, texts: Iterable[str]) -> List[str]:
+    """Put a fresh message's texts of one field into `last`; return those that are new, in their order."""
+    unique = dict.fromkeys(texts)
+    before = frozenset(last.get(field, ())) if unique else frozenset()
+    last[field] = tuple(unique)
+    return [text for text in unique if text not in before]
 
 
 class StringsBudget:
@@ -51,19 +40,15 @@ class StringsBudget:
         return self._strings.take(now.mono, 1) and self._characters.take(now.mono, len(text))
 
 
-class DisplayText:
-    """Lines for a panel, of which only the last characters are kept (`display_log_size`)."""
+def with_line(text: str, line: str, size: int) -> str:
+    """Return a text with one more line, of which only the last `size` characters are kept (`display_log_size`).
 
-    def __init__(self, size: int) -> None:
-        self._size = size
-        self.text = ""
-
-    def add(self, line: str) -> None:
-        """Append a line; what no longer fits goes, a whole line at a time where possible."""
-        text = f"{self.text}{line}\n"
-        start = max(0, len(text) - self._size)
-        if start > 0 and text[start - 1] != "\n":
-            next_line = text.index("\n", start) + 1
-            # The line itself may be longer than everything: then its end is kept.
-            start = next_line if next_line < len(text) else start
-        self.text = text[start:]
+    Whole lines are dropped where possible.
+    """
+    text = f"{text}{line}\n"
+    start = max(0, len(text) - size)
+    if start > 0 and text[start - 1] != "\n":
+        next_line = text.index("\n", start) + 1
+        # The line itself may be longer than everything: then its end is kept.
+        start = next_line if next_line < len(text) else start
+    return text[start:]

@@ -1,11 +1,16 @@
 """A run: one robot, one event of the schedule, from *connect* to *disconnect*.
 
-A `Run` is what the referee starts and stops. It holds the box's state machine, the run's clock, the
-score sheet and all that the robot said, and turns events into effects. Who may start or stop it, and
-when, is decided in `roah_rsbb.core.commands`.
+`ZoneRun` is what zones, commands and views need of a run. `Run` is one, for a single robot, and
+`roah_rsbb.core.runs.all_robots.AllRobotsRun` another, which has many members.
+
+A `Run` is what the referee starts and stops. It holds the box's state machine, the run's clock, the score sheet and
+all that the robot said, and turns events into effects. `roah_rsbb.core.commands` decides who may start or stop it,
+and when.
 """
 
-from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
+import abc
+from dataclasses import dataclass, field
+from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.clock import Now, clock_text
@@ -16,11 +21,10 @@ from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs import machine
 from roah_rsbb.core.runs.clock import CountdownState, RunClock, SavingWatch
 from roah_rsbb.core.runs.device_commands import DeviceCommands, DeviceCommandsState
-from roah_rsbb.core.runs.online_data import DisplayText, RepeatedStrings, StringsBudget
-from roah_rsbb.core.runs.phases import EndReason, Phase
-from roah_rsbb.core.runs.run_book import BookState
-from roah_rsbb.core.runs.scored_run import ScoredRun
-from roah_rsbb.core.scoring.records import NOBODY, By
+from roah_rsbb.core.runs.online_data import Strings, StringsBudget, receive, with_line
+from roah_rsbb.core.scoring.book import BookState, Marked, RunBook
+from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase, RunRecord, ScoreValue
+from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Event
@@ -47,7 +51,7 @@ ONLINE_FIELDS = (
 )
 
 
-class Entry(NamedTuple):
+class Assignment(NamedTuple):
     """Who runs what, where."""
 
     zone: str
@@ -56,103 +60,285 @@ class Entry(NamedTuple):
     port: int  # UDP port of the private channel; it identifies the run in the whole competition
 
     def identity(self, now: Now) -> str:
-        """The name of the run that begins now with this entry: no other run of this or another competition has it."""
+        """The name of the run that begins now: no other run of this or another competition has it."""
         return f"{self.event.benchmark.code}-{self.port}-{now.utc:.3f}"
 
 
-class RunState(NamedTuple):
-    """The saved state of a `Run`; see its attributes."""
+@dataclass
+class RunState:
+    """Where a run is, and what came of it so far."""
 
     port: int
     robot: RobotId
-    identity: str
-    opened_utc: float
+    identity: str  # no other run of this or another competition has it
+    opened_utc: float  # UTC seconds of *connect*
     phase: Phase
     end_reason: Optional[EndReason]
-    desc: str
-    message: BoxMessage
+    desc: str  # what is the matter, in one line
+    message: BoxMessage  # that the box sends
     link: LinkState
     clock: CountdownState
     book: BookState
     log: str = ""
     online_data: str = ""
-    devices: DeviceCommandsState = DeviceCommandsState()
-    strings: Dict[str, Tuple[str, ...]] = {}
+    devices: DeviceCommandsState = field(default_factory=DeviceCommandsState)
+    strings: Strings = field(default_factory=dict)
 
 
-class Surroundings(NamedTuple):
-    """What a run reaches of the box around it."""
+def new_state(now: Now, assignment: Assignment) -> RunState:
+    """The state of a run that is connected now."""
+    return RunState(
+        assignment.port, assignment.robot, assignment.identity(now), now.utc, Phase.CONNECTED, None, "",
+        BoxMessage(assignment.event.benchmark.code, BoxState.STOP), LinkState(), CountdownState(), BookState(),
+    )
+
+
+@dataclass
+class AllRobotsState:
+    """The state of a run of all robots."""
+
+    identity: str
+    opened_utc: float
+    phase: Phase
+    end_reason: Optional[EndReason]
+    desc: str
+    clock: CountdownState
+    book: BookState
+    log: str = ""
+    online_data: str = ""
+    members: List[RunState] = field(default_factory=list)
+
+
+class RunContext(NamedTuple):
+    """What a run may use of the box."""
+
+    settings: Settings
 
     emit: Callable[[Effect], None]
     show_map: Callable[[bool], None]  # switch the tablet: True: map, False: call button
 
 
-def said_in(log: DisplayText, now: Now, level: Level, text: str, zone: str) -> effects.Notice:
-    """Add what is told to the referee to the log shown; returns the notice that is to be emitted, too."""
-    mark = "" if level is Level.INFO else f"{level.name}: "
-    log.add(f"{clock_text(now.utc)} {mark}{text}")
-    return effects.Notice(level, text, zone)
+class ZoneRun(abc.ABC):
+    """The run in a zone. It is scored, ended and recorded as a whole."""
+
+    scores: Tuple[ScoreValue, ...] = ()  # of a benchmarking module
+
+    def __init__(self, zone: str, event: Event, context: RunContext, state: Union[RunState, AllRobotsState]) -> None:
+        settings = context.settings
+        self.state = state
+        self.zone = zone
+        self.event = event
+        self.clock = RunClock(event.benchmark.total_timeout, settings.after_stop_duration, state.clock)
+        self.book = RunBook(event.benchmark.scoring, state.book)
+        self._display_size = settings.display_log_size
+        self._emit = context.emit
+        self._closed_utc = 0.0
+
+    # -- looking ------------------------------------------------------------------------------------
+
+    @property
+    def identity(self) -> str:
+        """The name of the run: no other run of this or another competition has it."""
+        return self.state.identity
+
+    @property
+    def opened_utc(self) -> float:
+        """UTC seconds of *connect*."""
+        return self.state.opened_utc
+
+    @property
+    def phase(self) -> Phase:
+        """Where the run is."""
+        return self.state.phase
+
+    @property
+    def end_reason(self) -> Optional[EndReason]:
+        """Why the run ended; None: it has not ended."""
+        return self.state.end_reason
+
+    @property
+    def desc(self) -> str:
+        """What is the matter, in one line."""
+        return self.state.desc
+
+    @property
+    def log(self) -> str:
+        """The last lines of the log, for panels."""
+        return self.state.log
+
+    @property
+    def online_data(self) -> str:
+        """The last lines of the robots' online data, for panels."""
+        return self.state.online_data
+
+    @property
+    def sheet(self) -> ScoreSheet:
+        """What the referee marks."""
+        return self.book.sheet
+
+    @abc.abstractmethod
+    def members(self) -> Sequence["Run"]:
+        """The runs of single robots in it, each with its own private channel."""
+
+    @abc.abstractmethod
+    def without(self, member: "Run") -> Optional["ZoneRun"]:
+        """What is left of the run without one of its members, which was closed; None: nothing."""
+
+    @abc.abstractmethod
+    def start_off(self, now: Now) -> List[str]:
+        """Why the run cannot be started, apart from its clock's reasons."""
+
+    @abc.abstractmethod
+    def warnings(self, now: Now) -> List[str]:
+        """What the referee should look at now."""
+
+    @abc.abstractmethod
+    def status_lines(self, now: Now) -> List[str]:
+        """What the referee should know of the run, besides what is the matter and the warnings."""
+
+    def timer(self, now: Now) -> float:
+        """Seconds left: until the timeout; once ended, of the time after the stop."""
+        return self.clock.shown(now, ended=self.phase is Phase.ENDED)
+
+    # -- time ---------------------------------------------------------------------------------------
+
+    @abc.abstractmethod
+    def deadline(self) -> Optional[float]:
+        """The monotonic time (s) at which `tick` has something to do, if nothing happens before."""
+
+    @abc.abstractmethod
+    def tick(self, now: Now) -> None:
+        """Do what is due by now, in all members."""
+
+    # -- the referee's commands; whether they are allowed was checked before -------------------------
+
+    @abc.abstractmethod
+    def start(self, now: Now) -> None:
+        """Start, or start again after a stop. The run's clock has kept running then."""
+
+    @abc.abstractmethod
+    def stop(self, now: Now, by: By = NOBODY) -> None:
+        """The referee ends the run."""
+
+    @abc.abstractmethod
+    def close(self, now: Now, by: By = NOBODY) -> None:
+        """Leave the run, with all its channels."""
+
+    def warn(self, now: Now, text: str) -> None:
+        """Log what goes wrong around this run."""
+        self.say(now, Level.WARNING, text)
+
+    def mark(self, now: Now, who: str, mark: Mark) -> None:
+        """The referee marks a scoring item; raises `Refused` if there is no such item or value."""
+        self._score_changed(now, self.book.mark(now, who, mark))
+
+    def withdraw_score(self, now: Now, by: By, number: int) -> None:
+        """The referee withdraws an entry of the score sheet; raises `Refused`."""
+        self._score_changed(now, self.book.withdraw(now, by, number))
+
+    def give_stop_reason(self, now: Now, by: By, number: int) -> None:
+        """The referee says why the run was stopped; raises `Refused`."""
+        self.say(now, Level.INFO, self.book.give_reason(number, by))
+        self._record_changed(now)
+
+    def _score_changed(self, now: Now, marked: Marked) -> None:
+        if marked.item is not None:
+            entry = (marked.item.group, marked.item.desc, marked.item.value)
+            for member in self.members():
+                self._emit(effects.RunLogged(member.port, run_log.SCORE, entry))
+        self.say(now, Level.INFO, marked.text)
+        self._record_changed(now)
+
+    # -- texts --------------------------------------------------------------------------------------
+
+    def say(self, now: Now, level: Level, text: str) -> None:
+        """Tell the referee, in the log of the run and in that of the node."""
+        mark = "" if level is Level.INFO else f"{level.name}: "
+        self.state.log = with_line(self.state.log, f"{clock_text(now.utc)} {mark}{text}", self._display_size)
+        self._emit(effects.Notice(level, text, self.zone))
+
+    def tell_online(self, now: Now, text: str) -> None:
+        """Show online data to the referee."""
+        line = f"{clock_text(now.utc)} {text}"
+        self.state.online_data = with_line(self.state.online_data, line, self._display_size)
+
+    # -- the record ---------------------------------------------------------------------------------
+
+    @abc.abstractmethod
+    def _robot_names(self) -> Sequence[str]: ...
+
+    def record(self, now: Now) -> RunRecord:
+        """All that would remain of the run if it were over now."""
+        event = self.event
+        record = self.book.into(RunRecord(
+            self.identity, self.zone, event.benchmark.code, event.team, event.round, event.run, event.scheduled,
+            self.opened_utc, closed_utc=self._closed_utc,
+            end_reason="" if self.end_reason is None else self.end_reason.name.lower(),
+            module_scores=self.scores, robots=tuple(self._robot_names()),
+        ))
+        return record._replace(elapsed_s=self.clock.elapsed(now)) if self.phase is Phase.RUNNING else record
+
+    def _note_start(self, now: Now) -> None:
+        self.book.started(now)
+        self._record_changed(now)
+
+    def _note_end(self, now: Now, desc: str, by: By) -> None:
+        """Write down that the run ended just now, as `end_reason` says."""
+        assert self.end_reason is not None, "it ended"
+        self.book.ended(now, self.end_reason.name.lower(), desc, by, self.clock.elapsed(now))
+        self._record_changed(now)
+
+    def _note_close(self, now: Now, by: By) -> None:
+        """Write down that the run is left. One that is in progress is stopped by that."""
+        self._closed_utc = now.utc
+        if self.phase is Phase.RUNNING:
+            self.state.end_reason, self.state.phase = EndReason.STOPPED, Phase.ENDED
+            self.book.ended(now, "stopped", EndReason.STOPPED.value, by, self.clock.elapsed(now))
+        self._record_changed(now)
+
+    def _record_changed(self, now: Now) -> None:
+        self._emit(effects.RecordChanged(self.record(now)))
 
 
-class Run(ScoredRun):
+class Run(ZoneRun):
     """One run of a task benchmark: its robot has no explicit goal."""
 
-    def __init__(self, entry: Entry, settings: Settings, surroundings: Surroundings, now: Now) -> None:
-        super().__init__(entry.event)
-        self.event = event = entry.event
-        self.identity = entry.identity(now)
-        self.opened_utc = now.utc
-        self.zone = entry.zone
-        self.robot = entry.robot
-        self.port = entry.port
-        self.phase = Phase.CONNECTED
-        self.end_reason: Optional[EndReason] = None
-        self.link = RobotLink(settings.allowed_skew, now)
-        self.clock = RunClock(event.benchmark.total_timeout, settings.after_stop_duration)
-        self.saving = SavingWatch(settings)
-        self.log = DisplayText(settings.display_log_size)
-        self.online_data = DisplayText(settings.display_log_size)
-        self.devices = DeviceCommands(event.benchmark.code)
-        self._strings = {field.name: RepeatedStrings() for field in ONLINE_FIELDS}
+    state: RunState
+
+    def __init__(
+        self, now: Now, assignment: Assignment, context: RunContext, state: Optional[RunState] = None
+    ) -> None:
+        """`state`: of a run that continues after a restart of the core."""
+        super().__init__(
+            assignment.zone, assignment.event, context, new_state(now, assignment) if state is None else state)
+        self.robot = assignment.robot
+        self.port = assignment.port
+        self.resumed = state is not None
+        self.link = RobotLink(context.settings.allowed_skew, now, self.state.link)
+        self.saving = SavingWatch(context.settings)
+        self.devices = DeviceCommands(self.event.benchmark.code, self.state.devices)
+        self._show_map = context.show_map
         self._strings_budget = StringsBudget()
         self._dropped_strings = self._unread = 0
         self._say_dropped_from = float("-inf")  # monotonic time (s)
-        self._emit = surroundings.emit
-        self._show_map = surroundings.show_map
-        self.resumed = False  # after a restart of the core
-        self.desc = ""  # what is the matter, in one line
-        self._last_logged: Optional[Tuple[RobotReport, bool]] = None
-        self.message = BoxMessage(event.benchmark.code, BoxState.STOP)
         self._state_mono = now.mono  # when the box's state changed last, or the core was restarted
+        self._last_logged: Optional[Tuple[RobotReport, bool]] = None
+
+    @property
+    def message(self) -> BoxMessage:
+        """The message that the box sends."""
+        return self.state.message
 
     def open(self, now: Now) -> None:
-        """Begin: `resume` is the other way to."""
+        """Begin. `resume` is the other way to begin."""
         # Where all robots run at once, a team may have several.
         name = self.robot.robot if self.event.team == ALL_TEAMS else ""
         self._emit(effects.RunOpened(self.port, self.robot.team, self.event.round, self.event.run, name))
         self._record_changed(now)
         self._set_state(now, BoxState.STOP, "Connected: waiting for the robot's first message")
 
-    # -- restart of the core ------------------------------------------------------------------------
-
-    def saved(self) -> RunState:
-        """The state for the journal."""
-        return RunState(
-            self.port, self.robot, self.identity, self.opened_utc, self.phase, self.end_reason, self.desc,
-            self.message, self.link.saved(), self.clock.saved(), self.book.saved(), self.log.text,
-            self.online_data.text, self.devices.saved(),
-            {name: strings.saved() for name, strings in self._strings.items()},
-        )
-
-    def resume(self, now: Now, state: RunState) -> None:
-        """Instead of `open`: go on where the run was when the core ended."""
-        self.resumed = True
-        self._take_back(state)
-        self.message = state.message
-        self.link.restore(state.link)
-        self.devices.restore(state.devices)
-        for name, strings in state.strings.items():
-            self._strings[name].restore(strings)
+    def resume(self) -> None:
+        """Continue where the run was when the core ended."""
         self._emit(effects.RunResumed(self.port))
         self._emit(effects.SendState(self.port, self.message, How.CHANGE))
 
@@ -166,10 +352,9 @@ class Run(ScoredRun):
     # -- the referee's commands; whether they are allowed was checked before -----------------------
 
     def start(self, now: Now) -> None:
-        """Start, or start again after a stop: then the run's clock has gone on."""
+        """See `ZoneRun`."""
         self.clock.start(now)
-        self.phase = Phase.RUNNING
-        self.end_reason = None
+        self.state.phase, self.state.end_reason = Phase.RUNNING, None
         self._note_start(now)
         self._begin(now)
 
@@ -177,17 +362,13 @@ class Run(ScoredRun):
         self._set_state(now, BoxState.PREPARE, "Robot preparing for the task")
 
     def stop(self, now: Now, by: By = NOBODY) -> None:
-        """The referee ends the run."""
+        """See `ZoneRun`."""
         self._end(now, EndReason.STOPPED, by=by)
-
-    def warn(self, now: Now, text: str) -> None:
-        """What goes wrong around this run: its referee reads it in the log."""
-        self._say(now, Level.WARNING, text)
 
     def close(self, now: Now, by: By = NOBODY) -> None:
         """Leave the run. The box sends no last message: its state simply ends."""
         self._note_close(now, by)
-        self._say(now, Level.INFO, "Disconnected")
+        self.say(now, Level.INFO, "Disconnected")
         self._emit(effects.RunLogged(self.port, run_log.END, None))
         self._emit(effects.CloseChannel(self.port))
         self._emit(effects.RunClosed(self.port))
@@ -204,7 +385,7 @@ class Run(ScoredRun):
     def tick(self, now: Now) -> None:
         """Do what is due by now: end by timeout, or because nothing is saved, whatever was due first."""
         for notice in self.link.tick(now):
-            self._say(now, Level.WARNING, notice)
+            self.say(now, Level.WARNING, notice)
         if self.phase is not Phase.RUNNING:
             return
         out_of_time, saves_nothing = self.clock.is_over(now), self.saving.is_over(now)
@@ -223,13 +404,13 @@ class Run(ScoredRun):
         """Take a message of the robot that arrived from `host`; False: it was stale, nothing changed."""
         heard = self.link.hear(now, host, report)
         for notice in heard.notices:
-            self._say(now, Level.WARNING, notice)
+            self.say(now, Level.WARNING, notice)
         if not heard.fresh:
             return False
         if heard.new_host:
             self._emit(effects.AimChannel(self.port, host))
         before = self.message
-        self.message = before._replace(acknowledgement=report.time)
+        self.state.message = before._replace(acknowledgement=report.time)
         self._log_report(report)
         has_strings = self._take_strings(now, report)
         self._take_commands(now, report)
@@ -243,7 +424,7 @@ class Run(ScoredRun):
     def on_copy(self, now: Now, host: str) -> None:
         """A copy of a datagram of the robot arrived from `host`: it changes nothing."""
         for notice in self.link.hear_copy(now, host):
-            self._say(now, Level.WARNING, notice)
+            self.say(now, Level.WARNING, notice)
 
     def _step(self, now: Now, report: RobotReport) -> None:
         step = machine.step(self.message.state, report.state, explicit_goal=False)
@@ -258,15 +439,15 @@ class Run(ScoredRun):
     def _take_strings(self, now: Now, report: RobotReport) -> bool:
         any_text, dropped = False, 0
         mark = "" if self.link.times_valid else " (robot's time invalid: clock skew)"
-        for field in ONLINE_FIELDS:
-            texts = getattr(report, field.name)
+        for online in ONLINE_FIELDS:
+            texts = getattr(report, online.name)
             any_text = any_text or bool(texts)
-            for text in self._strings[field.name].receive(texts):
+            for text in receive(self.state.strings, online.name, texts):
                 if not self._strings_budget.take(now, text):
                     dropped += 1
                     continue
-                self._emit(effects.RunLogged(self.port, field.topic, text))
-                self._tell_online(now, f"{field.name}: {text}{mark}")
+                self._emit(effects.RunLogged(self.port, online.topic, text))
+                self.tell_online(now, f"{online.name}: {text}{mark}")
         if dropped:
             self._dropped_strings += dropped
             self._say_dropped(now)
@@ -282,43 +463,42 @@ class Run(ScoredRun):
         if now.mono < self._say_dropped_from:
             return
         self._say_dropped_from = now.mono + DROPPED_PERIOD_S
-        self._say(now, Level.WARNING,
+        self.say(now, Level.WARNING,
                   f"Robot sends too much: {self._dropped_strings} new strings were not logged, {self._unread} messages "
                   "not read. Its program must send each text once")
 
     def _take_commands(self, now: Now, report: RobotReport) -> None:
         taken = self.devices.take(report)
         for problem in taken.problems:
-            self._say(now, Level.WARNING, problem)
+            self.say(now, Level.WARNING, problem)
         for device, value in taken.commands:
             self._emit(effects.RunLogged(self.port, run_log.device_topic(device), value))
             self._emit(effects.SetDevice(self.zone, device, value))
-            self._say(now, Level.INFO, f"Robot sets {device} to {value}")
+            self.say(now, Level.INFO, f"Robot sets {device} to {value}")
         if taken.display_map is not None:
             self._emit(effects.RunLogged(self.port, run_log.DISPLAY_MAP, int(taken.display_map)))
             self._show_map(taken.display_map)
             view = "the map" if taken.display_map else "the call button"
-            self._say(now, Level.INFO, f"Robot switches the tablet to {view}")
+            self.say(now, Level.INFO, f"Robot switches the tablet to {view}")
 
     # -- shared ------------------------------------------------------------------------------------
 
     def _end(self, now: Now, reason: EndReason, desc: str = "", by: By = NOBODY) -> None:
-        self.phase = Phase.ENDED
-        self.end_reason = reason
+        self.state.phase, self.state.end_reason = Phase.ENDED, reason
         self.clock.stop(now)
         self._note_end(now, desc or reason.value, by)
         self._set_state(now, BoxState.STOP, desc or reason.value)
 
     def _set_state(self, now: Now, state: BoxState, desc: str, goal: GoalMessage = NO_GOAL) -> None:
-        self.desc = desc
-        self.message = self.message._replace(state=state, goal=goal)
+        self.state.desc = desc
+        self.state.message = self.message._replace(state=state, goal=goal)
         self._state_mono = now.mono
         for topic, value in (
             (run_log.STATE, int(state)), (run_log.STATE_NAME, state.name), (run_log.STATE_DESC, desc),
             (run_log.BOX_STATE, int(state)), (run_log.BOX_PAYLOAD, self.message.lines()),
         ):
             self._emit(effects.RunLogged(self.port, topic, value))
-        self._say(now, Level.INFO, f"{state.name}: {desc}")
+        self.say(now, Level.INFO, f"{state.name}: {desc}")
         self.link.record.box_says(now, state)
         self._emit(effects.SendState(self.port, self.message, How.CHANGE))
 
@@ -333,18 +513,8 @@ class Run(ScoredRun):
         self._emit(effects.RunLogged(self.port, run_log.CLIENT_STATE, int(report.state)))
         self._emit(effects.RunLogged(self.port, run_log.CLIENT_PAYLOAD, report.lines() + valid))
 
-    def _tell_online(self, now: Now, text: str) -> None:
-        """Show online data to the referee."""
-        self.online_data.add(f"{clock_text(now.utc)} {text}")
-
-    def _log_ports(self) -> Tuple[int, ...]:
-        return (self.port,)
-
     def _robot_names(self) -> Tuple[str, ...]:
         return (self.robot.robot,)
-
-    def _say(self, now: Now, level: Level, text: str) -> None:
-        self._emit(said_in(self.log, now, level, text, self.zone))
 
     # -- for the referee's eyes --------------------------------------------------------------------
 
@@ -352,10 +522,6 @@ class Run(ScoredRun):
     def robot_state(self) -> Optional[RobotState]:
         """What the robot last reported; None: nothing yet."""
         return self.link.robot_state
-
-    def timer(self, now: Now) -> float:
-        """Seconds left: until the timeout; once ended, of the time after the stop."""
-        return self.clock.shown(now, ended=self.phase is Phase.ENDED)
 
     def start_off(self, now: Now) -> List[str]:
         """Why the run cannot be started, apart from its clock's reasons."""

@@ -7,10 +7,9 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.commands import CommandRecord
 from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.referee import Refused, RunName, checked_note, checked_who
-from roah_rsbb.core.runs.phases import Phase
-from roah_rsbb.core.runs.zone_run import ZoneRun
-from roah_rsbb.core.scoring.finished_runs import FinishedRun, FinishedRuns
-from roah_rsbb.core.scoring.records import By, RunRecord
+from roah_rsbb.core.runs.run import ZoneRun
+from roah_rsbb.core.scoring.book import FinishedRun, FinishedRuns
+from roah_rsbb.core.scoring.records import By, Phase, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import Zones
 

@@ -12,6 +12,7 @@ that the next one replaced, if possible of the same person; so notes, withdrawal
 run was over are never lost. The run log and the journal have each change in any case.
 """
 
+from dataclasses import dataclass, field
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
@@ -48,10 +49,11 @@ class ScoreGroup(NamedTuple):
     items: Tuple[Tuple[ScoringItem, int], ...]
 
 
-class SheetState(NamedTuple):
-    """The saved state of a score sheet."""
+@dataclass
+class SheetState:
+    """A score sheet is its history. Items of the benchmarks file may come or go over a restart."""
 
-    history: Tuple[ScoreEntry, ...] = ()
+    history: List[ScoreEntry] = field(default_factory=list)
 
 
 class Mark(NamedTuple):
@@ -67,22 +69,14 @@ class Mark(NamedTuple):
 class ScoreSheet:
     """All scoring items of one run with their history; all begin at 0."""
 
-    def __init__(self, items: Tuple[ScoringItem, ...]) -> None:
+    def __init__(self, items: Tuple[ScoringItem, ...], state: Optional[SheetState] = None) -> None:
+        self.state = state or SheetState()
+        self._history = self.state.history  # the same list
         self._items: Dict[Key, ScoringItem] = {(i.group, i.desc): i for i in items}
-        self._history: List[ScoreEntry] = []
         self._standing: Dict[Key, ScoreEntry] = {}  # of each item, the last entry that is not withdrawn
         self._begun: Dict[int, float] = {}  # number of an item's newest entry -> monotonic time (s) of its first change
         self._groups: Optional[Tuple[ScoreGroup, ...]] = None  # as `groups` has them, until something changes
         self._marks: Optional[Tuple[bool, ...]] = None
-
-    def saved(self) -> SheetState:
-        """The state for the journal."""
-        return SheetState(self.history)
-
-    def restore(self, state: SheetState) -> None:
-        """Take the history back; items may have come or gone since."""
-        self._history = list(state.history)
-        self._begun = {}
         self._stand()
 
     @property

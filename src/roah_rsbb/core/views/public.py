@@ -8,8 +8,8 @@ from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.runs.phases import RAN_TO_THE_END, EndReason, Phase
-from roah_rsbb.core.scoring.finished_runs import Result
+from roah_rsbb.core.scoring.book import FinishedResult
+from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason, Phase
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.rulebook.benchmarks import Event
 
@@ -51,7 +51,7 @@ class PublicView(NamedTuple):
     results: PublicResults
     runs: Tuple[PublicRun, ...]  # in the order of the zones
     following: Tuple[Following, ...]  # the soonest first
-    finished: Tuple[Result, ...]  # the newest first
+    finished: Tuple[FinishedResult, ...]  # the newest first
 
     def without_time(self) -> "PublicView":
         """The same at any moment, for as long as nothing happens."""
@@ -88,9 +88,9 @@ def _following(zone: Zone) -> List[Following]:
     return [Following(zone.name, event) for event in zone.events[zone.index + is_over:]]
 
 
-def _finished(box: Box, results: PublicResults) -> Tuple[Result, ...]:
+def _finished(box: Box, results: PublicResults) -> Tuple[FinishedResult, ...]:
     return () if results is PublicResults.NONE else box.finished.newest(MAX_FINISHED)
 
 
-def _allowed(run: Result, results: PublicResults) -> Result:
+def _allowed(run: FinishedResult, results: PublicResults) -> FinishedResult:
     return run if results is PublicResults.SCORES else run._replace(items=(), module_scores=())

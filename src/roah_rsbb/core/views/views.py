@@ -9,9 +9,9 @@ from roah_rsbb.core.modules.messages import Request, RequestKind, ScoreValue
 from roah_rsbb.core.robots import ActiveRobot
 from roah_rsbb.core.runs.all_robots import AllRobotsRun, Counts
 from roah_rsbb.core.runs.functionality import FunctionalityRun
-from roah_rsbb.core.runs.manual_operations import Switches
-from roah_rsbb.core.runs.phases import Phase
+from roah_rsbb.core.runs.requests import Switches
 from roah_rsbb.core.runs.run import Run
+from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.rulebook.benchmarks import Event
@@ -166,7 +166,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
 def _texts(zone: Zone) -> Tuple[str, str]:
     """Log and online data: of the run, or of the one before."""
     if zone.run is not None:
-        return zone.run.log.text, zone.run.online_data.text
+        return zone.run.log, zone.run.online_data
     last = zone.last_run
     return ("", "") if last is None else (last.log, last.online_data)
 

@@ -4,7 +4,7 @@ import time
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.scoring.finished_runs import Result
+from roah_rsbb.core.scoring.book import FinishedResult
 from roah_rsbb.core.views import views
 from roah_rsbb.core.views.public import PublicRun, PublicView
 from roah_rsbb.msg import CoreToPublic, PublicDetails, PublicEvent, PublicResult, ScheduleInfo
@@ -59,7 +59,7 @@ def _run(run: PublicRun, now: Now) -> PublicRunMsg:
     )
 
 
-def _result(run: Result) -> PublicResult:
+def _result(run: FinishedResult) -> PublicResult:
     scoring = items_message(run.items)
     return PublicResult(
         event=_event(run.zone, run.event),

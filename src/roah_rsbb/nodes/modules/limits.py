@@ -9,7 +9,7 @@ import math
 from typing import Tuple
 
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, ScoreValue
-from roah_rsbb.core.runs.manual_operations import MAX_ANSWER
+from roah_rsbb.core.runs.requests import MAX_ANSWER
 
 # Characters and entries: far more than any benchmark needs, far less than would slow the box down.
 MAX_NAME = 200

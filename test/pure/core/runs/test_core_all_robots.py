@@ -20,7 +20,7 @@ from helpers.all_robots import (
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.runs.phases import EndReason
+from roah_rsbb.core.scoring.records import EndReason
 from roah_rsbb.core.settings import Settings
 
 # -- connect ------------------------------------------------------------------------------------------

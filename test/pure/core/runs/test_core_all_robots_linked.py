@@ -6,7 +6,7 @@ import pytest
 
 from helpers.competition import TEAMS, competition, event
 from helpers.linked_world import FakeLink, World, assert_legal
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import RobotState
 

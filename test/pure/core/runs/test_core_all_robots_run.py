@@ -23,7 +23,7 @@ from helpers.all_robots import (
 from helpers.competition import event
 from roah_rsbb.core import effects
 from roah_rsbb.core.effects import Level
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.views import views
 from roah_rsbb.protocol import BoxState, RobotState
 

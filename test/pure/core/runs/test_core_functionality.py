@@ -10,7 +10,7 @@ from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.messages import NO_GOAL, GoalMessage
 from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 

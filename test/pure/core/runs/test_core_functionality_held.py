@@ -9,7 +9,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, OutcomeKind, RequestKind, ScoreValue
 from roah_rsbb.core.modules.presence import GONE_S, MAX_NODES, Modules
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
 GOAL = {"goal": "[1, 2, 3]", "timeout": 60.0}

@@ -7,7 +7,7 @@ from helpers.module_player import does_goal, started
 from roah_rsbb.core import effects
 from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 

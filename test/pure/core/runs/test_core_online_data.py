@@ -2,12 +2,12 @@
 
 import pytest
 
-from roah_rsbb.core.runs.online_data import DisplayText, RepeatedStrings
+from roah_rsbb.core.runs.online_data import receive, with_line
 
 
 def _received(*messages):
-    strings = RepeatedStrings()
-    return [strings.receive(texts) for texts in messages]
+    last = {}
+    return [receive(last, "visitor", texts) for texts in messages]
 
 
 def test_a_string_that_is_repeated_is_new_once():
@@ -27,30 +27,33 @@ def test_strings_keep_their_order():
 
 
 def test_no_more_is_remembered_than_one_message_holds():
-    strings = RepeatedStrings()
+    last = {}
     for i in range(100):
-        strings.receive([str(i)])
-    assert strings._last == {"99"}
+        receive(last, "visitor", [str(i)])
+    assert last == {"visitor": ("99",)}
+
+
+def test_fields_are_apart():
+    last = {}
+    assert [receive(last, field, ["a"]) for field in ("visitor", "final_command", "visitor")] == [["a"], ["a"], []]
 
 
 def test_a_panel_shows_the_last_lines_that_fit():
-    text = DisplayText(10)
+    text = ""
     for line in ("one", "two", "three"):
-        text.add(line)
-    assert text.text == "two\nthree\n"
+        text = with_line(text, line, 10)
+    assert text == "two\nthree\n"
 
 
 def test_a_line_longer_than_the_panel_keeps_its_end():
-    text = DisplayText(5)
-    text.add("0123456789")
-    assert text.text == "6789\n"
+    assert with_line("", "0123456789", 5) == "6789\n"
 
 
 @pytest.mark.parametrize("size", [1, 7, 100])
 @pytest.mark.parametrize("line", ["", "x", "\n\n\n", "x" * 99, "a\nb\nc", "é" * 50])
 def test_a_panels_text_is_bounded_whatever_comes(size, line):
-    text = DisplayText(size)
+    text = ""
     for _ in range(300):
-        text.add(line)
-        assert len(text.text) <= size
-        assert text.text.endswith("\n")
+        text = with_line(text, line, size)
+        assert len(text) <= size
+        assert text.endswith("\n")

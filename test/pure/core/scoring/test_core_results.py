@@ -7,7 +7,7 @@ from helpers.competition import BUMPS, DOOR, OBJECTS, UTC0, competition, event, 
 from roah_rsbb.core.clock import Now, clock_text
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.restart.saved import freeze, thaw
-from roah_rsbb.core.scoring.finished_runs import MAX_KEPT, FinishedRuns, left_behind
+from roah_rsbb.core.scoring.book import MAX_KEPT, FinishedRuns, left_behind
 from roah_rsbb.core.scoring.records import By, SignOff
 from roah_rsbb.core.scoring.sheet import Mark
 

@@ -13,7 +13,7 @@ from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.modules.messages import ScoreValue
 from roah_rsbb.core.referee import MAX_NOTE, MAX_WHO, Refused, RunName
 from roah_rsbb.core.restart.saved import freeze
-from roah_rsbb.core.runs.run_book import MAX_STOPS
+from roah_rsbb.core.scoring.book import MAX_STOPS
 from roah_rsbb.core.scoring.records import SignOff
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings

@@ -294,9 +294,7 @@ def test_notes_and_withdrawals_are_bounded_and_leave_room_for_values(referee):
 
 
 def _again(sheet, items=SCORING):
-    fresh = ScoreSheet(items)
-    fresh.restore(thaw(SheetState, freeze(sheet.saved())))
-    return fresh
+    return ScoreSheet(items, thaw(SheetState, freeze(sheet.state)))
 
 
 def test_a_sheet_is_the_same_after_a_restart(referee):

@@ -7,7 +7,7 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import DOOR, UTC0, competition, event, run_record
 from helpers.module_player import started
 from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
-from roah_rsbb.core.runs.phases import EndReason, Phase
+from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.views.public import MAX_FINISHED, MAX_FOLLOWING, PublicResults, public_view
 
 NONE, OUTCOMES, SCORES = PublicResults.NONE, PublicResults.OUTCOMES, PublicResults.SCORES

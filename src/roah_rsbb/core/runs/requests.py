@@ -1,0 +1,116 @@
+"""What a benchmarking module can ask for: a goal for the robot, manual operations, and HOMF's switches.
+
+These are plain records of what was asked for and what came of it. The run decides what follows.
+"""
+
+from dataclasses import dataclass, field
+from typing import List, Optional, Tuple
+
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.messages import GoalMessage
+from roah_rsbb.core.modules.messages import Request
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.runs.clock import Countdown, CountdownState
+
+# What else is in a datagram that carries a goal: frame, cipher, code, state, acknowledgement, a pose.
+GOAL_OVERHEAD = 140
+# An answer is shown, logged and sent to the module.
+MAX_ANSWER = 1000
+# `uint8` on the ROS interface.
+MAX_DAMAGED = 255
+# A referee who presses more often than that has something on the keyboard.
+MAX_CHANGES = 1000
+
+
+@dataclass
+class GoalState:
+    """How far a goal is."""
+
+    clock: CountdownState = field(default_factory=CountdownState)
+    told: Optional[Now] = None  # when the robot was first told to execute
+
+
+class Goal:
+    """A goal under way."""
+
+    def __init__(self, request: Request, state: Optional[GoalState] = None) -> None:
+        self.state = state or GoalState()
+        self.request = request
+        self.message = GoalMessage(request.goal, request.pose, request.initial_state, request.switches)
+        self.clock = Countdown(request.timeout or float("inf"), self.state.clock)
+
+    def start(self, now: Now) -> None:
+        """Count its time from now on, if it has a timeout."""
+        if self.request.timeout:
+            self.clock.start(now)
+
+    def executing_s(self, mono: float) -> float:
+        """Seconds that the robot has executed it until `mono` (s); 0.0: it was not told to yet."""
+        told = self.state.told
+        return 0.0 if told is None else max(0.0, mono - told.mono)
+
+
+def check_answer(request: Request, operation: int, answer: str) -> str:
+    """The answer to a manual operation that counts; raises `Refused`.
+
+    `operation`: number of the request that was answered, 0: whatever is asked. No answer means the first
+    choice, the usual one.
+    """
+    if operation not in (0, request.number):
+        raise Refused([f"that manual operation is over; now the referee is asked to: {request.text}"])
+    if not answer:
+        return request.choices[0] if request.choices else ""
+    if len(answer) > MAX_ANSWER:
+        raise Refused([f"an answer has at most {MAX_ANSWER} characters, not {len(answer)}"])
+    if answer in request.choices or request.asks_text:
+        return answer
+    if request.choices:
+        raise Refused([f"'{answer}' is no answer to '{request.text}': there are {', '.join(request.choices)}"])
+    raise Refused([f"'{request.text}' takes no answer: complete it without one"])
+
+
+@dataclass
+class SwitchesState:
+    """What the referee entered."""
+
+    initial_state: Tuple[bool, ...]
+    changed: List[int] = field(default_factory=list)
+    damaged: int = 0
+
+
+class Switches:
+    """HOMF: the switches as the referee sees them; they are numbered from 1."""
+
+    def __init__(self, state: SwitchesState) -> None:
+        self.state = state
+
+    @property
+    def changed(self) -> List[int]:
+        """The switches that changed, in order, as often as they did."""
+        return self.state.changed
+
+    @property
+    def damaged(self) -> int:
+        """How many switches were damaged."""
+        return self.state.damaged
+
+    def press(self, switch: int) -> None:
+        """The referee saw a switch change; raises `Refused`."""
+        count = len(self.state.initial_state)
+        if not 1 <= switch <= count:
+            raise Refused([f"there is no switch {switch}: they are numbered 1 to {count}"])
+        if len(self.changed) >= MAX_CHANGES:
+            raise Refused([f"more than {MAX_CHANGES} changes of switches are not counted"])
+        self.changed.append(switch)
+
+    def damage(self, damaged: int) -> None:
+        """The referee says how many switches were damaged; raises `Refused`."""
+        if not 0 <= damaged <= MAX_DAMAGED:
+            raise Refused([f"the number of damaged switches is 0 to {MAX_DAMAGED}, not {damaged}"])
+        self.state.damaged = damaged
+
+    @property
+    def on(self) -> Tuple[int, ...]:
+        """The switches that are on now."""
+        states = enumerate(self.state.initial_state, 1)
+        return tuple(number for number, on in states if on ^ (self.changed.count(number) % 2 == 1))

@@ -1,0 +1,243 @@
+"""Books of runs: score sheet, starts and ends, and why a run was stopped; and the books of finished runs.
+
+A run in progress has a book, and so has a finished one. Each change of a finished run is a correction. A run is
+finished when it was started at least once and then left (*disconnect*): before that it may be started again and its
+score may change. The referee may correct a finished run until it is signed off.
+"""
+
+from dataclasses import dataclass, field
+from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core.clock import Now, clock_text
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.scoring.records import (
+    By,
+    EndReason,
+    ItemRecord,
+    RunRecord,
+    ScoreValue,
+    SignOff,
+    StopRecord,
+)
+from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, standing_text
+from roah_rsbb.rulebook.benchmarks import Benchmark, Event, ScoreKind, ScoringItem
+
+# More stops than that are none of a referee; then the oldest one goes that has no reason typed.
+MAX_STOPS = 100
+# More than a day of any competition.
+MAX_KEPT = 100
+
+_KINDS = {kind.name.lower(): kind for kind in ScoreKind}
+
+
+@dataclass
+class BookState:
+    """What is written down of a run."""
+
+    sheet: SheetState = field(default_factory=SheetState)
+    stops: List[StopRecord] = field(default_factory=list)
+    started_utc: float = 0.0  # UTC seconds of the last start; 0.0: never started
+    elapsed_s: float = 0.0  # seconds that counted from the last start to its end; 0.0: not ended
+
+
+class Marked(NamedTuple):
+    """What came of a change of the score sheet."""
+
+    item: Optional[ItemRecord]  # as it stands now; None: the benchmarks file has it no more
+    text: str  # for the referee
+
+
+class RunBook:
+    """The book of one run."""
+
+    def __init__(
+        self, items: Tuple[ScoringItem, ...], state: Optional[BookState] = None, over: bool = False
+    ) -> None:
+        """`over`: the run is over, changes are corrections."""
+        self.state = state or BookState()
+        self.sheet = ScoreSheet(items, self.state.sheet)
+        self._over = over
+
+    # -- starts and ends ----------------------------------------------------------------------------
+
+    def started(self, now: Now) -> None:
+        """The run was started, perhaps again."""
+        self.state.started_utc, self.state.elapsed_s = now.utc, 0.0
+
+    def ended(self, now: Now, end_reason: str, desc: str, by: By, elapsed_s: float) -> None:
+        """The run ended, `elapsed_s` seconds that count after its start."""
+        self.state.elapsed_s = elapsed_s
+        reason_by = by.who if by.reason else ""
+        stops = self.state.stops
+        stops.append(StopRecord(now.utc, by.who, end_reason, desc, by.reason, reason_by))
+        if len(stops) > MAX_STOPS:
+            del stops[next((i for i, stop in enumerate(stops) if not stop.reason), 0)]
+
+    def give_reason(self, number: int, by: By) -> str:
+        """Say why the run was stopped: `number` counts its ends from 1, 0 is the last one.
+
+        A reason that was typed before is replaced. Returns a text for the referee; raises `Refused`.
+        """
+        stops = self.state.stops
+        if not stops:
+            raise Refused(["the run was not stopped yet: there is nothing to give a reason for"])
+        if not 0 <= number <= len(stops):
+            raise Refused([f"the run has no stop {number}: there is 1 to {len(stops)}, or 0 for the last one"])
+        index = (number or len(stops)) - 1
+        stop = stops[index]
+        stops[index] = stop._replace(reason=by.reason, reason_by=by.who)
+        return f"{stop.desc}: {by.reason or 'no reason'}"
+
+    # -- scores -------------------------------------------------------------------------------------
+
+    def mark(self, now: Now, who: str, mark: Mark) -> Marked:
+        """See `ScoreSheet.set`."""
+        before = self.sheet.set(now, who, mark, self._over)
+        return self._marked(before, self.sheet.item(mark.group, mark.desc), mark.note)
+
+    def withdraw(self, now: Now, by: By, number: int) -> Marked:
+        """See `ScoreSheet.withdraw`."""
+        standing = {(item.group, item.desc): item for item in self.sheet.items()}
+        entry = self.sheet.withdraw(now, by.who, number, by.reason, self._over)
+        note = f"entry {number} withdrawn{', ' if by.reason else ''}{by.reason}"
+        before = standing.get((entry.group, entry.desc))
+        if before is None:
+            return Marked(None, f"Score: {entry.group}: {entry.desc} ({note})")
+        return self._marked(before, self.sheet.item(entry.group, entry.desc), note)
+
+    def _marked(self, before: ItemRecord, after: ItemRecord, note: str) -> Marked:
+        texts = [standing_text(item.value, item.not_attempted) for item in (before, after)]
+        text = score_text(after.group, after.desc, *texts)
+        return Marked(after, ("Correction: " if self._over else "") + text + (f" ({note})" if note else ""))
+
+    # -- the record ---------------------------------------------------------------------------------
+
+    def into(self, record: RunRecord) -> RunRecord:
+        """The record with what stands in this book."""
+        return record._replace(
+            items=self.sheet.items(), history=self.sheet.history, stops=tuple(self.state.stops),
+            started_utc=self.state.started_utc, elapsed_s=self.state.elapsed_s,
+        )
+
+
+class FinishedResult(NamedTuple):
+    """What the public may be shown of a run that is over, and of those alone."""
+
+    zone: str
+    event: Event
+    end_reason: str  # name of an `EndReason`, in lower case
+    disconnected_utc: float  # UTC seconds of *disconnect*
+    items: Tuple[ItemRecord, ...]  # the referee's score sheet
+    module_scores: Tuple[ScoreValue, ...]  # what a benchmarking module scored
+
+
+class FinishedRun:
+    """A run that is over. Its score sheet has the items that it had then, whatever the benchmarks file says since."""
+
+    def __init__(self, record: RunRecord, benchmark: Benchmark) -> None:
+        self.record = record
+        self._benchmark = benchmark
+        items = tuple(
+            ScoringItem(item.group, item.desc, _KINDS.get(item.kind, ScoreKind.UINT)) for item in record.items)
+        state = BookState(
+            SheetState(list(record.history)), list(record.stops), record.started_utc, record.elapsed_s)
+        self._book = RunBook(items, state, over=True)
+        self.result = self._result()
+
+    def mark(self, now: Now, who: str, mark: Mark) -> str:
+        """Correct a scoring item. Returns a text for the referee, as all corrections do; raises `Refused`."""
+        self._check_open()
+        return self._changed(self._book.mark(now, who, mark).text)
+
+    def withdraw_score(self, now: Now, by: By, number: int) -> str:
+        """An entry of the score sheet counts no more; raises `Refused`."""
+        self._check_open()
+        return self._changed(self._book.withdraw(now, by, number).text)
+
+    def give_stop_reason(self, _now: Now, by: By, number: int) -> str:
+        """See `RunBook.give_reason`; raises `Refused`."""
+        self._check_open()
+        return self._changed(self._book.give_reason(number, by))
+
+    def sign_off(self, now: Now, who: str) -> str:
+        """The score sheet is final from now on; raises `Refused` if it was already."""
+        self._check_open()
+        self.record = self.record._replace(sign_off=SignOff(now.utc, who))
+        return f"Score sheet signed off by {who}"
+
+    def _check_open(self) -> None:
+        signed = self.record.sign_off
+        if signed is not None:
+            raise Refused([
+                f"the score sheet of run {self.record.identity} was signed off by {signed.who or 'somebody'} at "
+                f"{clock_text(signed.utc)}: it is final, an objection goes to the technical committee"
+            ])
+
+    def _changed(self, text: str) -> str:
+        self.record = self._book.into(self.record)
+        self.result = self._result()
+        return text
+
+    def _result(self) -> FinishedResult:
+        record = self.record
+        event = Event(self._benchmark, record.team, record.round, record.run, record.scheduled)
+        return FinishedResult(
+            record.zone, event, record.end_reason, record.closed_utc, record.items, record.module_scores
+        )
+
+
+def left_behind(record: RunRecord, utc: float) -> RunRecord:
+    """The record of a run that was going on when the core ended, at `utc`, and does not go on after that."""
+    record = record._replace(closed_utc=utc)
+    if not record.started_utc or record.end_reason:
+        return record
+    stop = StopRecord(utc, "", EndReason.STOPPED.name.lower(), "The run did not go on after a restart of the core")
+    return record._replace(end_reason=stop.end_reason, stops=(*record.stops, stop))
+
+
+class FinishedRuns:
+    """The newest runs that are over."""
+
+    def __init__(self, benchmarks: Dict[str, Benchmark]) -> None:
+        """`benchmarks`: what is known of each, by its code."""
+        self._benchmarks = benchmarks
+        self._runs: Dict[str, FinishedRun] = {}  # by identity, the oldest first
+
+    def add(self, record: RunRecord) -> None:
+        """Keep a run that was left just now, unless it was never started; the oldest one goes if need be."""
+        if not record.end_reason:
+            return
+        benchmark = self._benchmarks.get(record.benchmark)
+        if benchmark is None:  # a record of a competition whose configuration was changed since
+            benchmark = Benchmark(record.benchmark, record.benchmark, "", 0.0, 0.0, ())
+        self._runs.pop(record.identity, None)
+        self._runs[record.identity] = FinishedRun(record, benchmark)
+        while len(self._runs) > MAX_KEPT:
+            del self._runs[next(iter(self._runs))]
+
+    def restore(self, records: Iterable[RunRecord]) -> None:
+        """After a restart: the records of all runs that were left, in any order."""
+        for record in sorted(records, key=lambda record: record.closed_utc):
+            if record.closed_utc:
+                self.add(record)
+
+    def find(self, identity: str) -> FinishedRun:
+        """The run of that identity; raises `Refused`."""
+        run = self._runs.get(identity)
+        if run is None:
+            raise Refused([
+                f"no run '{identity}' was started and is over, or it is not one of the newest {MAX_KEPT}: see 'rosrun "
+                "roah_rsbb results'"
+            ])
+        return run
+
+    def records(self) -> List[RunRecord]:
+        """The records of all runs kept, the one that was left last first."""
+        return [run.record for run in reversed(self._runs.values())]
+
+    def newest(self, count: int = MAX_KEPT) -> Tuple[FinishedResult, ...]:
+        """So many results, the one that was left last first; of a run that was repeated, the last one alone."""
+        results: Dict[Tuple[str, Event], FinishedResult] = {}
+        for run in reversed(self._runs.values()):
+            results.setdefault((run.result.zone, run.result.event), run.result)
+        return tuple(results.values())[:count]
