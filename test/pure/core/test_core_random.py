@@ -2,114 +2,25 @@
 
 import contextlib
 import itertools
-import operator
 import random
 
 from hypothesis import given
 from hypothesis import strategies as st
 
 from helpers.box_driver import BoxDriver
-from helpers.competition import TEAMS, competition, event
+from helpers.competition import competition, event
 from helpers.examples import examples
 from helpers.linked_world import FakeLink, World, assert_legal
+from helpers.random_events import ZONES, apply_event, random_competition, random_events
 from roah_rsbb.core import effects
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.link.timeline import Timeline, Verdict
-from roah_rsbb.core.messages import DevicesState, RobotReport, TabletState
-from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.records import EndReason, Phase
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views import views
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.machine import IllegalEvent
-
-ZONES = ("a", "b", "c", "all")
-INT64 = st.integers(-(2**63), 2**63 - 1)
-NAMES = st.sampled_from([*TEAMS, "", "nobody's", "x" * 200])
-TEXTS = st.lists(st.sampled_from(["", "a", "b\n", "é" * 50]), max_size=3).map(tuple)
-PERCENT = st.none() | st.integers(0, 2**32 - 1)
-FLAG = st.none() | st.booleans()
-PORTS = st.integers(6666, 6672)
-HOSTS = st.sampled_from(["10.0.0.2", "10.0.0.3"])
-
-
-def _reports(times):
-    return st.builds(
-        RobotReport, times, st.integers(0, 2), st.sampled_from(RobotState), TEXTS, TEXTS, TEXTS, TEXTS,
-        FLAG, FLAG, FLAG, PERCENT, PERCENT, FLAG,
-    )
-
-
-@st.composite
-def _scores(draw, zone):
-    """What a referee does to a score sheet; a run is named by "now" or "last", see `_apply`."""
-    name = RunName(zone, draw(st.sampled_from(["", "now", "last", "x"])))
-    group = draw(st.sampled_from(["Penalized", ""]))
-    mark = Mark(group, "bumps", draw(INT64), draw(st.booleans()), draw(st.sampled_from(["", "note", "x" * 600])))
-    return draw(st.sampled_from([
-        *[("scores.mark", (name, mark))] * 3, ("scores.withdraw", (name, draw(st.integers(-1, 4)))),
-        ("scores.sign_off", (name,)), ("scores.give_stop_reason", (name, "reason", "", draw(st.integers(-1, 3)))),
-    ]))
-
-
-@st.composite
-def _events(draw):
-    """Method of the box, and its arguments; None for a time means now."""
-    kind = draw(st.sampled_from(["command"] * 6 + ["report"] * 6 + ["beacon"] * 3 + ["score", "other", "pass", "set"]))
-    zone = draw(st.sampled_from([*ZONES, "d"]))
-    if kind == "command":
-        return "command", (zone, draw(st.sampled_from(sorted(COMMANDS))))
-    if kind == "report":
-        return "on_robot_report", (draw(PORTS), draw(HOSTS), draw(_reports(st.none() | st.tuples(INT64, INT64))))
-    if kind == "beacon":
-        team, robot = draw(NAMES), draw(st.sampled_from(["r1", "r2"]))
-        return "on_robot_beacon", (draw(HOSTS), team, robot, draw(st.none() | st.tuples(INT64, INT64)))
-    if kind == "score":
-        return draw(_scores(zone))
-    if kind == "pass":
-        return "pass", (draw(st.sampled_from([0.0, 0.05, 1.0, 3.0, 20.0, 1000.0])),)
-    if kind == "set":
-        return "set", (draw(st.sampled_from([-1e9, -1.0, 1.0, 1e9])),)
-    return draw(st.sampled_from([
-        ("on_foreign_box", ("10.0.0.9",)), ("on_complaint", ("bad",)), ("on_unreadable", (6667, "bad")),
-        ("on_trouble", ("bad",)), ("on_channel_failed", (6667, "in use")), ("on_devices", (DevicesState(dimmer=5),)),
-        ("on_tablet", ("10.0.0.3", TabletState(True, (2**63 - 1, -1), (-(2**63), 0), float("nan"), float("inf")))),
-        ("on_tablet", ("10.0.0.4", TabletState(False, (5, 0), (7, 999_999_999), 1.5, -2.5))),
-        ("modules.complete_operation", (zone,)), ("modules.complete_switches", (zone,)),
-        ("modules.press_switch", (zone, 1)), ("tick", ()),
-    ]))
-
-
-def _meant(driver, name):
-    """A run with its identity: the one in the zone, or the last one that is over."""
-    zone, finished = driver.box.zones.get(name.zone), driver.box.finished.records()
-    if name.identity == "now" and zone is not None and zone.run is not None:
-        return name._replace(identity=zone.run.identity)
-    if name.identity == "last" and finished:
-        return RunName(finished[0].zone, finished[0].identity)
-    return name
-
-
-def _apply(driver, name, arguments):
-    if name == "pass":
-        driver.run(*arguments)
-        return
-    if name == "set":
-        driver.set_clock(*arguments)
-        return
-    now = driver.robot().time()
-    if name == "on_robot_report":
-        port, host, report = arguments
-        arguments = (port, host, report._replace(time=now if report.time is None else report.time))
-    elif name == "on_robot_beacon":
-        arguments = (*arguments[:3], now if arguments[3] is None else arguments[3])
-    elif name.startswith("scores."):
-        arguments = (_meant(driver, arguments[0]), *arguments[1:])
-    try:
-        driver.event(operator.attrgetter(name)(driver.box), *arguments)
-    except Refused as refused:
-        assert refused.reasons and all(refused.reasons)
 
 
 def _check_records(driver, told):
@@ -128,17 +39,13 @@ def _check_records(driver, told):
 
 
 @examples(150)
-@given(st.lists(_events(), max_size=60))
+@given(st.lists(random_events(), max_size=60))
 def test_no_order_of_events_breaks_the_box(sequence):
     """Nothing but a refusal is raised; the rules of effects hold (the driver sees to that)."""
-    config = competition(
-        a=["HCFGAC", "HWV"], b=[event("HGTKMH", team="Beta", timeout=30.0), event("HNF", team="Beta")], c=["HGTKMH"],
-        all=[event("HSUF", team="ALL", timeout=30.0)],
-    )
-    driver = BoxDriver(config, Settings(display_log_size=300))
+    driver = BoxDriver(random_competition(), Settings(display_log_size=300))
     told = {}  # identity -> the last record that was told
     for name, arguments in sequence:
-        _apply(driver, name, arguments)
+        apply_event(driver, name, arguments)
         _check_records(driver, told)
         runs = driver.box.zones.members()
         assert len({run.robot for run in runs}) == len(runs)

@@ -39,7 +39,7 @@ def test_only_a_run_that_ran_to_its_end_moves_the_zone_on(auto_next, reason):
     moved = auto_next and reason in (EndReason.COMPLETED, EndReason.GOALS_TIMED_OUT)
     assert (zone.index, zone.run) == (int(moved), None)
     # The log of the last run stays to be read, until the zone shows another event.
-    assert zone.last_run == (None if moved else (reason, text.text, text.text))
+    assert zone.last_run == (None if moved else (reason, text, text))
 
 
 def test_after_the_last_event_there_is_no_next():

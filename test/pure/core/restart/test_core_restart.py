@@ -1,0 +1,281 @@
+"""A restart at any moment loses nothing, in no field of any object; and states of the version before are continued."""
+
+import collections
+import enum
+import json
+import pathlib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from helpers.box_driver import BoxDriver, beacon_bytes
+from helpers.competition import BUMPS, DOOR, competition, event
+from helpers.examples import examples
+from helpers.module_player import FakeModules
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.messages import DevicesState, TabletState
+from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
+from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.restart.restart import BoxSaved, Saved
+from roah_rsbb.core.restart.saved import Anchor, freeze, thaw
+from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.zones import ZoneState
+from roah_rsbb.protocol import RobotState
+
+OLD_STATES = pathlib.Path(__file__).resolve().parents[3] / "data" / "journal_states.json"
+TEAMS = ("Alpha", "Beta", "Gamma", "Delta", "Epsilon")
+# Nothing is dropped from a log by its size, so that the line that a restart adds can be taken away again.
+SETTINGS = Settings(listen_duration=0.0, display_log_size=10**9)
+
+# What a restart may lose, by class. Everything else must be the same after it.
+LOST = {
+    # Robots and modules say it again within a second.
+    "RobotLink": {"_listens_since", "_old", "_told_silent", "record", "_skew"},
+    "Timeline": {"_candidate", "_rising"},
+    "SavingWatch": {"_since"},
+    "FunctionalityRun": {"_node", "_progress"},
+    "Run": {"_last_logged"},
+    "AllRobotsRun": {"_settled_mono"},
+    # Entries of a moment ago are no longer joined with the next one.
+    "ScoreSheet": {"_begun"},
+}
+LOST["RobotLink"] |= {f"_{what}{mono}" for what in ("step", "rival", "moved", "bad") for mono in ("", "_mono")}
+# Caches, the way out of the box, and what says that there was a restart.
+LOST["Zones"], LOST["ScoreSheet"] = {"_run_at"}, LOST["ScoreSheet"] | {"_groups", "_marks"}
+LOST["Run"] |= {"resumed", "_emit", "_show_map"}
+LOST["AllRobotsRun"] |= {"_emit", "_context"}
+LOST["FunctionalityRun"] |= {"_modules"}
+LOST["MemberRun"] = {"_whole"}
+
+
+def facts(value, path=""):
+    """All that an object consists of, in plain values by their paths."""
+    if isinstance(value, enum.Enum) or value is None or isinstance(value, (bool, int, float, str, frozenset)):
+        yield path, value
+    elif isinstance(value, dict) and not hasattr(value, "__dict__"):
+        for key, item in value.items():
+            yield from facts(item, f"{path}[{key!r}]")
+    elif isinstance(value, (list, tuple, collections.deque)):
+        yield f"{path}#", len(value)
+        for number, item in enumerate(value):
+            yield from facts(item, f"{path}[{number}]")
+    else:
+        if isinstance(value, dict):
+            yield from facts(dict(value), path)
+        lost = set().union(*(LOST.get(cls.__name__, ()) for cls in type(value).__mro__))
+        for name, item in vars(value).items():
+            if name not in lost:
+                yield from facts(item, f"{path}.{name}")
+
+
+def all_facts(box):
+    parts = {"zones": box.zones, "finished": box.finished, "devices": box.devices, "tablet": box.tablet.state}
+    return dict(facts(parts))
+
+
+def restarted(driver):
+    """Another box that continues from this one's state, after it went through JSON."""
+    box = driver.box
+    zones = {name: _again(ZoneState, zone.saved()) for name, zone in box.zones.items()}
+    records = tuple(_again(RunRecord, record) for record in reversed(box.scores.records(driver.now)))
+    other = Box(driver.config, driver.settings, beacon_bytes)
+    other.resume(driver.now, Saved(driver.now.utc, _again(BoxSaved, box.saved()), zones, records))
+    return other
+
+
+def _again(kind, state):
+    return thaw(kind, json.loads(json.dumps(freeze(state))))
+
+
+def without_the_restart(found):
+    """Without the line in the log that tells of the restart."""
+    def cut(path, value):
+        is_log = path.endswith(".state.log") and "The core was restarted at" in value
+        return value[:value.rindex("\n", 0, -1) + 1] if is_log else value
+
+    return {path: cut(path, value) for path, value in found.items()}
+
+
+# -- random competitions ------------------------------------------------------------------------------
+
+
+class Competition:
+    """Robots of all zones, a node of modules, and a referee: each does what is drawn."""
+
+    def __init__(self):
+        config = competition(
+            teams=TEAMS, tbm=[event("HCFGAC", timeout=300.0), event("HWV")],
+            fbm=[event("HNF", team="Beta", timeout=60.0, total_timeout=300.0)],
+            omf=[event("HOMF", team="Gamma", timeout=60.0, total_timeout=300.0)],
+            all=[event("HSUF", team="ALL", timeout=120.0)],
+        )
+        self.driver = BoxDriver(config, SETTINGS)
+        self.driver.config = config
+        self.modules = FakeModules(self.driver, "HNF", "HOMF")
+        self.robots = [self.driver.robot(team, f"r{i}", f"10.0.0.{i + 2}") for i, team in enumerate(TEAMS)]
+
+    def say(self, who, state, fields, after):
+        """All robots send beacons; one of them reports."""
+        robot = self.robots[who]
+        run = next((r for r in self.driver.box.zones.members() if r.robot == (robot.team, robot.name)), None)
+        self.driver.run(after)
+        for other in self.robots:
+            other.beacon()
+        if run is not None:
+            robot.port = run.port
+            robot.says(state, **fields)
+
+    def obey(self):
+        """All robots do what the box asks; the modules speak."""
+        self.modules.beat()
+        for robot in self.robots:
+            robot.beacon()
+            for run in self.driver.box.zones.members():
+                if run.robot == (robot.team, robot.name):
+                    robot.port = run.port
+                    for state in _OBEYS[run.message.state.name]:
+                        robot.says(state)
+
+    def command(self, zone, command):
+        """The referee presses a button."""
+        self.driver.command(command, zone)
+
+    def ask(self, zone, kind, fields):
+        """The module asks for the next thing, or says what was scored."""
+        self.modules.beat()
+        run = next((run for run in self.driver.box.modules.runs() if run.zone == zone), None)
+        if run is not None and run.running:
+            if kind is None:
+                self.modules.says(zone, **fields)
+            elif not run.steps or run.steps[-1].outcome is not None:
+                self.modules.asks(kind, zone, **fields)
+
+    def event(self, name, *arguments):
+        """Any other event of the box."""
+        method = self.driver.box
+        for part in name.split("."):
+            method = getattr(method, part)
+        self.driver.event(method, *arguments)
+
+    def run(self, seconds):
+        """Let time pass."""
+        self.driver.run(seconds)
+
+
+_OBEYS = {
+    "STOP": (RobotState.STOP,), "PREPARE": (RobotState.PREPARING, RobotState.WAITING_GOAL),
+    "GOAL_TX": (RobotState.EXECUTING,), "WAITING_RESULT": (RobotState.EXECUTING, RobotState.RESULT_TX),
+}
+_ZONE = st.sampled_from(["tbm", "fbm", "omf", "all"])
+_GOAL = {"timeout": 60.0, "goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}
+_SWITCHES = {"timeout": 60.0, "initial_state": (True, False, True), "switches": (1, 2)}
+_FIELDS = st.sampled_from([
+    {}, {"notifications": ("a", "b")}, {"visitor": ("é",), "notifications": ("a",)}, {"switch_1": True, "dimmer": 20},
+    {"display_map": True, "blinds": 101, "messages_saved": 0}, {"generic_result": "[1.0]"}, {"object_class": "mug"},
+])
+_ASKED = st.sampled_from([
+    (RequestKind.REFEREE, {"text": "Place it", "choices": ("yes", "no")}), (RequestKind.GOAL, _GOAL),
+    (RequestKind.GOAL, _SWITCHES), (RequestKind.GOAL, {}), (RequestKind.SWITCHES, {"text": "Enter them"}),
+    (RequestKind.NOTE, {"note": "{}"}), (None, {"kept": '{"sum":1}'}), (None, {"failed": "broken"}),
+    (None, {"scores": (ScoreValue("", "distance", "0.25", "m"),)}), (None, {"finished": True}),
+])
+_COMMANDS = st.sampled_from(["connect"] * 4 + ["start"] * 4 + ["stop", "stop", "disconnect", "next", "previous"])
+_EVENTS = st.one_of(
+    st.builds(lambda zone, item, value, note: (
+        "scores.mark", RunName(zone), Mark(item.group, item.desc, value, note=note), "Anna"
+    ), _ZONE, st.sampled_from([DOOR, BUMPS]), st.integers(0, 1), st.sampled_from(["", "seen"])),
+    st.builds(lambda zone: ("scores.withdraw", RunName(zone), 1, "Berta", "why"), _ZONE),
+    st.builds(lambda zone: ("scores.give_stop_reason", RunName(zone), "tired", "Anna"), _ZONE),
+    st.builds(lambda zone: ("modules.complete_operation", zone), st.sampled_from(["fbm", "omf"])),
+    st.sampled_from([
+        ("modules.press_switch", "omf", 2), ("modules.damage_switches", "omf", 1), ("modules.complete_switches", "omf"),
+        ("on_devices", DevicesState((5, 6), True, blinds=30)),
+        ("on_tablet", "10.0.0.99", TabletState(False, (7, 8), (9, 1), 1.5, -2.5)),
+    ]),
+)
+_ACTS = st.one_of(
+    st.tuples(st.just("command"), _ZONE, _COMMANDS), st.tuples(st.just("command"), _ZONE, _COMMANDS),
+    st.tuples(st.just("obey")), st.tuples(st.just("obey")), st.tuples(st.just("obey")),
+    st.builds(lambda zone, asked: ("ask", zone, *asked), st.sampled_from(["fbm", "omf"]), _ASKED),
+    st.tuples(st.just("say"), st.integers(0, 4), st.sampled_from(RobotState), _FIELDS, st.sampled_from([0.1, 3.5])),
+    st.builds(lambda event: ("event", *event), _EVENTS),
+    st.tuples(st.just("run"), st.sampled_from([0.5, 2.5, 70.0, 400.0])),
+)
+
+
+_BEGIN = (
+    ("obey",), *(("command", zone, "connect") for zone in ("tbm", "fbm", "omf", "all")), ("obey",),
+    *(("command", zone, "start") for zone in ("tbm", "fbm", "omf", "all")), ("ask", "fbm", RequestKind.GOAL, _GOAL),
+    ("ask", "omf", RequestKind.GOAL, _SWITCHES), ("say", 0, RobotState.WAITING_GOAL, {}, 0.1),
+    ("say", 0, RobotState.EXECUTING, {"messages_saved": 0}, 0.1), ("obey",), ("obey",),
+)
+
+
+@examples(60)
+@given(st.lists(_ACTS, max_size=40))
+def test_a_restart_after_any_event_of_random_competitions_loses_nothing(acts):
+    random = Competition()
+    driver = random.driver
+    for act, *arguments in (*_BEGIN, *acts):
+        try:
+            getattr(random, act)(*arguments)
+        except Refused:
+            continue
+        driver.event(driver.box.tick)
+        expected = all_facts(driver.box)
+        assert without_the_restart(all_facts(restarted(driver))) == expected
+
+
+# -- states of the version before ---------------------------------------------------------------------
+
+with OLD_STATES.open(encoding="utf-8") as file:
+    OLD = json.load(file)
+
+
+def _config():
+    return competition(
+        teams=TEAMS, tbm=[event("HCFGAC", timeout=300.0), event("HWV")],
+        fbm=[event("HNF", team="Beta", timeout=60.0, total_timeout=300.0)],
+        omf=[event("HOMF", team="Gamma", timeout=60.0, total_timeout=300.0)],
+        all=[event("HSUF", team="ALL", timeout=120.0)],
+    )
+
+
+@pytest.mark.parametrize("old", OLD, ids=lambda old: old["moment"])
+@pytest.mark.parametrize("boot", ["boot 1", "boot 2"])
+def test_a_state_that_the_version_before_wrote_is_continued(old, boot):
+    """The file was written by commit a059938: see test/data/README.md."""
+    now = Now(old["mono"], old["utc"]) if boot == "boot 1" else Now(50.0, old["utc"])
+    shift = Anchor(old["mono"], old["utc"], "boot 1").shift(now, boot)
+    zones = {
+        name[len("zone:"):]: thaw(ZoneState, state, shift)
+        for name, state in old["states"].items() if name.startswith("zone:")
+    }
+    records = tuple(thaw(RunRecord, record) for record in old["outcomes"])
+    box = Box(_config(), SETTINGS, beacon_bytes)
+    box.resume(now, Saved(now.utc, thaw(BoxSaved, old["states"]["box"]), zones, records))
+    expected = {name: state for name, state in old["states"].items() if name != "box"}
+    found = {f"zone:{name}": freeze(zone.saved()) for name, zone in box.zones.items()}
+    assert freeze(box.saved()) == old["states"]["box"]
+    for run in box.zones.runs():
+        assert "The core was restarted at" in run.log
+        del found[f"zone:{run.zone}"][_part(run)]["log"]
+        expected[f"zone:{run.zone}"][_part(run)].pop("log", None)
+    if boot == "boot 1":
+        assert json.loads(json.dumps(found)) == expected
+    else:
+        assert found.keys() == expected.keys()
+        for run in box.zones.runs():
+            before = expected[f"zone:{run.zone}"][_part(run)]["clock"].get("deadline")
+            assert run.state.clock.deadline == (None if before is None else pytest.approx(before + shift))
+    assert {record.identity for record in box.finished.records()} == {
+        record["identity"] for record in old["outcomes"] if record.get("closed_utc")
+    }
+
+
+def _part(run):
+    return "all_robots" if len(run.members()) > 1 else "run"
