@@ -464,8 +464,8 @@ class Run(ZoneRun):
             return
         self._say_dropped_from = now.mono + DROPPED_PERIOD_S
         self.say(now, Level.WARNING,
-                  f"Robot sends too much: {self._dropped_strings} new strings were not logged, {self._unread} messages "
-                  "not read. Its program must send each text once")
+                 f"Robot sends too much: {self._dropped_strings} new strings were not logged, {self._unread} messages "
+                 "not read. Its program must send each text once")
 
     def _take_commands(self, now: Now, report: RobotReport) -> None:
         taken = self.devices.take(report)

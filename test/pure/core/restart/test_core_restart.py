@@ -39,6 +39,8 @@ LOST = {
     "SavingWatch": {"_since"},
     "FunctionalityRun": {"_node", "_progress"},
     "Run": {"_last_logged"},
+    # Budgets are full again, and a hint about a robot that does not react comes later.
+    "StringsBudget": {"_strings", "_characters"},
     "AllRobotsRun": {"_settled_mono"},
     # Entries of a moment ago are no longer joined with the next one.
     "ScoreSheet": {"_begun"},
@@ -46,6 +48,7 @@ LOST = {
 LOST["RobotLink"] |= {f"_{what}{mono}" for what in ("step", "rival", "moved", "bad") for mono in ("", "_mono")}
 # Caches, the way out of the box, and what says that there was a restart.
 LOST["Zones"], LOST["ScoreSheet"] = {"_run_at"}, LOST["ScoreSheet"] | {"_groups", "_marks"}
+LOST["Run"] |= {"_dropped_strings", "_unread", "_say_dropped_from", "_state_mono"}
 LOST["Run"] |= {"resumed", "_emit", "_show_map"}
 LOST["AllRobotsRun"] |= {"_emit", "_context"}
 LOST["FunctionalityRun"] |= {"_modules"}
