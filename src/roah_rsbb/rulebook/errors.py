@@ -72,7 +72,7 @@ class Report:
         """Note an error if `thing` was seen before; `seen` holds where each thing stands first."""
         first = seen.setdefault(thing, place)
         if first is not place:
-            self.error(place, found, f"{expected}: it stands already in line {first.line}")
+            self.error(place, found, f"{expected}: it is already in line {first.line}")
 
     def warn(self, place: Place, text: str) -> None:
         """Note something that is allowed but probably not meant."""

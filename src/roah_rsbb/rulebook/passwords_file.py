@@ -54,7 +54,7 @@ class PasswordsFile:
         team = text(self._report, key, "team's name", MAX_TEAM_BYTES)
         if team == ALL_TEAMS:
             found = f"{ALL_TEAMS} as team's name"
-            self._report.error(key.place, found, f"another name: {ALL_TEAMS} in the schedule is every robot")
+            self._report.error(key.place, found, f"another name: in the schedule, {ALL_TEAMS} means all robots")
         password = text(self._report, value, "password")
         if team is not None and password is not None:
             self.by_team[team] = password

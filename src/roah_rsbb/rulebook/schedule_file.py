@@ -101,7 +101,7 @@ class ScheduleFile:
             code, team, number, run_number = run
             self._report.warn(
                 place,
-                f"{code}, team {quote(team)}, round {number}, run {run_number} stands already in line "
+                f"{code}, team {quote(team)}, round {number}, run {run_number} is already in line "
                 f"{first.line}: give each run a number of its own, or their logs and results look alike",
             )
 

@@ -293,7 +293,7 @@ class _Builder:
         begin = next(iter(pairs), None)
         for key in again:
             name = "the same key" if self._secret else f"the key {quote(key.text)}"
-            expected = f"each key once: it stands already in line {pairs[key.text][0].place.line}"
+            expected = f"each key once: it is already in line {pairs[key.text][0].place.line}"
             if key.text == begin and not self._secret:
                 # Two items have become one: that their other keys stand twice as well is no news.
                 self._report.error(key.place, f"{name} again", f"{expected} (a new item begins with '- ')")

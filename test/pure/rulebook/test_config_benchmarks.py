@@ -94,7 +94,7 @@ def test_a_key_twice_is_an_error_and_not_silently_the_last(files):
     text = changed("benchmarks", "  code: HWV\n", "  code: HWV\n  timeout: 5\n")
     _, line, message = files.error(benchmarks=text)
     assert line == line_of(text, "timeout: 5") + 1
-    assert message == "found the key 'timeout' again; expected each key once: it stands already in line 39"
+    assert message == "found the key 'timeout' again; expected each key once: it is already in line 39"
 
 
 def test_two_benchmarks_run_together_are_one_error(files):

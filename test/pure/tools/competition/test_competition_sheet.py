@@ -180,7 +180,7 @@ def test_a_run_that_stands_there_twice(sheet):
     made, report = sheet("zone,benchmark,team,date,time,run\nX,HNF,A,2026-11-28,10:00,1\nY,HNF,A,2026-11-28,11:00,1\n")
     assert made is None
     assert [(error.line, error.found) for error in report.errors] == [(3, "HNF, team 'A', round 1, run 1")]
-    assert "it stands already in line 2" in report.errors[0].expected
+    assert "it is already in line 2" in report.errors[0].expected
 
 
 def test_names_that_are_probably_the_same(sheet):
