@@ -40,7 +40,7 @@ MISTAKES = [
     ("TestingTeam S3CRET:", ["nothing as password"], 0),
     ("TestingTeam:S3CRET: x", ["a colon in a team's name", "a blank after the colon"], 0),
     ("DumpTeam: S3CRET", ["the same key again; expected each key once: it is already in line"], 2),
-    ("ALL: S3CRET", ["ALL as team's name", "every robot"], 0),
+    ("ALL: S3CRET", ["ALL as team's name", "all robots"], 0),
     ("'': S3CRET", ["an empty text as team's name"], 0),
     ("? [S3CRET]\n: x", ["a map or a sequence as key"], 0),
     ("x" * 101 + ": S3CRET", ["101 characters as team's name", "at most 100 bytes; it has 101"], 0),
