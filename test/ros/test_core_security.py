@@ -170,6 +170,12 @@ class TestConnections(BoxCase):
         robot.wait_did("stop")
 
 
+    def test_a_text_of_megabytes_is_refused_before_anything_is_done_with_it(self) -> None:
+        for size in (5_001, 10_000_000):
+            reason = self.box.refusal("stop", "H" * size)
+            self.assertEqual(reason, f"zone has {size} characters: at most 5000 are accepted")
+
+
 class TestPasswords(BoxCase):
     def setUp(self) -> None:
         super().setUp()

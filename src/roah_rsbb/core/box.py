@@ -16,7 +16,7 @@ from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.messages import Beacon, DevicesState, RobotReport, TabletState
 from roah_rsbb.core.modules.desk import ModuleDesk
 from roah_rsbb.core.modules.presence import Modules
-from roah_rsbb.core.referee import RunName
+from roah_rsbb.core.referee import RunName, cut_note
 from roah_rsbb.core.restart.restart import BoxSaved, Restart, Saved
 from roah_rsbb.core.robots import ActiveRobots, RobotId
 from roah_rsbb.core.runs.device_commands import CATERING
@@ -282,12 +282,12 @@ class Box:
     def on_devices_status(self, now: Now, connected: bool, text: str) -> None:
         """The devices node says whether it reaches the devices' controller; `text` says how, or why not."""
         self.tick(now)
-        self.watches.devices(connected, text)
+        self.watches.devices(connected, cut_note(text))
 
     def on_device_refused(self, now: Now, zone_name: str, device: str, value: int, reason: str) -> None:
         """A robot's command to a device (`SetDevice`) could not be carried out."""
         self.tick(now)
-        text = self.watches.device_refused(now, device, value, reason)
+        text = self.watches.device_refused(now, device, value, cut_note(reason))
         run = self.zones[zone_name].run
         if isinstance(run, Run) and run.event.benchmark.code == CATERING:
             run.warn(now, text)

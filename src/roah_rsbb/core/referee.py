@@ -40,9 +40,9 @@ def checked_note(text: str) -> str:
 
 def cut_note(text: str) -> str:
     """Return a note or reason as one line, cut to what is kept."""
-    return one_line(text)[:MAX_NOTE]
+    return one_line(text[:4 * MAX_NOTE])[:MAX_NOTE]
 
 
 def checked_who(who: str) -> str:
     """Return a name as one line, cut to what is shown."""
-    return one_line(who)[:MAX_WHO]
+    return one_line(who[:4 * MAX_WHO])[:MAX_WHO]

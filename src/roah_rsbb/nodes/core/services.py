@@ -11,7 +11,7 @@ from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.nodes.core.results_convert import sheet_message
-from roah_rsbb.ros import refusals
+from roah_rsbb.ros import refusals, texts
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.times import ros_time
 from roah_rsbb.srv import (
@@ -107,6 +107,7 @@ class CoreServices:
             return self._ticket()
 
         def handle(request: object) -> object:
+            _check_texts(request)
             ticket = self._call(lambda: act(request))
             if durable:
                 if ticket is None:
@@ -125,6 +126,7 @@ class CoreServices:
         return GetClockResponse(ros_time(found[0].utc))
 
     def _run_sheet(self, request: Any) -> GetRunSheetResponse:
+        _check_texts(request)
         found: List[RunRecord] = []
         self._call(lambda: self._event(lambda now: found.append(self._box.scores.record_of(now, _run_of(request)))))
         return GetRunSheetResponse(sheet_message(found[0]))
@@ -134,6 +136,12 @@ class CoreServices:
             return self._ros.call(function)
         except Refused as refused:
             raise rospy.ServiceException(refusals.error_text(refused.reasons)) from None
+
+
+def _check_texts(request: Any) -> None:
+    problem = texts.too_long(request)
+    if problem:
+        raise rospy.ServiceException(problem)
 
 
 def who_of(request: Any, referee: str = "") -> str:

@@ -21,7 +21,7 @@ from roah_rsbb.msg import ModuleInfo as ModuleInfoMsg
 from roah_rsbb.msg import ModuleOutcome, ModuleProgress, ModuleRequest, ModuleRun, ModuleRuns, ModuleStep
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.core.score_convert import group_message, group_of, score_message, score_of
-from roah_rsbb.nodes.modules.limits import checked_state
+from roah_rsbb.nodes.modules.limits import MAX_LIST, MAX_SCORES, checked_state
 
 _REQUEST_KINDS = {int(kind): kind for kind in RequestKind}
 _OUTCOME_KINDS = {int(kind): kind for kind in OutcomeKind}
@@ -44,8 +44,9 @@ def state_of(message: ModulesStateMsg) -> ModulesState:
     """All that a node of modules says."""
     return checked_state(ModulesState(
         message.node,
-        tuple(ModuleInfo(info.benchmark, tuple(info.problems), tuple(info.warnings)) for info in message.modules),
-        tuple(_progress_of(progress) for progress in message.progress),
+        tuple(ModuleInfo(info.benchmark, tuple(info.problems[:MAX_LIST]), tuple(info.warnings[:MAX_LIST]))
+              for info in message.modules[:MAX_LIST]),
+        tuple(_progress_of(progress) for progress in message.progress[:MAX_LIST]),
     ))
 
 
@@ -71,8 +72,8 @@ def _progress_of(message: ModuleProgress) -> Progress:
             failed = failed or (f"it asks for something of kind {message.request.kind}, which this core does not know: "
                                 "are both of the same version?")
     return Progress(
-        message.run, message.attempt, request, tuple(score_of(score) for score in message.scores), message.status,
-        tuple(message.warnings), message.kept, message.finished, failed,
+        message.run, message.attempt, request, tuple(score_of(score) for score in message.scores[:MAX_SCORES]),
+        message.status, tuple(message.warnings[:MAX_LIST]), message.kept, message.finished, failed,
     )
 
 

@@ -48,7 +48,7 @@ def checked(progress: Progress) -> Progress:
 
 def clean(text: str, at_most: int = MAX_TEXT) -> str:
     """A text that has UTF-8 (a lone surrogate has none), and is not longer than that."""
-    whole = text.encode("utf-8", "replace").decode("utf-8")
+    whole = text[:at_most + 1].encode("utf-8", "replace").decode("utf-8")  # a text of megabytes takes long
     return whole if len(whole) <= at_most else whole[:at_most - 1] + "…"
 
 
