@@ -143,9 +143,10 @@ def open_private(datagram: bytes) -> PrivateFrame:
     ciphertext = datagram[start:]
     if not ciphertext or len(ciphertext) % BLOCK_SIZE:
         raise BadDatagram(Reason.SIZE, f"{len(datagram)} bytes cannot be a frame of {cipher.label}")
-    # The original counts the initialisation vector, some descriptions of it do not.
+    # The original counts initialisation vector and padding. Some descriptions leave out one of them or both, and the
+    # original reads such frames, too: it goes by the length of the datagram.
     came = len(datagram) - _HEADER.size
-    if size not in (len(ciphertext), came):
+    if not len(ciphertext) - BLOCK_SIZE <= size <= came:
         raise BadDatagram(Reason.SIZE, f"its header announces {size} bytes, {came} came")
     return PrivateFrame(cipher, datagram[_HEADER.size:start], ciphertext)
 

@@ -101,18 +101,20 @@ def test_recorded_bad_datagrams(record, capfd):
     assert capfd.readouterr() == ("", "")  # protobuf's C++ library writes a line per datagram if asked
 
 
-def test_the_payload_size_may_leave_out_the_iv_and_nothing_else():
+def test_the_payload_size_may_leave_out_iv_and_padding_and_nothing_else():
     datagram = golden.frame("rstate_hwv_aes-128-cbc_pw8")["frame"]
     real = len(datagram) - 8
     accepted = []
-    for size in (0, real - 17, real - 16, real - 15, real - 1, real, real + 1, 0xFFFFFFFF):
+    plain = len(frame.decrypt(datagram, KEY))
+    assert real - 32 <= plain < real - 16
+    for size in (0, real - 33, plain, real - 16, real, real + 1, 0xFFFFFFFF):
         try:
             frame.decode_private(datagram[:4] + struct.pack(">I", size) + datagram[8:], KEY)
         except BadDatagram as bad:
             assert bad.reason is Reason.SIZE
         else:
             accepted.append(size)
-    assert accepted == [real - 16, real]
+    assert accepted == [plain, real - 16, real]
 
 
 @pytest.mark.parametrize("cipher", [1, 2, 3, 4])

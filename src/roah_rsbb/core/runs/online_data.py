@@ -8,6 +8,7 @@ from typing import Dict, Iterable, List, Tuple
 
 from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.clock import Now
+from roah_rsbb.wording.plain import plain
 
 # Of each field of repeated strings, by its name: the texts of the last message.
 Strings = Dict[str, Tuple[str, ...]]
@@ -43,9 +44,9 @@ class StringsBudget:
 def with_line(text: str, line: str, size: int) -> str:
     """Return a text with one more line, of which only the last `size` characters are kept (`display_log_size`).
 
-    Whole lines are dropped where possible.
+    Whole lines are dropped where possible. What a robot says stays one line: it can forge no other.
     """
-    text = f"{text}{line}\n"
+    text = f"{text}{plain(line)}\n"
     start = max(0, len(text) - size)
     if start > 0 and text[start - 1] != "\n":
         next_line = text.index("\n", start) + 1
