@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install-deps build demo test test-side-by-side lint test-pure test-python38 test-pip test-docs test-install test-ros test-net screenshots bench fuzz clean
+.PHONY: help install-deps build demo test test-all lint test-pure test-python38 test-pip test-docs test-install test-ros test-net screenshots bench fuzz clean
 
 # ROS's Python. The first python3 on PATH may be another one.
 PYTHON := /usr/bin/python3
@@ -14,7 +14,7 @@ LINT := yes
 # Options of the bench.
 BENCH :=
 # Options of the tests on a bad network.
-NET :=
+NET ?=
 # Seconds for each target: make fuzz FUZZ_SECONDS=600
 export FUZZ_SECONDS ?= 60
 # Selected targets: make fuzz FUZZ="box results"
@@ -39,12 +39,14 @@ endif
 demo: build ## run the dummy set-up on this machine
 	@$(BUILT); rosrun roah_rsbb demo
 
-# First the tests that use one core each, in parallel. Then those that start many processes.
-test: build ## all tests
-	@$(MAKE) --no-print-directory READY=yes -j2 --output-sync=target test-side-by-side
-	@$(MAKE) --no-print-directory READY=yes test-ros test-net
+WITHOUT := $(if $(filter no,$(LINT)),--without lint)
 
-test-side-by-side: test-python38 test-pure test-install test-pip test-docs $(if $(filter no,$(LINT)),,lint)
+test: build ## all tests, in parallel
+	@tools/run_tests $(WITHOUT)
+
+test-all: build ## also all random inputs, long rounds and fuzzing: about an hour
+	@ROAH_TEST_ALL=yes NET="--all" tools/run_tests $(WITHOUT)
+	@$(MAKE) --no-print-directory READY=yes fuzz
 
 lint: install-deps ## ruff and catkin_lint
 	@tools/lint

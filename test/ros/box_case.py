@@ -6,8 +6,8 @@ import unittest
 from typing import Any
 
 import rospy
-import rostest
 from box_client import BoxClient, Refusal
+from case_results import rosrun
 from robots import Network, PublicParticipant, RawRobot, Robot
 from waiting import wait_until
 
@@ -73,4 +73,4 @@ class BoxCase(NetworkCase):
 def main(name: str) -> None:
     """Run the test cases of the program."""
     rospy.init_node(name)
-    rostest.rosrun(PACKAGE, name, "__main__")
+    rosrun(PACKAGE, name, "__main__")

@@ -13,7 +13,7 @@ import xmlrpc.client
 import rosgraph
 import rosnode
 import rospy
-import rostest
+from case_results import rosrun
 from gui_testing import wait_until
 from std_srvs.srv import Empty
 
@@ -130,4 +130,4 @@ class TestPrograms(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("client_launch_test", disable_signals=True)
-    rostest.rosrun("roah_rsbb", "client_launch", "client_launch_test")
+    rosrun("roah_rsbb", "client_launch", "client_launch_test")

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 import rosgraph
 import rospy
-import rostest
+from case_results import rosrun
 from fake_core import FakeCore
 from gui_testing import QMessageBox, Qt, QTest, answer, click, question, show, wait_until
 from std_srvs.srv import Empty
@@ -277,4 +277,4 @@ class TestWindow(CoreCase):
 
 if __name__ == "__main__":
     rospy.init_node("client_test", disable_signals=True)
-    rostest.rosrun("roah_rsbb", "client", "client_test")
+    rosrun("roah_rsbb", "client", "client_test")

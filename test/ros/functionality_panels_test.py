@@ -2,7 +2,7 @@
 """Manual Operation, OMF Switches and a module's score, clicked on, with a fake core."""
 
 import rospy
-import rostest
+from case_results import rosrun
 from fake_core import Asked
 from gui_testing import Qt, QTest, click, wait_until
 from panels_test import PanelCase
@@ -160,4 +160,4 @@ class TestModuleScore(PanelCase):
 
 if __name__ == "__main__":
     rospy.init_node("functionality_panels_test", disable_signals=True)
-    rostest.rosrun("roah_rsbb", "functionality_panels", "functionality_panels_test")
+    rosrun("roah_rsbb", "functionality_panels", "functionality_panels_test")

@@ -4,7 +4,7 @@
 import time
 
 import rospy
-import rostest
+from case_results import rosrun
 from fake_core import Asked
 from fake_devices import FakeDevices
 from gui_testing import QApplication, QPoint, Qt, QTest, click, show, wait_until
@@ -321,4 +321,4 @@ class TestDevices(PanelCase):
 
 if __name__ == "__main__":
     rospy.init_node("overview_test", disable_signals=True)
-    rostest.rosrun("roah_rsbb", "overview", "overview_test")
+    rosrun("roah_rsbb", "overview", "overview_test")

@@ -5,7 +5,7 @@ import time
 import unittest
 
 import rospy
-import rostest
+from case_results import rosrun
 from fake_core import FakeCore
 from gui_testing import QMessageBox, Qt, QTest, answer, click, question, show, wait_until
 
@@ -356,4 +356,4 @@ class TestScoring(PanelCase):
 
 if __name__ == "__main__":
     rospy.init_node("panels_test", disable_signals=True)
-    rostest.rosrun("roah_rsbb", "panels", "panels_test")
+    rosrun("roah_rsbb", "panels", "panels_test")

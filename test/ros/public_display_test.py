@@ -12,7 +12,7 @@ from unittest import mock
 import rosgraph
 import rospy
 import rosservice
-import rostest
+from case_results import rosrun
 from fake_public import MIDNIGHT, NOON, TEAMS, FakePublic, event, scene
 from gui_testing import SCREEN, SECOND_SCREEN, app, show, wait_until
 
@@ -379,4 +379,4 @@ class TestProgram(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("public_display_test", disable_signals=True)
-    rostest.rosrun("roah_rsbb", "public_display", "public_display_test")
+    rosrun("roah_rsbb", "public_display", "public_display_test")

@@ -13,7 +13,7 @@ import unittest
 
 import rosgraph
 import rospy
-import rostest
+from case_results import rosrun
 from fake_core import Asked, FakeCore
 from referee_program import COMMAND, Referee, referee
 from waiting import LIMIT_S, wait_until
@@ -372,4 +372,4 @@ class TestRun(WithCore):
 
 if __name__ == "__main__":
     rospy.init_node("referee_test", disable_signals=True)
-    rostest.rosrun("roah_rsbb", "referee", "referee_test")
+    rosrun("roah_rsbb", "referee", "referee_test")

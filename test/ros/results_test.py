@@ -2,7 +2,7 @@
 """Results, histories, notes and reasons, clicked on and typed, with a fake core: real messages, real services."""
 
 import rospy
-import rostest
+from case_results import rosrun
 from fake_scores import NOT_ATTEMPTED
 from gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, question, wait_until
 from panels_test import BUMPS, DOOR, PanelCase
@@ -276,4 +276,4 @@ class TestResults(WordsCase):
 
 if __name__ == "__main__":
     rospy.init_node("results_test")
-    rostest.rosrun("roah_rsbb", "results", "__main__")
+    rosrun("roah_rsbb", "results", "__main__")

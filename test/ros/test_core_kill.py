@@ -8,6 +8,7 @@ import pathlib
 import random
 import tempfile
 import threading
+import unittest
 from typing import List
 
 import rospy
@@ -193,6 +194,7 @@ def conduct(referees: List[Referee], enough: threading.Event) -> None:
             referee.step(goes_on=len(referee.runs) < MOST_RUNS)
 
 
+@unittest.skipUnless(os.environ.get("ROAH_TEST_ALL") == "yes", "only in make test-all")
 class TestKilledAtRandom(KillCase):
     def schedule(self) -> pathlib.Path:
         """Two zones with many runs."""

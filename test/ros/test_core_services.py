@@ -4,7 +4,7 @@
 import unittest
 
 import rospy
-import rostest
+from case_results import rosrun
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused, RunName
@@ -160,4 +160,4 @@ class TestServices(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("test_core_services")
-    rostest.rosrun("roah_rsbb", "test_core_services", TestServices)
+    rosrun("roah_rsbb", "test_core_services", TestServices)

@@ -5,7 +5,7 @@ import threading
 import unittest
 
 import rospy
-import rostest
+from case_results import rosrun
 from waiting import wait_until
 
 from roah_rsbb.core.effects import SetDevice
@@ -99,4 +99,4 @@ class DeviceCallsTest(unittest.TestCase):
 
 if __name__ == "__main__":
     rospy.init_node("device_calls_test", disable_signals=True)
-    rostest.rosrun("roah_rsbb", "device_calls", DeviceCallsTest)
+    rosrun("roah_rsbb", "device_calls", DeviceCallsTest)

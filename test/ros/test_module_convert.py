@@ -6,7 +6,7 @@ import math
 import random
 import unittest
 
-import rostest
+from case_results import rosrun
 
 from roah_rsbb.core.modules.messages import (
     ModuleInfo,
@@ -127,4 +127,4 @@ class TestModuleConvert(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("roah_rsbb", "test_module_convert", TestModuleConvert)
+    rosrun("roah_rsbb", "test_module_convert", TestModuleConvert)

@@ -7,7 +7,7 @@ import sys
 import unittest
 from typing import Optional
 
-import rostest
+from case_results import rosrun
 
 from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.msg import CoreDetails, CoreToGui
@@ -140,4 +140,4 @@ class TestPanelMessages(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("roah_rsbb", "test_panel_messages", TestPanelMessages)
+    rosrun("roah_rsbb", "test_panel_messages", TestPanelMessages)

@@ -5,6 +5,7 @@ import pathlib
 import signal
 import subprocess
 import sys
+import xml.etree.ElementTree as ElementTree
 from typing import List
 
 import pytest
@@ -73,7 +74,7 @@ def ended(pid: int) -> bool:
 def test_all_passed(runner: Runner) -> None:
     done = runner.run(one="good", two="good")
     assert done.returncode == 0
-    assert done.stdout.splitlines()[-1] == "rostests: 2 of 2 passed"
+    assert done.stdout.splitlines()[-1].startswith("rostests: 2 of 2 passed in ")
     assert sorted(line.split(" (")[0] for line in done.stdout.splitlines()[:-1]) == ["ok     one", "ok     two"]
 
 
@@ -83,13 +84,17 @@ def test_all_passed(runner: Runner) -> None:
     ("good; exit 3", "rostest ended with status 3"),
     ("cases '<testcase'", "its result rosunit-some.xml cannot be read"),
     ("cases ''", "it ran no test case"),
+    # rostest ended the program before it could complete its result.
+    ("cases '<testcase' '<failure>max time [300.0s] allotted for test [some] of type [a/b]</failure>'",
+     "it exceeded its time limit of 300 s"),
     ("true", "it ran no test case"),
 ])
 def test_a_test_that_failed_fails_the_run_with_its_reason(runner: Runner, text: str, why: str) -> None:
     done = runner.run(one="good", two=text)
     assert done.returncode == 1
     assert any(line.startswith("FAILED two (") and line.endswith(f": {why}") for line in done.stdout.splitlines())
-    assert done.stdout.splitlines()[-1] == "rostests: 1 of 2 passed; failed: two"
+    assert done.stdout.splitlines()[-1].startswith("rostests: 1 of 2 passed in ")
+    assert done.stdout.splitlines()[-1].endswith("; failed: two")
 
 
 def test_what_a_failed_test_and_its_nodes_printed_is_shown(runner: Runner) -> None:
@@ -99,6 +104,51 @@ def test_what_a_failed_test_and_its_nodes_printed_is_shown(runner: Runner) -> No
     assert "of a node" in done.stdout
     assert "env" not in done.stdout.split()
     assert "of a good one" not in done.stdout
+
+
+FAILURE = """<testcase classname="__main__.TestSome" name="test_it"><failure type="AssertionError">1 != 2 : the state
+the second line
+  File "/usr/lib/python3.11/unittest/case.py", line 57, in run
+    self._callTestMethod(testMethod)
+  File "/home/me/roah/test/ros/some_test.py", line 12, in test_it
+    self.check()
+  File "/home/me/roah/test/ros/helper.py", line 34, in check
+    self.assertEqual(1, 2, "the state")
+</failure></testcase>"""
+
+
+def test_each_failure_is_listed_at_the_end(runner: Runner) -> None:
+    done = runner.run(one="good", two=f"cases '{FAILURE}'")
+    end = done.stdout[done.stdout.rindex("two: 1 test cases failed"):].splitlines()
+    assert end[1:4] == [
+        "  TestSome.test_it (test/ros/helper.py:34)", "      1 != 2 : the state", "      the second line",
+    ]
+    assert end[4].startswith("  again: source build/devel/setup.bash; tools/run_rostests ")
+    assert end[4].endswith("two.test")
+    assert (runner.path / "results" / "failed.txt").read_text().splitlines() == end[:-1]
+
+
+def test_a_result_file_of_all_tests(runner: Runner) -> None:
+    runner.run("--junit", str(runner.path / "new" / "all.xml"), one="good", two=f"cases '{FAILURE}'")
+    suite = ElementTree.parse(str(runner.path / "new" / "all.xml")).getroot()
+    assert (suite.get("tests"), suite.get("failures")) == ("2", "1")
+    found = {case.get("name"): "".join(failure.text for failure in case.iter("failure")) for case in suite}
+    assert found["one"] == ""
+    assert "1 != 2 : the state" in found["two"]
+
+
+def test_what_a_test_leaves_in_the_temporary_directory_is_removed(runner: Runner) -> None:
+    done = runner.run(one="echo $TMPDIR > $HERE/tmp; touch $TMPDIR/left; good")
+    assert done.returncode == 0
+    assert not pathlib.Path(*runner.lines("tmp")).exists()
+
+
+def test_the_longest_test_of_the_run_before_starts_first(runner: Runner) -> None:
+    note = "echo {0} >> $HERE/order; good"
+    tests = {"a": note.format("a"), "b": f"sleep 0.3; {note.format('b')}", "c": note.format("c")}
+    runner.run(**tests)
+    runner.run("--jobs", "1", **tests)
+    assert runner.lines("order")[3] == "b"
 
 
 def test_a_test_that_hangs_is_ended(runner: Runner) -> None:
