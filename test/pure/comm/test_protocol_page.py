@@ -20,7 +20,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S, BoxState, RobotState
 from roah_rsbb.robot.link import STALE_S
-from roah_rsbb.robot.machine import Act, box_step
+from roah_rsbb.robot.machine import Act, box_transition
 from roah_rsbb.robot.watch import SILENCE_S
 
 PAGE = (pathlib.Path(__file__).resolve().parents[3] / "docs" / "protocol.md").read_text(encoding="utf-8")
@@ -102,8 +102,8 @@ def test_the_robots_states():
     for received, row in zip(BoxState, rows):
         for state, cell in zip(RobotState, row[1:]):
             usual, _, in_hnf = cell.partition("; in HNF ")
-            assert usual == acts[box_step("HOPF", received, state).act]
-            assert (in_hnf or usual) == acts[box_step("HNF", received, state).act]
+            assert usual == acts[box_transition("HOPF", received, state).act]
+            assert (in_hnf or usual) == acts[box_transition("HNF", received, state).act]
 
 
 def test_the_boxes_states():
