@@ -18,12 +18,15 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 sys.path.insert(0, str(ROOT / "test" / "ros"))
 
+import hostile  # noqa: E402
 import load  # noqa: E402
 import processes  # noqa: E402
 import reaction  # noqa: E402
 import resume  # noqa: E402
+import rosgraph  # noqa: E402
 import rospy  # noqa: E402
 import simulated  # noqa: E402
+from addresses import host_of  # noqa: E402
 from fleet import REGULAR_S, Fleet  # noqa: E402
 from processes import Box, wait  # noqa: E402
 from table import Results, quantile  # noqa: E402
@@ -150,6 +153,33 @@ class Bench:
         """Robots follow the box's states again."""
         wait(lambda: load.still_executing(fleet), "all robots execute")
 
+    # -- hostile senders ----------------------------------------------------------------------------
+
+    def hostile(self) -> None:
+        """Reaction of one run while another run's channel is flooded; a stop beside silent connections."""
+        for kind, rate in hostile.FLOODS.items():
+            with box_in_runs(2) as (box, fleet):
+                robot, other = fleet.robots
+                seconds = 10.0 + 0.5 * self.extent.probes
+                memory = box.process.memory_mb()
+                with hostile.flood(kind, other.port, "password 1", host_of(1), seconds):
+                    taken = reaction.react(fleet, [robot], self.extent.probes)
+                name = f"reaction, {rate}/s of {kind} on another run's channel"
+                self.results.add_spread(name, "ms", taken, {0.5: 25})
+                self.results.add(f"{name}: memory grown", "MB", box.process.memory_mb() - memory, 30)
+        with box_in_runs(1) as (box, fleet):
+            master = rosgraph.Master(rospy.get_name())
+            uris = [master.lookupService("/core/stop"), master.lookupNode(processes.CORE)]
+            taken = []
+            for _ in range(self.extent.starts):
+                with hostile.silent_connections(*uris):
+                    began = time.monotonic()
+                    box.command("stop", 0)
+                    taken.append((time.monotonic() - began) * 1e3)
+                reaction.start(box, fleet, 1)
+        name = f"/core/stop beside {hostile.SILENT} silent connections to each port"
+        self.results.add_spread(name, "ms", taken, {0.99: 50})
+
     # -- panels -------------------------------------------------------------------------------------
 
     def messages(self) -> None:
@@ -211,7 +241,7 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "resume", "many", "hundred", "messages", "window", "day")}
+    "one", "resume", "many", "hundred", "hostile", "messages", "window", "day")}
 
 
 def main() -> int:

@@ -222,12 +222,12 @@ class Box:
         due = run.deadline()
         self._calm_until = calm_until if due is None else min(calm_until, due)
 
-    def on_robot_copy(self, now: Now, port: int, host: str) -> None:
-        """A copy of a datagram that was taken before arrived on the private channel `port` from `host`."""
+    def on_robot_copy(self, now: Now, port: int, host: str, count: int = 1) -> None:
+        """Copies of datagrams that were taken before arrived on the private channel `port`, the last from `host`."""
         self._tick_if_due(now)
         run = self.zones.run_at(port)
         if run is not None:
-            run.on_copy(now, host)
+            run.on_copy(now, host, count)
 
     def on_robot_overload(self, now: Now, port: int, count: int) -> None:
         """So many datagrams of the robot on the private channel `port` were not read: it sends too much."""

@@ -142,13 +142,13 @@ class RobotLink:
         self._bad = None
         return Heard(True, new_host, state_changed, tuple(notices))
 
-    def hear_copy(self, now: Now, host: str) -> Tuple[str, ...]:
-        """A copy of a message that was taken before arrived from `host`: notices of it.
+    def hear_copy(self, now: Now, host: str, count: int = 1) -> Tuple[str, ...]:
+        """Copies of messages that were taken before arrived, the last from `host`: notices of it.
 
         The network doubles datagrams. From another host a copy is a recording, also while the robot is silent.
         """
-        self._old += 1
-        self.record.old(duplicate=True)
+        self._old += count
+        self.record.old(duplicate=True, count=count)
         return () if self.host in (None, host) else self._note_rival(now, host)
 
     def on_bad_datagram(self, now: Now, text: str) -> None:

@@ -180,12 +180,12 @@ class LinkRecorder:
 
     # -- what happens -------------------------------------------------------------------------------
 
-    def old(self, duplicate: bool) -> None:
-        """A message that was not newer than all before."""
+    def old(self, duplicate: bool, count: int = 1) -> None:
+        """Messages that were not newer than all before."""
         if duplicate:
-            self._duplicates += 1
+            self._duplicates += count
         else:
-            self._stale += 1
+            self._stale += count
 
     def heard(self, now: Now, report: RobotReport, late_s: float, clock_set: bool) -> None:
         """A message that was newer. `late_s`: how much later than the fastest one it came. `clock_set`: the robot's

@@ -421,9 +421,9 @@ class Run(ZoneRun):
             self._emit(effects.SendState(self.port, self.message, How.REPLY if urgent else How.QUIET))
         return True
 
-    def on_copy(self, now: Now, host: str) -> None:
-        """A copy of a datagram of the robot arrived from `host`: it changes nothing."""
-        for notice in self.link.hear_copy(now, host):
+    def on_copy(self, now: Now, host: str, count: int) -> None:
+        """Copies of datagrams of the robot arrived, the last from `host`: they change nothing."""
+        for notice in self.link.hear_copy(now, host, count):
             self.say(now, Level.WARNING, notice)
 
     def _step(self, now: Now, report: RobotReport) -> None:

@@ -15,6 +15,7 @@ from roah_rsbb.comm.frame import encoded_size
 from roah_rsbb.comm.seen import Seen
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.effects import How
 from roah_rsbb.core.messages import Beacon, BoxMessage, RobotReport
 from roah_rsbb.nodes.core import wire_convert
@@ -25,6 +26,8 @@ Address = Tuple[str, int]
 BEACON_PERIOD_S = 1.0
 # Devices and the tablet change at the pace of whoever sends it: beacons leave no closer together than this.
 BEACON_GAP_S = 0.05
+# Copies of datagrams become so many events a second. The network doubles fewer.
+COPY_EVENTS = 100
 
 
 class Network(NamedTuple):
@@ -52,6 +55,8 @@ class _Private:
         self.message: Optional[BoxMessage] = None
         self.made: Optional[pb.BenchmarkState] = None  # of the message, once it was sent
         self.timer: Optional[asyncio.TimerHandle] = None
+        self.copies = 0  # of datagrams that were taken before, not put into the box yet
+        self.copy_events = Budget(COPY_EVENTS, COPY_EVENTS)
 
 
 class CoreRadio:
@@ -132,7 +137,7 @@ class CoreRadio:
             lambda text: self._on_private_complaint(port, text),
             cipher=network.cipher, bind_host=network.bind_host, broadcast=network.broadcast,
             max_datagram=network.max_datagram, read=ReportReader(self._loop.time), seen=self._seen,
-            on_copy=lambda address: self._event(self._box.on_robot_copy, port, address[0]),
+            on_copy=lambda address: self._on_copy(port, address[0]),
         )
         channel.open()
         channel.remote = host
@@ -215,6 +220,16 @@ class CoreRadio:
                 private.channel.remember()
         else:
             self._event(self._box.on_foreign_box, address[0])
+
+    def _on_copy(self, port: int, host: str) -> None:
+        """Each copy counts, but a flood of them becomes few events."""
+        private = self._privates.get(port)
+        if private is None:
+            return
+        private.copies += 1
+        if private.copy_events.take(self._loop.time(), 1):
+            count, private.copies = private.copies, 0
+            self._event(self._box.on_robot_copy, port, host, count)
 
     def _on_complaint(self, text: str) -> None:
         self._event(self._box.on_complaint, text)
