@@ -17,7 +17,8 @@ from std_msgs.msg import Empty, UInt32
 from std_msgs.msg import String as StringMsg
 from std_srvs.srv import Empty as EmptySrv
 
-from roah_rsbb.msg import Benchmark, BenchmarkState, DevicesState, GoalHGMF, GoalOMF, TabletState
+from roah_rsbb.msg import Benchmark, BenchmarkState, GoalOMF, TabletState
+from roah_rsbb.nodes.team.generations import Types
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
@@ -40,7 +41,6 @@ STATES: Dict[RobotState, int] = {
     RobotState.RESULT_TX: BenchmarkState.EXECUTE,
 }
 
-GOAL_TYPES = {"HNF": Pose2D, "HGMF": GoalHGMF, "HOMF": GoalOMF, "STB": StringMsg}
 STRING_SERVICES: Dict[str, Tuple[str, ...]] = {
     "HWV": ("notifications", "activation_event", "visitor"),
     "HNF": ("notifications",),
@@ -69,15 +69,18 @@ class Owner(NamedTuple):
 class CommInterface:
     """Topics and services under /roah_rsbb. Methods may be called from any thread and return at once."""
 
-    def __init__(self, owner: Owner) -> None:
+    def __init__(self, owner: Owner, types: Types) -> None:
+        """`types`: those of the generation that the team's code was built with."""
         self._owner = owner
+        self._types = types
+        self._goal_types = {"HNF": Pose2D, "HGMF": types.GoalHGMF, "HOMF": GoalOMF, "STB": StringMsg}
         self._code: Optional[str] = None
         self._number = Benchmark.NONE
         self._state_number: Optional[int] = None
         self._always = {
-            "benchmark": _topic("benchmark", Benchmark),
+            "benchmark": _topic("benchmark", types.Benchmark),
             "bell": _topic("devices/bell", Empty, latch=False),
-            "devices": _topic("devices/state", DevicesState),
+            "devices": _topic("devices/state", types.DevicesState),
             "call": _topic("tablet/call", Empty, latch=False),
             "position": _topic("tablet/position", Pose2D, latch=False),
             "tablet": _topic("tablet/state", TabletState),
@@ -104,9 +107,10 @@ class CommInterface:
         elif isinstance(effect, fx.StateIs):
             self._jobs.put(lambda: self._enter_state(effect.state, goal))
         elif isinstance(effect, fx.Devices):
-            self._publish("devices", DevicesState(
-                ros_wire_time(effect.bell), effect.switch_1, effect.switch_2, effect.switch_3, effect.dimmer,
-                effect.blinds, effect.door_win_detect,
+            self._publish("devices", self._types.devices_state(
+                bell=ros_wire_time(effect.bell), switch_1=effect.switch_1, switch_2=effect.switch_2,
+                switch_3=effect.switch_3, dimmer=effect.dimmer, blinds=effect.blinds,
+                door_win_detect=effect.door_win_detect,
             ))
         elif isinstance(effect, fx.Tablet):
             self._publish("tablet", TabletState(
@@ -161,8 +165,8 @@ class CommInterface:
             time.sleep(max(0.0, self._ended_mono + SETTLE_S - time.monotonic()))
             self._state_topic = _state_topic()
         self._in_benchmark += self._benchmark_services(code)
-        if code in GOAL_TYPES:
-            self._goal_topic = _topic("goal", GOAL_TYPES[code])
+        if code in self._goal_types:
+            self._goal_topic = _topic("goal", self._goal_types[code])
             self._in_benchmark.append(self._goal_topic)
         self._publish_state(RobotState.STOP)
         self._announce(NUMBERS[code])
@@ -205,7 +209,7 @@ class CommInterface:
         if self._code == "HNF" and goal.pose is not None:
             self._goal_topic.publish(Pose2D(*goal.pose))
         elif self._code == "HGMF" and goal.pose is not None:
-            self._goal_topic.publish(GoalHGMF(goal.object_id, Pose2D(*goal.pose)))
+            self._goal_topic.publish(self._types.GoalHGMF(goal.object_id, Pose2D(*goal.pose)))
         elif self._code == "HOMF":
             self._goal_topic.publish(GoalOMF(list(goal.initial_state), list(goal.switches)))
         elif self._code == "STB":

@@ -3,8 +3,9 @@
 It speaks with the box, of any generation, and offers topics and services to the robot's own programs.
 
 Parameters (private): team_name (must be given), robot_name, rsbb_key (the team's password), rsbb_host (broadcast
-address of the network with the box, or the box's), rsbb_port, bind_host, rsbb_cypher; for tests clock_offset (s), loss
-(share of datagrams).
+address of the network with the box, or the box's), rsbb_port, bind_host, rsbb_cypher, generation (year of the original
+package that the team's code was built with: 2015, 2018, 2019 or 2020); for tests clock_offset (s), loss (share of
+datagrams).
 """
 
 import logging
@@ -18,6 +19,7 @@ from google.protobuf import text_format
 
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.nodes.team.comm_interface import NUMBERS, CommInterface, Owner
+from roah_rsbb.nodes.team.generations import DEFAULT, GENERATIONS, report_refused, types_of
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.machine import IllegalEvent
@@ -50,11 +52,15 @@ class CommNode:
         host, port = params.text("rsbb_host", "10.0.0.1"), params.whole("rsbb_port", 6666, 1, 65535)
         bind_host = params.text("bind_host", "0.0.0.0")
         cipher = cipher_by_label(params.choice("rsbb_cypher", Cipher.AES_128_CBC.label, labels))
+        generation = params.text("generation", DEFAULT)
+        if generation not in GENERATIONS:
+            raise BadParams(f"parameter generation: found {generation}, expected one of {', '.join(GENERATIONS)}")
         # For tests only: a clock that is wrong, a network that loses datagrams.
         offset = params.number("clock_offset", 0.0, lowest=-1e9, highest=1e9)
         loss = params.number("loss", 0.0, highest=1.0)
         params.done()
 
+        report_refused(generation, lambda text: rospy.logwarn("%s", text))
         self._ros = RosLoop()
         self._runner = SessionRunner(
             self._ros.loop, team, key, self._on_effect, lambda text: rospy.logwarn("%s", text), robot=robot,
@@ -70,7 +76,7 @@ class CommNode:
             set_device=lambda name, value: self._ask(lambda: session.set_device(name, value)),
             display_map=lambda display: self._ask(lambda: session.display_map(display)),
             messages_saved=lambda count: self._ros.post(lambda: self._set_messages_saved(count)),
-        ))
+        ), types_of(generation))
         rospy.loginfo("Robot %s of team %s looks for the RSBB on %s:%d", robot, team, host, port)
 
     def run(self) -> int:
