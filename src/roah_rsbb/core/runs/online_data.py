@@ -4,7 +4,7 @@ The box logs a string once. It logs the same text again only after a message tha
 (docs/protocol.md, "Repeated strings").
 """
 
-from typing import Dict, Iterable, List, Tuple
+from typing import Dict, List, Sequence, Tuple
 
 from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.clock import Now
@@ -14,10 +14,13 @@ from roah_rsbb.wording.plain import plain
 Strings = Dict[str, Tuple[str, ...]]
 
 
-def receive(last: Strings, field: str, texts: Iterable[str]) -> List[str]:
+def receive(last: Strings, field: str, texts: Sequence[str]) -> List[str]:
     """Put a fresh message's texts of one field into `last`; return those that are new, in their order."""
+    if not texts:
+        last.pop(field, None)
+        return []
     unique = dict.fromkeys(texts)
-    before = frozenset(last.get(field, ())) if unique else frozenset()
+    before = frozenset(last.get(field, ()))
     last[field] = tuple(unique)
     return [text for text in unique if text not in before]
 

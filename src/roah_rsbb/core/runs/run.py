@@ -437,12 +437,12 @@ class Run(ZoneRun):
             self._end(now, EndReason.COMPLETED)
 
     def _take_strings(self, now: Now, report: RobotReport) -> bool:
-        any_text, dropped = False, 0
+        any_text, dropped, strings = False, 0, self.state.strings
         mark = "" if self.link.times_valid else " (robot's time invalid: clock skew)"
         for online in ONLINE_FIELDS:
             texts = getattr(report, online.name)
             any_text = any_text or bool(texts)
-            for text in receive(self.state.strings, online.name, texts):
+            for text in receive(strings, online.name, texts):
                 if not self._strings_budget.take(now, text):
                     dropped += 1
                     continue
