@@ -16,7 +16,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.radio import beacon_size
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.rulebook.benchmarks import Benchmark, Config, Event, ScoreKind, ScoringItem, ZonePlan
+from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ScoreKind, ScoringItem, ZonePlan
 
 START = Now(1000.0, 1_800_000_000.0)
 SCORING = tuple(ScoringItem("Achievements", f"Item {i}", ScoreKind.UINT) for i in range(16))
@@ -32,7 +32,8 @@ class World:
 
     def __init__(self, zones: int, events: int = 1) -> None:
         plans = tuple(
-            ZonePlan(f"zone {i}", tuple(Event(BENCHMARK, f"Team{i}", 1, run, START.utc) for run in range(events)))
+            ZonePlan(f"zone {i}", tuple(
+                ScheduledEvent(BENCHMARK, f"Team{i}", 1, run, START.utc) for run in range(events)))
             for i in range(zones))
         self.teams = [f"Team{i}" for i in range(zones)]
         config = Config({"HWV": BENCHMARK}, dict.fromkeys(self.teams, "password"), plans)

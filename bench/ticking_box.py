@@ -12,12 +12,14 @@ from addresses import BOX_HOST, BROADCAST
 
 from roah_rsbb.comm.channels import PrivateChannel
 from roah_rsbb.comm.ciphers import Key
-from roah_rsbb.core.runs.machine import Step, step
+from roah_rsbb.core.runs.machine import Reaction, react
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 
 PERIOD_S = 0.2
-FOLLOWS = {Step.EXECUTE: BoxState.WAITING_RESULT, Step.RETRY: BoxState.PREPARE, Step.GOAL_DONE: BoxState.STOP}
+FOLLOWS = {
+    Reaction.EXECUTE: BoxState.WAITING_RESULT, Reaction.RETRY: BoxState.PREPARE, Reaction.GOAL_DONE: BoxState.STOP,
+}
 COMMANDS = {"start": BoxState.PREPARE, "stop": BoxState.STOP}
 
 
@@ -48,7 +50,7 @@ class TickingBox:
         self._channel.remote = address[0]
         self._message.acknowledgement.CopyFrom(message.time)
         now = BoxState(self._message.benchmark_state)
-        found = step(now, RobotState(message.robot_state), explicit_goal=False)
+        found = react(now, RobotState(message.robot_state), explicit_goal=False)
         self._message.benchmark_state = int(FOLLOWS.get(found, now))
 
     def _on_command(self) -> None:

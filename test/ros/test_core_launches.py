@@ -17,7 +17,7 @@ from waiting import LIMIT_S, happened, wait_until
 
 from roah_rsbb.msg import ModulesState
 from roah_rsbb.protocol import BoxState
-from roah_rsbb.rulebook.benchmarks import KINDS, Kind
+from roah_rsbb.rulebook.benchmarks import KINDS, BenchmarkKind
 from run_logs import RunLog
 
 FOREIGN_BOX = "127.0.0.5"
@@ -191,7 +191,7 @@ class TestDummySetUp(LaunchCase):
             lambda: f"the modules have all that they need; they say\n{heard[-1:]}",
         )
         self.assertEqual({module.benchmark for module in heard[-1].modules},
-                         {code for code, kind in KINDS.items() if kind is Kind.FUNCTIONALITY})
+                         {code for code, kind in KINDS.items() if kind is BenchmarkKind.FUNCTIONALITY})
 
 
 if __name__ == "__main__":

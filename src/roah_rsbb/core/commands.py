@@ -19,7 +19,7 @@ from roah_rsbb.core.scoring.records import By, EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import NO_RUN, Zone, Zones
-from roah_rsbb.rulebook.benchmarks import Kind
+from roah_rsbb.rulebook.benchmarks import BenchmarkKind
 
 DISCONNECT_FIRST = "A run is connected: disconnect it first"
 
@@ -67,7 +67,7 @@ def _only_port(run: Optional[ZoneRun], identity: str) -> Optional[int]:
     return run.members()[0].port
 
 
-class Choice(NamedTuple):
+class Candidates(NamedTuple):
     """All active robots that are not in the zone's run, by team and name."""
 
     fit: Tuple[ActiveRobot, ...]
@@ -140,8 +140,8 @@ class Commands:
     def robots_to_connect(self, now: Now, zone: Zone) -> Sequence[ActiveRobot]:
         """The robots that *connect* would take: all that can take part, or one of the team that is in no run. Of
         several, it is one that was heard just now, and the longest known."""
-        if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
-            return self._choose(now, zone).fit
+        if zone.event.benchmark.kind is BenchmarkKind.REFEREE_ONLY:
+            return self._candidates(now, zone).fit
         of_team = self._robots.of_team(now, zone.event.team)
         return [robot for robot in of_team if self._zones.run_of(robot.id) is None][:1]
 
@@ -151,15 +151,15 @@ class Commands:
         One robot that cannot take part keeps no other from it (docs/benchmarks.md, "HSUF"). The referee is told
         who is left out and why, and may disconnect and connect again to include a late one.
         """
-        if zone.event.benchmark.kind is not Kind.REFEREE_ONLY:
+        if zone.event.benchmark.kind is not BenchmarkKind.REFEREE_ONLY:
             return []
         if zone.run is not None and zone.run.phase is not Phase.CONNECTED:
             return []
-        choice = self._choose(now, zone)
+        candidates = self._candidates(now, zone)
         if zone.run is None:
-            return list(choice.unfit)
+            return list(candidates.unfit)
         again = "is active, but not in this run: disconnect and connect again to have it"
-        return [f"{robot.id} {again}" for robot in choice.fit] + list(choice.unfit)
+        return [f"{robot.id} {again}" for robot in candidates.fit] + list(candidates.unfit)
 
     def _connect_off(self, now: Now, zone: Zone) -> List[str]:
         if zone.run is not None:
@@ -169,7 +169,7 @@ class Commands:
         if listening > 0:
             reasons.append(f"The box is still listening for another box, for {listening:.0f} s")
         robots = self.robots_to_connect(now, zone)
-        if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
+        if zone.event.benchmark.kind is BenchmarkKind.REFEREE_ONLY:
             reasons += self._nobody_off(now, zone)
         else:
             reasons += self._robot_off(now, zone, robots)
@@ -187,14 +187,14 @@ class Commands:
 
     def _nobody_off(self, now: Now, zone: Zone) -> List[str]:
         """Why a run of all robots would have none."""
-        choice = self._choose(now, zone)
-        if choice.fit:
+        candidates = self._candidates(now, zone)
+        if candidates.fit:
             return []
-        return list(choice.unfit) or [
+        return list(candidates.unfit) or [
             f"No robot is active: no beacon arrives on UDP port {self._settings.rsbb_port}"
         ]
 
-    def _choose(self, now: Now, zone: Zone) -> Choice:
+    def _candidates(self, now: Now, zone: Zone) -> Candidates:
         """Who could be connected to a zone's run of all robots now."""
         inside = () if zone.run is None else tuple(member.robot for member in zone.run.members())
         fit: List[ActiveRobot] = []
@@ -207,7 +207,7 @@ class Commands:
                 unfit.append(f"{robot.id} cannot take part: {'; '.join(reasons)}")
             else:
                 fit.append(robot)
-        return Choice(tuple(fit), tuple(unfit))
+        return Candidates(tuple(fit), tuple(unfit))
 
     def _unfit_for(self, now: Now, robot: ActiveRobot) -> List[str]:
         run = self._zones.run_of(robot.id)

@@ -23,7 +23,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones, ZoneState
-from roah_rsbb.rulebook.benchmarks import Kind
+from roah_rsbb.rulebook.benchmarks import BenchmarkKind
 
 # This many ports that cannot be opened, more than there are robots to connect, mean that no port can be opened.
 MAX_PORTS_TRIED = 20
@@ -125,7 +125,7 @@ class Connections:
         assignment = Assignment(zone.name, zone.event, robot.id, port)
         self._outbox.emit(effects.PortTaken(port))
         self._outbox.emit(effects.OpenChannel(port, robot.id.team, robot.id.robot, robot.host))
-        if zone.event.benchmark.kind is Kind.REFEREE_ONLY:
+        if zone.event.benchmark.kind is BenchmarkKind.REFEREE_ONLY:
             zone.run = zone.run or AllRobotsRun(now, assignment, context)
             zone.run.add(now, assignment)
         else:
@@ -140,7 +140,7 @@ class Connections:
         self, now: Now, assignment: Assignment, context: RunContext,
         state: Optional[RunState] = None, of_module: Optional[FunctionalityState] = None,
     ) -> Run:
-        if assignment.event.benchmark.kind is Kind.FUNCTIONALITY:
+        if assignment.event.benchmark.kind is BenchmarkKind.FUNCTIONALITY:
             return FunctionalityRun(now, assignment, context, self._modules, state, of_module)
         return Run(now, assignment, context, state)
 

@@ -37,7 +37,7 @@ LAST_SECOND = 2**32 - 1
 MAX_DISTANCE_M = 10_000.0
 
 
-class Heard(NamedTuple):
+class HeardTablet(NamedTuple):
     """What one TabletBeacon was; at most one of these holds."""
 
     absurd: Optional[str] = None  # what is wrong with its values
@@ -111,14 +111,14 @@ class Tablet:
         self._call.said = _Said(state.call_time, None)
         self._position.said = _Said(state.position_time, (state.position_x, state.position_y))
 
-    def hear(self, now: Now, host: str, beacon: TabletState) -> Heard:
+    def hear(self, now: Now, host: str, beacon: TabletState) -> HeardTablet:
         """Take a TabletBeacon from `host`; which view is shown is not its to say."""
         absurd = _absurd(beacon)
         if absurd:
-            return Heard(absurd=absurd)
+            return HeardTablet(absurd=absurd)
         is_certain = self.heard is None or self.silence(now) > SILENT_S
         if host != self._host and not is_certain:
-            return Heard(rival_of=self._host)
+            return HeardTablet(rival_of=self._host)
         self._host = host
         self.heard = now
         before = self._call.said, self._position.said
@@ -127,7 +127,7 @@ class Tablet:
         self._position.take(now, _Said(beacon.position_time, place), is_certain)
         if before != (self._call.said, self._position.said) and not self._allowance.take(now):
             self._call.said, self._position.said = before  # the tablet repeats it
-        return Heard()
+        return HeardTablet()
 
     def silence(self, now: Now) -> float:
         """For how many seconds a tablet that was heard says nothing; 0.0: none was heard yet."""

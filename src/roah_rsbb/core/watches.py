@@ -5,7 +5,7 @@ from typing import Dict, List, Optional, Tuple
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.link.skew import skew_text
 from roah_rsbb.core.robots import ActiveRobot, Squatter
-from roah_rsbb.core.tablet import Heard
+from roah_rsbb.core.tablet import HeardTablet
 
 # A warning stays before the referees' eyes for this long after its last cause.
 REMEMBER_S = 10.0
@@ -97,7 +97,7 @@ class Watches:
             REMEMBER_S,
         )
 
-    def tablet(self, now: Now, host: str, heard: Heard) -> Optional[str]:
+    def tablet(self, now: Now, host: str, heard: HeardTablet) -> Optional[str]:
         """A TabletBeacon that does not count, if it is one."""
         if heard.absurd:
             return self._keep(now, ("tablet", "absurd"),

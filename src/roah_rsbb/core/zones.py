@@ -9,7 +9,7 @@ from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.runs.run import AllRobotsState, Run, RunState, ZoneRun
 from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason
-from roah_rsbb.rulebook.benchmarks import Event, ZonePlan
+from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
 from roah_rsbb.wording.suggestions import did_you_mean
 
 NO_RUN = "No run is connected: press connect first"
@@ -33,7 +33,7 @@ class EventKey(NamedTuple):
     scheduled: float  # UTC seconds
 
 
-def key_of(event: Event) -> EventKey:
+def key_of(event: ScheduledEvent) -> EventKey:
     """Return the key of an event."""
     return EventKey(event.benchmark.code, event.team, event.round, event.run, event.scheduled)
 
@@ -60,7 +60,7 @@ class Zone:
         self.last_run: Optional[LastRun] = None  # until the zone shows another event
 
     @property
-    def event(self) -> Event:
+    def event(self) -> ScheduledEvent:
         """The event that the zone is at."""
         return self.events[self.index]
 

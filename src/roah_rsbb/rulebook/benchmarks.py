@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Dict, Tuple
 
 
-class Kind(enum.Enum):
+class BenchmarkKind(enum.Enum):
     """Who drives a run of the benchmark."""
 
     TASK = "task"  # scored by the referee
@@ -17,18 +17,18 @@ class Kind(enum.Enum):
     REFEREE_ONLY = "referee only"  # all active robots at once, nothing is sent but the state
 
 
-KINDS: Dict[str, Kind] = {
-    "HGTKMH": Kind.TASK,
-    "HWV": Kind.TASK,
-    "HCFGAC": Kind.TASK,
-    "HOPF": Kind.FUNCTIONALITY,
-    "HNF": Kind.FUNCTIONALITY,
-    "HSUF": Kind.REFEREE_ONLY,
-    "HPPF": Kind.FUNCTIONALITY,
-    "HPFF": Kind.FUNCTIONALITY,
-    "HGMF": Kind.FUNCTIONALITY,
-    "HOMF": Kind.FUNCTIONALITY,
-    "STB": Kind.FUNCTIONALITY,
+KINDS: Dict[str, BenchmarkKind] = {
+    "HGTKMH": BenchmarkKind.TASK,
+    "HWV": BenchmarkKind.TASK,
+    "HCFGAC": BenchmarkKind.TASK,
+    "HOPF": BenchmarkKind.FUNCTIONALITY,
+    "HNF": BenchmarkKind.FUNCTIONALITY,
+    "HSUF": BenchmarkKind.REFEREE_ONLY,
+    "HPPF": BenchmarkKind.FUNCTIONALITY,
+    "HPFF": BenchmarkKind.FUNCTIONALITY,
+    "HGMF": BenchmarkKind.FUNCTIONALITY,
+    "HOMF": BenchmarkKind.FUNCTIONALITY,
+    "STB": BenchmarkKind.FUNCTIONALITY,
 }
 
 # In the schedule this stands for every active robot. No team may be called so.
@@ -68,13 +68,13 @@ class Benchmark:
     scoring: Tuple[ScoringItem, ...]
 
     @property
-    def kind(self) -> Kind:
+    def kind(self) -> BenchmarkKind:
         """Who drives a run of this benchmark."""
         return KINDS[self.code]
 
 
 @dataclass(frozen=True)
-class Event:
+class ScheduledEvent:
     """One line of a zone's schedule. `team` is `ALL_TEAMS` for a referee-only benchmark."""
 
     benchmark: Benchmark
@@ -89,7 +89,7 @@ class ZonePlan:
     """A zone and its events in the order of their scheduled times; equal times keep the file's order."""
 
     name: str
-    events: Tuple[Event, ...]
+    events: Tuple[ScheduledEvent, ...]
 
 
 @dataclass(frozen=True)

@@ -1,17 +1,29 @@
 """The configuration of the box: three YAML files, read and checked once, at the start.
 
-docs/benchmarks.md, "Files" describes the files. Each file in ``config/`` starts with a description, too.
-Whatever is wrong in any of them is reported at once, and the box does not start. An error in one file is
-not reported again as its consequences in another.
+The files are described at the top of each file in ``config/``. Whatever is wrong in any of them is reported at once,
+and the box does not start. An error in one file is not reported again as its consequences in another.
 """
 
-from typing import List, Tuple
+import os
+import shlex
+import stat
+from typing import Dict, List, Optional, Set, Tuple
 
-from roah_rsbb.rulebook.benchmarks import Config
-from roah_rsbb.rulebook.benchmarks_file import BenchmarksFile
-from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors, Report
-from roah_rsbb.rulebook.passwords_file import PasswordsFile
-from roah_rsbb.rulebook.schedule_file import ScheduleFile
+from roah_rsbb.rulebook.benchmarks import (
+    ALL_TEAMS,
+    KINDS,
+    Benchmark,
+    BenchmarkKind,
+    Config,
+    ScheduledEvent,
+    ScoreKind,
+    ScoringItem,
+    ZonePlan,
+)
+from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors, Place, Report, line_list, quote
+from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, integer, number, sequence, text, utc_time
+from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Unusable, read_yaml
+from roah_rsbb.wording.suggestions import nearest
 
 __all__ = ["ConfigError", "ConfigErrors", "load"]
 
@@ -27,3 +39,292 @@ def load(benchmarks_file: str, schedule_file: str, passwords_file: str) -> Tuple
     schedule = ScheduleFile(schedule_file, report, benchmarks, passwords)
     report.raise_errors()
     return Config(benchmarks.by_code, passwords.by_team, schedule.zones), report.warnings
+
+
+# -- the benchmarks file ----------------------------------------------------------------------------
+
+# A run of more than a day is a typing error.
+MAX_TIMEOUT_S = 86400
+
+_BENCHMARK = {
+    "name": "Task Benchmark 1",
+    "desc": "Getting to know my home",
+    "code": "HGTKMH",
+    "timeout": "600",
+}
+_BENCHMARK_OPTIONAL = {"total_timeout": "600", "scoring": "[...]"}
+_ITEM = {"type": "bool", "desc": "The robot finds the door"}
+_BENCHMARKS_SHAPE = "benchmarks, '- name: ...' and so on"
+_ITEMS_SHAPE = "items '- {type: bool, desc: ...}'"
+_GROUPS_SHAPE = "groups '- Achievements: [...]', or no key 'scoring'"
+_SCORE_KINDS = {"bool": ScoreKind.BOOL, "uint": ScoreKind.UINT}
+
+
+class BenchmarksFile:
+    """The file's benchmarks by code, and the codes that it means to describe.
+
+    `codes` includes those of entries with errors; None: they cannot be known, the file or the code of
+    an entry being unreadable.
+    """
+
+    def __init__(self, path: str, report: Report) -> None:
+        self.path = path
+        self.by_code: Dict[str, Benchmark] = {}
+        self.codes: Optional[Set[str]] = None
+        self._report = report
+        self._places: Dict[str, Place] = {}
+        what = "the benchmarks file (parameter benchmarks_file)"
+        root = read_yaml(path, report, what, f"a sequence of {_BENCHMARKS_SHAPE}")
+        entries = sequence(report, root, "the file's content", _BENCHMARKS_SHAPE)
+        if entries is None:
+            return
+        found = [self._entry(entry) for entry in entries]
+        # A code or a key twice, or none: another code may be meant.
+        doubtful = None in found or len(set(found)) < len(found)
+        self.codes = None if doubtful else {code for code in found if code}
+
+    def _entry(self, node: Node) -> Optional[str]:
+        """Read one benchmark; return its code if that is sure, also if something else is wrong."""
+        report = self._report
+        got = fields(report, node, "a benchmark", _BENCHMARK, _BENCHMARK_OPTIONAL)
+        if got is None:
+            return None
+        code = choice(report, got.get("code"), "code", tuple(KINDS), "a benchmark code")
+        name = text(report, got.get("name"), "name")
+        desc = text(report, got.get("desc"), "desc")
+        timeout = _timeout(report, got, "timeout")
+        total = _timeout(report, got, "total_timeout") if "total_timeout" in got else timeout
+        scoring = self._scoring(got.get("scoring"))
+        if code is None:
+            return None
+        found = f"a second benchmark with code {quote(code)}"
+        report.once(self._places, code, got["code"].place, found, "each code once")
+        if timeout is not None and total is not None:
+            if total < timeout:
+                report.warn(
+                    got["total_timeout"].place,
+                    f"total_timeout {total:g} of {code} is less than its timeout {timeout:g}: "
+                    "it ends the run before the first goal's time is over",
+                )
+            if name is not None and desc is not None:
+                self.by_code[code] = Benchmark(code, name, desc, timeout, total, scoring)
+        return code if isinstance(node, Mapping) and node.whole else None
+
+    def _scoring(self, node: Optional[Node]) -> Tuple[ScoringItem, ...]:
+        """Read the scoring items; those with errors are left out."""
+        items: List[ScoringItem] = []
+        places: Dict[Tuple[str, str], Place] = {}
+        for group in sequence(self._report, node, "scoring", _GROUPS_SHAPE) or ():
+            if not isinstance(group, Mapping):
+                if not isinstance(group, Unusable):
+                    self._report.error(group.place, f"{describe(group)} in scoring", _GROUPS_SHAPE)
+                continue
+            for key, value in group.pairs:
+                name = text(self._report, key, "name of a scoring group")
+                what = f"items of the scoring group {quote(key.text)}"
+                for entry in sequence(self._report, value, what, _ITEMS_SHAPE) or ():
+                    item = self._item(entry, name, places)
+                    items += [item] if item else []
+        return tuple(items)
+
+    def _item(
+        self, node: Node, group: Optional[str], places: Dict[Tuple[str, str], Place]
+    ) -> Optional[ScoringItem]:
+        got = fields(self._report, node, "a scoring item", _ITEM, {})
+        if got is None:
+            return None
+        kind = choice(self._report, got.get("type"), "type", tuple(_SCORE_KINDS), "a scoring type")
+        desc = text(self._report, got.get("desc"), "desc of a scoring item")
+        if group is None or desc is None:
+            return None
+        found = f"the scoring item {quote(desc)} a second time in group {quote(group)}"
+        self._report.once(places, (group, desc), got["desc"].place, found, "each desc of a group once")
+        return None if kind is None else ScoringItem(group, desc, _SCORE_KINDS[kind])
+
+
+def _timeout(report: Report, got: Dict[str, Node], key: str) -> Optional[float]:
+    return number(report, got.get(key), key, unit="seconds", above=0, most=MAX_TIMEOUT_S)
+
+
+# -- the passwords file -----------------------------------------------------------------------------
+
+# Names travel in the beacon, which must fit in one datagram (docs/protocol.md, "Frame").
+MAX_TEAM_BYTES = 100
+
+_PASSWORDS_SHAPE = "a line 'team: password' for each team"
+
+
+class PasswordsFile:
+    """Passwords by team, and the teams that the file means to list.
+
+    `teams` includes those of lines with errors; None: they cannot be known, the file or the name of a
+    team being unreadable.
+    """
+
+    def __init__(self, path: str, report: Report) -> None:
+        self.path = path
+        self.by_team: Dict[str, str] = {}
+        self.teams: Optional[Set[str]] = None
+        self._report = report
+        what = "the passwords file (parameter passwords_file)"
+        root = read_yaml(path, report, what, _PASSWORDS_SHAPE, secret=True)
+        self._warn_if_readable(path)
+        if root is None or isinstance(root, Unusable):
+            return
+        if not isinstance(root, Mapping):
+            report.error(root.place, f"{describe(root)} as the file's content", _PASSWORDS_SHAPE)
+            return
+        if not root.pairs and root.whole:
+            report.error(root.place, "no teams", _PASSWORDS_SHAPE)
+        readable = [self._line(key, value) for key, value in root.pairs]
+        if root.whole and readable and all(readable):
+            self.teams = {key.text for key, _ in root.pairs}
+
+    def _line(self, key: Scalar, value: Node) -> bool:
+        """Read one team's line; return whether it is sure which team is meant.
+
+        The name is not shown in errors: where a colon or a blank is missing it holds the password.
+        """
+        if ":" in key.text:
+            expected = "'team: password' with a blank after the colon"
+            self._report.error(key.place, "a colon in a team's name", expected)
+            return False
+        team = text(self._report, key, "team's name", MAX_TEAM_BYTES)
+        if team == ALL_TEAMS:
+            found = f"{ALL_TEAMS} as team's name"
+            self._report.error(key.place, found, f"another name: in the schedule, {ALL_TEAMS} means all robots")
+        password = text(self._report, value, "password")
+        if team is not None and password is not None:
+            self.by_team[team] = password
+        # "Team password:" has no value.
+        return team not in (None, ALL_TEAMS) and not (isinstance(value, Scalar) and not value.text)
+
+    def _warn_if_readable(self, path: str) -> None:
+        try:
+            mode = stat.S_IMODE(os.stat(path).st_mode)
+        except (OSError, ValueError):
+            return  # reported when it was read
+        if mode & (stat.S_IRGRP | stat.S_IROTH):
+            remedy = f"chmod 600 {shlex.quote(path)}"
+            self._report.warn(
+                Place(path, 0, 0),
+                f"other users of this computer can read the passwords (mode {mode:04o}); remedy: {remedy}",
+            )
+
+
+# -- the schedule file ------------------------------------------------------------------------------
+
+_ZONES_SHAPE = "zones, '- zone: ...' with 'schedule: ...'"
+_ZONE = {"zone": "Task Benchmarks", "schedule": "[...]"}
+_EVENT = {
+    "benchmark": "HGTKMH",
+    "team": "TestingTeam",
+    "round": "1",
+    "run": "1",
+    "scheduled_time": "2015-12-31 14:30:00",
+}
+# `uint8` on the ROS interface; counted from 1.
+_MAX_ROUND = 255
+
+_Run = Tuple[str, str, int, int]
+
+
+class ScheduleFile:
+    """The file's zones, checked against the benchmarks and teams of the two other files."""
+
+    def __init__(
+        self, path: str, report: Report, benchmarks: BenchmarksFile, passwords: PasswordsFile
+    ) -> None:
+        self.zones: Tuple[ZonePlan, ...] = ()
+        self._report = report
+        self._benchmarks = benchmarks
+        self._passwords = passwords
+        self._zone_places: Dict[str, Place] = {}
+        self._run_places: Dict[_Run, Place] = {}
+        self._codes_not_described: Dict[str, List[Place]] = {}
+        self._teams_without_password: Dict[str, List[Place]] = {}
+        what = "the schedule file (parameter schedule_file)"
+        root = read_yaml(path, report, what, f"a sequence of {_ZONES_SHAPE}")
+        zones = [self._zone(node) for node in sequence(report, root, "the file's content", _ZONES_SHAPE) or ()]
+        self._report_unknown()
+        self.zones = tuple(zone for zone in zones if zone is not None)
+
+    def _zone(self, node: Node) -> Optional[ZonePlan]:
+        got = fields(self._report, node, "a zone", _ZONE, {})
+        if got is None:
+            return None
+        name = text(self._report, got.get("zone"), "zone")
+        if name is not None:
+            found = f"a second zone {quote(name)}"
+            self._report.once(self._zone_places, name, got["zone"].place, found, "each zone once")
+        what = "schedule" if name is None else f"schedule of zone {quote(name)}"
+        shape = "at least one event, '- {benchmark: ..., team: ..., and so on}'"
+        nodes = sequence(self._report, got.get("schedule"), what, shape) or ()
+        events = [event for event in map(self._event, nodes) if event is not None]
+        return None if name is None else ZonePlan(name, tuple(sorted(events, key=lambda e: e.scheduled)))
+
+    def _event(self, node: Node) -> Optional[ScheduledEvent]:
+        """Read one event; None if anything is wrong with it."""
+        report = self._report
+        got = fields(report, node, "an event", _EVENT, {})
+        if got is None:
+            return None
+        code = choice(report, got.get("benchmark"), "benchmark", tuple(KINDS), "a benchmark code")
+        team = text(report, got.get("team"), "team")
+        number = integer(report, got.get("round"), "round", 1, _MAX_ROUND)
+        run = integer(report, got.get("run"), "run", 1, _MAX_ROUND)
+        scheduled = utc_time(report, got.get("scheduled_time"), "scheduled_time")
+        if code is not None and self._benchmarks.codes is not None and code not in self._benchmarks.codes:
+            self._codes_not_described.setdefault(code, []).append(got["benchmark"].place)
+        if team is not None:
+            self._check_team(code, team, got["team"].place)
+        if code is None or team is None or number is None or run is None:
+            return None
+        self._warn_of_twin((code, team, number, run), node.place)
+        benchmark = self._benchmarks.by_code.get(code)
+        if benchmark is None or scheduled is None:
+            return None
+        return ScheduledEvent(benchmark, team, number, run, scheduled)
+
+    def _check_team(self, code: Optional[str], team: str, place: Place) -> None:
+        """ALL with the referee-only benchmark and with no other; other teams with a password."""
+        for_all = code is not None and KINDS[code] is BenchmarkKind.REFEREE_ONLY
+        if team == ALL_TEAMS:
+            if code is not None and not for_all:
+                self._report.error(place, f"team {ALL_TEAMS} in {code}", "the name of one team")
+            return
+        if for_all:
+            found = f"team {quote(team)} in {code}"
+            self._report.error(place, found, f"team {ALL_TEAMS}: all robots do it at once")
+        elif self._passwords.teams is not None and team not in self._passwords.teams:
+            self._teams_without_password.setdefault(team, []).append(place)
+
+    def _warn_of_twin(self, run: _Run, place: Place) -> None:
+        first = self._run_places.setdefault(run, place)
+        if first is not place:
+            code, team, number, run_number = run
+            self._report.warn(
+                place,
+                f"{code}, team {quote(team)}, round {number}, run {run_number} is already in line "
+                f"{first.line}: give each run a number of its own, or their logs and results look alike",
+            )
+
+    def _report_unknown(self) -> None:
+        """One error for each unknown name, however often it is used."""
+        file = self._benchmarks.path
+        for code, places in self._codes_not_described.items():
+            found = f"benchmark {quote(code)}{_also(places)}, which is not in {file}"
+            codes = ", ".join(sorted(self._benchmarks.codes or ()))
+            self._report.error(places[0], found, f"one that is there ({codes}), or an entry for it there")
+        file = self._passwords.path
+        for team, places in self._teams_without_password.items():
+            # Only what is a team beyond doubt is shown of the passwords file.
+            near = nearest(team, self._passwords.by_team)
+            guess = f": did you mean {quote(near)}?" if near else ", or a line 'team: password' for it"
+            found = f"team {quote(team)}{_also(places)}, which is not in {file}"
+            self._report.error(places[0], found, f"a team of that file{guess}")
+
+
+def _also(places: List[Place]) -> str:
+    """The other lines with the same mistake."""
+    return f" (also in line {line_list([place.line for place in places[1:]])})" if places[1:] else ""

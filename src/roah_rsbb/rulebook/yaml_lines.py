@@ -12,12 +12,11 @@ import os
 import re
 import stat
 from dataclasses import dataclass, field
-from typing import Dict, List, NoReturn, Optional, Tuple
+from typing import Dict, List, NamedTuple, NoReturn, Optional, Tuple
 
 import yaml
 
 from roah_rsbb.rulebook.errors import Place, Report, line_list, quote
-from roah_rsbb.rulebook.yaml_syntax import explain
 from roah_rsbb.wording.suggestions import nearest
 
 # A schedule of ten thousand runs. Reading this much takes PyYAML two to six seconds.
@@ -67,6 +66,95 @@ class Mapping(Node):
 
     pairs: Tuple[Tuple[Scalar, Node], ...]
     whole: bool
+
+
+class Explanation(NamedTuple):
+    """What is wrong, and whether it is wrong where the construct begins or where the parser stopped."""
+
+    at_begin: bool
+    found: str
+    expected: str
+
+
+_QUOTES = Explanation(
+    True,
+    "a text that begins with a character that has a meaning in YAML",
+    "quotes around a text that begins with one of @ ` % * & ! | > [ ] { } , # or a quote",
+)
+# By the character where the parser stopped.
+_STOPPED_AT = {
+    "\t": ("a tab", "spaces: YAML does not allow tabs for indentation or between words"),
+    "@": _QUOTES[1:],
+    "`": _QUOTES[1:],
+    "%": _QUOTES[1:],
+    "-": ("a '- ' that cannot stand here",
+          "each '- item' on a line of its own, under the others, below a line that ends with ':'"),
+    "?": ("a '? ' in the middle of a line", "quotes around a text that contains '? '"),
+}
+_DIRECTIVE = ("a line that begins with '%'", "no YAML directives, or quotes around the text")
+_SECOND_COLON = (
+    "a second ': ' on the line", "one 'key: value' a line, and quotes around a text that contains ': '")
+_COLON = (
+    "a ': ' that cannot stand here: its line is indented deeper than the one above, or the one above is not "
+    "'key: value'", "the keys of one map under each other, each with a colon and a blank after it")
+_AFTER_QUOTE = (
+    "text after a closing quote",
+    "a quote within a text doubled ('Granny''s'), or the other kind of quotes around it (\"Granny's\")")
+_BACKSLASH = (
+    "a backslash in double quotes before a character that makes no sense after it",
+    "single quotes around a text with backslashes, or each backslash doubled")
+_OPEN_QUOTE = ("a quote that is opened here and never closed", "a quote at the text's end, too")
+_NO_VALUE = (
+    "a comma, a bracket or another sign where a value should begin", f"a value, or {_QUOTES.expected}")
+_NO_KEY = ("a line without 'key: value'", "a colon and a space after the key (a list item begins with '- ')")
+_FLOW = {
+    "[": ("a '[' without its ']', or a comma missing in between",
+          "'[a, b, c]', and a pair of quotes around a text that contains [ ] { } , or ': '"),
+    "{": ("a '{' without its '}', or a comma missing in between",
+          "'{key: value, key: value}', and a pair of quotes around a text that contains [ ] { } , or ': '"),
+}
+_CLOSED = {
+    "]": ("a ']' without its '['", "as many '[' as ']'"),
+    "}": ("a '}' without its '{'", "as many '{' as '}'"),
+}
+_OTHER = (
+    "a line that does not continue what stands above",
+    "the keys of one map under each other, the '-' of one sequence under each other, and a closing quote for each "
+    "opening one")
+
+
+def explain(error: yaml.MarkedYAMLError, text: str, before: str) -> Explanation:
+    """Say what an organiser can do about PyYAML's `error`. `before` is the line up to where the parser stopped.
+
+    Only the places count that PyYAML reports: where the construct begins, and where the parser stopped. The
+    explanation never contains text of the file: it may be a password.
+    """
+    stopped = text[error.problem_mark.index:][:1]
+    begin = "" if error.context_mark is None else text[error.context_mark.index:][:1]
+    is_scanner = isinstance(error, yaml.scanner.ScannerError)
+    if begin == "%" or (stopped == "%" and not before):
+        return Explanation(begin == "%", *_DIRECTIVE)
+    if begin in _FLOW:
+        return Explanation(True, *_FLOW[begin])
+    if is_scanner and begin == '"' and "\\" in before[-2:]:
+        return Explanation(False, *_BACKSLASH)
+    if is_scanner and begin in ("'", '"'):
+        return Explanation(True, *_OPEN_QUOTE)
+    if begin and begin in "*&!|>":
+        return _QUOTES
+    if is_scanner and begin:
+        return Explanation(True, *_NO_KEY)
+    if stopped == ":":
+        return Explanation(False, *(_SECOND_COLON if ": " in before else _COLON))
+    if is_scanner and stopped in _STOPPED_AT:
+        return Explanation(False, *_STOPPED_AT[stopped])
+    if before.rstrip().endswith(("'", '"')):
+        return Explanation(False, *_AFTER_QUOTE)
+    if stopped in _CLOSED:
+        return Explanation(False, *_CLOSED[stopped])
+    if stopped and stopped in ",[{":
+        return Explanation(False, *_NO_VALUE)
+    return Explanation(False, *_OTHER)
 
 
 class _Stop(Exception):
@@ -193,12 +281,12 @@ class _Builder:
             if end.line > begin.line:
                 found = f"a quote that is opened here and closed only in line {end.line}"
                 raise _Stop(begin, found, "a quote at the text's end, too") from None
-        if "<stream end>" in error.problem and self._open_brackets:
+        if error.problem_mark.index >= len(self._text.rstrip()) and self._open_brackets:
             found = "a '[' or '{' that is opened here and never closed"
             raise _Stop(self._open_brackets[-1], found, "a ']' or '}' at its end") from None
         stop = self._place(error.problem_mark.index)
         start = self._line_starts[stop.line - 1]
-        why = explain(error, self._text[start : start + stop.column - 1])
+        why = explain(error, self._text, self._text[start : start + stop.column - 1])
         mark = (error.context_mark if why.at_begin else None) or error.problem_mark
         place = self._place(mark.index)
         also = self._other_tabs(place.line) if self._text.startswith("\t", mark.index) else ""

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from helpers.config_files import SHIPPED
 from helpers.examples import examples
 from roah_rsbb.comm.passwords import BadPasswords, own_password, parse_passwords, read_passwords
+from roah_rsbb.rulebook.config import PasswordsFile
 from roah_rsbb.rulebook.errors import Report
-from roah_rsbb.rulebook.passwords_file import PasswordsFile
 
 
 def test_the_shipped_file_says_the_same_here_and_to_the_box():

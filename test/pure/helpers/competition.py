@@ -1,7 +1,7 @@
 """A small competition, made by hand: benchmarks, events and zones for the tests of the core."""
 
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord
-from roah_rsbb.rulebook.benchmarks import Benchmark, Config, Event, ScoreKind, ScoringItem, ZonePlan
+from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ScoreKind, ScoringItem, ZonePlan
 
 UTC0 = 1_800_000_000.0
 TEAMS = ("Alpha", "Beta", "Gamma")
@@ -20,7 +20,7 @@ def benchmark(code, timeout=600.0, total_timeout=None, scoring=SCORING):
 
 def event(code="HGTKMH", team="Alpha", round=1, run=1, scheduled=UTC0, **of_benchmark):
     """An event of the schedule."""
-    return Event(benchmark(code, **of_benchmark), team, round, run, scheduled)
+    return ScheduledEvent(benchmark(code, **of_benchmark), team, round, run, scheduled)
 
 
 def competition(teams=TEAMS, **zones):

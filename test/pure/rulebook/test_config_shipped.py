@@ -7,7 +7,7 @@ import pytest
 
 from helpers.config_files import SHIPPED, TEXTS
 from roah_rsbb.rulebook import config
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS, Kind, ScoreKind
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS, BenchmarkKind, ScoreKind
 
 # docs/benchmarks.md, "The table": timeout of a goal and of the whole run, in seconds.
 TIMEOUTS = {
@@ -56,9 +56,9 @@ def test_every_benchmark_of_the_table(shipped):
 
 
 def test_kinds():
-    tasks = {code for code, kind in KINDS.items() if kind is Kind.TASK}
+    tasks = {code for code, kind in KINDS.items() if kind is BenchmarkKind.TASK}
     assert tasks == {"HGTKMH", "HWV", "HCFGAC"}
-    assert [code for code, kind in KINDS.items() if kind is Kind.REFEREE_ONLY] == ["HSUF"]
+    assert [code for code, kind in KINDS.items() if kind is BenchmarkKind.REFEREE_ONLY] == ["HSUF"]
 
 
 @pytest.mark.parametrize("code", list(TIMEOUTS))
@@ -79,7 +79,7 @@ def test_zones_and_events(shipped):
     for event in testing:
         assert event.team == (ALL_TEAMS if event.benchmark.code == "HSUF" else "TestingTeam")
     assert testing[0].scheduled == calendar.timegm((2015, 12, 31, 0, 0, 0))
-    assert {event.benchmark.kind for event in zones["Task Benchmarks"].events} == {Kind.TASK}
+    assert {event.benchmark.kind for event in zones["Task Benchmarks"].events} == {BenchmarkKind.TASK}
 
 
 def test_passwords_are_there_but_not_in_repr(shipped):

@@ -32,7 +32,7 @@ BAD_S = 10.0
 NO_ANSWER = "Robot has not answered on the private channel yet"
 
 
-class Heard(NamedTuple):
+class HeardReport(NamedTuple):
     """What one message meant."""
 
     fresh: bool
@@ -41,7 +41,7 @@ class Heard(NamedTuple):
     notices: Tuple[str, ...]
 
 
-STALE = Heard(False, False, False, ())
+STALE = HeardReport(False, False, False, ())
 
 
 @dataclass
@@ -122,7 +122,7 @@ class RobotLink:
         """
         self._timeline.begin_after(heard.mono, wire_ns(time))
 
-    def hear(self, now: Now, host: str, report: RobotReport) -> Heard:
+    def hear(self, now: Now, host: str, report: RobotReport) -> HeardReport:
         """Judge a message that arrived from `host`, and remember it if it is fresh."""
         if self._is_elsewhere(now, host):
             return STALE._replace(notices=self._note_rival(now, host))
@@ -140,7 +140,7 @@ class RobotLink:
         self._old = 0
         self._told_silent = False
         self._bad = None
-        return Heard(True, new_host, state_changed, tuple(notices))
+        return HeardReport(True, new_host, state_changed, tuple(notices))
 
     def hear_copy(self, now: Now, host: str, count: int = 1) -> Tuple[str, ...]:
         """Copies of messages that were taken before arrived, the last from `host`: notices of it.

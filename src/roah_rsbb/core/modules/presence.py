@@ -15,7 +15,7 @@ GONE_S = 2.0
 MAX_NODES = 32
 
 
-class _Heard(NamedTuple):
+class _HeardNode(NamedTuple):
     state: ModulesState
     mono: float
 
@@ -31,7 +31,7 @@ class Modules:
     """All nodes of benchmarking modules that were heard."""
 
     def __init__(self) -> None:
-        self._heard: Dict[str, _Heard] = {}
+        self._heard: Dict[str, _HeardNode] = {}
 
     def hear(self, now: Now, state: ModulesState) -> None:
         """A node says what it drives; one that drives nothing has left."""
@@ -42,7 +42,7 @@ class Modules:
             self.forget_gone(now)
             if len(self._heard) >= MAX_NODES:
                 return
-        self._heard[state.node] = _Heard(state, now.mono)
+        self._heard[state.node] = _HeardNode(state, now.mono)
 
     def forget_gone(self, now: Now) -> None:
         """Nodes that were not heard for too long are gone: where they come back, they come last."""

@@ -25,7 +25,7 @@ from roah_rsbb.core.modules.messages import (
 from roah_rsbb.core.modules.presence import Driver, Modules
 from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.runs import machine
+from roah_rsbb.core.runs.machine import Reaction, react
 from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, Goal, GoalState, Switches, SwitchesState, check_answer
 from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState
 from roah_rsbb.core.scoring.book import Marked
@@ -304,8 +304,8 @@ class FunctionalityRun(Run):
         if goal is None:
             return
         explicit = goal.request.explicit_goal
-        step = machine.step(self.message.state, report.state, explicit)
-        if step is machine.Step.EXECUTE:
+        reaction = react(self.message.state, report.state, explicit)
+        if reaction is Reaction.EXECUTE:
             if goal.state.told is None:
                 goal.state.told = now
                 self._changed()
@@ -313,11 +313,11 @@ class FunctionalityRun(Run):
                 self._set_state(now, BoxState.GOAL_TX, "Robot prepared, goal sent", goal.message)
             else:
                 self._set_state(now, BoxState.WAITING_RESULT, "Robot prepared, executing (no explicit goal)")
-        elif step is machine.Step.AWAIT_RESULT:
+        elif reaction is Reaction.AWAIT_RESULT:
             self._set_state(now, BoxState.WAITING_RESULT, "Robot received the goal, waiting for its result")
-        elif step is machine.Step.RETRY:
+        elif reaction is Reaction.RETRY:
             self._set_state(now, BoxState.PREPARE, f"Robot fell back to {report.state.name}: asked to prepare again")
-        elif step is machine.Step.GOAL_DONE:
+        elif reaction is Reaction.GOAL_DONE:
             self._goal_done(now, goal, result_text(report))
 
     def _goal_done(self, now: Now, goal: Goal, result: str) -> None:

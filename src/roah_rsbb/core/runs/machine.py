@@ -16,7 +16,7 @@ from typing import Dict, Tuple
 from roah_rsbb.protocol import BoxState, RobotState
 
 
-class Step(enum.Enum):
+class Reaction(enum.Enum):
     """What to do after a message of the robot."""
 
     KEEP = "keep the state"
@@ -29,35 +29,35 @@ class Step(enum.Enum):
 
 _BOX, _ROBOT = BoxState, RobotState
 
-TABLE: Dict[Tuple[BoxState, RobotState], Step] = {
-    (_BOX.STOP, _ROBOT.STOP): Step.KEEP,
-    (_BOX.STOP, _ROBOT.PREPARING): Step.KEEP,
-    (_BOX.STOP, _ROBOT.WAITING_GOAL): Step.KEEP,
-    (_BOX.STOP, _ROBOT.EXECUTING): Step.KEEP,
-    (_BOX.STOP, _ROBOT.RESULT_TX): Step.KEEP,
+TABLE: Dict[Tuple[BoxState, RobotState], Reaction] = {
+    (_BOX.STOP, _ROBOT.STOP): Reaction.KEEP,
+    (_BOX.STOP, _ROBOT.PREPARING): Reaction.KEEP,
+    (_BOX.STOP, _ROBOT.WAITING_GOAL): Reaction.KEEP,
+    (_BOX.STOP, _ROBOT.EXECUTING): Reaction.KEEP,
+    (_BOX.STOP, _ROBOT.RESULT_TX): Reaction.KEEP,
     # A robot that hears PREPARE late, or was busy with something else, is just asked on.
-    (_BOX.PREPARE, _ROBOT.STOP): Step.KEEP,
-    (_BOX.PREPARE, _ROBOT.PREPARING): Step.KEEP,
-    (_BOX.PREPARE, _ROBOT.WAITING_GOAL): Step.EXECUTE,
-    (_BOX.PREPARE, _ROBOT.EXECUTING): Step.KEEP,
-    (_BOX.PREPARE, _ROBOT.RESULT_TX): Step.KEEP,
-    (_BOX.GOAL_TX, _ROBOT.STOP): Step.RETRY,
-    (_BOX.GOAL_TX, _ROBOT.PREPARING): Step.RETRY,
-    (_BOX.GOAL_TX, _ROBOT.WAITING_GOAL): Step.KEEP,
-    (_BOX.GOAL_TX, _ROBOT.EXECUTING): Step.AWAIT_RESULT,
-    (_BOX.GOAL_TX, _ROBOT.RESULT_TX): Step.GOAL_DONE,
-    (_BOX.WAITING_RESULT, _ROBOT.STOP): Step.RETRY,
-    (_BOX.WAITING_RESULT, _ROBOT.PREPARING): Step.RETRY,
+    (_BOX.PREPARE, _ROBOT.STOP): Reaction.KEEP,
+    (_BOX.PREPARE, _ROBOT.PREPARING): Reaction.KEEP,
+    (_BOX.PREPARE, _ROBOT.WAITING_GOAL): Reaction.EXECUTE,
+    (_BOX.PREPARE, _ROBOT.EXECUTING): Reaction.KEEP,
+    (_BOX.PREPARE, _ROBOT.RESULT_TX): Reaction.KEEP,
+    (_BOX.GOAL_TX, _ROBOT.STOP): Reaction.RETRY,
+    (_BOX.GOAL_TX, _ROBOT.PREPARING): Reaction.RETRY,
+    (_BOX.GOAL_TX, _ROBOT.WAITING_GOAL): Reaction.KEEP,
+    (_BOX.GOAL_TX, _ROBOT.EXECUTING): Reaction.AWAIT_RESULT,
+    (_BOX.GOAL_TX, _ROBOT.RESULT_TX): Reaction.GOAL_DONE,
+    (_BOX.WAITING_RESULT, _ROBOT.STOP): Reaction.RETRY,
+    (_BOX.WAITING_RESULT, _ROBOT.PREPARING): Reaction.RETRY,
     # Without an explicit goal this is normal until the robot has heard of WAITING_RESULT.
-    (_BOX.WAITING_RESULT, _ROBOT.WAITING_GOAL): Step.RETRY_WITH_GOAL,
-    (_BOX.WAITING_RESULT, _ROBOT.EXECUTING): Step.KEEP,
-    (_BOX.WAITING_RESULT, _ROBOT.RESULT_TX): Step.GOAL_DONE,
+    (_BOX.WAITING_RESULT, _ROBOT.WAITING_GOAL): Reaction.RETRY_WITH_GOAL,
+    (_BOX.WAITING_RESULT, _ROBOT.EXECUTING): Reaction.KEEP,
+    (_BOX.WAITING_RESULT, _ROBOT.RESULT_TX): Reaction.GOAL_DONE,
 }
 
 
-def step(box: BoxState, robot: RobotState, explicit_goal: bool) -> Step:
+def react(box: BoxState, robot: RobotState, explicit_goal: bool) -> Reaction:
     """What a fresh message of the robot does; `explicit_goal`: this goal is sent to the robot."""
     found = TABLE[(box, robot)]
-    if found is Step.RETRY_WITH_GOAL:
-        return Step.RETRY if explicit_goal else Step.KEEP
+    if found is Reaction.RETRY_WITH_GOAL:
+        return Reaction.RETRY if explicit_goal else Reaction.KEEP
     return found

@@ -18,16 +18,16 @@ from roah_rsbb.core.effects import Effect, How, Level
 from roah_rsbb.core.link.link import LinkState, RobotLink
 from roah_rsbb.core.messages import NO_GOAL, BoxMessage, GoalMessage, RobotReport
 from roah_rsbb.core.robots import RobotId
-from roah_rsbb.core.runs import machine
 from roah_rsbb.core.runs.clock import CountdownState, RunClock, SavingWatch
 from roah_rsbb.core.runs.device_commands import DeviceCommands, DeviceCommandsState
+from roah_rsbb.core.runs.machine import Reaction, react
 from roah_rsbb.core.runs.online_data import Strings, StringsBudget, receive, with_line
 from roah_rsbb.core.scoring.book import BookState, Marked, RunBook
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase, RunRecord, ScoreValue
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Event
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, ScheduledEvent
 
 # So often the referee is told what was dropped of a robot that sends too much.
 DROPPED_PERIOD_S = 10.0
@@ -55,7 +55,7 @@ class Assignment(NamedTuple):
     """Who runs what, where."""
 
     zone: str
-    event: Event
+    event: ScheduledEvent
     robot: RobotId
     port: int  # UDP port of the private channel; it identifies the run in the whole competition
 
@@ -123,7 +123,9 @@ class ZoneRun(abc.ABC):
 
     scores: Tuple[ScoreValue, ...] = ()  # of a benchmarking module
 
-    def __init__(self, zone: str, event: Event, context: RunContext, state: Union[RunState, AllRobotsState]) -> None:
+    def __init__(
+        self, zone: str, event: ScheduledEvent, context: RunContext, state: Union[RunState, AllRobotsState]
+    ) -> None:
         settings = context.settings
         self.state = state
         self.zone = zone
@@ -427,13 +429,13 @@ class Run(ZoneRun):
             self.say(now, Level.WARNING, notice)
 
     def _step(self, now: Now, report: RobotReport) -> None:
-        step = machine.step(self.message.state, report.state, explicit_goal=False)
-        if step is machine.Step.EXECUTE:
+        reaction = react(self.message.state, report.state, explicit_goal=False)
+        if reaction is Reaction.EXECUTE:
             self._set_state(now, BoxState.WAITING_RESULT, "Robot prepared, executing (no explicit goal)")
-        elif step is machine.Step.RETRY:
+        elif reaction is Reaction.RETRY:
             self._set_state(now, BoxState.PREPARE,
                             f"Robot fell back to {report.state.name}: asked to prepare again")
-        elif step is machine.Step.GOAL_DONE:
+        elif reaction is Reaction.GOAL_DONE:
             self._end(now, EndReason.COMPLETED)
 
     def _take_strings(self, now: Now, report: RobotReport) -> bool:

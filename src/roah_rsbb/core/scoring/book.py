@@ -20,7 +20,7 @@ from roah_rsbb.core.scoring.records import (
     StopRecord,
 )
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, standing_text
-from roah_rsbb.rulebook.benchmarks import Benchmark, Event, ScoreKind, ScoringItem
+from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent, ScoreKind, ScoringItem
 
 # More stops than that are none of a referee; then the oldest one goes that has no reason typed.
 MAX_STOPS = 100
@@ -124,7 +124,7 @@ class FinishedResult(NamedTuple):
     """What the public may be shown of a run that is over, and of those alone."""
 
     zone: str
-    event: Event
+    event: ScheduledEvent
     end_reason: str  # name of an `EndReason`, in lower case
     disconnected_utc: float  # UTC seconds of *disconnect*
     items: Tuple[ItemRecord, ...]  # the referee's score sheet
@@ -180,7 +180,7 @@ class FinishedRun:
 
     def _result(self) -> FinishedResult:
         record = self.record
-        event = Event(self._benchmark, record.team, record.round, record.run, record.scheduled)
+        event = ScheduledEvent(self._benchmark, record.team, record.round, record.run, record.scheduled)
         return FinishedResult(
             record.zone, event, record.end_reason, record.closed_utc, record.items, record.module_scores
         )
@@ -237,7 +237,7 @@ class FinishedRuns:
 
     def newest(self, count: int = MAX_KEPT) -> Tuple[FinishedResult, ...]:
         """So many results, the one that was left last first; of a run that was repeated, the last one alone."""
-        results: Dict[Tuple[str, Event], FinishedResult] = {}
+        results: Dict[Tuple[str, ScheduledEvent], FinishedResult] = {}
         for run in reversed(self._runs.values()):
             results.setdefault((run.result.zone, run.result.event), run.result)
         return tuple(results.values())[:count]

@@ -11,7 +11,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.scoring.book import FinishedResult
 from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason, Phase
 from roah_rsbb.core.zones import Zone
-from roah_rsbb.rulebook.benchmarks import Event
+from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 
 # More fits on no screen.
 MAX_FOLLOWING = 40
@@ -30,7 +30,7 @@ class PublicRun(NamedTuple):
     """The run in a zone."""
 
     zone: str
-    event: Event
+    event: ScheduledEvent
     phase: Phase
     end_reason: Optional[EndReason]  # None: it has not ended, or the public may not know
     teams: Tuple[str, ...]  # of all robots in it
@@ -42,7 +42,7 @@ class Following(NamedTuple):
     """An event that has not begun."""
 
     zone: str
-    event: Event
+    event: ScheduledEvent
 
 
 class PublicView(NamedTuple):

@@ -14,7 +14,7 @@ from roah_rsbb.core.runs.run import Run
 from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.core.zones import Zone
-from roah_rsbb.rulebook.benchmarks import Event
+from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 
 # A zone without a run has no phase of a run.
 IDLE = "idle"
@@ -75,7 +75,7 @@ class ZoneView(NamedTuple):
     """A zone, its event and the run in it."""
 
     zone: str
-    event: Event
+    event: ScheduledEvent
     timer: float  # seconds left
     state: str  # for the referee, one or more lines
     off: Tuple[Tuple[str, ...], ...]  # for each of COMMANDS, in their order: why it is refused
@@ -103,7 +103,7 @@ class ZoneView(NamedTuple):
 class ScheduleLine(NamedTuple):
     """An event as the public sees it."""
 
-    event: Event
+    event: ScheduledEvent
     running: bool
 
 

@@ -11,7 +11,7 @@ from roah_rsbb.msg import CoreToPublic, PublicDetails, PublicEvent, PublicResult
 from roah_rsbb.msg import PublicRun as PublicRunMsg
 from roah_rsbb.nodes.core.score_convert import items_message, score_message
 from roah_rsbb.ros.times import ros_duration, ros_time
-from roah_rsbb.rulebook.benchmarks import Event
+from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 
 
 def to_public(box: Box, now: Now) -> CoreToPublic:
@@ -40,7 +40,7 @@ def public_details(view: PublicView, now: Now, box_uuid: str) -> PublicDetails:
     )
 
 
-def _event(zone: str, event: Event) -> PublicEvent:
+def _event(zone: str, event: ScheduledEvent) -> PublicEvent:
     benchmark = event.benchmark
     return PublicEvent(
         zone, benchmark.desc or benchmark.name, event.team, event.round, event.run, ros_time(event.scheduled)

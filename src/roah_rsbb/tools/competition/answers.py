@@ -5,9 +5,9 @@ import datetime
 import ipaddress
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS, Kind
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS, BenchmarkKind
+from roah_rsbb.rulebook.config import MAX_TEAM_BYTES
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
-from roah_rsbb.rulebook.passwords_file import MAX_TEAM_BYTES
 from roah_rsbb.rulebook.yaml_fields import choice, text
 from roah_rsbb.rulebook.yaml_lines import Scalar
 from roah_rsbb.tools.competition.plan import read_clock, read_day, read_time
@@ -54,7 +54,7 @@ def read_teams(report: Report, place: Place, given: str) -> Tuple[str, ...]:
 
 def read_benchmarks(report: Report, place: Place, given: str) -> Tuple[str, ...]:
     """Read codes, separated by commas; or ``tasks``, ``all``."""
-    words = {"tasks": tuple(code for code, kind in KINDS.items() if kind is Kind.TASK), "all": tuple(KINDS)}
+    words = {"tasks": tuple(code for code, kind in KINDS.items() if kind is BenchmarkKind.TASK), "all": tuple(KINDS)}
     if given.strip().casefold() in words:
         return words[given.strip().casefold()]
     codes = [benchmark_code(report, place, part) for part in split(given)]
@@ -76,8 +76,8 @@ def read_zones(report: Report, place: Place, given: str) -> Tuple[ZoneWish, ...]
 
 def usual_zones(codes: Sequence[str]) -> Dict[str, Sequence[str]]:
     """Return one zone for task benchmarks and one for the others, omitting empty zones."""
-    tasks = [code for code in codes if KINDS[code] is Kind.TASK]
-    others = [code for code in codes if KINDS[code] is not Kind.TASK]
+    tasks = [code for code in codes if KINDS[code] is BenchmarkKind.TASK]
+    others = [code for code in codes if KINDS[code] is not BenchmarkKind.TASK]
     return {name: found for name, found in ((_TASKS, tasks), (_OTHERS, others)) if found}
 
 

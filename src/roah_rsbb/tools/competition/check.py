@@ -8,7 +8,7 @@ from roah_rsbb.bmbox.framework import ground_truth_config
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.rulebook import config
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, Event
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, ScheduledEvent
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
 from roah_rsbb.rulebook.yaml_lines import read_text
 from roah_rsbb.tools.competition import files
@@ -69,7 +69,7 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
-def _events(loaded: Config) -> List[Tuple[str, Event]]:
+def _events(loaded: Config) -> List[Tuple[str, ScheduledEvent]]:
     """All events with their zones, ordered by time."""
     events = [(zone.name, event) for zone in loaded.zones for event in zone.events]
     return sorted(events, key=lambda entry: entry[1].scheduled)
@@ -80,8 +80,8 @@ def _check_times(report: Report, path: str, loaded: Config) -> None:
     whole = Place(path, 0, 0)
     by_zone: Dict[str, List[str]] = {}
     by_team: Dict[str, List[str]] = {}
-    last_in_zone: Dict[str, Event] = {}
-    last_of_team: Dict[str, Tuple[str, Event]] = {}
+    last_in_zone: Dict[str, ScheduledEvent] = {}
+    last_of_team: Dict[str, Tuple[str, ScheduledEvent]] = {}
     for zone, event in _events(loaded):
         before = last_in_zone.get(zone)
         if before is not None and event.scheduled < before.scheduled + before.benchmark.total_timeout:
@@ -100,7 +100,7 @@ def _check_times(report: Report, path: str, loaded: Config) -> None:
         report.warn(whole, f"team {quote(team)} is in two zones at once: {_few(found)}")
 
 
-def _name(event: Event) -> str:
+def _name(event: ScheduledEvent) -> str:
     return f"{event.benchmark.code} of {event.team} (round {event.round}, run {event.run})"
 
 

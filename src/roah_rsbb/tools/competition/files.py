@@ -11,7 +11,7 @@ from xml.sax.saxutils import quoteattr
 
 import yaml
 
-from roah_rsbb.rulebook.benchmarks import KINDS, Kind
+from roah_rsbb.rulebook.benchmarks import KINDS, BenchmarkKind
 from roah_rsbb.tools.competition.firewall import firewall_text
 from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock
 
@@ -91,7 +91,7 @@ def _at_venue(moment: datetime.datetime, clock: VenueClock) -> str:
 
 def module_codes(codes: Iterable[str]) -> List[str]:
     """The benchmarks with a benchmarking module, which have a file of parameters."""
-    return [code for code in codes if KINDS[code] is Kind.FUNCTIONALITY]
+    return [code for code in codes if KINDS[code] is BenchmarkKind.FUNCTIONALITY]
 
 
 def needs_tablet(plan: Plan) -> bool:

@@ -4,7 +4,7 @@ import datetime
 import re
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS, Kind
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS, BenchmarkKind
 from roah_rsbb.rulebook.errors import Place, Report, quote
 
 UTC = datetime.timezone.utc
@@ -117,7 +117,7 @@ class PlannedDay(NamedTuple):
 
 def for_all(code: str) -> bool:
     """Whether all robots do this benchmark at once."""
-    return KINDS[code] is Kind.REFEREE_ONLY
+    return KINDS[code] is BenchmarkKind.REFEREE_ONLY
 
 
 def timetable(

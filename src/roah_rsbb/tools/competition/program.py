@@ -7,9 +7,8 @@ import sys
 from typing import Callable, Dict, List, Optional
 
 from roah_rsbb.arguments import Parser
-from roah_rsbb.rulebook.benchmarks_file import BenchmarksFile
+from roah_rsbb.rulebook.config import BenchmarksFile, PasswordsFile
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report
-from roah_rsbb.rulebook.passwords_file import PasswordsFile
 from roah_rsbb.tools.competition import answers, files
 from roah_rsbb.tools.competition.answers import QUESTIONS, Missing, known_answers
 from roah_rsbb.tools.competition.check import check

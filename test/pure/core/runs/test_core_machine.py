@@ -6,7 +6,7 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition
-from roah_rsbb.core.runs.machine import TABLE, Step, step
+from roah_rsbb.core.runs.machine import TABLE, Reaction, react
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
 
@@ -37,17 +37,17 @@ ENTRIES = list(_entries())
 def _following(box, explicit_goal, taken):
     """The state that a step leads to."""
     return {
-        Step.KEEP: box.name,
-        Step.EXECUTE: "GOAL_TX" if explicit_goal else "WAITING_RESULT",
-        Step.AWAIT_RESULT: "WAITING_RESULT",
-        Step.RETRY: "PREPARE",
-        Step.GOAL_DONE: "DONE",
+        Reaction.KEEP: box.name,
+        Reaction.EXECUTE: "GOAL_TX" if explicit_goal else "WAITING_RESULT",
+        Reaction.AWAIT_RESULT: "WAITING_RESULT",
+        Reaction.RETRY: "PREPARE",
+        Reaction.GOAL_DONE: "DONE",
     }[taken]
 
 
 @pytest.mark.parametrize("box, robot, explicit_goal, following", ENTRIES)
 def test_every_entry(box, robot, explicit_goal, following):
-    assert _following(box, explicit_goal, step(box, robot, explicit_goal)) == following
+    assert _following(box, explicit_goal, react(box, robot, explicit_goal)) == following
 
 
 def test_the_table_has_exactly_these_entries():
