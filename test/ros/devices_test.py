@@ -106,7 +106,8 @@ class TestInterface(DevicesCase):
 
     def test_more_than_100_per_cent_fails_with_the_reason(self):
         for device in PERCENTAGES:
-            with self.subTest(device), self.assertRaisesRegex(Refusal, f"{device} .* 101: it takes 0 to 100 per cent"):
+            with self.subTest(device), self.assertRaisesRegex(Refusal, f"{device} .* 101: it takes 0 to 100 per "
+                                                                       f"cent"):
                 call(f"/devices/{device}/set", Percentage, 101)
         call("/devices/dimmer/max")
         self.wait_state(dimmer=100, blinds=0)

@@ -92,7 +92,7 @@ class TestStops(DummyCase):
         self.begin("Again")
         robot.wait_printed("HWV: executing")
         self.box.command("stop", "Again")
-        robot.wait_printed("stopped: the comm node says STOP")
+        robot.wait_printed("stopped: the comm node sent STOP")
         self.box.start("Again")
         self.box.wait_text("Again", "Benchmark completed by the robot")
         log = self.leave("Again")
@@ -116,7 +116,7 @@ class TestMisbehaviour(DummyCase):
         robot = self.dummy("Gamma", save_nothing=True, execute_duration=60)
         self.begin("Forgetful")
         self.box.wait_text("Forgetful", "Stopped: the robot saves no offline data")
-        robot.wait_printed("stopped: the comm node says STOP")
+        robot.wait_printed("stopped: the comm node sent STOP")
         self.box.wait_details("Forgetful", lambda d: d.end_reason == "no_messages_saved", "that is the reason")
 
     def test_a_crash(self) -> None:
@@ -156,13 +156,13 @@ class TestMisbehaviour(DummyCase):
         self.begin("Endless")
         self.box.wait_zone("Endless", lambda z: z.online_data.count("going to the door") == 2, "it has told all")
         self.box.command("stop", "Endless")
-        robot.wait_printed("stopped: the comm node says STOP")
+        robot.wait_printed("stopped: the comm node sent STOP")
         self.box.start("Endless")
         robot.wait_printed("HWV: executing", times=2)
         self.box.wait_details("Endless", lambda d: d.robot_state == "EXECUTING", "the robot executes")
         self.assertNotIn("HWV: complete", robot.text)
         self.leave("Endless")
-        robot.wait_printed("stopped: the comm node says STOP", times=2)
+        robot.wait_printed("stopped: the comm node sent STOP", times=2)
 
     def test_wrong_parameters(self) -> None:
         dummy = self._leaving(Program(

@@ -324,7 +324,7 @@ class TestBadOverrides(OverrideCase):
             with self.assertRaises(CommRefusal) as caught:
                 self.override(number)
             names = ", ".join(f"{known} {code}" for code, known in NUMBERS.items())
-            self.assertEqual(str(caught.exception), f"no benchmark has the number {number}: there are {names}")
+            self.assertEqual(str(caught.exception), f"unknown benchmark number {number}: choose from {names}")
         self.end_override()
         self.assertEqual([m.benchmark for m in self.benchmarks.messages], [0])
         self.assertEqual(self.published, ALWAYS)
@@ -333,7 +333,7 @@ class TestBadOverrides(OverrideCase):
         self.override(NUMBERS["STB"], PREPARE)
         self.wait_said(SAYS_PREPARE)
         with self.assertRaisesRegex(
-            CommRefusal, "^no benchmark state 4: there are 0 STOP, 1 PREPARE, 2 GOAL_TX, 3 WAITING_RESULT$"
+            CommRefusal, "^unknown benchmark state 4: choose from 0 STOP, 1 PREPARE, 2 GOAL_TX, 3 WAITING_RESULT$"
         ):
             self.override(NUMBERS["STB"], 4)
         self.assertEqual((self.said[-1], self.services), (SAYS_PREPARE, {"end_prepare"}))

@@ -113,7 +113,7 @@ class TestModulesThatComeAndGo(ModulesCase):
         publisher = rospy.Publisher("/modules/state", ModulesState, queue_size=10)
         publisher.publish(ModulesState(node="empty"))
         self.fbm.send(good._replace(request=good.request._replace(pose=(math.nan, 0.0, 0.0))))
-        self.box.wait_text("Late", "x, y and theta are finite numbers")
+        self.box.wait_text("Late", "x, y and theta must be finite numbers")
         self.wait_phase("Late", "ended", "module_failed")
         self.box.start("Late")
         self.fbm.wait_attempt("Late", 2)

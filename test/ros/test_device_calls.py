@@ -9,8 +9,8 @@ from case_results import rosrun
 from waiting import wait_until
 
 from roah_rsbb.core.effects import SetDevice
-from roah_rsbb.nodes import device_calls
-from roah_rsbb.nodes.device_calls import DeviceCalls
+from roah_rsbb.nodes.core import device_calls
+from roah_rsbb.nodes.core.device_calls import DeviceCalls
 from roah_rsbb.srv import Bool, BoolResponse, Percentage, PercentageResponse
 
 

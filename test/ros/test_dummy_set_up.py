@@ -79,7 +79,7 @@ class TestThatCannotBe(NetworkCase):
 
     def test_files_with_errors(self) -> None:
         self.assert_ended(self.node(70, schedule_file=CONFIG / "broken" / "schedule.yaml"),
-                          "no dummy robots: the core tells what is wrong with its files")
+                          "no dummy robots: the configuration is invalid, see the errors of the core")
 
     def test_a_name_for_no_address(self) -> None:
         self.assert_ended(self.node(80, rsbb_host="no.such.host.invalid"),

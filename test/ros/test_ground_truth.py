@@ -144,7 +144,7 @@ class TestNoPose(GroundTruthCase):
     def test_frames_that_were_never_seen_together_are_named(self) -> None:
         self.publish(3.0, frame="test_tripod")
         self.shown(1.0, parent="test_tripod")
-        self.assert_no_pose(f"^robot: frame '{self.frame}' and what is between it and '{WORLD}' were not seen at one")
+        self.assert_no_pose(f"^robot: frame '{self.frame}' and the frames between it and '{WORLD}' were not seen")
 
     def test_a_frame_that_is_too_old_is_named_with_its_age(self) -> None:
         self.shown(8.0, 1.0, 2.0, 0.0)
@@ -152,7 +152,7 @@ class TestNoPose(GroundTruthCase):
 
     def test_a_frame_of_the_future_is_a_matter_of_clocks(self) -> None:
         self.shown(-60.0)
-        self.assert_no_pose(rf"^robot: frame '{self.frame}' comes with a time (5\d\.\d|60\.0) s in the future: sync")
+        self.assert_no_pose(rf"^robot: frame '{self.frame}' has a time (5\d\.\d|60\.0) s in the future: sync")
 
     def test_numbers_that_are_none_are_no_pose(self) -> None:
         # tf2 itself refuses some of them: then the frame was never seen.
@@ -209,7 +209,7 @@ class TestCheck(GroundTruthCase):
 
     def test_a_frame_of_the_future_is_a_warning(self) -> None:
         self.shown(-60.0)
-        self.assertRegex(self.truth.check(["robot"])[1][0], "comes with times in the future: synchronise")
+        self.assertRegex(self.truth.check(["robot"])[1][0], "has times in the future: synchronise")
 
     def test_a_subject_without_marker_is_a_problem(self) -> None:
         self.shown(0.0)
@@ -271,7 +271,7 @@ class TestDummy(unittest.TestCase):
 
     def test_the_check_of_a_wrong_file_names_the_line(self) -> None:
         found = self.check(1, self.file("reference_frame: testbed\nmaximum_age: soon\nmarkers: {}\n"))
-        self.assertRegex(found, r"the configuration cannot be used\n.*yaml:2: found the text 'soon' as maximum_age")
+        self.assertRegex(found, r"the configuration is invalid\n.*yaml:2: found the text 'soon' as maximum_age")
 
     def test_the_check_without_ros_says_so(self) -> None:
         found = self.check(1, ROS_MASTER_URI="http://127.0.0.1:1")

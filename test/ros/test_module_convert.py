@@ -71,7 +71,7 @@ class TestModuleConvert(unittest.TestCase):
         progress = state_of(sent(state_message(ModulesState("n", (), (wild, PROGRESS))))).progress
         self.assertEqual(progress[1], PROGRESS)
         self.assertEqual((progress[0].request, progress[0].status), (None, "a?"))
-        self.assertIn("x, y and theta are finite numbers", progress[0].failed)
+        self.assertIn("x, y and theta must be finite numbers", progress[0].failed)
 
     def test_what_another_version_asks_for(self) -> None:
         message = state_message(ModulesState("n", (), (PROGRESS,)))

@@ -51,7 +51,7 @@ class TestParameters(FaultsCase):
     def test_a_process_drives_what_it_is_told_to(self) -> None:
         wrong = self.modules(benchmarks="HNF,HOPV")
         self.assertEqual(wrong.wait_ended(), 1)
-        self.assertIn("no module drives HOPV: did you mean 'HOPF'?", wrong.text)
+        self.assertIn("no module for HOPV: did you mean 'HOPF'?", wrong.text)
         self.assertNotIn("Traceback", wrong.text)
         self.modules(benchmarks="STB")
         self.robot("Eta")

@@ -33,8 +33,8 @@ class TestTablet(BoxCase):
             "rosrun", "roah_rsbb", "dummy_tablet", "--host", BROADCAST, "--port", str(RSBB_PORT), "--bind", TABLET,
             "--call", "--position=1.5,-2.25",
         ))
-        tablet.wait_printed("the box has told the call to all")
-        tablet.wait_printed("the box has told the position to all")
+        tablet.wait_printed("the box has published the call")
+        tablet.wait_printed("the box has published the position")
         wait_until(lambda: robot.tablet.position_y == -2.25, "the robot hears the position")
         self.assertEqual(robot.tablet.position_x, 1.5)
         self.assertLess(abs(time.time() - robot.tablet.call_time[0]), 60)
@@ -43,9 +43,9 @@ class TestTablet(BoxCase):
         self.box.start("Room")
         robot.wait_did("execute HCFGAC")
         robot.tell("display_map", True)
-        tablet.wait_printed("the box wants the map shown")
+        tablet.wait_printed("the box requests the view: map")
         robot.tell("display_map", False)
-        tablet.wait_printed("the box wants the call button shown", 2)
+        tablet.wait_printed("the box requests the view: call button", 2)
         tablet.close()
         wait_until(lambda: "The tablet is silent" in self.box.gui.status, lambda: f"silence is told: {self.box.gui}")
 

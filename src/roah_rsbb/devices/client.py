@@ -1,4 +1,4 @@
-"""Keeps a connection to the SmartIF controller, on asyncio: as long as it runs, whatever the controller does."""
+"""Keeps a connection to the SmartIF controller, and reconnects after any failure (asyncio)."""
 
 import asyncio
 import contextlib
@@ -11,20 +11,20 @@ from roah_rsbb.devices.smartif import FROM_CONTROLLER, Busy, Decoder, Garbage, M
 
 RETRY_S = 0.2
 CONNECT_S = 3.0
-# A message is a few bytes: the rest of one that does not come so long does not come at all.
+# Time limit for the rest of a message, which has only a few bytes.
 REST_S = 5.0
-# A second client is told so at once: a connection that is left alone so long is ours.
+# The controller rejects a second client immediately: after this time the connection counts as accepted.
 SETTLE_S = 0.3
-# A controller that is gone without a word is found out in about ten seconds.
+# Detect a silent loss of the controller in about ten seconds.
 KEEPALIVE = (("TCP_KEEPIDLE", 5), ("TCP_KEEPINTVL", 2), ("TCP_KEEPCNT", 3), ("TCP_USER_TIMEOUT", 10000))
-# What a controller that stopped reading may leave unread, in bytes.
+# Largest amount of unread data (bytes), in case the controller stops reading.
 MAX_UNREAD = 65536
 
 
 class SmartIfClient:
-    """The connection of a `Home`. Callbacks come in the loop's thread.
+    """The connection of a `Home`. Callbacks are called in the loop's thread.
 
-    `on_ring()`: the bell was rung. `on_status(connected, text)`: when it changed, and why; text names the remedy.
+    `on_ring()`: the bell rang. `on_status(connected, text)`: the status changed; the text says why, with the remedy.
     """
 
     def __init__(
@@ -35,16 +35,16 @@ class SmartIfClient:
         self._home = home
         self._on_ring = on_ring
         self._on_status = on_status
-        self._told = (False, "")
+        self._status = (False, "")
         self._writer: Optional[asyncio.StreamWriter] = None
 
     @property
     def connected(self) -> bool:
-        """Whether the controller is reached."""
-        return self._told[0]
+        """Whether the controller is connected."""
+        return self._status[0]
 
     def send(self, message: Set) -> None:
-        """Tell the controller; without a connection nothing is lost, because all is told at the next one."""
+        """Send a message. Without a connection, nothing is lost: a new connection begins with all values."""
         writer = self._writer
         if writer is None or writer.is_closing():
             return
@@ -55,26 +55,26 @@ class SmartIfClient:
     async def run(self) -> None:
         """Run until cancelled."""
         while True:
-            self._tell(False, await self._session())
+            self._report(False, await self._session())
             await asyncio.sleep(RETRY_S)
 
     async def _session(self) -> str:
-        """One connection, from its beginning to its end; returns why it ended."""
+        """Run one connection; returns why it ended."""
         try:
             reader, writer = await asyncio.wait_for(asyncio.open_connection(self._host, self._port), CONNECT_S)
         except asyncio.TimeoutError:
-            return f"{self._where} does not answer: is it on, and is smartif_host right?"
+            return f"{self._where} does not answer: check that it is on, and check smartif_host"
         except OSError as error:
-            return f"{self._where} cannot be reached ({_reason(error)}): is it on, and is smartif_host right?"
-        settled = asyncio.get_event_loop().call_later(SETTLE_S, self._tell, True, f"connected to {self._where}")
+            return f"{self._where} cannot be reached ({_reason(error)}): check that it is on, and check smartif_host"
+        settled = asyncio.get_event_loop().call_later(SETTLE_S, self._report, True, f"connected to {self._where}")
         try:
-            _watch_over(writer)
+            _enable_keepalive(writer)
             self._writer = writer
             for message in self._home.all():
                 self.send(message)
             return await self._read(reader)
         except Garbage as error:
-            return f"{self._where} does not speak SmartIF ({error}): is smartif_port right?"
+            return f"{self._where} does not use the SmartIF protocol ({error}): check smartif_port"
         except OSError as error:
             return f"the connection to {self._where} broke ({_reason(error)})"
         finally:
@@ -90,34 +90,34 @@ class SmartIfClient:
                 data = await asyncio.wait_for(reader.read(4096), limit)
             except asyncio.TimeoutError as error:
                 if getattr(error, "errno", None):
-                    raise  # from Python 3.11 on, what the connection's own supervision found is one, too
-                return f"{self._where} sent only half of a message"
+                    raise  # since Python 3.11, a failed keepalive is a TimeoutError, too
+                return f"{self._where} sent an incomplete message"
             if not data:
                 return f"{self._where} closed the connection"
             messages = decoder.feed(data)
             while messages:
                 for message in messages:
                     if isinstance(message, Busy):
-                        return f"{self._where} serves another client, at {message.address}: end that one"
+                        return f"{self._where} is connected to another client at {message.address}: end that client"
                     self._take(message)
                 messages = decoder.feed(b"")
 
     def _take(self, message: Message) -> None:
-        self._tell(True, f"connected to {self._where}")
+        self._report(True, f"connected to {self._where}")
         if is_ring(message):
             self._on_ring()
 
-    def _tell(self, connected: bool, text: str) -> None:
-        if (connected, text) != self._told:
-            self._told = (connected, text)
+    def _report(self, connected: bool, text: str) -> None:
+        if (connected, text) != self._status:
+            self._status = (connected, text)
             self._on_status(connected, text)
 
 
-def _watch_over(writer: asyncio.StreamWriter) -> None:
+def _enable_keepalive(writer: asyncio.StreamWriter) -> None:
     connection = writer.get_extra_info("socket")
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for name, value in KEEPALIVE:
-        with contextlib.suppress(OSError, AttributeError):  # not every system has all of them
+        with contextlib.suppress(OSError, AttributeError):  # some systems lack some of them
             connection.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
 
 

@@ -1,4 +1,4 @@
-"""A SmartIF controller that only pretends, on asyncio: one client, a second one is sent away."""
+"""A simulated SmartIF controller (asyncio). It accepts one client and rejects a second one."""
 
 import asyncio
 from typing import Callable, Optional
@@ -8,57 +8,57 @@ from roah_rsbb.devices.smartif import TO_CONTROLLER, Busy, Decoder, Garbage, Set
 
 
 class DummyServer:
-    """Says by `tell(text)` what it is told. `open` raises OSError."""
+    """Reports received messages by `report(text)`. `open` raises OSError."""
 
-    def __init__(self, host: str, port: int, tell: Callable[[str], None]) -> None:
-        """`port` 0: any that is free; `port` says which after `open`."""
+    def __init__(self, host: str, port: int, report: Callable[[str], None]) -> None:
+        """`port` 0: any free port; the attribute `port` has it after `open`."""
         self.host, self.port = host, port
-        self._tell = tell
+        self._report = report
         self._server: Optional[asyncio.AbstractServer] = None
         self._client: Optional[asyncio.StreamWriter] = None
 
     async def open(self) -> None:
-        """Listen."""
+        """Start listening."""
         self._server = await asyncio.start_server(self._serve, self.host, self.port)
         self.port = self._server.sockets[0].getsockname()[1]
 
     def close(self) -> None:
-        """Listen no more, and leave the client."""
+        """Stop listening, and disconnect the client."""
         if self._server is not None:
             self._server.close()
         if self._client is not None:
             self._client.transport.abort()
 
     def ring(self) -> bool:
-        """Ring the bell; False: nobody is connected who could hear it."""
+        """Ring the bell; returns False if no client is connected."""
         if self._client is None:
-            self._tell("the bell rings, but nobody is connected")
+            self._report("the bell rings, but no client is connected")
             return False
-        self._tell("the bell rings")
+        self._report("the bell rings")
         self._client.write(encode(RING))
         return True
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         address = _address(writer)
         if self._client is not None:
-            self._tell(f"{address} is sent away: {_address(self._client)} is connected")
+            self._report(f"{address} is rejected: {_address(self._client)} is connected")
             writer.write(encode(Busy(_address(self._client))))
             writer.close()
             return
         self._client = writer
-        self._tell(f"{address} is connected")
+        self._report(f"{address} is connected")
         try:
-            why = await self._hear(reader)
+            why = await self._receive(reader)
         except Garbage as error:
-            why = f"it does not speak SmartIF: {error}"
+            why = f"it does not use the SmartIF protocol: {error}"
         except OSError as error:
             why = f"the connection broke: {error}"
         finally:
             self._client = None
             writer.close()
-        self._tell(f"{address} is gone ({why})")
+        self._report(f"{address} is disconnected ({why})")
 
-    async def _hear(self, reader: asyncio.StreamReader) -> str:
+    async def _receive(self, reader: asyncio.StreamReader) -> str:
         decoder = Decoder(TO_CONTROLLER)
         while True:
             data = await reader.read(4096)
@@ -67,14 +67,14 @@ class DummyServer:
             messages = decoder.feed(data)
             while messages:
                 for message in messages:
-                    self._tell(_text(message))
+                    self._report(_text(message))
                 messages = decoder.feed(b"")
 
 
 def _text(message: Set) -> str:
     known = device_of(message)
     if known is None:
-        return f"no device takes this: id {message.device_id!r}, value {message.value}"
+        return f"unknown device or value: id {message.device_id!r}, value {message.value}"
     return f"{known[0]} is set to {known[1]}"
 
 

@@ -1,23 +1,22 @@
-"""The home devices as the box holds them: what they are set to, checked, and how that is said to the controller.
+"""The home devices as the box knows them: checked values, and their messages to the controller.
 
-The hardware's state cannot be read: what is held here is what counts, and is sent anew whenever the controller
-is reached again.
+The state of the hardware cannot be read. The values here are authoritative, and are sent again after each connection.
 """
 
 from typing import Dict, NamedTuple, Optional, Tuple
 
-from roah_rsbb.devices.smartif import Event, Message, Set
+from roah_rsbb.devices.smartif import DeviceEvent, Message, Set
 
 BELL_ID = "47"
-RING = Event("E", BELL_ID, "1")
+RING = DeviceEvent("E", BELL_ID, "1")
 
 
 class Output(NamedTuple):
     """A device that can be set."""
 
     device_id: str
-    highest: int  # values from 0; per cent, or 1 of a switch
-    scale: int = 1  # what the controller takes is so many times the value
+    highest: int  # values start at 0; per cent, or 1 for a switch
+    scale: int = 1  # factor from the value to the controller's value
 
 
 OUTPUTS: Dict[str, Output] = {
@@ -31,11 +30,11 @@ BY_ID = {output.device_id: name for name, output in OUTPUTS.items()}
 
 
 class BadValue(ValueError):
-    """A device does not take this value."""
+    """The device does not accept this value."""
 
 
 class Home:
-    """What is held. Times are exact (sec, nsec) pairs of UTC."""
+    """The present values. Times are exact (sec, nsec) pairs of UTC."""
 
     def __init__(self) -> None:
         self.values: Dict[str, int] = dict.fromkeys(OUTPUTS, 0)
@@ -43,28 +42,28 @@ class Home:
         self.door: bool = False
 
     def set(self, device: str, value: int) -> Set:
-        """Hold a value; returns what the controller is to be told. Raises `BadValue`."""
+        """Set a value; returns the message to the controller. Raises `BadValue`."""
         highest = OUTPUTS[device].highest
         if not 0 <= value <= highest:
             unit = "per cent" if highest == 100 else "(off or on)"
             raise BadValue(f"{device} cannot be set to {value}: it takes 0 to {highest} {unit}")
         self.values[device] = int(value)
-        return self._said(device)
+        return self._message(device)
 
     def all(self) -> Tuple[Set, ...]:
-        """What a controller is told when it is reached: everything that is held."""
-        return tuple(self._said(device) for device in OUTPUTS)
+        """The messages to a controller after connecting: all values."""
+        return tuple(self._message(device) for device in OUTPUTS)
 
-    def _said(self, device: str) -> Set:
+    def _message(self, device: str) -> Set:
         output = OUTPUTS[device]
         return Set(output.device_id, self.values[device] * output.scale)
 
     def saved(self) -> Dict[str, object]:
-        """All that is held, as numbers and texts, for `restore`."""
+        """All values as numbers and texts, for `restore`."""
         return {"values": dict(self.values), "bell": [str(part) for part in self.bell], "door": self.door}
 
     def restore(self, saved: object) -> bool:
-        """Hold what an earlier one held; False: it is not what `saved` made, and nothing changed."""
+        """Restore saved values; returns False, without changes, if they are invalid."""
         restored = _restored(saved)
         if restored is None:
             return False
@@ -73,12 +72,12 @@ class Home:
 
 
 def is_ring(message: Message) -> bool:
-    """Whether a message of the controller says that the bell was rung."""
+    """Whether a message of the controller reports a ring of the bell."""
     return message == RING
 
 
 def device_of(message: Set) -> Optional[Tuple[str, int]]:
-    """The device and value that a controller is told to set; None: it has no such device or value."""
+    """The device and value in a message to a controller; None if unknown."""
     name = BY_ID.get(message.device_id)
     if name is None:
         return None

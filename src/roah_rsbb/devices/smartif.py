@@ -1,13 +1,13 @@
 """The SmartIF protocol: bytes to messages and back (docs/devices.md, "The SmartIF protocol"). No I/O.
 
-Strings are a uint16 length and the bytes; integers are big endian. There is no frame around a message: after a
-byte that begins none, nothing that follows can be trusted, and the connection has to be made anew.
+Strings are a uint16 length and the bytes; integers are big endian. Messages have no frame: after an
+unexpected byte, nothing that follows can be interpreted, and a new connection is necessary.
 """
 
 import struct
 from typing import Callable, Dict, List, NamedTuple, Union
 
-# Ids and addresses are a few bytes: a longer string is a sign of garbage, and is not waited for.
+# Longest string (bytes). Ids and addresses are short, so a longer string is garbage.
 MAX_STRING = 1024
 KINDS = b"NED"
 
@@ -15,7 +15,7 @@ _U16, _U32 = struct.Struct(">H"), struct.Struct(">I")
 
 
 class Garbage(Exception):
-    """What arrived is not this protocol; the text says what was found where what was expected."""
+    """The data is not SmartIF. The text says what was found and what was expected."""
 
 
 class Set(NamedTuple):
@@ -39,19 +39,19 @@ class Changed(NamedTuple):
     second: int
 
 
-class Event(NamedTuple):
-    """From the controller: an event of a device. Kind E (edit), device 47 and value 1 is a ring of the bell."""
+class DeviceEvent(NamedTuple):
+    """From the controller: an event of a device. Kind E (edit), device 47 and value 1 mean a ring of the bell."""
 
     kind: str  # N new, E edit, D delete
     device_id: str
     value: str
 
 
-Message = Union[Set, Busy, Changed, Event]
+Message = Union[Set, Busy, Changed, DeviceEvent]
 
 
 def encode(message: Message) -> bytes:
-    """The bytes of a message. ValueError where a text or number does not fit."""
+    """Encode a message. ValueError if a text or number is too large."""
     try:
         if isinstance(message, Set):
             return b"I" + _string(message.device_id) + _U32.pack(message.value)
@@ -67,7 +67,7 @@ def encode(message: Message) -> bytes:
 def _string(text: str) -> bytes:
     data = text.encode("utf-8")
     if len(data) > MAX_STRING:
-        raise ValueError(f"a text of {len(data)} bytes: SmartIF takes {MAX_STRING} here")
+        raise ValueError(f"a text of {len(data)} bytes: SmartIF allows {MAX_STRING}")
     return _U16.pack(len(data)) + data
 
 
@@ -94,13 +94,13 @@ class _Reader:
     def string(self) -> str:
         length = _U16.unpack(self.take(2))[0]
         if length > MAX_STRING:
-            raise Garbage(f"a text of {length} bytes is announced, at most {MAX_STRING} can be meant")
+            raise Garbage(f"a text of {length} bytes: at most {MAX_STRING} are allowed")
         return self.take(length).decode("utf-8", errors="replace")
 
     def kind(self) -> str:
         kind = self.take(1)
         if kind not in KINDS:
-            raise Garbage(f"an event of kind {kind!r}: there is N, E and D")
+            raise Garbage(f"an event of kind {kind!r}: expected N, E or D")
         return kind.decode("ascii")
 
 
@@ -108,16 +108,15 @@ _Parse = Callable[[_Reader], Message]
 FROM_CONTROLLER: Dict[bytes, _Parse] = {
     b"E": lambda reader: Busy(reader.string()),
     b"1": lambda reader: Changed(reader.string(), reader.number(), reader.number()),
-    b"2": lambda reader: Event(reader.kind(), reader.string(), reader.string()),
+    b"2": lambda reader: DeviceEvent(reader.kind(), reader.string(), reader.string()),
 }
 TO_CONTROLLER: Dict[bytes, _Parse] = {b"I": lambda reader: Set(reader.string(), reader.number())}
 
 
 class Decoder:
-    """Takes bytes as they come, in pieces of any size, and gives the messages that are complete.
+    """Decodes messages from bytes in pieces of any size.
 
-    `parsers`: FROM_CONTROLLER or TO_CONTROLLER. It keeps less than one message: a length is checked before
-    anything is waited for.
+    `parsers`: FROM_CONTROLLER or TO_CONTROLLER. It stores less than one message, because lengths are checked first.
     """
 
     def __init__(self, parsers: Dict[bytes, _Parse]) -> None:
@@ -126,12 +125,14 @@ class Decoder:
 
     @property
     def pending(self) -> int:
-        """Bytes of a message that is not complete."""
+        """The number of bytes of an incomplete message."""
         return len(self._data)
 
     def feed(self, data: bytes) -> List[Message]:
-        """The messages that these bytes complete. What is before garbage still counts: `Garbage` is raised by
-        this call if it brings no message, and by the next one otherwise."""
+        """Return the messages that these bytes complete.
+
+        Messages before garbage still count: `Garbage` is raised by this call if there are none, else by the next call.
+        """
         self._data += data
         messages: List[Message] = []
         begin = 0
@@ -153,5 +154,5 @@ class Decoder:
         parse = self._parsers.get(first)
         if parse is None:
             known = ", ".join(repr(byte.decode("ascii")) for byte in self._parsers)
-            raise Garbage(f"a message that begins with {first!r}: there is {known}")
+            raise Garbage(f"a message that begins with {first!r}: expected {known}")
         return parse(reader)

@@ -1,4 +1,4 @@
-"""Plays sounds by running a command: without a shell, without waiting for it, one at a time."""
+"""Plays sounds by running a command: without a shell, in the background, one at a time."""
 
 import contextlib
 import os
@@ -8,27 +8,28 @@ import subprocess
 import threading
 from typing import Callable, Optional, Set
 
-# Longer than any ring should be: a player that hangs must not keep the next ring from being heard.
+# Time limit for playing, so that a hanging player does not block the next ring.
 LIMIT_S = 20.0
 END_S = 2.0
 
 
 class Sound:
-    """One sound. A ring during a ring follows it; more than one do not wait, or the last one would be heard when
-    nobody knows any more what it was for."""
+    """One sound. While it plays, at most one further ring waits, so that no ring is much too late."""
 
     def __init__(
-        self, name: str, command: str, on_trouble: Callable[[str], None], limit_s: float = LIMIT_S
+        self, name: str, command: str, on_problem: Callable[[str], None], limit_s: float = LIMIT_S
     ) -> None:
-        """`command`: as in a shell, but only words and quotes. `on_trouble(text)` is called once for each kind of
-        trouble. ValueError: the command has no end of a quotation, or is empty."""
+        """`command` consists of words and quotes, as in a shell. `on_problem(text)` is called once per kind of problem.
+
+        Raises ValueError for an unclosed quote or an empty command.
+        """
         self._name = name
         self._words = shlex.split(command)
         if not self._words:
             raise ValueError("the command is empty")
-        self._on_trouble = on_trouble
+        self._on_problem = on_problem
         self._limit_s = limit_s
-        self._told: Set[str] = set()
+        self._reported: Set[str] = set()
         self._wanted = threading.Event()
         self._closed = False
         self._running: Optional[subprocess.Popen] = None
@@ -36,11 +37,11 @@ class Sound:
         self._thread.start()
 
     def ring(self) -> None:
-        """Let it be heard; returns at once."""
+        """Play the sound soon; returns immediately."""
         self._wanted.set()
 
     def close(self) -> None:
-        """Be silent, at once."""
+        """Stop immediately."""
         self._closed = True
         self._wanted.set()
         running = self._running
@@ -57,7 +58,7 @@ class Sound:
             try:
                 self._play()
             except OSError as error:
-                self._trouble(f"{self._words[0]} cannot be run: {error.strerror}. Install it, or set another command")
+                self._report(f"{self._words[0]} cannot be run: {error.strerror}. Install it, or choose another command")
 
     def _play(self) -> None:
         self._running = player = subprocess.Popen(
@@ -71,17 +72,17 @@ class Sound:
         except subprocess.TimeoutExpired:
             _kill(player)
             player.wait()
-            self._trouble(f"{self._words[0]} played for more than {self._limit_s:g} s and was ended")
+            self._report(f"{self._words[0]} played for more than {self._limit_s:g} s and was ended")
             return
         finally:
             self._running = None
         if status != 0 and not self._closed:
-            self._trouble(f"{shlex.join(self._words)} failed with status {status}: try it in a terminal")
+            self._report(f"{shlex.join(self._words)} failed with status {status}: try it in a terminal")
 
-    def _trouble(self, text: str) -> None:
-        if text not in self._told:
-            self._told.add(text)
-            self._on_trouble(f"{self._name} is not heard: {text}")
+    def _report(self, text: str) -> None:
+        if text not in self._reported:
+            self._reported.add(text)
+            self._on_problem(f"{self._name} cannot be heard: {text}")
 
 
 def _kill(player: subprocess.Popen) -> None:

@@ -1,13 +1,13 @@
 """Node roah_devices: the home devices (docs/ros_interface.md, "Devices node").
 
-What is set is held, and told to the SmartIF controller now or as soon as it is reached; /devices/status (latched)
-says whether it is. A node that crashed holds again what it held before: that is on the parameter server.
+The node keeps all values, and sends them to the SmartIF controller immediately or after the next connection;
+/devices/status (latched) has the state of the connection. After a crash, the node restores its values from the
+parameter server.
 
 Parameters (private): smartif_host, smartif_port (TCP).
 """
 
 import concurrent.futures
-import sys
 import time
 
 import rospy
@@ -19,18 +19,17 @@ from roah_rsbb.core.runs.device_commands import PERCENTAGES, SWITCHES
 from roah_rsbb.devices.client import SmartIfClient
 from roah_rsbb.devices.home import OUTPUTS, BadValue, Home
 from roah_rsbb.msg import DevicesState, DevicesStatus
-from roah_rsbb.ros import connections
-from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.params import Params
 from roah_rsbb.ros.times import ros_wire_time
 from roah_rsbb.srv import Bool, Percentage
 
-HELD = "~held"
+SAVED = "~held"
 
 
 class DevicesNode:
-    """The node, from its parameters to its end. Raises `BadParams` at the start."""
+    """The node. Raises `BadParams` at the start."""
 
     def __init__(self) -> None:
         params = Params()
@@ -38,9 +37,9 @@ class DevicesNode:
         port = params.whole("smartif_port", 6665, 1, 65535)
         params.done()
         self._ros = RosLoop()
-        self._keeper = concurrent.futures.ThreadPoolExecutor(max_workers=1)
+        self._saver = concurrent.futures.ThreadPoolExecutor(max_workers=1)
         self._home = Home()
-        self._home.restore(rospy.get_param(HELD, None))
+        self._home.restore(rospy.get_param(SAVED, None))
         self._state = rospy.Publisher("/devices/state", DevicesState, queue_size=10, latch=True)
         self._bell = rospy.Publisher("/devices/bell", Empty, queue_size=10)
         self._status = rospy.Publisher("/devices/status", DevicesStatus, queue_size=10, latch=True)
@@ -53,7 +52,7 @@ class DevicesNode:
         self._serve()
         self._connection = self._ros.loop.create_task(self._client.run())
         self._ros.run()
-        self._keeper.shutdown(wait=False)
+        self._saver.shutdown(wait=False)
         self._ros.close()
 
     # -- services, in threads of rospy ----------------------------------------------------------------
@@ -92,7 +91,7 @@ class DevicesNode:
     def _set(self, device: str, value: int) -> None:
         self._client.send(self._home.set(device, value))
         if not self._client.connected:
-            rospy.logwarn("%s is to be %d: told to the controller as soon as it is reached", device, value)
+            rospy.logwarn("%s is set to %d: the controller gets it when it is connected", device, value)
         self._publish()
 
     def _set_door(self, opened: bool) -> None:
@@ -113,24 +112,17 @@ class DevicesNode:
     def _publish(self) -> None:
         home = self._home
         self._state.publish(DevicesState(bell=ros_wire_time(home.bell), door_win_detect=home.door, **home.values))
-        self._keeper.submit(_keep, home.saved())
+        self._saver.submit(_save, home.saved())
 
 
-def _keep(saved: object) -> None:
-    """Off the loop: the master may be slow, or gone."""
+def _save(saved: object) -> None:
+    """Save values in another thread, because the master may be slow or absent."""
     try:
-        rospy.set_param(HELD, saved)
+        rospy.set_param(SAVED, saved)
     except Exception as error:
-        rospy.logwarn_throttle(60.0, f"what is held cannot be kept for a restart of this node: {error}")
+        rospy.logwarn_throttle(60.0, f"the values cannot be saved for a restart of this node: {error}")
 
 
 def main() -> None:
     """Entry point of the node."""
-    explain(__doc__)
-    connections.init_node("roah_devices", disable_signals=True)
-    try:
-        DevicesNode().run()
-    except BadParams as error:
-        for line in str(error).splitlines():
-            rospy.logfatal("%s", line)
-        sys.exit(1)
+    run_node("roah_devices", __doc__, DevicesNode, disable_signals=True)

@@ -1,7 +1,7 @@
-"""Node roah_devices_dummy: a SmartIF controller that only pretends, and the commands to operate it.
+"""Node roah_devices_dummy: a simulated SmartIF controller, and commands to operate it.
 
-It prints what it is told. At a terminal it takes ring, open and close; so do its services ~ring and ~door, and
-this program with such a word.
+It prints the messages that it receives. The commands ring, open and close can be typed at its terminal, called as
+services ~ring and ~door, or given as the argument of this program.
 
 Parameters (private): bind_host (127.0.0.1), port (6665, TCP).
 """
@@ -27,7 +27,7 @@ RETRY_S = 3.0
 
 
 class DevicesDummyNode:
-    """The node, from its parameters to its end. Raises `BadParams` at the start."""
+    """The node. Raises `BadParams` at the start."""
 
     def __init__(self) -> None:
         params = Params()
@@ -36,7 +36,7 @@ class DevicesDummyNode:
         params.done()
         self._ros = RosLoop()
         self._server = DummyServer(host, port, lambda text: rospy.loginfo("%s", text))
-        self._told = ""
+        self._reported = ""
 
     def run(self) -> None:
         """Run until shut down."""
@@ -54,10 +54,10 @@ class DevicesDummyNode:
         try:
             await self._server.open()
         except OSError as error:
-            text = f"{self._server.host}:{self._server.port} cannot be served: {error.strerror}"
-            if text != self._told:
-                self._told = text
-                rospy.logerr("%s. Set another port (parameter ~port); trying again every %.0f s", text, RETRY_S)
+            text = f"{self._server.host}:{self._server.port} cannot be opened: {error.strerror}"
+            if text != self._reported:
+                self._reported = text
+                rospy.logerr("%s. Choose another port (parameter ~port). Retrying every %.0f s", text, RETRY_S)
             self._ros.loop.call_later(RETRY_S, lambda: self._ros.loop.create_task(self._open()))
             return
         rospy.set_param("~served_port", self._server.port)
@@ -65,7 +65,7 @@ class DevicesDummyNode:
 
     def _ring(self, _request: object) -> EmptyResponse:
         if not self._ros.call(self._server.ring):
-            raise rospy.ServiceException("nobody is connected who could hear the bell: look at the node roah_devices")
+            raise rospy.ServiceException("no client is connected: check the node roah_devices")
         return EmptyResponse()
 
     @staticmethod
@@ -73,7 +73,7 @@ class DevicesDummyNode:
         try:
             rospy.ServiceProxy(DOOR, Bool)(request.data)
         except rospy.ServiceException as error:
-            raise rospy.ServiceException(f"the devices node does not take it: {error}") from None
+            raise rospy.ServiceException(f"the devices node refused it: {error}") from None
         return BoolResponse()
 
     def _typed(self) -> None:
@@ -83,21 +83,21 @@ class DevicesDummyNode:
             return
         word = line.strip()
         if word in WORDS:
-            # Off the loop: the call comes back into it.
-            self._ros.loop.run_in_executor(None, _operate_and_tell, word, rospy.get_name())
+            # In another thread, because the call returns to the loop.
+            self._ros.loop.run_in_executor(None, _operate_and_log, word, rospy.get_name())
         elif word:
-            rospy.logwarn("there is no '%s': type %s", word, ", ".join(WORDS))
+            rospy.logwarn("unknown command '%s': type %s", word, ", ".join(WORDS))
 
 
 def operate(word: str, node: str = NODE) -> None:
-    """Have a dummy server that runs ring its bell, or open or close its door; rospy.ServiceException if not."""
+    """Make a running dummy server ring its bell, or open or close its door; rospy.ServiceException on failure."""
     if word == "ring":
         rospy.ServiceProxy(f"{node}/ring", Empty)()
     else:
         rospy.ServiceProxy(f"{node}/door", Bool)(word == "open")
 
 
-def _operate_and_tell(word: str, node: str) -> None:
+def _operate_and_log(word: str, node: str) -> None:
     try:
         operate(word, node)
     except rospy.ServiceException as error:
@@ -107,8 +107,8 @@ def _operate_and_tell(word: str, node: str) -> None:
 def _words(arguments: List[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="roah_devices_dummy", description=__doc__)
     parser.add_argument("word", nargs="?", choices=WORDS,
-                        help="have the dummy server that runs do this; without it: be that server")
-    parser.add_argument("--node", default=NODE, help="the name of the node that runs (default: %(default)s)")
+                        help="command for the running dummy server; without it: be the server")
+    parser.add_argument("--node", default=NODE, help="name of the running node (default: %(default)s)")
     return parser.parse_args(arguments)
 
 
@@ -117,7 +117,7 @@ def main() -> None:
     options = _words(rospy.myargv()[1:])
     if options.word:
         if not rosgraph.is_master_online():
-            sys.exit("roah_devices_dummy: no ROS master answers: start the launch file, or set ROS_MASTER_URI")
+            sys.exit("roah_devices_dummy: no ROS master: start the launch file, or set ROS_MASTER_URI")
         try:
             operate(options.word, options.node)
         except rospy.ServiceException as error:

@@ -1,4 +1,4 @@
-"""Nodes roah_rsbb_core_shutdown and roah_rsbb_shutdown: their end is the end of the launch they are in.
+"""Nodes roah_rsbb_core_shutdown and roah_rsbb_shutdown: their end is the end of their launch.
 
 Launch files start one as *required*. Its service `roah_rsbb_shutdown` (in the node's namespace) ends it,
 and with it the whole RSBB, or only one client (docs/ros_interface.md, "Core node").
@@ -16,7 +16,7 @@ from std_srvs.srv import Empty, EmptyResponse
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 
-# The answer must be on its way to the caller before the node is gone.
+# Delay of the shutdown, so that the caller gets its answer.
 ANSWER_S = 0.2
 # How often to check that roslaunch is still there.
 LOOK_S = 0.5

@@ -1,9 +1,8 @@
-"""Node roah_rsbb_sounds: the bell and the end of a run's time are heard.
+"""Node roah_rsbb_sounds: plays sounds for the bell and for timeouts of runs.
 
-/devices/bell and /timeout each run a command. Nothing that a player does or does not do is an error here: it is
-one warning.
+/devices/bell and /timeout each run a command. A failing player causes one warning.
 
-Parameters (private): bell_ring_command, timeout_ring_command; empty: our own sounds, with aplay.
+Parameters (private): bell_ring_command, timeout_ring_command; empty: the included sounds, with aplay.
 """
 
 import os
@@ -19,9 +18,9 @@ from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.params import BadParams, Params
 
-# Of package alsa-utils, in Debian and Ubuntu.
+# In package alsa-utils of Debian and Ubuntu.
 PLAYER = "aplay"
-# Parameter with the command: the topic that rings, the own sound file.
+# Parameter of the command: topic, included sound file.
 RINGS = {
     "bell_ring_command": ("/devices/bell", "bell.wav"),
     "timeout_ring_command": ("/timeout", "timeout.wav"),
@@ -36,7 +35,7 @@ def _default_command(file: str) -> str:
 def _sound(params: Params, name: str) -> Sound:
     topic, file = RINGS[name]
     default = _default_command(file)
-    # In a launch file an empty text stands for the default.
+    # In launch files, an empty text means the default.
     command = params.text(name, default) if rospy.get_param("~" + name, default) != "" else default
     try:
         return Sound(topic, command, lambda text: rospy.logwarn("%s", text))

@@ -1,7 +1,7 @@
-"""Node roah_rsbb_tablet: serves the tablet's page to browsers, and sends what is touched there to the box.
+"""Node roah_rsbb_tablet: serves the tablet's page to browsers, and sends touches to the box.
 
-It works whatever is missing: without a network or a free port it tries again, without a map there is still the
-call button. It says so once, with the remedy.
+It works with missing parts: without a network or a free port it retries, and without a map there is still the call
+button. It logs each problem once, with the remedy.
 
 Parameters (private): rsbb_host, rsbb_port, bind_host; tablet_port (TCP, 0: any free one), tablet_host (address at which
 it is served; default: all, or this computer's alone if rsbb_host is), map_file (as map_saver writes it).
@@ -9,17 +9,15 @@ it is served; default: all, or this computer's alone if rsbb_host is), map_file 
 
 import asyncio
 import os
-import sys
 from typing import Callable, Dict, Optional
 
 import rospkg
 import rospy
 
 from roah_rsbb.comm import sockets
-from roah_rsbb.ros import connections
-from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.ros.params import Params
 from roah_rsbb.tablet import maps
 from roah_rsbb.tablet.pages import Pages
 from roah_rsbb.tablet.radio import TabletRadio
@@ -31,7 +29,7 @@ LOOPBACK = "127.0.0.1"
 
 
 class TabletNode:
-    """The node, from its parameters to its end. Raises `BadParams` at the start."""
+    """The node. Raises `BadParams` at the start."""
 
     def __init__(self) -> None:
         resource = os.path.join(rospkg.RosPack().get_path("roah_rsbb"), "resource")
@@ -46,8 +44,8 @@ class TabletNode:
         params.done()
 
         self._ros = RosLoop()
-        asyncio.set_event_loop(self._ros.loop)  # tornado serves on the thread's loop
-        self._told: Dict[str, str] = {}
+        asyncio.set_event_loop(self._ros.loop)  # tornado uses the thread's loop
+        self._reported: Dict[str, str] = {}
         plan = _load_map(map_file)
         state = TabletState()
         self._radio = TabletRadio(
@@ -61,21 +59,21 @@ class TabletNode:
 
     def run(self) -> None:
         """Run until shut down."""
-        self._keep_trying("radio", self._radio.open)
-        self._keep_trying("server", self._open_server)
+        self._retry_until_open("radio", self._radio.open)
+        self._retry_until_open("server", self._open_server)
         self._ros.run()
         self._server.close()
         self._radio.close()
         self._ros.close()
 
-    def _keep_trying(self, what: str, open_it: Callable[[], None]) -> None:
+    def _retry_until_open(self, what: str, open_it: Callable[[], None]) -> None:
         try:
             open_it()
         except OSError as error:
-            if self._told.get(what) != str(error):
-                self._told[what] = str(error)
-                rospy.logerr("%s. Trying again every %.0f s", error, RETRY_S)
-            self._ros.loop.call_later(RETRY_S, self._keep_trying, what, open_it)
+            if self._reported.get(what) != str(error):
+                self._reported[what] = str(error)
+                rospy.logerr("%s. Retrying every %.0f s", error, RETRY_S)
+            self._ros.loop.call_later(RETRY_S, self._retry_until_open, what, open_it)
 
     def _open_server(self) -> None:
         port = self._server.open(self._tablet_host, self._tablet_port)
@@ -105,11 +103,4 @@ def _load_map(map_file: str) -> Optional[maps.Map]:
 
 def main() -> None:
     """Entry point of the node."""
-    explain(__doc__)
-    connections.init_node("roah_rsbb_tablet", disable_signals=True)
-    try:
-        TabletNode().run()
-    except BadParams as error:
-        for line in str(error).splitlines():
-            rospy.logfatal("%s", line)
-        sys.exit(1)
+    run_node("roah_rsbb_tablet", __doc__, TabletNode, disable_signals=True)

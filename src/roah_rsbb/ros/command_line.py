@@ -2,10 +2,13 @@
 
 import os
 import sys
+from typing import Any, Callable, Tuple, Type
 
 import rospy
 
 from roah_rsbb.arguments import Parser
+from roah_rsbb.ros import connections
+from roah_rsbb.ros.params import BadParams
 
 _SETTINGS = """\
 Settings are ROS parameters, of the node or given as _name:=value. The launch files set those that competitions need;
@@ -28,3 +31,21 @@ def explain(doc: str, settings: str = _SETTINGS) -> None:
 def explain_panel(doc: str) -> None:
     """The same for a panel that is alone in its window."""
     explain(doc, _PANEL)
+
+
+def run_node(
+    name: str, doc: str, make: Callable[[], Any], errors: Tuple[Type[Exception], ...] = (BadParams,), **options: Any
+) -> None:
+    """Be a node: make it, call its `run`, and end with the exit status that `run` returns.
+
+    Its `errors` at the start become fatal log lines. `options` are those of `rospy.init_node`.
+    """
+    explain(doc)
+    connections.init_node(name, **options)
+    try:
+        status = make().run()
+    except errors as error:
+        for line in str(error).splitlines():
+            rospy.logfatal("%s", line)
+        status = 1
+    sys.exit(status)

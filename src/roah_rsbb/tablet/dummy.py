@@ -1,6 +1,6 @@
 """A tablet on the command line: `python -m roah_rsbb.tablet.dummy --help`, `rosrun roah_rsbb dummy_tablet`.
 
-No ROS is needed; what roslaunch adds to the arguments of a node is left aside.
+It needs no ROS. Arguments that roslaunch adds for nodes are ignored.
 """
 
 import argparse
@@ -20,34 +20,33 @@ from roah_rsbb.tablet.radio import TabletRadio
 from roah_rsbb.tablet.state import TabletState
 
 PROGRAM = "dummy_tablet"
-# How long --once waits for the box.
+# Time limit of --once.
 ANSWER_S = 10.0
 _READ_BYTES = 4096
 
 _log = logging.getLogger(PROGRAM)
 
 _DESCRIPTION = """\
-A tablet without a screen: sends its beacon each second, says which view the box wants shown, and calls or
-picks positions when you type
+A tablet without a screen. It sends its beacon every second and reports which view the box requests. Type
 
   call          Granny Annie calls the robot
-  1.5 -2.0      she picks the position x 1.5 m, y -2.0 m
+  1.5 -2.0      Granny Annie selects the position x 1.5 m, y -2.0 m
 
-Ctrl-C, or the end of the input, ends it; until then the box knows that the tablet is there.
+Ctrl-C or the end of the input ends the program. Until then, the box shows that the tablet is present.
 """
 
 _EPILOG = f"""\
-From a script: '{PROGRAM} --call --once' calls, waits until the box has told it to all, and ends; the exit status
-is 1 if the box did not within {ANSWER_S:.0f} s. On one machine with the box add --host 127.255.255.255.
+In scripts: '{PROGRAM} --call --once' calls, waits until the box has published the call, and ends. The exit status is 1
+if that takes more than {ANSWER_S:.0f} s. On the same machine as the box, add --host 127.255.255.255.
 """
 
 
 def _position(text: str) -> Tuple[float, float]:
-    """Two numbers, as 1.5,-2.0 or 1.5 -2.0; ValueError for anything else."""
+    """Read two numbers, such as 1.5,-2.0 or 1.5 -2.0; ValueError for anything else."""
     words = text.replace(",", " ").split()
     x, y = (float(word) for word in words) if len(words) == 2 else (math.nan, math.nan)
     if not (math.isfinite(x) and math.isfinite(y)):
-        raise ValueError(f"'{text}' is no position: write x and y in metres, such as 1.5 -2.0")
+        raise ValueError(f"'{text}' is not a position: type x and y in metres, such as 1.5 -2.0")
     return x, y
 
 
@@ -60,20 +59,20 @@ def _position_argument(text: str) -> Tuple[float, float]:
 
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
-    parser.add_argument("--call", action="store_true", help="call at once")
+    parser.add_argument("--call", action="store_true", help="call at the start")
     parser.add_argument("--position", type=_position_argument, metavar="X,Y",
-                        help="pick a position at once, in metres (--position=-1,2 if it begins with a minus)")
-    parser.add_argument("--once", action="store_true", help="end when the box has told it to all")
+                        help="select a position at the start, in metres (--position=-1,2 if it begins with a minus)")
+    parser.add_argument("--once", action="store_true", help="end when the box has published it")
     parser.add_argument("--host", default="10.255.255.255",
                         help="the network's broadcast address (default: %(default)s)")
     parser.add_argument("--port", type=int, default=6666, help="public UDP port (default: %(default)s)")
     parser.add_argument("--bind", default=ANY_HOST, metavar="HOST",
-                        help="own address, where this machine has several (default: %(default)s)")
+                        help="local address, if this machine has several (default: %(default)s)")
     return parser
 
 
 class DummyTablet:
-    """The tablet, told what to do line by line."""
+    """The tablet, controlled by lines of text."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, host: str, port: int, bind: str) -> None:
         self._state = TabletState()
@@ -85,11 +84,11 @@ class DummyTablet:
         self._radio.present = True
 
     def open(self) -> None:
-        """Begin to send. Raises OSError whose text names the remedy."""
+        """Start to send. Raises OSError whose text names the remedy."""
         self._radio.open()
 
     def close(self) -> None:
-        """Be gone."""
+        """Stop sending."""
         self._radio.close()
 
     def call(self) -> None:
@@ -98,12 +97,12 @@ class DummyTablet:
         self._touched()
 
     def place(self, position: Tuple[float, float]) -> None:
-        """She picks a position."""
+        """Granny Annie selects a position."""
         self._state.place(time.time_ns(), *position)
         self._touched()
 
     def take(self, line: str) -> None:
-        """Do what was typed."""
+        """Carry out a line of input."""
         if line == "call":
             self.call()
         elif line:
@@ -112,26 +111,26 @@ class DummyTablet:
             except ValueError as error:
                 _log.error("%s; or 'call'", error)
 
-    async def until_told(self) -> bool:
-        """Wait until the box repeats all that was touched; False: it did not in time."""
-        async def told() -> None:
-            while not self._is_told():
+    async def until_acknowledged(self) -> bool:
+        """Wait until the box has acknowledged all touches; returns False after the timeout."""
+        async def acknowledged() -> None:
+            while not self._is_acknowledged():
                 self._heard.clear()
                 await self._heard.wait()
         try:
-            await asyncio.wait_for(told(), ANSWER_S)
+            await asyncio.wait_for(acknowledged(), ANSWER_S)
         except asyncio.TimeoutError:
             return False
         return True
 
-    def _is_told(self) -> bool:
+    def _is_acknowledged(self) -> bool:
         state = self._state
         return (state.hears_box(self._loop.time())
-                and (state.call_is_told or state.call_time == (0, 0))
-                and (state.position_is_told or state.position_time == (0, 0)))
+                and (state.call_is_acknowledged or state.call_time == (0, 0))
+                and (state.position_is_acknowledged or state.position_time == (0, 0)))
 
     def _touched(self) -> None:
-        self._told = (self._state.call_is_told, self._state.position_is_told)
+        self._told = (self._state.call_is_acknowledged, self._state.position_is_acknowledged)
         self._radio.changed()
 
     def _on_box(self, changed: bool) -> None:
@@ -140,16 +139,16 @@ class DummyTablet:
             return
         if self._state.display_map != self._shown:
             self._shown = self._state.display_map
-            _log.info("the box wants the %s shown", "map" if self._shown else "call button")
-        told = (self._state.call_is_told, self._state.position_is_told)
+            _log.info("the box requests the view: %s", "map" if self._shown else "call button")
+        told = (self._state.call_is_acknowledged, self._state.position_is_acknowledged)
         for what, before, now in zip(("call", "position"), self._told, told):
             if now and not before:
-                _log.info("the box has told the %s to all", what)
+                _log.info("the box has published the %s", what)
         self._told = told
 
 
 def _follow_input(loop: asyncio.AbstractEventLoop, tablet: DummyTablet, ended: asyncio.Event) -> None:
-    """Take lines from a terminal or pipe; their end is the program's, where somebody could type."""
+    """Follow lines from a terminal or pipe. Their end ends the program."""
     pending = b""
 
     def read() -> None:
@@ -162,7 +161,7 @@ def _follow_input(loop: asyncio.AbstractEventLoop, tablet: DummyTablet, ended: a
         if not data:
             loop.remove_reader(sys.stdin)
             ended.set()
-    with contextlib.suppress(OSError, ValueError):  # a file or nothing: it only beacons, as in a launch
+    with contextlib.suppress(OSError, ValueError):  # a file or no input, as in a launch: only send beacons
         loop.add_reader(sys.stdin, read)
 
 
@@ -179,9 +178,9 @@ async def _run(options: argparse.Namespace) -> int:
         if options.position is not None:
             tablet.place(options.position)
         if options.once:
-            if await tablet.until_told():
+            if await tablet.until_acknowledged():
                 return 0
-            _log.error("the box did not tell it to all: is it running there, and no other tablet on?")
+            _log.error("the box did not publish it: check that the box is running, and that there is no other tablet")
             return 1
         _follow_input(loop, tablet, ended)
         await ended.wait()
@@ -193,7 +192,7 @@ async def _run(options: argparse.Namespace) -> int:
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     given = sys.argv[1:] if arguments is None else arguments
-    # roslaunch appends __name:=... and __log:=..., and may be given any other remapping.
+    # roslaunch appends __name:=... and __log:=..., and may add other remappings.
     options = _parser().parse_args([argument for argument in given if ":=" not in argument])
     logging.basicConfig(level=logging.INFO, stream=sys.stdout, format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
     try:

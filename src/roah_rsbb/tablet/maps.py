@@ -1,54 +1,161 @@
-"""The map of a `map_server` YAML file: its image for browsers, and where its pixels are.
+"""The map of a `map_server` YAML file: its image for browsers, and the positions of its pixels.
 
-Pixels count from the image's top left corner, u to the right and v downwards, in fractions of the image (0 to
-1) so that a page need not know at which size it shows it. Metres are those of the map: `origin` is the place of
-the image's bottom left corner and the angle by which the image is turned counter-clockwise around it.
+Pixels count from the top left corner of the image, u to the right and v downwards, as fractions of the image (0 to 1),
+so a page may show it in any size. Metres are those of the map: `origin` is the position of the bottom left corner, and
+the angle by which the image is rotated counter-clockwise around it. Browsers do not show PGM, so it is converted to
+PNG here, with the standard library only.
 """
 
 import math
 import os
 import stat
+import struct
 import zlib
-from typing import Any, Dict, NamedTuple, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import yaml
 
-from roah_rsbb.tablet import images
+PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+# Longest side in pixels; phones cannot show larger images.
+MAX_SIDE = 8192
+_LARGEST_PGM_VALUE = 65535
+_PLAIN, _RAW = b"P2", b"P5"
+_GREY, _EIGHT_BITS = 0, 8
 
-# Files larger than this are no maps of a test bed.
+
+class BadImage(ValueError):
+    """The image cannot be shown. The text says why."""
+
+
+class Grey(NamedTuple):
+    """A grey image: rows from the top, each pixel a byte, 255 is white."""
+
+    width: int
+    height: int
+    pixels: bytes
+
+
+def read_pgm(data: bytes) -> Grey:
+    """Read a PGM file, plain (P2) or raw (P5), of up to 16 bits; `BadImage` for anything else."""
+    if data[:2] not in (_PLAIN, _RAW):
+        raise BadImage("it is not a PGM file (P2 or P5)")
+    (width, height, highest), body = _pgm_header(data)
+    check_size(width, height)
+    if not 1 <= highest <= _LARGEST_PGM_VALUE:
+        raise BadImage(f"its highest value is {highest}, but must be 1 to {_LARGEST_PGM_VALUE}")
+    count = width * height
+    values = _plain_pixels(data, body, count) if data[:2] == _PLAIN else _raw_pixels(data, body, count, highest)
+    if len(values) < count:
+        raise BadImage(f"it ends after {len(values)} of {count} pixels")
+    if highest == 255:
+        return Grey(width, height, bytes(min(value, 255) for value in values) if data[:2] == _PLAIN else bytes(values))
+    return Grey(width, height, bytes(min(value, highest) * 255 // highest for value in values))
+
+
+def _pgm_header(data: bytes) -> Tuple[Tuple[int, int, int], int]:
+    """Width, height and highest value, and the position of the first pixel.
+
+    Comments reach from # to the end of line.
+    """
+    numbers: List[int] = []
+    at = 2
+    while len(numbers) < 3:
+        while data[at:at + 1].isspace():
+            at += 1
+        if data[at:at + 1] == b"#":
+            while at < len(data) and data[at:at + 1] not in (b"\n", b"\r"):
+                at += 1
+            continue
+        start = at
+        while data[at:at + 1].isdigit() and at - start < 10:
+            at += 1
+        if start == at:
+            raise BadImage("its header (width, height, highest value) is invalid")
+        numbers.append(int(data[start:at]))
+    return (numbers[0], numbers[1], numbers[2]), at + 1  # one white space ends the header
+
+
+def _raw_pixels(data: bytes, body: int, count: int, highest: int):
+    if highest < 256:
+        return data[body:body + count]
+    pairs = data[body:body + 2 * count]
+    return struct.unpack(f">{len(pairs) // 2}H", pairs[:len(pairs) // 2 * 2])
+
+
+def _plain_pixels(data: bytes, body: int, count: int) -> List[int]:
+    try:
+        values = [int(word) for word in data[body - 1:].split(maxsplit=count)[:count]]
+    except ValueError:
+        raise BadImage("one of its pixels is not a number") from None
+    if any(value < 0 for value in values):
+        raise BadImage("one of its pixels is negative")
+    return values
+
+
+def check_size(width: int, height: int) -> None:
+    """Raise `BadImage` for an image that is empty or too large."""
+    if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE):
+        raise BadImage(f"it has {width} x {height} pixels, but a side may have 1 to {MAX_SIDE}: crop or scale it")
+
+
+def write_png(image: Grey) -> bytes:
+    """Convert a grey image to a PNG file."""
+    rows = b"".join(
+        b"\0" + image.pixels[row * image.width:(row + 1) * image.width] for row in range(image.height)
+    )
+    header = struct.pack(">IIBBBBB", image.width, image.height, _EIGHT_BITS, _GREY, 0, 0, 0)
+    return PNG_SIGNATURE + _chunk(b"IHDR", header) + _chunk(b"IDAT", zlib.compress(rows, 9)) + _chunk(b"IEND", b"")
+
+
+def _chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+def png_size(data: bytes) -> Tuple[int, int]:
+    """Width and height of a PNG file; `BadImage` for other data."""
+    if data[:8] != PNG_SIGNATURE or data[12:16] != b"IHDR" or len(data) < 24:
+        raise BadImage("it is not a PNG file")
+    width, height = struct.unpack(">II", data[16:24])
+    check_size(width, height)
+    return width, height
+
+
+# -- maps -------------------------------------------------------------------------------------------
+
+# Largest accepted files.
 MAX_YAML_BYTES = 64 * 1024
 MAX_IMAGE_BYTES = 64 * 1024 * 1024
 _LONGEST_SHOWN = 80
 
 
 class MapError(ValueError):
-    """A map that cannot be used; the text names the file, and what to do."""
+    """The map cannot be used. The text names the file and the remedy."""
 
 
 class Map(NamedTuple):
-    """A map, ready to be shown."""
+    """A map for browsers."""
 
     png: bytes
     width: int  # pixels
     height: int  # pixels
-    resolution: float  # metres a pixel
+    resolution: float  # metres per pixel
     origin: Tuple[float, float, float]  # metres, metres, radians
-    negate: bool  # the image is to be shown inverted
+    negate: bool  # the image must be shown inverted
 
     @property
     def version(self) -> str:
-        """Another one for another image: browsers keep images by their address."""
+        """Differs for each image, because browsers cache images by address."""
         return f"{zlib.crc32(self.png):08x}"
 
     def to_metres(self, u: float, v: float) -> Tuple[float, float]:
-        """The place of a point of the image."""
+        """Convert a point of the image to a position."""
         right = u * self.width * self.resolution
         up = (1.0 - v) * self.height * self.resolution
         x, y, yaw = self.origin
         return (x + right * math.cos(yaw) - up * math.sin(yaw), y + right * math.sin(yaw) + up * math.cos(yaw))
 
     def to_image(self, x: float, y: float) -> Tuple[float, float]:
-        """The point of the image at a place; outside of it the fractions are outside 0 to 1."""
+        """Convert a position to a point of the image; outside of it, fractions are outside 0 to 1."""
         origin_x, origin_y, yaw = self.origin
         east, north = x - origin_x, y - origin_y
         right = east * math.cos(yaw) + north * math.sin(yaw)
@@ -57,19 +164,20 @@ class Map(NamedTuple):
 
 
 def load(path: str) -> Map:
-    """The map of a YAML file as `map_server` reads it, with a PGM or PNG image. Raises `MapError`."""
+    """Load the map of a `map_server` YAML file with a PGM or PNG image. Raises `MapError`."""
     try:
-        # Every value as the text that stands there: PyYAML stumbles over some that it takes for numbers or dates.
-        document = yaml.load(_read(path, MAX_YAML_BYTES), Loader=yaml.BaseLoader)
+        # Load all values as text: PyYAML raises exceptions for some invalid numbers and dates.
+        document = yaml.load(_read_file(path, MAX_YAML_BYTES), Loader=yaml.BaseLoader)
     except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
         if isinstance(error, MapError):
             raise
-        raise MapError(f"{path}: this is no YAML: {' '.join(str(error).split())}") from None
+        raise MapError(f"{path}: invalid YAML: {' '.join(str(error).split())}") from None
     if not isinstance(document, dict):
         raise MapError(f"{path}: found no keys; expected image, resolution and origin, as map_saver writes them")
     resolution = _number(document.get("resolution"))
     if resolution is None or not 1e-4 <= resolution <= 10.0:
-        raise MapError(f"{path}: resolution is {_shown(document, 'resolution')}; expected metres a pixel, such as 0.05")
+        raise MapError(f"{path}: resolution is {_shown(document, 'resolution')}; expected metres per pixel, such as "
+                       f"0.05")
     origin = document.get("origin")
     numbers = [_number(item) for item in origin] if isinstance(origin, list) else []
     if len(numbers) != 3 or None in numbers:
@@ -85,36 +193,38 @@ def load(path: str) -> Map:
     return Map(png, width, height, resolution, (x, y, yaw), negate == "1")
 
 
-def _read(path: str, limit: int) -> bytes:
+def _read_file(path: str, limit: int) -> bytes:
     try:
-        # A pipe might block for ever, and a device has no end.
+        # Opening a pipe may block, and a device may be endless.
         if not stat.S_ISREG(os.stat(path).st_mode):
-            raise MapError(f"{path}: is a directory or a device. Correct map_file, or image in it")
+            raise MapError(f"{path}: is a directory or a device. Correct map_file, or the image that it names")
         with open(path, "rb") as file:
             size = os.fstat(file.fileno()).st_size
             data = b"" if size > limit else file.read(size)
     except OSError as error:
-        raise MapError(f"{path}: cannot be read: {error.strerror}. Correct map_file, or image in it") from None
-    except ValueError as error:  # a NUL or half a character in the path
-        raise error if isinstance(error, MapError) else MapError(f"{path!r}: is no file's name ({error})") from None
+        raise MapError(f"{path}: cannot be read: {error.strerror}. Correct map_file, or the image that it "
+                       "names") from None
+    except ValueError as error:  # an invalid character in the path
+        raise error if isinstance(error, MapError) else MapError(
+            f"{path!r}: is not a valid file name ({error})") from None
     if size > limit:
         raise MapError(f"{path}: is larger than {limit // 1024} kB: crop or scale the map")
     return data
 
 
 def _image(path: str) -> Tuple[bytes, int, int]:
-    data = _read(path, MAX_IMAGE_BYTES)
+    data = _read_file(path, MAX_IMAGE_BYTES)
     try:
-        if data.startswith(images.PNG_SIGNATURE):
-            return (data, *images.png_size(data))
-        grey = images.read_pgm(data)
-    except images.BadImage as error:
+        if data.startswith(PNG_SIGNATURE):
+            return (data, *png_size(data))
+        grey = read_pgm(data)
+    except BadImage as error:
         raise MapError(f"{path}: cannot be shown: {error}. Expected a PGM or PNG image") from None
-    return images.write_png(grey), grey.width, grey.height
+    return write_png(grey), grey.width, grey.height
 
 
 def _number(found: Any) -> Optional[float]:
-    """What can be computed with: finite, and not so large that it becomes infinite; None: it is no such number."""
+    """Read a finite number of reasonable size; None for anything else."""
     try:
         value = float(found) if isinstance(found, str) else math.nan
     except ValueError:
@@ -123,6 +233,6 @@ def _number(found: Any) -> Optional[float]:
 
 
 def _shown(document: Dict[Any, Any], key: str) -> str:
-    """What stands at a key, for messages."""
+    """Format the value of a key for messages."""
     text = repr(document.get(key))
     return text if len(text) <= _LONGEST_SHOWN else text[:_LONGEST_SHOWN - 3] + "..."

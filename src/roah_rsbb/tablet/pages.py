@@ -1,7 +1,7 @@
-"""What pages in browsers and the tablet say to each other: JSON texts in, JSON texts out. No I/O.
+"""The messages between pages in browsers and the tablet, as JSON. No I/O.
 
-A page says `{"do": "here"}` every two seconds, `{"do": "call"}`, or `{"do": "place", "u": 0.25, "v": 0.5}`
-(a point of the map's image, see `maps`). It is told all that it shows, each second and after every change.
+A page sends `{"do": "here"}` every two seconds, `{"do": "call"}`, or `{"do": "place", "u": 0.25, "v": 0.5}` (a point of
+the map's image, see `maps`). It receives the complete state every second and after every change.
 """
 
 import json
@@ -12,31 +12,31 @@ from roah_rsbb.tablet.state import TabletState
 
 HERE, CALL, PLACE = "here", "call", "place"
 
-# The box repeats a touch within milliseconds; pages say that it does not after this long.
+# The box acknowledges a touch within milliseconds; after this time pages show that it did not.
 UNANSWERED_S = 3.0
 
 
 class Refusal(Exception):
-    """What a page asked for is not done; the text is for who touched it."""
+    """The request of a page is refused. The text is for its user."""
 
 
 class Pages:
-    """One tablet, as its pages show it and touch it."""
+    """The pages of one tablet."""
 
     def __init__(self, state: TabletState, plan: Optional[Map]) -> None:
-        """`plan`: the map; None: there is none, and no position can be touched."""
+        """`plan`: the map; None if there is none."""
         self._state = state
         self._map = plan
         self._touched_mono = float("-inf")
 
     def do(self, now_mono: float, time_ns: int, text: object) -> bool:
-        """Do what a page asks for; whether it touched the tablet. Raises `Refusal`."""
+        """Carry out the request of a page; returns whether something was touched. Raises `Refusal`."""
         asked = _parse(text)
         what = asked.get("do")
         if what == HERE:
             return False
         if what not in (CALL, PLACE):
-            raise Refusal("This page is of another version: reload it")
+            raise Refusal("Reload this page: its version differs")
         if not self._state.hears_box(now_mono):
             raise Refusal("The box is silent: nothing was sent")
         if what == CALL:
@@ -51,17 +51,19 @@ class Pages:
         if self._map is None:
             raise Refusal("There is no map")
         if not (_is_fraction(u) and _is_fraction(v)):
-            raise Refusal("That place is not on the map")
+            raise Refusal("This position is not on the map")
         self._state.place(time_ns, *self._map.to_metres(u, v))
 
     def text(self, now_mono: float) -> str:
-        """What every page is to show now."""
+        """The state that every page shows."""
         state = self._state
         return json.dumps({
             "box": state.hears_box(now_mono),
             "view": "map" if state.display_map else "call",
-            "call": {"time": _milliseconds(state.call_time), "told": state.call_is_told},
-            "place": {"time": _milliseconds(state.position_time), "told": state.position_is_told, **self._shown()},
+            "call": {"time": _milliseconds(state.call_time), "told": state.call_is_acknowledged},
+            "place": {
+                "time": _milliseconds(state.position_time), "told": state.position_is_acknowledged, **self._shown(),
+            },
             "unanswered": now_mono - self._touched_mono > UNANSWERED_S,
             "map": self._plan(),
         })
@@ -80,7 +82,7 @@ class Pages:
 
 
 def refusal_text(refusal: Refusal) -> str:
-    """What the page that asked is told."""
+    """The answer to a refused request."""
     return json.dumps({"refused": str(refusal)})
 
 
@@ -97,5 +99,5 @@ def _is_fraction(value: object) -> bool:
 
 
 def _milliseconds(time) -> int:
-    """A time for a browser's Date; 0: never."""
+    """A time for a browser's Date; 0 means never."""
     return time[0] * 1000 + time[1] // 1_000_000

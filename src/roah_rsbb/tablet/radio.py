@@ -7,14 +7,14 @@ from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.tablet.state import BoxSaid, TabletState
+from roah_rsbb.tablet.state import BoxPart, TabletState
 
 
 class TabletRadio:
-    """Sends the state of a tablet while that is `present`: each second, and at once when it changed.
+    """Sends the state of a tablet while it is `present`: every second, and immediately after changes.
 
-    It stands apart from other participants of this machine (see `comm.peer.Peer`): the box itself may run
-    here, and would ignore what comes from its own address and port.
+    It uses the mode `apart` of `comm.peer.Peer`: the box may run on this machine, and would ignore datagrams from its
+    own address and port.
     """
 
     def __init__(
@@ -27,7 +27,7 @@ class TabletRadio:
         rsbb_port: int = 6666,
         bind_host: str = ANY_HOST,
     ) -> None:
-        """Nothing is opened yet. `on_box(changed)` is called for each beacon of the box."""
+        """Opens nothing yet. `on_box(changed)` is called for each beacon of the box."""
         self._loop = loop
         self._state = state
         self._on_box = on_box
@@ -39,19 +39,19 @@ class TabletRadio:
         )
 
     def open(self) -> None:
-        """Begin to listen, and to send if present. Raises OSError whose text names the remedy."""
+        """Start to listen, and to send if present. Raises OSError whose text names the remedy."""
         self._channel.open()
         self.changed()
 
     def close(self) -> None:
-        """End all of it."""
+        """Stop listening and sending."""
         if self._timer is not None:
             self._timer.cancel()
         self._channel.close()
 
     @property
     def present(self) -> bool:
-        """Whether there is a tablet: what is not there sends nothing, and the referee sees that it is silent."""
+        """Whether there is a tablet. Without one, nothing is sent, and the referee sees that it is silent."""
         return self._present
 
     @present.setter
@@ -62,7 +62,7 @@ class TabletRadio:
         self._present = present
 
     def changed(self) -> None:
-        """Something was touched: send it now, and again a few times, as any datagram may be lost."""
+        """Something was touched: send it immediately, and repeat it a few times in case of loss."""
         self._sender.changed(self._loop.time())
         self._send_due()
 
@@ -78,7 +78,7 @@ class TabletRadio:
 
     def _on_message(self, message: object, _address: Tuple[str, int]) -> None:
         if isinstance(message, pb.RoahRsbbBeacon):
-            said = BoxSaid(
+            said = BoxPart(
                 message.tablet_display_map,
                 (message.tablet_call_time.sec, message.tablet_call_time.nsec),
                 (message.tablet_position_time.sec, message.tablet_position_time.nsec),

@@ -15,7 +15,7 @@ from roah_rsbb.bmbox.hopf import HOPF
 from roah_rsbb.comm.passwords import BadPasswords, parse_passwords
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.errors import MAX_ERRORS, ConfigErrors, Report
-from roah_rsbb.tablet import images, maps
+from roah_rsbb.tablet import maps
 from roah_rsbb.tools.competition.plan import VenueClock
 from roah_rsbb.tools.competition.sheet import read_sheet
 
@@ -195,8 +195,8 @@ def _map_seeds() -> List[bytes]:
     pgm = (
         b"P5 2 2 255\n\x00\x01\x02\x03", b"P2\n# c\n2 2 15\n0 1 2 15\n", b"P5 8192 8192 65535\n",
         b"P2 1 1 65535\n99999",
-        b"P5 99999999999999999999 1 1\n", b"P5 1 1 0\n\0", b"P6 1 1 255\n", images.PNG_SIGNATURE + b"\0" * 20,
-        images.write_png(images.Grey(2, 1, b"\0\xff")), b"P2 2 1 255\n" + b"9" * 5000, b"P5\n#",
+        b"P5 99999999999999999999 1 1\n", b"P5 1 1 0\n\0", b"P6 1 1 255\n", maps.PNG_SIGNATURE + b"\0" * 20,
+        maps.write_png(maps.Grey(2, 1, b"\0\xff")), b"P2 2 1 255\n" + b"9" * 5000, b"P5\n#",
     )
     wrong = (
         b"", b"image: map.pgm\nresolution: 1e999\norigin: [0,0,0]", b"[" * 300, b"&a [*a]", b"resolution: .nan",

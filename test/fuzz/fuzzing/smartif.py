@@ -13,7 +13,7 @@ from roah_rsbb.devices.smartif import (
     Busy,
     Changed,
     Decoder,
-    Event,
+    DeviceEvent,
     Garbage,
     Set,
     encode,
@@ -79,8 +79,8 @@ def home_steps(data: bytes) -> Iterator[Step]:
 def seeds() -> List[bytes]:
     """Messages of both sides, whole and torn."""
     from_controller = [
-        encode(Event("E", "47", "1")), encode(Busy("10.0.0.1:5")), encode(Changed("11", 1, 2**32 - 1)),
-        encode(Event("N", "", "x" * 1024)), b"2E\x04\x01", b"2X", b"E\xff\xff", b"E\x00\x02\xff\xfe",
+        encode(DeviceEvent("E", "47", "1")), encode(Busy("10.0.0.1:5")), encode(Changed("11", 1, 2**32 - 1)),
+        encode(DeviceEvent("N", "", "x" * 1024)), b"2E\x04\x01", b"2X", b"E\xff\xff", b"E\x00\x02\xff\xfe",
         b"\0" * 100, b"E\xff\xff" + bytes(4000),
     ]
     to_controller = [encode(Set(device, value)) for device, value in (("11", 1), ("77", 10_000), ("x", 2**32 - 1))]

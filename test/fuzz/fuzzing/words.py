@@ -13,7 +13,7 @@ from roah_rsbb.robot import dummy
 from roah_rsbb.tablet import dummy as dummy_tablet
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
-from roah_rsbb.tablet.state import BoxSaid, TabletState
+from roah_rsbb.tablet.state import BoxPart, TabletState
 from roah_rsbb.tools.capture.program import parse_options as parse_capture_options
 
 _MOST_WORDS = 30
@@ -97,7 +97,7 @@ def page_steps(data: bytes) -> Iterator[Step]:
     reader = Reader(data)
     state = TabletState()
     if reader.flag():
-        state.on_box(0.0, BoxSaid(True, (0, 0), (0, 0)))
+        state.on_box(0.0, BoxPart(True, (0, 0), (0, 0)))
     pages = Pages(state, _PLAN if reader.flag() else None)
     raw = reader.rest()[:_LARGEST_MESSAGE]
     text = raw if reader.flag() else raw.decode("utf-8", "ignore")

@@ -9,7 +9,7 @@ from roah_rsbb.devices import client as client_module
 from roah_rsbb.devices.client import SmartIfClient
 from roah_rsbb.devices.dummy_server import DummyServer
 from roah_rsbb.devices.home import RING, Home
-from roah_rsbb.devices.smartif import TO_CONTROLLER, Busy, Changed, Decoder, Event, encode
+from roah_rsbb.devices.smartif import TO_CONTROLLER, Busy, Changed, Decoder, DeviceEvent, encode
 
 LIMIT_S = 10
 
@@ -133,7 +133,7 @@ def test_what_is_set_while_the_controller_is_away_is_told_when_it_is_back():
 
 def test_rings_come_one_by_one_merged_and_in_fragments():
     async def script(world):
-        other = encode(Changed("11", 1, 0)) + encode(Event("E", "11", "1")) + encode(Event("E", "47", "0"))
+        other = encode(Changed("11", 1, 0)) + encode(DeviceEvent("E", "11", "1")) + encode(DeviceEvent("E", "47", "0"))
         world.say(other + encode(RING) * 2 + encode(RING)[:5])
         await world.until(lambda: world.rings == 2, "two rings")
         for byte in encode(RING)[5:] + encode(RING):
@@ -150,7 +150,7 @@ def test_garbage_ends_the_connection_and_the_next_one_works():
         world.say(encode(RING) + b"HTTP/1.1 400 Bad Request\r\n")
         await world.until_connected(2)
         assert world.rings == 1
-        assert any("does not speak SmartIF" in text and "smartif_port" in text for _, text in world.statuses)
+        assert any("does not use the SmartIF protocol" in text and "smartif_port" in text for _, text in world.statuses)
         world.say(encode(RING))
         await world.until(lambda: world.rings == 2, "the second connection rings")
     scripted(script)
@@ -170,7 +170,7 @@ def test_half_a_message_does_not_stand_in_the_way_for_ever(monkeypatch):
     async def script(world):
         world.say(encode(RING)[:4])
         await world.until_connected(2)
-        assert any("only half of a message" in text for _, text in world.statuses)
+        assert any("an incomplete message" in text for _, text in world.statuses)
         assert world.rings == 0
     scripted(script)
 
@@ -182,7 +182,7 @@ def test_another_client_is_named_and_the_client_keeps_trying():
         world.say(encode(Busy("10.0.0.9:4711")))
         await world.until_connected(3)
         told = [text for connected, text in world.statuses if not connected]
-        assert [text for text in told if "serves another client, at 10.0.0.9:4711" in text]
+        assert [text for text in told if "is connected to another client at 10.0.0.9:4711" in text]
         assert told.count(told[-1]) == 1, "the same is told once"
         await world.until(lambda: world.statuses[-1][0], "connected in the end")
     scripted(script)
@@ -246,7 +246,7 @@ def test_the_dummy_server_prints_rings_and_sends_a_second_client_away(told):
         second.port = server.port
         second.start()
         await second.until(lambda: second.statuses, "the second one is told")
-        assert f"serves another client, at {first}" in second.statuses[0][1]
+        assert f"is connected to another client at {first}" in second.statuses[0][1]
         world.running.cancel()
         await asyncio.gather(world.running, return_exceptions=True)
         await second.until(lambda: second.statuses[-1][0], "the second one is served once the first is gone")
@@ -260,11 +260,11 @@ def test_the_dummy_server_survives_garbage(told):
     async def run():
         server = DummyServer("127.0.0.1", 0, told.append)
         await server.open()
-        for data in (b"GET / HTTP/1.0\r\n\r\n", b"I\xff\xff", encode(Event("E", "47", "1"))):
+        for data in (b"GET / HTTP/1.0\r\n\r\n", b"I\xff\xff", encode(DeviceEvent("E", "47", "1"))):
             reader, writer = await asyncio.open_connection("127.0.0.1", server.port)
             writer.write(data)
             assert await asyncio.wait_for(reader.read(), LIMIT_S) == b""
             writer.close()
         server.close()
-        assert sum("it does not speak SmartIF" in text for text in told) == 3
+        assert sum("it does not use the SmartIF protocol" in text for text in told) == 3
     asyncio.run(run())

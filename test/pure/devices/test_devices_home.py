@@ -5,7 +5,7 @@ import json
 import pytest
 
 from roah_rsbb.devices.home import OUTPUTS, BadValue, Home, device_of, is_ring
-from roah_rsbb.devices.smartif import Changed, Event, Set
+from roah_rsbb.devices.smartif import Changed, DeviceEvent, Set
 
 
 @pytest.mark.parametrize("device, value, message", [
@@ -37,8 +37,8 @@ def test_other_values_are_refused_and_change_nothing(device, value):
 
 
 @pytest.mark.parametrize("message, rings", [
-    (Event("E", "47", "1"), True), (Event("E", "47", "0"), False), (Event("N", "47", "1"), False),
-    (Event("D", "47", "1"), False), (Event("E", "11", "1"), False), (Changed("47", 1, 1), False),
+    (DeviceEvent("E", "47", "1"), True), (DeviceEvent("E", "47", "0"), False), (DeviceEvent("N", "47", "1"), False),
+    (DeviceEvent("D", "47", "1"), False), (DeviceEvent("E", "11", "1"), False), (Changed("47", 1, 1), False),
 ])
 def test_a_ring_is_one_message_only(message, rings):
     assert is_ring(message) is rings

@@ -12,7 +12,7 @@ from roah_rsbb.devices.smartif import (
     Busy,
     Changed,
     Decoder,
-    Event,
+    DeviceEvent,
     Garbage,
     Set,
     encode,
@@ -24,7 +24,7 @@ TEXTS = st.text(max_size=30).filter(lambda text: len(text.encode("utf-8", "repla
 NUMBERS = st.integers(0, 2**32 - 1)
 HEARD = st.one_of(
     st.builds(Busy, TEXTS), st.builds(Changed, TEXTS, NUMBERS, NUMBERS),
-    st.builds(Event, st.sampled_from("NED"), TEXTS, TEXTS),
+    st.builds(DeviceEvent, st.sampled_from("NED"), TEXTS, TEXTS),
 )
 SAID = st.builds(Set, TEXTS, NUMBERS)
 
@@ -39,7 +39,7 @@ def pieces(data, cuts):
     (Set("77", 10000), b"I\0\x0277\0\0\x27\x10"),
     (Busy("10.0.0.9"), b"E\0\x0810.0.0.9"),
     (Changed("11", 1, 2), b"1\0\x0211\0\0\0\x01\0\0\0\x02"),
-    (Event("E", "47", "1"), b"2E\0\x0247\0\x011"),
+    (DeviceEvent("E", "47", "1"), b"2E\0\x0247\0\x011"),
 ])
 def test_messages_are_these_bytes(message, data):
     """Written out from docs/devices.md, "The SmartIF protocol"."""
@@ -92,7 +92,7 @@ def test_a_part_of_a_message_is_none_and_is_waited_for(message, missing):
 def test_what_came_before_garbage_counts(messages, more):
     decoder = Decoder(FROM_CONTROLLER)
     assert decoder.feed(b"".join(map(encode, messages)) + b"?" + more) == messages if messages else True
-    with pytest.raises(Garbage, match=r"begins with b'\?': there is 'E', '1', '2'"):
+    with pytest.raises(Garbage, match=r"begins with b'\?': expected 'E', '1', '2'"):
         decoder.feed(b"" if messages else b"?" + more)
 
 
@@ -108,7 +108,7 @@ def test_garbage_is_found_before_anything_is_waited_for(data, text):
 
 @pytest.mark.parametrize("size", [MAX_STRING - 1, MAX_STRING])
 def test_long_texts_are_read(size):
-    event = Event("N", "a" * size, "b" * size)
+    event = DeviceEvent("N", "a" * size, "b" * size)
     assert Decoder(FROM_CONTROLLER).feed(encode(event) * 3) == [event] * 3
 
 

@@ -105,7 +105,7 @@ def test_a_missing_player_is_one_warning(sound, troubles):
         bell.ring()
     text = troubles.get(timeout=LIMIT_S)
     assert "/nowhere/player cannot be run: No such file or directory" in text
-    assert "Install it, or set another command" in text
+    assert "Install it, or choose another command" in text
     bell.ring()
     bell.close()
     assert troubles.empty()

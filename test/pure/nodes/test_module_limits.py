@@ -45,19 +45,19 @@ def test_what_is_usual_stays_as_it_is():
 
 @pytest.mark.parametrize(("fields", "reason"), [
     ({"number": 0}, "its request has the number 0"),
-    ({"number": 2**32}, "they count from 1"),
+    ({"number": 2**32}, "numbers start at 1"),
     ({"note": "x" * (MAX_JSON + 1)}, f"its note has {MAX_JSON + 1} characters"),
     ({"choices": ("a",) * (MAX_LIST + 1)}, f"it offers {MAX_LIST + 1} answers"),
     ({"choices": ("x" * 1001,)}, "an answer of more than 1000 characters"),
     ({"pose": (1.0, 2.0)}, r"pose is \(1.0, 2.0\)"),
-    ({"pose": (1.0, 2.0, 3.0, 4.0)}, "x, y and theta are finite numbers"),
-    ({"pose": (1.0, float("nan"), 0.0)}, "x, y and theta are finite numbers"),
+    ({"pose": (1.0, 2.0, 3.0, 4.0)}, "x, y and theta must be finite numbers"),
+    ({"pose": (1.0, float("nan"), 0.0)}, "x, y and theta must be finite numbers"),
     ({"timeout": float("nan")}, "timeout is nan s"),
     ({"timeout": float("inf")}, "timeout is inf s"),
     ({"timeout": -0.1}, "timeout is -0.1 s"),
     ({"initial_state": (True,) * 256}, "its goal has 256 switches"),
     ({"switches": (1, -1)}, r"switches are \(1, -1\)"),
-    ({"switches": (2**32,)}, "they are numbered from 1"),
+    ({"switches": (2**32,)}, "numbers start at 1"),
 ])
 def test_a_request_that_would_mean_something_else_ends_the_run(fields, reason):
     progress = with_request(**fields)
@@ -81,7 +81,8 @@ def test_a_failed_module_keeps_its_own_reason_and_its_score():
 def test_too_much_to_keep_ends_the_run():
     assert checked(Progress("run", 1, kept="x" * MAX_JSON)).kept == "x" * MAX_JSON
     progress = checked(Progress("run", 1, kept="x" * (MAX_JSON + 1)))
-    assert (progress.kept, progress.failed) == ("", f"it wants {MAX_JSON + 1} characters kept: at most {MAX_JSON} are")
+    failed = f"it keeps {MAX_JSON + 1} characters: at most {MAX_JSON} are allowed"
+    assert (progress.kept, progress.failed) == ("", failed)
 
 
 def test_texts_and_lists_are_cut():

@@ -40,14 +40,14 @@ def test_it_is_read_when_it_changed_and_only_then(path):
     path.write_text("1", encoding="utf-8")
     file, read = watched(path)
     assert (file.content(), file.problems, read.times) == (1, [], 1)
-    assert not file.look()
+    assert not file.reload()
     path.write_text("22", encoding="utf-8")
     assert (file.content(), read.times) == (22, 2)
     other = path.with_name("other")
     other.write_text("33", encoding="utf-8")
     os.utime(str(other), ns=(path.stat().st_atime_ns, path.stat().st_mtime_ns))
     other.replace(path)  # as editors do; the same size, the same time
-    assert file.look()
+    assert file.reload()
     assert file.content() == 33
 
 
@@ -58,7 +58,7 @@ def test_what_is_wrong_is_told_until_it_is_mended(path):
         file.content()
     assert read.times == 1
     path.write_text("x", encoding="utf-8")
-    assert file.look()
+    assert file.reload()
     assert "number:1: found nonsense; expected a number" in file.problems[0]
     path.write_text("5", encoding="utf-8")
     assert (file.content(), file.problems) == (5, [])

@@ -7,7 +7,7 @@ import zlib
 
 import pytest
 
-from roah_rsbb.tablet import images, maps
+from roah_rsbb.tablet import maps
 from roah_rsbb.tablet.maps import Map, MapError
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "resource" / "maps" / "dummy.yaml"
@@ -91,13 +91,13 @@ def test_a_place_is_found_again_in_the_image(origin, point):
     b"P2 2 3 51 0 10 20 30 40 50",
 ])
 def test_every_kind_of_pgm_is_the_same_image(pgm):
-    assert unpacked(images.write_png(images.read_pgm(pgm))) == (2, 3, GREYS)
+    assert unpacked(maps.write_png(maps.read_pgm(pgm))) == (2, 3, GREYS)
 
 
 def test_an_image_keeps_its_rows():
     """The top row of the PGM is the top row of the PNG."""
-    wide = images.read_pgm(b"P5 3 1 255\n" + bytes([1, 2, 3]))
-    assert unpacked(images.write_png(wide)) == (3, 1, bytes([1, 2, 3]))
+    wide = maps.read_pgm(b"P5 3 1 255\n" + bytes([1, 2, 3]))
+    assert unpacked(maps.write_png(wide)) == (3, 1, bytes([1, 2, 3]))
 
 
 @pytest.mark.parametrize("pgm", [
@@ -107,8 +107,8 @@ def test_an_image_keeps_its_rows():
     b"P5 # a comment without an end",
 ])
 def test_a_broken_pgm_is_refused(pgm):
-    with pytest.raises(images.BadImage):
-        images.read_pgm(pgm)
+    with pytest.raises(maps.BadImage):
+        maps.read_pgm(pgm)
 
 
 # -- files -----------------------------------------------------------------------------------------------
@@ -121,10 +121,10 @@ def test_a_map_is_read_as_map_saver_writes_it(saved):
 
 
 def test_a_png_is_served_as_it_is(saved):
-    png = images.write_png(images.read_pgm(PGM))
+    png = maps.write_png(maps.read_pgm(PGM))
     plan = maps.load(saved("image: it.png\nresolution: 0.5\norigin: [1, 2, 0]\nnegate: 1\n", png, "it.png"))
     assert plan == Map(png, 2, 3, 0.5, (1.0, 2.0, 0.0), True)
-    other = images.write_png(images.read_pgm(PGM[:-1] + b"\0"))
+    other = maps.write_png(maps.read_pgm(PGM[:-1] + b"\0"))
     assert plan.version != plan._replace(png=other).version
 
 
@@ -137,13 +137,13 @@ GOOD = {"image": "it.pgm", "resolution": "0.5", "origin": "[0, 0, 0]"}
 
 @pytest.mark.parametrize(("changes", "told"), [
     ({"image": None}, "image is None"), ({"image": "[3]"}, "image is"), ({"image": "missing.pgm"}, "cannot be read"),
-    ({"image": "map.yaml"}, "no PGM file"), ({"resolution": None}, "resolution is None"),
+    ({"image": "map.yaml"}, "not a PGM file"), ({"resolution": None}, "resolution is None"),
     ({"resolution": "0"}, "resolution is '0'"), ({"resolution": "-0.05"}, "resolution is '-0.05'"),
     ({"resolution": ".nan"}, "resolution is '.nan'"), ({"resolution": "true"}, "resolution is 'true'"),
     ({"resolution": "fine"}, "resolution is 'fine'"), ({"origin": None}, "origin is None"),
     ({"origin": "[0, 0]"}, r"origin is \['0', '0'\]"), ({"origin": "[0, 0, .inf]"}, "origin is"),
     ({"origin": "[0, 0, x]"}, "origin is"), ({"negate": "2"}, "negate is '2'"), ({"negate": "[]"}, "negate is"),
-    ({"image": '"a\\0b"'}, "no file's name"), ({"image": '"\\ud800"'}, "no file's name"),
+    ({"image": '"a\\0b"'}, "not a valid file name"), ({"image": '"\\ud800"'}, "not a valid file name"),
     ({"image": "/dev/zero"}, "a device"),
     ({"image": "."}, "a directory"), ({"resolution": "1" + "0" * 400}, "resolution is"),
 ])

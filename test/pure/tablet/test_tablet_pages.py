@@ -7,10 +7,10 @@ import pytest
 
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import UNANSWERED_S, Pages, Refusal
-from roah_rsbb.tablet.state import BOX_SILENT_S, NEVER, BoxSaid, TabletState
+from roah_rsbb.tablet.state import BOX_SILENT_S, NEVER, BoxPart, TabletState
 
 PLAN = Map(b"png", 200, 100, 0.05, (-1.0, -2.0, 0.0), True)
-SILENT = BoxSaid(False, NEVER, NEVER)
+SILENT = BoxPart(False, NEVER, NEVER)
 NS = 1_451_556_000_123_456_789
 
 
@@ -40,7 +40,7 @@ def test_a_call_has_its_time_and_is_told_once_the_box_repeats_it(pages, state):
     assert state.position_time == NEVER and shown(pages)["place"]["told"] is False
 
 
-def test_a_position_is_told_once_the_box_repeats_it(pages, state):
+def test_a_position_is_acknowledged_once_the_box_repeats_it(pages, state):
     assert pages.do(100.0, NS, '{"do": "place", "u": 0.25, "v": 0.2}') is True
     assert (state.x, state.y) == pytest.approx((1.5, 2.0))
     place = shown(pages)["place"]

@@ -106,8 +106,8 @@ def test_the_box_acknowledges(running, box, tablet):
     tablet.present = True
     tablet.state.call(123)
     tablet.changed()
-    running.until(lambda: tablet.state.call_is_told)
-    assert not tablet.state.position_is_told
+    running.until(lambda: tablet.state.call_is_acknowledged)
+    assert not tablet.state.position_is_acknowledged
 
 
 # -- on the command line ---------------------------------------------------------------------------------
@@ -172,10 +172,10 @@ def test_dummy_does_what_is_typed_and_tells_what_the_box_wants(running, box, sta
     program.process.stdin.close()
     assert running.do(program.end()) == 0
     printed = program.process.stdout.read()
-    assert "'nonsense' is no position" in printed
-    assert "the box wants the map shown" in printed
-    assert "the box has told the call to all" in printed
-    assert "the box has told the position to all" in printed
+    assert "'nonsense' is not a position" in printed
+    assert "the box requests the view: map" in printed
+    assert "the box has published the call" in printed
+    assert "the box has published the position" in printed
 
 
 def test_dummy_ends_when_interrupted(running, box, start):

@@ -12,7 +12,7 @@ from roah_rsbb.tablet import server as server_module
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages
 from roah_rsbb.tablet.server import MAX_MESSAGES_A_SECOND, MAX_PAGES, TabletServer
-from roah_rsbb.tablet.state import NEVER, BoxSaid, TabletState
+from roah_rsbb.tablet.state import NEVER, BoxPart, TabletState
 
 HOST = "127.0.0.1"
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "tablet")
@@ -35,7 +35,7 @@ class Served:
         self.port = self.server.open(HOST, 0)
 
     def hears_box(self):
-        self.state.on_box(self.running.loop.time(), BoxSaid(False, NEVER, NEVER))
+        self.state.on_box(self.running.loop.time(), BoxPart(False, NEVER, NEVER))
 
     def get(self, path, **how):
         client = httpclient.AsyncHTTPClient(force_instance=True)
@@ -134,7 +134,7 @@ def test_a_refusal_is_told_to_who_asked_only(served):
     asking, other = served.page(), served.page()
     served.read(asking), served.read(other)
     asking.write_message('{"do": "place", "u": 7, "v": 0}')
-    assert served.read(asking) == {"refused": "That place is not on the map"}
+    assert served.read(asking) == {"refused": "This position is not on the map"}
     asking.write_message('{"do": "call"}')
     assert "call" in served.read(other)
     assert len(served.touches) == 1

@@ -43,15 +43,14 @@ from roah_rsbb.msg import (
     Unsaved,
     UnsavedParts,
 )
-from roah_rsbb.nodes import device_convert
 from roah_rsbb.nodes.core import public_convert
+from roah_rsbb.nodes.core.device_calls import DeviceCalls, devices_of
 from roah_rsbb.nodes.core.driver import CoreDriver
 from roah_rsbb.nodes.core.journal import CoreJournal, competition, saved_before
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.nodes.core.results_convert import ResultsBoard
 from roah_rsbb.nodes.core.services import CoreServices
-from roah_rsbb.nodes.device_calls import DeviceCalls
 from roah_rsbb.nodes.modules import convert
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
@@ -208,7 +207,7 @@ class CoreNode:
         self._driver.event(method, *args)
 
     def _on_devices(self, message: DevicesState) -> None:
-        devices = device_convert.devices_of(message)
+        devices = devices_of(message)
         self._ros.post(lambda: self._event(self._box.on_devices, devices))
 
     def _on_devices_status(self, message: DevicesStatus) -> None:

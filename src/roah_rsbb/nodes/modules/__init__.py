@@ -1,1 +1,1 @@
-"""Node roah_rsbb_modules, and the ground truth that it measures robots against."""
+"""Node roah_rsbb_modules, and its ground truth."""

@@ -1,6 +1,6 @@
-"""Whether the motion-capture system sees all markers: `rosrun roah_rsbb check_ground_truth`.
+"""Checks that the motion-capture system sees all markers: `rosrun roah_rsbb check_ground_truth`.
 
-Prints a line for each marker of the ground truth's configuration, with what to do where one is not seen.
+Prints a line for each marker of the ground truth's configuration, with the remedy for invisible ones.
 """
 
 import argparse
@@ -18,8 +18,8 @@ from roah_rsbb.ros import connections
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 PROGRAM = "check_ground_truth"
-_DESCRIPTION = "Say of each marker of the ground truth's configuration whether it is seen now, and where it is."
-_EPILOG = "The exit status is 0 if all are seen, 1 if not."
+_DESCRIPTION = "Check for each marker of the ground truth's configuration whether it is visible, and print its pose."
+_EPILOG = "The exit status is 0 if all markers are visible, else 1."
 _POLL_S = 0.1
 
 
@@ -27,12 +27,12 @@ def _arguments(given: List[str]) -> argparse.Namespace:
     parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
     parser.add_argument("file", nargs="?", help="the configuration (default: the package's ground_truth.yaml)")
     parser.add_argument("--wait", type=number(0.0, 3600.0), default=3.0, metavar="S",
-                        help="how long to wait for what is not seen yet, seconds (default: %(default)s)")
+                        help="seconds to wait for invisible markers (default: %(default)s)")
     return parser.parse_args(rospy.myargv(given))
 
 
 def line(state: FrameState) -> str:
-    """A marker's line."""
+    """Format the line of a marker."""
     owner = f" of {state.team}" if state.team else ""
     if state.pose is None:
         return f"MISSING  {state.subject}{owner}: {state.trouble.split(': ', 1)[1]}"
@@ -46,7 +46,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     try:
         config = load(options.file or default_file())
     except ConfigErrors as errors:
-        sys.exit(f"{PROGRAM}: the configuration cannot be used\n{errors}")
+        sys.exit(f"{PROGRAM}: the configuration is invalid\n{errors}")
     if not rosgraph.is_master_online():
         sys.exit(f"{PROGRAM}: no ROS master: start roscore or the launch file, or set ROS_MASTER_URI")
     connections.init_node(PROGRAM, anonymous=True, disable_signals=True)
@@ -56,7 +56,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     while rospy.get_time() < until and any(state.pose is None for state in states):
         rospy.rostime.wallsleep(_POLL_S)
         states = ground_truth.frames()
-    print(f"In reference frame {config.reference_frame}; what is older than {config.maximum_age_s:g} s is missing.")
+    print(f"In reference frame {config.reference_frame}; poses older than {config.maximum_age_s:g} s count as missing.")
     for state in states:
         print(line(state))
     sys.exit(0 if all(state.pose is not None for state in states) else 1)

@@ -1,7 +1,6 @@
-"""Between what core and benchmarking modules say to each other and the ROS messages, for both sides.
+"""Converts between the values of core and benchmarking modules and ROS messages, for both sides.
 
-Nothing here raises, whatever a message holds: what a module says is made fit (`module_limits`), on its own side
-before it is sent, and on the core's when it arrives.
+No message causes an exception: the data of modules is limited (`limits.py`), both before sending and on arrival.
 """
 
 from typing import Iterable, Optional, Tuple
@@ -27,11 +26,11 @@ _REQUEST_KINDS = {int(kind): kind for kind in RequestKind}
 _OUTCOME_KINDS = {int(kind): kind for kind in OutcomeKind}
 
 
-# -- what modules say -------------------------------------------------------------------------------
+# -- from the modules -------------------------------------------------------------------------------
 
 
 def state_message(state: ModulesState) -> ModulesStateMsg:
-    """All that a node of modules says."""
+    """Convert the state of a node with modules."""
     fit = checked_state(state)
     return ModulesStateMsg(
         node=fit.node,
@@ -41,7 +40,7 @@ def state_message(state: ModulesState) -> ModulesStateMsg:
 
 
 def state_of(message: ModulesStateMsg) -> ModulesState:
-    """All that a node of modules says."""
+    """Convert the state of a node with modules."""
     return checked_state(ModulesState(
         message.node,
         tuple(ModuleInfo(info.benchmark, tuple(info.problems[:MAX_LIST]), tuple(info.warnings[:MAX_LIST]))
@@ -69,24 +68,24 @@ def _progress_of(message: ModuleProgress) -> Progress:
     if message.request.number:
         request = _request_of(message.request)
         if request is None:
-            failed = failed or (f"it asks for something of kind {message.request.kind}, which this core does not know: "
-                                "are both of the same version?")
+            failed = failed or (f"its request has the unknown kind {message.request.kind}: check that core and "
+                                "module have the same version")
     return Progress(
         message.run, message.attempt, request, tuple(score_of(score) for score in message.scores[:MAX_SCORES]),
         message.status, tuple(message.warnings[:MAX_LIST]), message.kept, message.finished, failed,
     )
 
 
-# -- what the core says -----------------------------------------------------------------------------
+# -- from the core ----------------------------------------------------------------------------------
 
 
 def runs_message(box_uuid: str, runs: Iterable[RunForModule]) -> ModuleRuns:
-    """All runs that modules drive."""
+    """Convert the runs with modules."""
     return ModuleRuns(box_uuid, [_run_message(run) for run in runs])
 
 
 def runs_of(message: ModuleRuns) -> Tuple[RunForModule, ...]:
-    """All runs that modules drive. One that cannot be read, as its core is of another version, is left out."""
+    """Convert the runs with modules. Unreadable runs, from another version of the core, are omitted."""
     return tuple(run for run in map(_run_of, message.runs) if run is not None)
 
 
@@ -124,7 +123,7 @@ def _request_message(request: Request) -> ModuleRequest:
 
 
 def _request_of(message: ModuleRequest) -> Optional[Request]:
-    """None: nobody knows what is asked for."""
+    """Convert a request; None if its kind is unknown."""
     kind = _REQUEST_KINDS.get(message.kind)
     if kind is None:
         return None

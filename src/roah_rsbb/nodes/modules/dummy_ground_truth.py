@@ -1,15 +1,13 @@
-"""Node roah_rsbb_dummy_ground_truth: frames of a motion-capture system that is not there, for the dummy set-up.
+"""Node roah_rsbb_dummy_ground_truth: simulates a motion-capture system, for the dummy set-up.
 
-Publishes to /tf each marker of the ground truth's configuration, so that the modules see what `DummyWorld`
-pretends. Parameters (private): ground_truth_file; rate (Hz); seed; to misbehave: lose (subjects that are not seen,
-such as "person robot"), lose_every and lose_for (seconds: only in the first lose_for of each lose_every seconds;
-lose_every 0: never seen).
+Publishes each marker of the ground truth's configuration to /tf, with the poses of `DummyWorld`. Parameters (private):
+ground_truth_file; rate (Hz); seed; to misbehave: lose (invisible subjects, such as "person robot"), lose_every and
+lose_for (seconds: they are only invisible during the first lose_for of each lose_every seconds; lose_every 0: always).
 """
 
 import contextlib
 import math
 import os
-import sys
 import threading
 from typing import Dict, FrozenSet, Iterator, Tuple
 
@@ -24,8 +22,7 @@ from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruth
 from roah_rsbb.core.modules.messages import RunForModule
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.nodes.modules.convert import runs_of
-from roah_rsbb.ros import connections
-from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.rulebook.errors import ConfigErrors
 
@@ -33,12 +30,12 @@ NOTHING = "nothing"
 
 
 def default_file() -> str:
-    """The configuration that this package brings."""
+    """The path of the default configuration."""
     return os.path.join(rospkg.RosPack().get_path("roah_rsbb"), "config", "modules", FILE_NAME)
 
 
 class _Losses:
-    """Which subjects are lost, and when."""
+    """Which subjects are invisible, and when."""
 
     def __init__(self, subjects: FrozenSet[str], every_s: float, for_s: float) -> None:
         self._subjects, self._every_s, self._for_s = subjects, every_s, for_s
@@ -96,7 +93,7 @@ class DummyGroundTruthNode:
         team = next((run.team for run in runs if run.running), "")
         self._broadcaster.sendTransform([
             self._transform(now, marker, poses[subject])
-            for subject, marker in worn(self._config, team) if subject in poses and subject not in lost
+            for subject, marker in worn_markers(self._config, team) if subject in poses and subject not in lost
         ])
 
     def _transform(self, now: rospy.Time, marker: Marker, subject: Pose3) -> TransformStamped:
@@ -110,8 +107,8 @@ class DummyGroundTruthNode:
         return message
 
 
-def worn(config: GroundTruthConfig, team: str) -> Iterator[Tuple[str, Marker]]:
-    """Each frame once, with the subject that wears it; a frame that teams share is worn by the team's robot."""
+def worn_markers(config: GroundTruthConfig, team: str) -> Iterator[Tuple[str, Marker]]:
+    """Each frame once, with its subject; a frame that teams share belongs to the running team's robot."""
     by_frame: Dict[str, Tuple[str, Marker]] = {}
     for owner, subject, marker in config.all_markers():
         if owner == team or marker.frame not in by_frame:
@@ -121,12 +118,4 @@ def worn(config: GroundTruthConfig, team: str) -> Iterator[Tuple[str, Marker]]:
 
 def main() -> None:
     """Entry point of the node."""
-    explain(__doc__)
-    connections.init_node("roah_rsbb_dummy_ground_truth")
-    try:
-        node = DummyGroundTruthNode()
-    except (BadParams, ConfigErrors) as error:
-        for line in str(error).splitlines():
-            rospy.logfatal("%s", line)
-        sys.exit(1)
-    node.run()
+    run_node("roah_rsbb_dummy_ground_truth", __doc__, DummyGroundTruthNode, (BadParams, ConfigErrors))

@@ -1,6 +1,7 @@
 """Ground truth from tf2: frames that a motion-capture system publishes (docs/benchmarks.md, "Benchmarking modules").
 
-Safe to ask from any thread; nothing here waits for a frame.
+`TfGroundTruth` may be used from any thread and never waits for a frame. `ReloadingGroundTruth` also follows changes of
+the configuration file.
 """
 
 import bisect
@@ -9,43 +10,44 @@ import contextlib
 import math
 import threading
 import time
-from typing import Deque, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Deque, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import rospy
 import tf2_ros
 from tf2_msgs.msg import TFMessage
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3, compose, yaw
-from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig
+from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig, load
+from roah_rsbb.nodes.modules.watched_file import WatchedFile
 from roah_rsbb.ros.times import ros_time
 
-# What a module asks about is at most seconds old; tf2 keeps this much.
+# tf2 keeps frames for this time; modules ask for poses that are a few seconds old at most.
 _KEPT_S = 10.0
-# Of each frame, when it was published; at 200 Hz as long as tf2 keeps it.
+# Number of remembered times of publication per frame; at 200 Hz as long as tf2 keeps frames.
 _STAMPS_KEPT = 2000
-# A static frame has no time of its own.
+# The time of static frames.
 _STATIC = rospy.Time()
 
 _REMEDY_REFERENCE = (
-    f"start the motion-capture system, see that it publishes ('rostopic hz /tf'), and compare the name in {FILE_NAME}"
+    f"start the motion-capture system, check that it publishes ('rostopic hz /tf'), and check the name in {FILE_NAME}"
 )
-_REMEDY_NEVER = f"put the marker into the cameras' view, or compare the name with {FILE_NAME} ('rosrun tf tf_monitor')"
-_REMEDY_OLD = "see that the cameras have the marker in view"
+_REMEDY_NEVER = f"put the marker into the cameras' view, or check the name in {FILE_NAME} ('rosrun tf tf_monitor')"
+_REMEDY_OLD = "check that the cameras see the marker"
 _REMEDY_CLOCKS = "synchronise the motion-capture computer's clock (chrony)"
 
 
 class FrameState(NamedTuple):
-    """Whether a marker is seen now."""
+    """Whether a marker is visible now."""
 
-    team: str  # whose marker it is; empty: everybody's
+    team: str  # owner of the marker; empty if common
     subject: str
     frame: str
     pose: Optional[Pose3]  # of the marker itself
-    trouble: str  # why there is none, with the remedy
+    trouble: str  # why there is no pose, with the remedy
 
 
 class _Stamps:
-    """When frames were published: tf2 would invent a pose for the middle of a gap, and not tell."""
+    """Times at which frames were published, because tf2 interpolates across gaps without notice."""
 
     def __init__(self, frames: Iterable[str]) -> None:
         self._lock = threading.Lock()
@@ -53,22 +55,22 @@ class _Stamps:
         self.watch(frames)
 
     def watch(self, frames: Iterable[str]) -> None:
-        """From now on take note of these frames."""
+        """Record these frames from now on."""
         with self._lock:
             old = self._by_frame
             self._by_frame = {frame: old.get(frame, collections.deque(maxlen=_STAMPS_KEPT)) for frame in frames}
 
     def on_tf(self, message: TFMessage) -> None:
-        """Take note of a message of /tf."""
+        """Record the times in a message of /tf."""
         with self._lock:
             for transform in message.transforms:
-                # Of ROS's early days: tf2 drops a '/' at the beginning, too.
+                # Like tf2, ignore a leading '/', which early versions of ROS had.
                 stamps = self._by_frame.get(transform.child_frame_id.lstrip("/"))
                 if stamps is not None:
                     stamps.append(transform.header.stamp.to_sec())
 
     def gap(self, frame: str, at_utc: float) -> Optional[float]:
-        """Seconds from a time to the nearest at which the frame was published; None: it was never heard of."""
+        """Seconds between a time and the nearest publication of the frame; None if it was never published."""
         with self._lock:
             stamps = sorted(self._by_frame.get(frame, ()))
         if not stamps:
@@ -82,7 +84,7 @@ def _frames(config: GroundTruthConfig) -> List[str]:
 
 
 class TfGroundTruth(GroundTruth):
-    """Where things are, from tf. Made after `rospy.init_node`."""
+    """Poses from tf. Create it after `rospy.init_node`."""
 
     def __init__(self, config: GroundTruthConfig) -> None:
         self.config = config
@@ -92,26 +94,26 @@ class TfGroundTruth(GroundTruth):
         self._subscriber = rospy.Subscriber("/tf", TFMessage, self._stamps.on_tf)
 
     def use(self, config: GroundTruthConfig) -> None:
-        """From now on go by another configuration."""
+        """Switch to another configuration."""
         self._stamps.watch(_frames(config))
         self.config = config
 
     def close(self) -> None:
-        """Listen no more."""
+        """Stop listening."""
         self._listener.unregister()
         self._subscriber.unregister()
 
     def sees(self, frame: str) -> bool:
-        """Whether tf has heard of a frame at all."""
-        # What tf.TransformListener.frameExists calls, too; can_transform(frame, frame) is true of any name.
+        """Whether tf knows a frame."""
+        # As in tf.TransformListener.frameExists; can_transform(frame, frame) is true for any name.
         return self._buffer._frameExists(frame)
 
     def gap(self, frame: str, at_utc: float) -> Optional[float]:
-        """Seconds from a time to the nearest at which a marker's frame was published; None: it never was."""
+        """Seconds between a time and the nearest publication of a marker's frame; None if never published."""
         return self._stamps.gap(frame, at_utc)
 
     def pose(self, frame: str, at_utc: Optional[float] = None) -> Pose3:
-        """See GroundTruth.pose; at most `maximum_age_s` away from the time that is asked for."""
+        """See GroundTruth.pose; the pose is at most `maximum_age_s` away from the requested time."""
         return self._pose(frame, "", at_utc)
 
     def for_team(self, team: str) -> GroundTruth:
@@ -128,10 +130,10 @@ class TfGroundTruth(GroundTruth):
         return compose(pose, marker.transform)
 
     def _seen(self, subject: str, frame: str, at_utc: Optional[float]) -> Tuple[Pose3, Optional[float]]:
-        """A frame's pose at a time, or its latest where that must do, and when it was; None: it is static."""
+        """A frame's pose at a time, or else its latest pose, with its time; None if it is static."""
         gap = None if at_utc is None else self.gap(frame, at_utc)
         if gap is not None and gap <= self.config.maximum_age_s:
-            # Fails where the time is later than the latest of the frame: that one may do.
+            # Fails if the time is later than the latest pose, which is then used.
             with contextlib.suppress(tf2_ros.TransformException):
                 return self._lookup(subject, frame, ros_time(at_utc))[0], at_utc
         try:
@@ -146,22 +148,25 @@ class TfGroundTruth(GroundTruth):
         try:
             pose = Pose3(place.x, place.y, place.z, yaw((turn.x, turn.y, turn.z, turn.w)))
         except ValueError as error:
-            raise NoPose(f"{subject}: frame '{frame}' is published with a rotation that is none: {error}") from None
+            raise NoPose(f"{subject}: frame '{frame}' is published with an invalid rotation: {error}") from None
         if not all(map(math.isfinite, pose)):
-            raise NoPose(f"{subject}: frame '{frame}' is published with numbers that are not finite")
+            raise NoPose(f"{subject}: frame '{frame}' is published with values that are not finite")
         return pose, found.header.stamp
 
     # -- the check ------------------------------------------------------------------------------------------
 
     def frames(self) -> Tuple[FrameState, ...]:
-        """The state of all markers, for who looks after the motion-capture system."""
+        """The state of all markers, for the operator of the motion-capture system."""
         return tuple(
             FrameState(team, subject, marker.frame, *self._found(subject, marker.frame))
             for team, subject, marker in self.config.all_markers()
         )
 
     def _found(self, subject: str, frame: str) -> Tuple[Optional[Pose3], str]:
-        """A frame's pose now, or why there is none: without its age, so that the text stays while nothing changes."""
+        """A frame's present pose, or why it is missing.
+
+        The text omits the age, so that it only changes with the state.
+        """
         try:
             pose, stamp = self._seen(subject, frame, None)
         except NoPose as error:
@@ -170,7 +175,7 @@ class TfGroundTruth(GroundTruth):
         if age_s > self.config.maximum_age_s:
             return None, f"{subject}: frame '{frame}' was last seen at {_clock(stamp)}: {_REMEDY_OLD}"
         if age_s < -self.config.maximum_age_s:
-            return None, f"{subject}: frame '{frame}' comes with times in the future: {_REMEDY_CLOCKS}"
+            return None, f"{subject}: frame '{frame}' has times in the future: {_REMEDY_CLOCKS}"
         return pose, ""
 
     def check(self, subjects: Iterable[str]) -> Tuple[List[str], List[str]]:
@@ -201,7 +206,8 @@ class TfGroundTruth(GroundTruth):
             if not self.sees(name):
                 return f"{subject}: {self._never_seen(name)}"
         if isinstance(error, tf2_ros.ExtrapolationException):
-            return (f"{subject}: frame '{frame}' and what is between it and '{reference}' were not seen at one time: "
+            return (f"{subject}: frame '{frame}' and the frames between it and '{reference}' were not seen at the "
+                    f"same time: "
                     f"{_REMEDY_OLD}")
         return f"{subject}: frame '{frame}' has no connection with '{reference}' in tf: {error}"
 
@@ -212,7 +218,7 @@ class TfGroundTruth(GroundTruth):
 
 
 class _TeamGroundTruth(GroundTruth):
-    """The ground truth in a team's run."""
+    """The ground truth in a run of a team."""
 
     def __init__(self, whole: TfGroundTruth, team: str) -> None:
         self._whole = whole
@@ -225,11 +231,68 @@ class _TeamGroundTruth(GroundTruth):
 def _age_text(subject: str, frame: str, stamp: float, age_s: float, at_utc: Optional[float]) -> str:
     about = f"{subject}: frame '{frame}'"
     if at_utc is not None:
-        return f"{about} was not seen at {_clock(at_utc)}; {abs(age_s):.1f} s away is the nearest: {_REMEDY_OLD}"
+        return f"{about} was not seen at {_clock(at_utc)}; the nearest time is {abs(age_s):.1f} s away: {_REMEDY_OLD}"
     if age_s < 0:
-        return f"{about} comes with a time {-age_s:.1f} s in the future: {_REMEDY_CLOCKS}"
+        return f"{about} has a time {-age_s:.1f} s in the future: {_REMEDY_CLOCKS}"
     return f"{about} was last seen {age_s:.1f} s ago: {_REMEDY_OLD}"
 
 
 def _clock(utc: float) -> str:
     return time.strftime("%H:%M:%S UTC", time.gmtime(utc))
+
+
+# -- with a configuration file that may change ------------------------------------------------------
+
+class ReloadingGroundTruth(GroundTruth):
+    """The ground truth that modules use. Create it after `rospy.init_node`."""
+
+    def __init__(self, path: str) -> None:
+        self._file = WatchedFile(path, lambda: load(path))
+        self._tf: Optional[TfGroundTruth] = None
+        self._use()
+
+    def reload(self) -> None:
+        """Reload the file if it changed."""
+        if self._file.reload():
+            self._use()
+
+    def pose(self, frame: str, at_utc: Optional[float] = None) -> Pose3:
+        """See GroundTruth.pose."""
+        return self.of_team("").pose(frame, at_utc)
+
+    def for_team(self, team: str) -> GroundTruth:
+        """See GroundTruth.for_team."""
+        return _OfTeam(self, team)
+
+    def of_team(self, team: str) -> GroundTruth:
+        """The ground truth with the present file; raises NoPose if the file is invalid."""
+        self.reload()
+        if self._file.problems or self._tf is None:
+            raise NoPose("; ".join(self._file.problems))
+        return self._tf.for_team(team)
+
+    def check(self, subjects: Sequence[str]) -> Tuple[List[str], List[str]]:
+        """See TfGroundTruth.check; also reports errors in the file."""
+        if not subjects:
+            return [], []
+        self.reload()
+        if self._file.problems or self._tf is None:
+            return self._file.problems, []
+        return self._tf.check(subjects)
+
+    def _use(self) -> None:
+        if self._file.problems:
+            return
+        if self._tf is None:
+            self._tf = TfGroundTruth(self._file.content())
+        else:
+            self._tf.use(self._file.content())
+
+
+class _OfTeam(GroundTruth):
+    def __init__(self, truth: ReloadingGroundTruth, team: str) -> None:
+        self._truth = truth
+        self._team = team
+
+    def pose(self, frame: str, at_utc: Optional[float] = None) -> Pose3:
+        return self._truth.of_team(self._team).pose(frame, at_utc)

@@ -1,4 +1,4 @@
-"""A run's module in the node: whatever goes wrong in it ends this run alone. No ROS."""
+"""A run's module in the node. Errors in a module end only its run. No ROS."""
 
 import traceback
 from types import SimpleNamespace
@@ -12,18 +12,18 @@ from roah_rsbb.nodes.modules.limits import checked
 
 
 class HostedModule:
-    """A `ModuleRunner` that nothing gets out of; `tell` gets what belongs into the node's log."""
+    """A `ModuleRunner` that catches all exceptions; `log` is called with errors."""
 
     def __init__(
         self, kind: Type[Module], load_parameters: Callable[[], SimpleNamespace], truth: GroundTruth,
-        tell: Callable[[str], None],
+        log: Callable[[str], None],
     ) -> None:
         self._runner = ModuleRunner(kind, load_parameters, truth)
-        self._tell = tell
+        self._log = log
         self._run: Optional[RunForModule] = None
-        self._told = ""
+        self._logged = ""
         self._last: Optional[Progress] = None
-        self._broken = ""  # why this attempt's module cannot even say what it wants
+        self._broken = ""  # exception that ended this attempt's module
 
     def on_run(self, run: RunForModule) -> None:
         """See `ModuleRunner.on_run`."""
@@ -31,10 +31,10 @@ class HostedModule:
             self._broken, self._last = "", None
         self._run = run
         self._guarded(lambda: self._runner.on_run(run))
-        if self._runner.traceback != self._told:
-            self._told = self._runner.traceback
-            if self._told:
-                self._tell(f"{run.benchmark} in zone {run.zone}: {self._told}")
+        if self._runner.traceback != self._logged:
+            self._logged = self._runner.traceback
+            if self._logged:
+                self._log(f"{run.benchmark} in zone {run.zone}: {self._logged}")
 
     def tick(self, utc: float) -> None:
         """See `ModuleRunner.tick`."""
@@ -45,8 +45,8 @@ class HostedModule:
         return not self._broken and self._runner.watching()
 
     def progress(self) -> Optional[Progress]:
-        """What can be sent; None: nothing yet."""
-        self._guarded(self._say)
+        """The state to be sent; None if there is none yet."""
+        self._guarded(self._update)
         if not self._broken:
             return self._last
         last = self._last or Progress(self._run.run, self._run.attempt)
@@ -56,7 +56,7 @@ class HostedModule:
         """See `ModuleRunner.close`."""
         self._guarded(self._runner.close)
 
-    def _say(self) -> None:
+    def _update(self) -> None:
         progress = self._runner.progress()
         self._last = None if progress is None else checked(progress)
 
@@ -65,8 +65,8 @@ class HostedModule:
             return
         try:
             job()
-        except BaseException as error:  # also SystemExit: rules may do anything
+        except BaseException as error:  # rules may raise anything, even SystemExit
             self._broken = f"{type(error).__name__}: {error}"
             run = self._run
             where = "" if run is None else f"{run.benchmark} in zone {run.zone}: "
-            self._tell(where + "".join(traceback.format_exception(type(error), error, error.__traceback__)))
+            self._log(where + "".join(traceback.format_exception(type(error), error, error.__traceback__)))

@@ -1,7 +1,7 @@
-"""What a benchmarking module may say, so that whatever it says can be sent, kept and shown.
+"""Limits for data of benchmarking modules, so that all of it can be sent, stored and shown.
 
-Texts for the referee are cut. What would mean something else if it were cut or mended ends the run of that one
-module, with the reason (`Progress.failed`), and hurts no other.
+Texts for the referee are shortened. Data that cannot be shortened ends the run of this module with the reason
+(`Progress.failed`). Other modules are not affected.
 """
 
 import json
@@ -11,7 +11,7 @@ from typing import Tuple
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, ScoreValue
 from roah_rsbb.core.runs.requests import MAX_ANSWER
 
-# Characters and entries: far more than any benchmark needs, far less than would slow the box down.
+# Characters and entries: more than any benchmark needs, and few enough not to slow down the box.
 MAX_NAME = 200
 MAX_TEXT = 1000
 MAX_LIST = 100
@@ -24,7 +24,7 @@ MAX_SWITCHES = 2**8 - 1
 
 
 def checked_state(state: ModulesState) -> ModulesState:
-    """All that a node of modules says."""
+    """Limit the state of a node with modules."""
     return ModulesState(
         clean(state.node, MAX_NAME),
         tuple(_checked_info(info) for info in state.modules[:MAX_LIST]),
@@ -33,7 +33,7 @@ def checked_state(state: ModulesState) -> ModulesState:
 
 
 def checked(progress: Progress) -> Progress:
-    """What a module says of one run; with `failed` set where it cannot be taken."""
+    """Limit the state of one module; sets `failed` if it is invalid."""
     problem = progress.failed or _problem_of(progress)
     request = None if problem or progress.request is None else _cleaned(progress.request)
     return Progress(
@@ -47,8 +47,8 @@ def checked(progress: Progress) -> Progress:
 
 
 def clean(text: str, at_most: int = MAX_TEXT) -> str:
-    """A text that has UTF-8 (a lone surrogate has none), and is not longer than that."""
-    whole = text[:at_most + 1].encode("utf-8", "replace").decode("utf-8")  # a text of megabytes takes long
+    """Make a text valid UTF-8 (without lone surrogates) and limit its length."""
+    whole = text[:at_most + 1].encode("utf-8", "replace").decode("utf-8")  # encoding megabytes takes long
     return whole if len(whole) <= at_most else whole[:at_most - 1] + "…"
 
 
@@ -68,7 +68,7 @@ def _checked_score(score: ScoreValue) -> ScoreValue:
 
 
 def _json_scalar(text: str) -> str:
-    """A number, true, false, null or a text, as JSON; whatever else it is becomes a text, no number null."""
+    """Return a JSON scalar. Other values become a text, numbers that are not finite null."""
     try:
         value = json.loads(text, parse_constant=lambda _: None) if len(text) <= MAX_TEXT else text
     except (ValueError, RecursionError):
@@ -81,27 +81,27 @@ def _json_scalar(text: str) -> str:
 
 
 def _problem_of(progress: Progress) -> str:
-    """Why what a module says cannot be taken; empty: it can."""
+    """Why the state of a module is invalid; empty if it is valid."""
     if len(progress.kept) > MAX_JSON:
-        return f"it wants {len(progress.kept)} characters kept: at most {MAX_JSON} are"
+        return f"it keeps {len(progress.kept)} characters: at most {MAX_JSON} are allowed"
     request = progress.request
     if request is None:
         return ""
     if not 1 <= request.number <= MAX_NUMBER:
-        return f"its request has the number {request.number}: they count from 1"
+        return f"its request has the number {request.number}: numbers start at 1"
     for fits, problem in (
-        (len(request.note) <= MAX_JSON, f"its note has {len(request.note)} characters: at most {MAX_JSON} are kept"),
-        (len(request.choices) <= MAX_LIST, f"it offers {len(request.choices)} answers: at most {MAX_LIST} are shown"),
+        (len(request.note) <= MAX_JSON, f"its note has {len(request.note)} characters: at most {MAX_JSON} are allowed"),
+        (len(request.choices) <= MAX_LIST, f"it offers {len(request.choices)} answers: at most {MAX_LIST} are allowed"),
         (all(len(choice) <= MAX_ANSWER for choice in request.choices),
          f"it offers an answer of more than {MAX_ANSWER} characters"),
         (request.pose is None or (len(request.pose) == 3 and all(map(math.isfinite, request.pose))),
-         f"its goal's pose is {request.pose}: x, y and theta are finite numbers"),
+         f"its goal's pose is {request.pose}: x, y and theta must be finite numbers"),
         (math.isfinite(request.timeout) and request.timeout >= 0.0,
-         f"its goal's timeout is {request.timeout} s: a number from 0 on is meant"),
+         f"its goal's timeout is {request.timeout} s: it must be at least 0"),
         (len(request.initial_state) <= MAX_SWITCHES,
-         f"its goal has {len(request.initial_state)} switches: the referee can enter {MAX_SWITCHES}"),
+         f"its goal has {len(request.initial_state)} switches: at most {MAX_SWITCHES} are allowed"),
         (all(0 <= switch <= MAX_NUMBER for switch in request.switches),
-         f"its goal's switches are {request.switches}: they are numbered from 1"),
+         f"its goal's switches are {request.switches}: numbers start at 1"),
     ):
         if not fits:
             return f"{problem} (request {request.number})"

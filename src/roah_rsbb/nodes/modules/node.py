@@ -1,13 +1,12 @@
-"""Node roah_rsbb_modules: drives the runs of functionality benchmarks (docs/module_protocol.md).
+"""Node roah_rsbb_modules: runs the modules of functionality benchmarks (docs/module_protocol.md).
 
-Parameters (private): benchmarks (codes such as "HNF HOPF", so that each may have a process of its own; default: all
-of them), parameters_dir (a YAML file for each benchmark, and ground_truth.yaml). Files may be mended at any time: the
-next start, and the next look for a pose, go by them as they are then.
+Parameters (private): benchmarks (codes such as "HNF HOPF", to distribute modules over processes; default: all),
+parameters_dir (a YAML file for each benchmark, and ground_truth.yaml). Files may be changed at any time: changes take
+effect at the next start of a run or the next request for a pose.
 """
 
 import contextlib
 import os
-import sys
 import time
 import uuid
 from typing import Dict, List, Optional, Tuple, Type
@@ -23,25 +22,24 @@ from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.modules.convert import runs_of, state_message
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
+from roah_rsbb.nodes.modules.ground_truth_tf import ReloadingGroundTruth
 from roah_rsbb.nodes.modules.hosted_module import HostedModule
-from roah_rsbb.nodes.modules.mendable_truth import MendableTruth
 from roah_rsbb.nodes.modules.watched_file import WatchedFile
-from roah_rsbb.ros import connections
-from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.wording.suggestions import did_you_mean
 
-# The core holds a run whose module was not heard for four of these.
+# Interval of messages to the core, which pauses a run after four missing messages.
 BEAT_S = 0.5
-# Modules watch up to ten times a second: their times are met this closely.
+# Resolution of the times of watches, which run up to ten times a second.
 TICK_S = 0.02
 # The last message is sent within milliseconds, unless a subscriber hangs.
 LEAVE_S = 1.0
 
 
 class ModulesNode:
-    """The node, from its parameters to its end. Everything but its topics happens in one thread."""
+    """The node. Everything except topics happens in one thread."""
 
     def __init__(self) -> None:
         params = Params()
@@ -49,15 +47,15 @@ class ModulesNode:
         folder = params.path("parameters_dir", os.path.dirname(default_file()))
         params.done()
         self._files = {code: _parameter_file(folder, kind) for code, kind in self._kinds.items()}
-        self._truth = MendableTruth(os.path.join(folder, FILE_NAME))
+        self._truth = ReloadingGroundTruth(os.path.join(folder, FILE_NAME))
         self._hosted: Dict[str, HostedModule] = {}  # by the run's identity
         self._node = str(uuid.uuid4())
         self._ros = RosLoop()
         self._infos: Tuple[ModuleInfo, ...] = ()
-        self._said: Optional[ModulesState] = None
+        self._sent: Optional[ModulesState] = None
         self._is_ticking = False
         self._publisher = rospy.Publisher("/modules/state", ModulesStateMsg, queue_size=1, latch=True)
-        rospy.loginfo("Driving %s with the parameters in %s", ", ".join(self._kinds), folder)
+        rospy.loginfo("Running modules %s with the parameters in %s", ", ".join(self._kinds), folder)
 
     def run(self) -> None:
         """Run until shut down."""
@@ -87,7 +85,7 @@ class ModulesNode:
             if identity not in self._hosted:
                 self._hosted[identity] = self._host(run.benchmark)
             self._hosted[identity].on_run(run)
-        self._say_if_changed()
+        self._send_if_changed()
         self._tick_if_needed()
 
     def _host(self, code: str) -> HostedModule:
@@ -100,7 +98,7 @@ class ModulesNode:
     def _beat(self) -> None:
         self._ros.loop.call_later(BEAT_S, self._beat)
         self._infos = tuple(self._info(code, kind) for code, kind in self._kinds.items())
-        self._say(self._state())
+        self._send(self._state())
 
     def _tick_if_needed(self) -> None:
         if not self._is_ticking and any(hosted.watching() for hosted in self._hosted.values()):
@@ -111,13 +109,13 @@ class ModulesNode:
         self._is_ticking = False
         for hosted in self._hosted.values():
             hosted.tick(time.time())
-        self._say_if_changed()
+        self._send_if_changed()
         self._tick_if_needed()
 
-    # -- what is said -------------------------------------------------------------------------------
+    # -- state --------------------------------------------------------------------------------------
 
     def _info(self, code: str, kind: Type[Module]) -> ModuleInfo:
-        self._files[code].look()
+        self._files[code].reload()
         problems, warnings = self._truth.check(kind.SUBJECTS)
         return ModuleInfo(code, (*self._files[code].problems, *problems), tuple(warnings))
 
@@ -125,13 +123,13 @@ class ModulesNode:
         said = (hosted.progress() for hosted in self._hosted.values())
         return ModulesState(self._node, self._infos, tuple(progress for progress in said if progress is not None))
 
-    def _say_if_changed(self) -> None:
+    def _send_if_changed(self) -> None:
         state = self._state()
-        if state != self._said:
-            self._say(state)
+        if state != self._sent:
+            self._send(state)
 
-    def _say(self, state: ModulesState) -> None:
-        self._said = state
+    def _send(self, state: ModulesState) -> None:
+        self._sent = state
         try:
             self._publisher.publish(state_message(state))
         except rospy.ROSException as error:
@@ -153,16 +151,16 @@ def _publish_and_wait(publisher: rospy.Publisher, message: ModulesStateMsg) -> N
 
 
 def _chosen(words: str) -> Dict[str, Type[Module]]:
-    """The modules that the parameter names; raises BadParams."""
-    there_are = registry.modules(lambda text: rospy.logerr("%s", text))
+    """The modules that the parameter selects; raises BadParams."""
+    known = registry.modules(lambda text: rospy.logerr("%s", text))
     if words == "all":
-        return there_are
+        return known
     codes = words.replace(",", " ").split()
-    unknown: List[str] = [f"no module drives {code}{did_you_mean(code, there_are)}" for code in codes
-                          if code not in there_are]
+    unknown: List[str] = [f"no module for {code}{did_you_mean(code, known)}" for code in codes
+                          if code not in known]
     if unknown or not codes:
         raise BadParams(f"parameter {rospy.resolve_name('~benchmarks')}: " + ("; ".join(unknown) or "it is empty"))
-    return {code: there_are[code] for code in codes}
+    return {code: known[code] for code in codes}
 
 
 def _parameter_file(folder: str, kind: Type[Module]) -> WatchedFile:
@@ -172,12 +170,4 @@ def _parameter_file(folder: str, kind: Type[Module]) -> WatchedFile:
 
 def main() -> None:
     """Entry point of the node."""
-    explain(__doc__)
-    connections.init_node("roah_rsbb_modules", disable_signals=True)
-    try:
-        node = ModulesNode()
-    except BadParams as error:
-        for line in str(error).splitlines():
-            rospy.logfatal("%s", line)
-        sys.exit(1)
-    node.run()
+    run_node("roah_rsbb_modules", __doc__, ModulesNode, disable_signals=True)

@@ -1,4 +1,4 @@
-"""A configuration file that may be mended while it is in use: read anew when it changed. No ROS."""
+"""A configuration file that is reloaded when it changes. No ROS."""
 
 import os
 from typing import Callable, Generic, List, Optional, Tuple, TypeVar
@@ -9,7 +9,7 @@ T = TypeVar("T")
 
 
 class WatchedFile(Generic[T]):
-    """A file and what `read` (which raises ConfigErrors) made of it when it was looked at last."""
+    """A file with its content, as returned by `read` (which raises ConfigErrors)."""
 
     def __init__(self, path: str, read: Callable[[], T]) -> None:
         self.path = path
@@ -17,10 +17,10 @@ class WatchedFile(Generic[T]):
         self._seen: Optional[Tuple[int, ...]] = None
         self._content: Optional[T] = None
         self._errors: Optional[ConfigErrors] = None
-        self.look()
+        self.reload()
 
-    def look(self) -> bool:
-        """Read it if it is not as it was; whether it was read."""
+    def reload(self) -> bool:
+        """Read the file if it changed; returns whether it was read."""
         seen = _signature(self.path)
         if seen == self._seen:
             return False
@@ -32,20 +32,20 @@ class WatchedFile(Generic[T]):
         return True
 
     def content(self) -> T:
-        """What is in it now; raises ConfigErrors."""
-        self.look()
+        """The present content; raises ConfigErrors."""
+        self.reload()
         if self._errors is not None:
             raise self._errors
         return self._content
 
     @property
     def problems(self) -> List[str]:
-        """What is wrong in it, a line each."""
+        """The errors in the file, one per line."""
         return [] if self._errors is None else str(self._errors).splitlines()
 
 
 def _signature(path: str) -> Tuple[int, ...]:
-    """Changes whenever the file's content may have changed; empty: it cannot be seen."""
+    """A value that changes with the file's content; empty if the file is not accessible."""
     try:
         found = os.stat(path)
     except OSError:

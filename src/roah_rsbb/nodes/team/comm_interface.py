@@ -1,8 +1,8 @@
-"""The ROS side of node roah_rsbb_comm: which topics and services a robot has, and when.
+"""The ROS side of node roah_rsbb_comm: its topics and services.
 
-Some are always there, some only in a benchmark, some only in a phase of it (docs/ros_interface.md, "Team's side").
-Advertising asks the ROS master, which takes its time, so all of it is done by a thread of its own, in the
-order in which it was asked for: the box hears of a new state before the robot's own programs do.
+Some of them exist always, some only during a benchmark or a phase of it (docs/ros_interface.md, "Team's side").
+Advertising takes time, because it involves the ROS master. A separate thread does it, in order, so that the box gets a
+new state before the robot's programs do.
 """
 
 import queue
@@ -26,7 +26,7 @@ from roah_rsbb.robot.link import PERCENTAGES, SWITCHES
 from roah_rsbb.ros.times import ros_wire_time
 from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
 
-# Numbers of the benchmarks in the Benchmark message; HOMF's own has no constant there.
+# Numbers of the benchmarks in the Benchmark message, which has no constant for HOMF.
 NUMBERS: Dict[str, int] = {
     code: getattr(Benchmark, code)
     for code in ("HGTKMH", "HWV", "HCFGAC", "HOPF", "HNF", "HSUF", "STB", "HPPF", "HPFF", "HGMF")
@@ -48,15 +48,15 @@ STRING_SERVICES: Dict[str, Tuple[str, ...]] = {
     "HCFGAC": ("final_command",),
 }
 DEVICES_IN = "HCFGAC"
-# A topic that ends and comes back at once can leave a listener deaf: rospy takes the news of it for the connection
-# that it still has, and which then breaks. So long a topic is gone at least.
+# A topic stays unadvertised for at least this time. If it returned immediately, rospy could mistake it for the old
+# connection, which then breaks, and subscribers would receive nothing.
 SETTLE_S = 0.5
-# In STB any result will do, but the original box waits for one.
+# In STB the original box waits for a result, whatever it is.
 STB_RESULT = "done"
 
 
-class Owner(NamedTuple):
-    """What the robot's programs can ask for. Each call returns at once or raises with the reason."""
+class Requests(NamedTuple):
+    """Requests of the robot's programs. Each call returns immediately or raises with the reason."""
 
     end_prepare: Callable[[], None]
     end_execute: Callable[[Result], None]
@@ -67,11 +67,11 @@ class Owner(NamedTuple):
 
 
 class CommInterface:
-    """Topics and services under /roah_rsbb. Methods may be called from any thread and return at once."""
+    """Topics and services under /roah_rsbb. Methods may be called from any thread and return immediately."""
 
-    def __init__(self, owner: Owner, types: Types) -> None:
-        """`types`: those of the generation that the team's code was built with."""
-        self._owner = owner
+    def __init__(self, requests: Requests, types: Types) -> None:
+        """`types`: those of the generation that the team's code uses."""
+        self._requests = requests
         self._types = types
         self._goal_types = {"HNF": Pose2D, "HGMF": types.GoalHGMF, "HOMF": GoalOMF, "STB": StringMsg}
         self._code: Optional[str] = None
@@ -88,7 +88,7 @@ class CommInterface:
         self._in_benchmark: List[object] = []  # topics and services that end with the benchmark
         self._in_phase: List[rospy.Service] = []
         self._state_topic: Optional[rospy.Publisher] = None
-        self._ended_mono = -SETTLE_S  # when the last benchmark ended
+        self._ended_mono = -SETTLE_S  # end of the latest benchmark
         self._goal_topic: Optional[rospy.Publisher] = None
         self._always["benchmark"].publish(self._number)
         self._jobs: queue.Queue[Optional[Callable[[], None]]] = queue.Queue()
@@ -96,12 +96,12 @@ class CommInterface:
         self._thread.start()
 
     def close(self) -> None:
-        """Do what was asked for, then end the thread."""
+        """Finish all jobs, then end the thread."""
         self._jobs.put(None)
         self._thread.join()
 
     def show(self, effect: fx.Effect, goal: Optional[Goal]) -> None:
-        """Tell the robot's programs; `goal` is the one being executed, if there is one."""
+        """Pass an effect to the robot's programs; `goal` is the present goal."""
         if isinstance(effect, fx.BenchmarkIs):
             self._jobs.put(lambda: self._enter_benchmark(effect.code))
         elif isinstance(effect, fx.StateIs):
@@ -137,7 +137,7 @@ class CommInterface:
             try:
                 job()
             except Exception:
-                # The next job may be a stop: the thread must live.
+                # The thread must continue: the next job may be a stop.
                 if not rospy.is_shutdown():
                     rospy.logerr("internal error in the ROS interface, please report it", exc_info=True)
 
@@ -148,18 +148,18 @@ class CommInterface:
         self._in_benchmark = []
         self._goal_topic = None
         if code is not None and code not in NUMBERS:
-            rospy.logerr("the box runs benchmark '%s', which this node does not know: its version of this package is "
-                         "too old, or the box's configuration is wrong", code)
+            rospy.logerr("the box runs the unknown benchmark '%s': update this package, or check the box's "
+                         "configuration", code)
             code = None
         self._code = code
         if code is None:
             self._end_state_topic()
             self._announce(Benchmark.NONE)
             return
-        # Also what came since the benchmark before ended is not of this one; a latched count is received anew.
-        self._owner.messages_saved(0)
+        # Discard counts from before this benchmark. A latched count is received again.
+        self._requests.messages_saved(0)
         self._in_benchmark.append(rospy.Subscriber(
-            "/roah_rsbb/messages_saved", UInt32, lambda message: self._owner.messages_saved(message.data)
+            "/roah_rsbb/messages_saved", UInt32, lambda message: self._requests.messages_saved(message.data)
         ))
         if self._state_topic is None:
             time.sleep(max(0.0, self._ended_mono + SETTLE_S - time.monotonic()))
@@ -172,7 +172,7 @@ class CommInterface:
         self._announce(NUMBERS[code])
 
     def _end_state_topic(self) -> None:
-        """It stays from one benchmark to the next, and goes when there is none."""
+        """The topic remains between consecutive benchmarks, and ends without one."""
         if self._state_topic is not None:
             _end(self._state_topic)
             self._state_topic = self._state_number = None
@@ -188,7 +188,7 @@ class CommInterface:
         if self._code is None:
             return
         if state is RobotState.PREPARING:
-            self._in_phase.append(_service("end_prepare", EmptySrv, lambda _: self._owner.end_prepare()))
+            self._in_phase.append(_service("end_prepare", EmptySrv, lambda _: self._requests.end_prepare()))
         elif state is RobotState.EXECUTING:
             self._in_phase.append(self._end_execute_service(self._code))
             if self._goal_topic is not None and goal is not None:
@@ -216,7 +216,7 @@ class CommInterface:
             self._goal_topic.publish(StringMsg(goal.text or ""))
 
     def _end_execute_service(self, code: str) -> rospy.Service:
-        end = self._owner.end_execute
+        end = self._requests.end_execute
         if code == "HOPF":
             return _service("end_execute", ResultHOPF, lambda r: end(
                 HopfResult(r.object_class, r.object_name, _pose(r.object_pose))))
@@ -226,9 +226,9 @@ class CommInterface:
         return _service("end_execute", EmptySrv, lambda _: end(STB_RESULT if code == "STB" else None))
 
     def _benchmark_services(self, code: str) -> List[rospy.Service]:
-        owner = self._owner
+        requests = self._requests
         services = [
-            _service(field, String, lambda r, field=field: owner.add_string(field, r.data))
+            _service(field, String, lambda r, field=field: requests.add_string(field, r.data))
             for field in STRING_SERVICES.get(code, ())
         ]
         if code != DEVICES_IN:
@@ -236,21 +236,21 @@ class CommInterface:
         for name in SWITCHES:
             path = f"devices/{name}"
             services += [
-                _service(f"{path}/set", Bool, lambda r, name=name: owner.set_device(name, bool(r.data))),
-                _service(f"{path}/on", EmptySrv, lambda _, name=name: owner.set_device(name, True)),
-                _service(f"{path}/off", EmptySrv, lambda _, name=name: owner.set_device(name, False)),
+                _service(f"{path}/set", Bool, lambda r, name=name: requests.set_device(name, bool(r.data))),
+                _service(f"{path}/on", EmptySrv, lambda _, name=name: requests.set_device(name, True)),
+                _service(f"{path}/off", EmptySrv, lambda _, name=name: requests.set_device(name, False)),
             ]
         for name in PERCENTAGES:
             path = f"devices/{name}"
             services += [
-                _service(f"{path}/set", Percentage, lambda r, name=name: owner.set_device(name, r.data)),
-                _service(f"{path}/max", EmptySrv, lambda _, name=name: owner.set_device(name, 100)),
-                _service(f"{path}/min", EmptySrv, lambda _, name=name: owner.set_device(name, 0)),
+                _service(f"{path}/set", Percentage, lambda r, name=name: requests.set_device(name, r.data)),
+                _service(f"{path}/max", EmptySrv, lambda _, name=name: requests.set_device(name, 100)),
+                _service(f"{path}/min", EmptySrv, lambda _, name=name: requests.set_device(name, 0)),
             ]
         return [
             *services,
-            _service("tablet/map", EmptySrv, lambda _: owner.display_map(True)),
-            _service("tablet/buttons", EmptySrv, lambda _: owner.display_map(False)),
+            _service("tablet/map", EmptySrv, lambda _: requests.display_map(True)),
+            _service("tablet/buttons", EmptySrv, lambda _: requests.display_map(False)),
         ]
 
 
@@ -259,10 +259,9 @@ def _topic(name: str, message: type, latch: bool = True) -> rospy.Publisher:
 
 
 def _state_topic() -> rospy.Publisher:
-    """Publishes before `publish` returns: the last STOP of a benchmark must not be lost with the topic's end.
+    """A topic without a queue: `publish` sends immediately, so that the last STOP is not lost when the topic ends.
 
-    A queue's messages would be. Nobody who does not read can hold it up: it takes thousands of such messages to
-    fill a socket.
+    A slow subscriber does not block it, because a socket holds thousands of these messages.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SyntaxWarning)  # rospy recommends a queue
@@ -270,7 +269,7 @@ def _state_topic() -> rospy.Publisher:
 
 
 def _service(name: str, service: type, action: Callable[[object], None]) -> rospy.Service:
-    """A service whose call does something and returns nothing; what the action raises is its error text."""
+    """A service that calls `action` and returns nothing. Exceptions become its error text."""
 
     def handle(request: object) -> object:
         try:

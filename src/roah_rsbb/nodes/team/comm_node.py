@@ -1,8 +1,8 @@
 """Node roah_rsbb_comm (type comm): what a team runs on its robot (docs/ros_interface.md, "Team's side").
 
-It speaks with the box, of any generation, and offers topics and services to the robot's own programs.
+It communicates with boxes of any generation, and offers topics and services to the robot's programs.
 
-Parameters (private): team_name (must be given), robot_name, rsbb_key (the team's password), rsbb_host (broadcast
+Parameters (private): team_name (required), robot_name, rsbb_key (the team's password), rsbb_host (broadcast
 address of the network with the box, or the box's), rsbb_port, bind_host, rsbb_cypher, generation (year of the original
 package that the team's code was built with: 2015, 2018, 2019 or 2020); for tests clock_offset (s), loss (share of
 datagrams).
@@ -10,7 +10,6 @@ datagrams).
 
 import logging
 import random
-import sys
 import time
 from typing import Callable, Optional
 
@@ -18,22 +17,21 @@ import rospy
 from google.protobuf import text_format
 
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
-from roah_rsbb.nodes.team.comm_interface import NUMBERS, CommInterface, Owner
+from roah_rsbb.nodes.team.comm_interface import NUMBERS, CommInterface, Requests
 from roah_rsbb.nodes.team.generations import DEFAULT, GENERATIONS, report_refused, types_of
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.machine import IllegalEvent
 from roah_rsbb.robot.runner import SessionRunner
-from roah_rsbb.ros import connections
-from roah_rsbb.ros.command_line import explain
+from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.srv import Override, OverrideResponse
 
 DEFAULT_KEY = "DefaultKey"
 
-# Who sets this logger's level (or that of all, rosout) to Debug sees what is sent. Teams know the name from the
-# node's documentation; it passes on to rosout, which is where a node's log goes to the console and /rosout.
+# At level Debug (of this logger or of rosout), it shows what is sent. Its name is documented for teams. It passes
+# records on to rosout, which writes to the console and /rosout.
 _sent_log = logging.getLogger("ros.roah_rsbb_comm_ros")
 _sent_log.parent = logging.getLogger("rosout")
 
@@ -44,8 +42,8 @@ class CommNode:
     def __init__(self) -> None:
         params = Params()
         if not rospy.has_param("~rsbb_key"):
-            rospy.logerr("Set the parameter rsbb_key to the team's password, as the organisers gave it: until then "
-                         "'%s' is used, which suits no competition", DEFAULT_KEY)
+            rospy.logerr("Set the parameter rsbb_key to the team's password from the organisers. The default "
+                         "'%s' does not work in competitions", DEFAULT_KEY)
         labels = [cipher.label for cipher in Cipher if cipher is not Cipher.NONE]
         team, robot = params.text("team_name"), params.text("robot_name", "Robot")
         key = params.text("rsbb_key", DEFAULT_KEY)
@@ -55,7 +53,7 @@ class CommNode:
         generation = params.text("generation", DEFAULT)
         if generation not in GENERATIONS:
             raise BadParams(f"parameter generation: found {generation}, expected one of {', '.join(GENERATIONS)}")
-        # For tests only: a clock that is wrong, a network that loses datagrams.
+        # For tests only: a wrong clock, and loss of datagrams.
         offset = params.number("clock_offset", 0.0, lowest=-1e9, highest=1e9)
         loss = params.number("loss", 0.0, highest=1.0)
         params.done()
@@ -69,7 +67,7 @@ class CommNode:
         )
         self._session = self._runner.session
         session = self._session
-        self._interface = CommInterface(Owner(
+        self._interface = CommInterface(Requests(
             end_prepare=lambda: self._ask(session.end_prepare),
             end_execute=lambda result: self._ask(lambda: session.end_execute(result)),
             add_string=lambda field, text: self._ask(lambda: session.add_string(field, text)),
@@ -80,7 +78,7 @@ class CommNode:
         rospy.loginfo("Robot %s of team %s looks for the RSBB on %s:%d", robot, team, host, port)
 
     def run(self) -> int:
-        """Run until shut down; returns the process's exit status."""
+        """Run until shut down; returns the exit status."""
         self._runner.open()
         rospy.Service("/roah_rsbb/override", Override, self._on_override)
         self._ros.run()
@@ -90,7 +88,7 @@ class CommNode:
         return 0
 
     def _ask(self, action: Callable[[], None]) -> None:
-        """Ask the session for something in the loop's thread; what follows is sent at once."""
+        """Call the session in the loop's thread; effects are sent immediately."""
 
         def do() -> None:
             action()
@@ -111,14 +109,14 @@ class CommNode:
         elif isinstance(effect, fx.Stop):
             rospy.loginfo("Stop: %s", effect.why)
         elif isinstance(effect, fx.BenchmarkIs):
-            self._set_messages_saved(0)  # what was saved counts for one benchmark
+            self._set_messages_saved(0)  # the count belongs to one benchmark
         elif isinstance(effect, (fx.SendBeacon, fx.SendState, fx.WouldSendState)):
             self._debug(effect)
         self._interface.show(effect, self._session.progress.goal)
 
     @staticmethod
     def _debug(effect: fx.Effect) -> None:
-        """What is sent, or would be if the box were not overridden, for who looks at the debug level."""
+        """Log what is sent, or would be sent without the override."""
         what = "Not sent, because of the override" if isinstance(effect, fx.WouldSendState) else "Sent"
         _sent_log.debug("%s: %s %s", what, type(effect.message).__name__, _OneLine(effect.message))
 
@@ -129,7 +127,7 @@ class CommNode:
 
 
 class _OneLine:
-    """A message as text, made only if somebody reads it."""
+    """A message as text, formatted only when needed."""
 
     def __init__(self, message: object) -> None:
         self._message = message
@@ -139,17 +137,17 @@ class _OneLine:
 
 
 def _override_message(request: object) -> Optional[pb.BenchmarkState]:
-    """What the box would have sent; None: back to normal."""
+    """The message that replaces the box's; None ends the override."""
     if request.benchmark_type == 0:
         return None
     codes = {number: code for code, number in NUMBERS.items()}
     code = codes.get(request.benchmark_type)
     if code is None:
         known = ", ".join(f"{number} {code}" for number, code in sorted(codes.items()))
-        raise rospy.ServiceException(f"no benchmark has the number {request.benchmark_type}: there are {known}")
+        raise rospy.ServiceException(f"unknown benchmark number {request.benchmark_type}: choose from {known}")
     if request.benchmark_state not in pb.BenchmarkState.State.values():
         known = ", ".join(f"{number} {name}" for name, number in pb.BenchmarkState.State.items())
-        raise rospy.ServiceException(f"no benchmark state {request.benchmark_state}: there are {known}")
+        raise rospy.ServiceException(f"unknown benchmark state {request.benchmark_state}: choose from {known}")
     message = pb.BenchmarkState(
         benchmark_type=code, benchmark_state=request.benchmark_state, initial_state=request.initial_state,
         switches=request.switches,
@@ -161,12 +159,4 @@ def _override_message(request: object) -> Optional[pb.BenchmarkState]:
 
 def main() -> None:
     """Entry point of the node."""
-    explain(__doc__)
-    connections.init_node("roah_rsbb_comm", disable_signals=True)
-    try:
-        status = CommNode().run()
-    except (BadParams, ValueError, OSError) as error:
-        for line in str(error).splitlines():
-            rospy.logfatal("%s", line)
-        status = 1
-    sys.exit(status)
+    run_node("roah_rsbb_comm", __doc__, CommNode, (BadParams, ValueError, OSError), disable_signals=True)

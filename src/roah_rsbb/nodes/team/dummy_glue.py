@@ -1,7 +1,7 @@
-"""Node dummy_robot (type dummy_glue): a robot's own program that only pretends, beside node roah_rsbb_comm.
+"""Node dummy_robot (type dummy_glue): simulates a team's own program, which works with node roah_rsbb_comm.
 
-What a team writes between the comm node and its robot, with the dummy's behaviour in the robot's place: it
-uses nothing but the comm node's topics and services, and may serve as an example of that.
+It replaces the program that a team writes between the comm node and its robot. It uses only the comm node's topics and
+services, so it is also an example.
 
 Parameters (private): prepare_duration, execute_duration (s); to misbehave: never_end, crash_in (prepare, execute),
 save_nothing.
@@ -22,7 +22,7 @@ from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
 from roah_rsbb.nodes.team.comm_interface import GOAL_TYPES, NUMBERS
-from roah_rsbb.nodes.team.dummy_log import log_to_ros
+from roah_rsbb.nodes.team.dummy_robots import log_to_ros
 from roah_rsbb.robot.dummy import PHASES, DummyOptions, DummyRobot
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
 from roah_rsbb.robot.link import PERCENTAGES
@@ -32,23 +32,23 @@ from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
 
-# The comm node may be starting, and it advertises a service a moment after what it follows from.
+# Time limit for a service to appear: the comm node may be starting, and advertises services with a delay.
 SERVICE_S = 5.0
 LOOK_S = 0.2
 
 
 class Services:
-    """The comm node's services, as the actions of `RobotClient`: so one dummy suits both."""
+    """The comm node's services with the interface of `RobotClient`, so that the same dummy can use both."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self._loop = loop
-        self._caller = concurrent.futures.ThreadPoolExecutor(1)  # one call after the other, in their order
+        self._caller = concurrent.futures.ThreadPoolExecutor(1)  # one call at a time, in order
         self._saved = 0
         self._saved_topic = rospy.Publisher("/roah_rsbb/messages_saved", UInt32, queue_size=1, latch=True)
 
     @property
     def messages_saved(self) -> int:
-        """How much offline data is recorded."""
+        """The amount of recorded offline data."""
         return self._saved
 
     @messages_saved.setter
@@ -58,27 +58,27 @@ class Services:
 
     def notify(self, text: str) -> None:
         """Online data (HWV, HNF, HOMF)."""
-        self._tell("notifications", String, text)
+        self._start_call("notifications", String, text)
 
     def activation_event(self, text: str) -> None:
         """Online data (HWV)."""
-        self._tell("activation_event", String, text)
+        self._start_call("activation_event", String, text)
 
     def visitor(self, text: str) -> None:
         """Online data (HWV)."""
-        self._tell("visitor", String, text)
+        self._start_call("visitor", String, text)
 
     def final_command(self, text: str) -> None:
         """Online data (HCFGAC)."""
-        self._tell("final_command", String, text)
+        self._start_call("final_command", String, text)
 
     def set_device(self, name: str, value: Any) -> None:
         """Home devices (HCFGAC)."""
-        self._tell(f"devices/{name}/set", Percentage if name in PERCENTAGES else Bool, value)
+        self._start_call(f"devices/{name}/set", Percentage if name in PERCENTAGES else Bool, value)
 
     def display_map(self, display: bool) -> None:
         """The tablet (HCFGAC)."""
-        self._tell("tablet/map" if display else "tablet/buttons", EmptySrv)
+        self._start_call("tablet/map" if display else "tablet/buttons", EmptySrv)
 
     async def call(self, name: str, kind: type, *arguments: Any) -> None:
         """Call a service of the comm node, after the calls before it; raises ROSException or ServiceException.
@@ -98,8 +98,8 @@ class Services:
             given_up.set()
             raise
 
-    def _tell(self, name: str, kind: type, *arguments: Any) -> None:
-        """Call a service, and go on meanwhile."""
+    def _start_call(self, name: str, kind: type, *arguments: Any) -> None:
+        """Call a service without waiting."""
         self._loop.create_task(_logged(self.call(name, kind, *arguments), name))
 
 
@@ -118,7 +118,7 @@ def _wait_for_service(service: str, given_up: threading.Event) -> bool:
 
 
 class GlueNode:
-    """Follows the comm node's topics, and lets the dummy prepare and execute. Raises BadParams."""
+    """Follows the comm node's topics, and makes the dummy prepare and execute. Raises BadParams."""
 
     def __init__(self) -> None:
         params = Params()
@@ -138,12 +138,12 @@ class GlueNode:
         self._codes = {number: code for code, number in NUMBERS.items()}
         self._code: Optional[str] = None
         self._phase: Optional[asyncio.Task] = None
-        self._early: Optional[int] = None  # a state that came before its benchmark
-        self._goal: Optional[asyncio.Future] = None  # of the benchmark's next goal
+        self._early: Optional[int] = None  # a state that arrived before its benchmark
+        self._goal: Optional[asyncio.Future] = None  # the benchmark's next goal
         self._goal_topic: Optional[rospy.Subscriber] = None
 
     def run(self) -> int:
-        """Run until shut down; returns the process's exit status."""
+        """Run until shut down; returns the exit status."""
         self._follow("benchmark", Benchmark, lambda message: self._enter(message.benchmark))
         self._follow("benchmark/state", BenchmarkState, lambda message: self._state(message.benchmark_state))
         self._follow("devices/bell", Empty, lambda _: self._dummy.on_bell())
@@ -159,14 +159,14 @@ class GlueNode:
     # -- in the loop's thread -----------------------------------------------------------------------
 
     def _enter(self, number: int) -> None:
-        """Another benchmark: its goals come on one topic, whose type is the benchmark's."""
+        """Follow another benchmark. The type of its goal topic depends on the benchmark."""
         self._code = self._codes.get(number)
         if self._goal_topic is not None:
             self._goal_topic.unregister()
             self._goal_topic = None
         self._goal = None
         if self._code is None:
-            # Also when the comm node came back after a crash: there was no STOP then.
+            # After a crash of the comm node there is no STOP.
             self._end_phase()
         if self._code in GOAL_TYPES:
             self._goal = self._ros.loop.create_future()
@@ -189,17 +189,17 @@ class GlueNode:
         self._end_phase()
         self._early = None
         if self._code is None and state in (BenchmarkState.PREPARE, BenchmarkState.EXECUTE):
-            self._early = state  # each topic comes in its own time: the benchmark's is on its way
+            self._early = state  # topics are independent: the benchmark follows
         elif state == BenchmarkState.PREPARE:
             self._phase = self._ros.loop.create_task(_logged(self._prepare(), "preparing"))
         elif state == BenchmarkState.EXECUTE:
             self._phase = self._ros.loop.create_task(_logged(self._execute(), "executing"))
         else:
-            self._dummy.stop("the comm node says STOP")
+            self._dummy.stop("the comm node sent STOP")
 
     async def _prepare(self) -> None:
         if self._goal is not None:
-            self._goal = self._ros.loop.create_future()  # the next one
+            self._goal = self._ros.loop.create_future()  # for the next goal
         await self._dummy.prepare(self._code)
         await self._services.call("end_prepare", EmptySrv)
 
@@ -209,7 +209,7 @@ class GlueNode:
         await self._end_execute(result)
 
     async def _end_execute(self, result: Result) -> None:
-        """The service has a type of its own where the benchmark has a result."""
+        """Call the service, whose type depends on the result."""
         call = self._services.call
         if isinstance(result, HopfResult):
             await call("end_execute", ResultHOPF, result.object_class, result.object_name, Pose2D(*result.pose))
@@ -220,7 +220,7 @@ class GlueNode:
 
 
 async def _logged(work: Awaitable[None], what: str) -> None:
-    """What fails is told: in a run that ends it is nothing unusual."""
+    """Log failures, which are normal when a run ends."""
     try:
         await work
     except (rospy.ROSException, rospy.ServiceException) as error:

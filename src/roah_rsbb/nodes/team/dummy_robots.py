@@ -1,20 +1,20 @@
 """Node dummy_robots: dummy robots of different teams on one machine, in one process.
 
-Each has a loopback address of its own. Teams and passwords come from the box's own files, so that no password
-is in a launch file, a parameter or the list of processes.
+Each robot has its own loopback address. Teams and passwords come from the box's files, so that no password appears in a
+launch file, a parameter or the list of processes.
 
-Parameters (private): robots (how many), rsbb_host, rsbb_port, and the box's files: benchmarks_file, schedule_file,
-passwords_file.
+Parameters (private): robots (number of robots), rsbb_host, rsbb_port, and the box's files: benchmarks_file,
+schedule_file, passwords_file.
 """
 
 import asyncio
 import ipaddress
+import logging
 import sys
 from typing import List
 
 import rospy
 
-from roah_rsbb.nodes.team.dummy_log import log_to_ros
 from roah_rsbb.robot.client import RobotClient
 from roah_rsbb.robot.dummy import dummy_client
 from roah_rsbb.ros import connections
@@ -24,13 +24,33 @@ from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config
 from roah_rsbb.rulebook.config import ConfigErrors, load
 
+# Loggers of the dummy's actions and of its client.
+_LOGGERS = ("dummy_robot", "roah_rsbb.robot")
+
+
+class _ToRos(logging.Handler):
+    def emit(self, record: logging.LogRecord) -> None:
+        (rospy.logwarn if record.levelno >= logging.WARNING else rospy.loginfo)("%s", record.getMessage())
+
+
+def log_to_ros() -> None:
+    """Redirect the log of this process's dummy robots to ROS. Call it after `rospy.init_node`."""
+    for name in _LOGGERS:
+        logger = logging.getLogger(name)
+        logger.setLevel(logging.INFO)
+        logger.propagate = False
+        logger.addHandler(_ToRos())
+
+
+# -- the node ---------------------------------------------------------------------------------------
+
 # The box has 127.0.0.1.
 FIRST_HOST = ipaddress.IPv4Address("127.0.0.2")
 MOST = 200
 
 
 def teams_of(config: Config) -> List[str]:
-    """All teams, each once: first those of the schedule in its order, then those that only have a password."""
+    """All teams: first those of the schedule, in order, then those that only have a password."""
     scheduled = [event.team for zone in config.zones for event in zone.events if event.team != ALL_TEAMS]
     return list(dict.fromkeys([*scheduled, *config.passwords]))
 
@@ -44,10 +64,10 @@ class DummyRobotsNode:
         host, port = params.text("rsbb_host", "127.255.255.255"), params.whole("rsbb_port", 6666, 1, 65535)
         files = [params.path(f"{name}_file") for name in ("benchmarks", "schedule", "passwords")]
         params.done()
-        config, _ = load(*files)  # the core tells the warnings
+        config, _ = load(*files)  # the core reports the warnings
         teams = teams_of(config)
         if count > len(teams):
-            rospy.logwarn("%d dummy robots instead of %d: there are no more teams in %s", len(teams), count, files[2])
+            rospy.logwarn("%d dummy robots instead of %d: %s has no more teams", len(teams), count, files[2])
         self._status = 0
         self._ros = RosLoop()
         for number, team in enumerate(teams[:count]):
@@ -58,7 +78,7 @@ class DummyRobotsNode:
             ))
 
     def run(self) -> int:
-        """Run until shut down, or until one of them cannot go on; returns the process's exit status."""
+        """Run until shut down, or until a robot ends; returns the exit status."""
         self._ros.run()
         self._ros.close()
         return self._status
@@ -87,6 +107,6 @@ def main() -> None:
             rospy.logfatal("%s", line)
         status = 1
     except ConfigErrors:
-        rospy.logfatal("no dummy robots: the core tells what is wrong with its files")
+        rospy.logfatal("no dummy robots: the configuration is invalid, see the errors of the core")
         status = 1
     sys.exit(status)

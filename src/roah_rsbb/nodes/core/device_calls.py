@@ -1,7 +1,7 @@
-"""Carries robots' commands to the home devices out, by the services of the devices node.
+"""The home devices as the core node uses them: their state as a plain value, and robots' commands as service calls.
 
-A service call may take long, or hang with the node that serves it: so each device has a thread of its own,
-off the core's loop. While it calls, only the latest wish waits: what was overtaken meanwhile is never done.
+A service call may take long, or hang with its node. So each device has its own thread, off the core's loop. During a
+call only the latest command waits; commands that it replaces are never carried out.
 """
 
 import threading
@@ -10,18 +10,21 @@ from typing import Callable, Dict, Optional
 import rospy
 
 from roah_rsbb.core.effects import SetDevice
+from roah_rsbb.core.messages import DevicesState
 from roah_rsbb.core.runs.device_commands import FIELDS, SWITCHES
+from roah_rsbb.msg import DevicesState as DevicesStateMsg
+from roah_rsbb.protocol import WireTime
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Bool, Percentage
 
-# The devices node answers in milliseconds: who takes longer hangs, and the referee should know.
+# The devices node answers within milliseconds. After this time the referee is warned.
 ANSWER_TIMEOUT_S = 3.0
 
 Refused = Callable[[SetDevice, str], None]
 
 
 class DeviceCalls:
-    """The hands for the effect `SetDevice`; `refused(wish, reason)` is called in some other thread."""
+    """Carries out the effect `SetDevice`. `refused(wish, reason)` is called in another thread."""
 
     def __init__(self, refused: Refused) -> None:
         self._callers: Dict[str, _Caller] = {
@@ -29,7 +32,7 @@ class DeviceCalls:
         }
 
     def set(self, wish: SetDevice) -> None:
-        """Carry out a wish soon; returns at once."""
+        """Carry out a command soon; returns immediately."""
         rospy.loginfo("zone %s: the robot sets %s to %d", wish.zone, wish.device, wish.value)
         self._callers[wish.device].set(wish)
 
@@ -59,14 +62,14 @@ class _Caller:
             self._call(wish)
 
     def _call(self, wish: SetDevice) -> None:
-        late = f"{self._name} has not answered within {ANSWER_TIMEOUT_S:.0f} s: look at the devices node"
+        late = f"{self._name} has not answered within {ANSWER_TIMEOUT_S:.0f} s: check the devices node"
         watch = threading.Timer(ANSWER_TIMEOUT_S, self._refused, (wish, late))
         watch.daemon = True
         watch.start()
         try:
             value = bool(wish.value) if self._kind is Bool else wish.value
             rospy.ServiceProxy(self._name, self._kind)(value)
-        except Exception as error:  # whatever a broken connection makes of it, the next wish has its chance
+        except Exception as error:  # a broken connection must not end this thread
             if rospy.is_shutdown():
                 return
             text = str(error)
@@ -74,3 +77,12 @@ class _Caller:
             self._refused(wish, refusals.reason(text) if answered else f"no devices node answers ({text})")
         finally:
             watch.cancel()
+
+
+def devices_of(message: DevicesStateMsg) -> DevicesState:
+    """Convert the devices' state to the core's value."""
+    bell: WireTime = (message.bell.secs, message.bell.nsecs)
+    return DevicesState(
+        bell, message.switch_1, message.switch_2, message.switch_3, message.dimmer, message.blinds,
+        message.door_win_detect,
+    )
