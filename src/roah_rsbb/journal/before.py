@@ -3,6 +3,7 @@
 import sqlite3
 from typing import Dict, NamedTuple, Optional, Tuple
 
+from roah_rsbb.journal import schema
 from roah_rsbb.journal.file import Session
 
 # The records of so many runs are taken up again: those that a referee may still want to correct.
@@ -23,15 +24,12 @@ NOTHING = Before({}, (), {}, None, None)
 
 
 def read_before(connection: sqlite3.Connection) -> Before:
-    """Read it, before the session that begins is written; raises sqlite3.Error."""
+    """Read it, before the session that begins is written; damaged rows are left out. Raises sqlite3.Error."""
     outcomes = connection.execute(
-        "SELECT outcome FROM runs WHERE outcome IS NOT NULL ORDER BY opened_utc DESC LIMIT ?",
-        (MAX_OUTCOMES,)).fetchall()
+        f"SELECT outcome FROM runs WHERE outcome IS NOT NULL AND crc IS {schema.crc_of('runs')}"
+        " ORDER BY opened_utc DESC LIMIT ?", (MAX_OUTCOMES,)).fetchall()
     return Before(
-        states={
-            name: state for name, state in connection.execute("SELECT name, state FROM states")
-            if isinstance(name, str)
-        },
+        states=dict(connection.execute(f"SELECT name, state FROM states WHERE crc IS {schema.crc_of('states')}")),
         outcomes=tuple(outcome for (outcome,) in reversed(outcomes)),
         log_files=dict(connection.execute("SELECT port, log_file FROM members WHERE log_file IS NOT NULL")),
         last_port=connection.execute("SELECT max(port) FROM members").fetchone()[0],

@@ -14,7 +14,10 @@ import sqlite3
 import time
 from typing import List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.journal import schema
+from roah_rsbb.journal import pages, schema
+from roah_rsbb.journal.damage import find_damage, text_of
+from roah_rsbb.journal.reader import JournalError
+from roah_rsbb.journal.recover import recover
 
 FILE_NAME = "roah_rsbb_journal.sqlite3"
 # What SQLite keeps beside its file.
@@ -100,6 +103,7 @@ def open_file(path: str, competition: str, resume: Resume, launch: str) -> File:
     """
     warnings: List[str] = []
     if os.path.exists(path):
+        warnings += _replace_if_log_is_damaged(path)
         try:
             why = _why_not(path, competition, resume, launch)
         except sqlite3.OperationalError as error:
@@ -107,6 +111,8 @@ def open_file(path: str, competition: str, resume: Resume, launch: str) -> File:
         if why:
             aside = put_aside(path)
             warnings.append(f"The journal that was in {path} is not gone on with: {why}. It is kept as {aside}")
+        else:
+            warnings += _damage(path)
     try:
         connection = _connect(path)
     except (sqlite3.Error, OSError) as error:
@@ -148,6 +154,33 @@ def put_aside(path: str) -> str:
     return aside
 
 
+def _replace_if_log_is_damaged(path: str) -> List[str]:
+    """Put a journal with a damaged write-ahead log aside, and write what can be read of it to a new file: SQLite would
+    silently drop everything behind the damage. Returns warnings."""
+    try:
+        if not pages.has_damaged_log(path):
+            return []
+    except OSError:
+        return []
+    aside = put_aside(path)
+    kept = f"The write-ahead log of the journal {path} is damaged. It is kept as {aside}"
+    try:
+        recover(aside, path)
+    except JournalError as error:
+        return [f"{kept}. Nothing could be recovered from it: {error}"]
+    return [f"{kept}. The box resumes from what could be recovered"]
+
+
+def _damage(path: str) -> List[str]:
+    """Warnings about damage in a journal that the core resumes from."""
+    try:
+        with contextlib.closing(_connect(path)) as connection:
+            found = find_damage(connection) if is_readable(connection) else []
+    except sqlite3.Error:
+        return []  # it can be read only later
+    return [f"The journal {path} is damaged: {'; '.join(map(text_of, found))}"] if found else []
+
+
 def _connect(path: str) -> sqlite3.Connection:
     try:
         return _connect_as(path, path)
@@ -169,6 +202,7 @@ def _is_at_rest(path: str) -> bool:
 def _connect_as(path: str, address: str) -> sqlite3.Connection:
     connection = sqlite3.connect(address, uri=address != path, timeout=1.0, isolation_level=None)
     # Text that a damaged disk made no UTF-8 is read, too: whoever takes it sees that it is not what was written.
+    schema.add_functions(connection)
     connection.text_factory = functools.partial(str, encoding="utf-8", errors="replace")
     try:
         mode = connection.execute("PRAGMA journal_mode = WAL").fetchone()[0]

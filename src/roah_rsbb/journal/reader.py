@@ -15,6 +15,8 @@ import tempfile
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.journal import schema
+from roah_rsbb.journal.damage import find_damage, last_moment, text_of
+from roah_rsbb.journal.pages import has_damaged_log
 
 # For so long the box may hold the file where its file system knows no write-ahead log.
 BUSY_S = 5.0
@@ -180,6 +182,23 @@ class JournalReader:
         except sqlite3.Error as error:
             raise self._damaged(str(error)) from None
 
+    @property
+    def damage(self) -> List[str]:
+        """What is damaged or missing in the journal, with from when to when. The rest is read all the same."""
+        try:
+            found = [text_of(damage) for damage in find_damage(self._connection)]
+            if self._has_damaged_log():
+                found.append(f"the write-ahead log: what happened after {last_moment(self._connection)} cannot be read")
+        except sqlite3.Error as error:
+            raise self._damaged(str(error)) from None
+        return found
+
+    def _has_damaged_log(self) -> bool:
+        """A box may write while this looks: damage is there again."""
+        with contextlib.suppress(OSError):
+            return all(has_damaged_log(self.path) for _ in range(COPIES))
+        return False
+
     # -- opening ------------------------------------------------------------------------------------
 
     def _open(self) -> sqlite3.Connection:
@@ -235,6 +254,7 @@ class JournalReader:
     def _connect(self, path: str, options: str) -> sqlite3.Connection:
         address = f"{pathlib.Path(path).resolve().as_uri()}?{options}"
         connection = sqlite3.connect(address, uri=True, timeout=BUSY_S, isolation_level=None)
+        schema.add_functions(connection)
         self._cleanup.callback(connection.close)
         return connection
 
@@ -243,6 +263,8 @@ class JournalReader:
         one moment. Raises sqlite3.Error, too."""
         connection.execute("BEGIN")
         if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0:
+            if self._has_damaged_log():
+                raise self._damaged("its write-ahead log")
             raise JournalError(f"{self.path}: nothing was written to this journal yet: connect a robot first")
         if _pragma(connection, "application_id") != schema.APPLICATION_ID:
             raise JournalError(f"{self.path}: this is another program's database: name a box's journal")

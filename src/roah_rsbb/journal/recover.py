@@ -1,111 +1,204 @@
-"""Takes what can still be read of a damaged journal into a new one. The damaged file is not changed."""
+"""Takes what can still be read of a damaged journal into a new one. The damaged file is not changed.
+
+What SQLite can read counts first: it knows which version of a row is the present one. Then every page is searched for
+rows that SQLite does not find any more. Rows of the present version of the tables count only with a right checksum.
+"""
 
 import contextlib
 import os
-import shutil
 import sqlite3
 import tempfile
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.journal import schema
-from roah_rsbb.journal.reader import LOGS, JournalError
+from roah_rsbb.journal import pages, schema
+from roah_rsbb.journal.damage import Damage, find_damage
+from roah_rsbb.journal.reader import JournalError
 
-# So many rows at most are looked for one by one behind the last that was found, where there is no end.
-MAX_PROBED = 50_000
+Row = Tuple[object, ...]
+# By table, then by key: a number, or the first column where the table has none.
+Found = Dict[str, Dict[object, Row]]
 
-Row = Tuple[Any, ...]
-
-
-class _Table(NamedTuple):
-    name: str
-    statement: str  # that makes it
-
-    @property
-    def has_rowid(self) -> bool:
-        """Whether its rows have a number of SQLite's."""
-        return "WITHOUT ROWID" not in self.statement.upper()
-
-    @property
-    def key(self) -> str:
-        """What its rows are found by: without such a number the first column is the primary key."""
-        return "rowid" if self.has_rowid else self.statement.partition("(")[2].split()[0]
+COLUMNS = {
+    "meta": ("key", "value"),
+    "sessions": ("id", *schema.CHECKED["sessions"]),
+    "runs": schema.CHECKED["runs"],
+    "members": schema.CHECKED["members"],
+    "entries": ("id", *schema.CHECKED["entries"]),
+    "links": ("rowid", *schema.CHECKED["links"]),
+    "states": schema.CHECKED["states"],
+}
+_REALS = {"utc", "mono", "scheduled", "opened_utc", "closed_utc"}
+_WHOLES = {"id", "rowid", "pid", "round", "run", "port", "session"}
+_MAY_BE_NULL = {("runs", "closed_utc"), ("runs", "outcome"), ("members", "log_file"), ("entries", "port")}
 
 
-def recover(path: str, new: str) -> Dict[str, int]:
-    """Write a new journal with what can be read of the one at `path`; returns the number of rows by table.
+class Recovered(NamedTuple):
+    """What was written to the new journal."""
 
-    Raises JournalError.
-    """
+    rows: Dict[str, int]  # their number by table
+    damage: List[Damage]  # what is missing
+
+
+def recover(path: str, new: str) -> Recovered:
+    """Write a new journal with what can be read of the one at `path`. Raises JournalError."""
     if os.path.exists(new):
         raise JournalError(f"{new}: there is such a file already: name another one")
     try:
-        with tempfile.TemporaryDirectory(prefix="roah_rsbb_journal_") as directory:
-            copy = os.path.join(directory, "journal.sqlite3")
-            for suffix in ("", *LOGS):
-                if suffix == "" or os.path.exists(path + suffix):
-                    shutil.copyfile(path + suffix, copy + suffix)
-            return _recover(copy, new)
+        image = pages.read_image(path)
+        found = _read(image)
+        if not any(found[table] for table in schema.CHECKED):
+            raise JournalError(
+                f"{path}: nothing can be had of this journal. Look for another copy of it, and for the run logs (.bag)")
+        return _write(found, _last_number(image), new)
     except OSError as error:
         raise JournalError(f"{error.filename}: {error.strerror}: name a journal, and a new file for it") from None
     except sqlite3.Error as error:
         with contextlib.suppress(FileNotFoundError):
             os.remove(new)
-        raise JournalError(
-            f"{path}: nothing can be had of this journal ({error}). Look for another copy of it, and for the run logs "
-            "(.bag)"
-        ) from None
+        raise JournalError(f"{new}: cannot be written ({error}): name another place, or make room there") from None
 
 
-def _recover(copy: str, new: str) -> Dict[str, int]:
-    with contextlib.closing(sqlite3.connect(copy)) as old:
-        old.execute("PRAGMA writable_schema = ON")  # or SQLite reads nothing of a file that is too short
-        statements = [row[0] for row in old.execute("SELECT sql FROM sqlite_master WHERE sql IS NOT NULL")]
-        tables = [
-            _Table(*row) for row in old.execute(
-                "SELECT name, sql FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite_%'")
-        ]
-        if not tables:
-            raise sqlite3.DatabaseError("it has no tables")
-        version = old.execute("PRAGMA user_version").fetchone()[0]
-        with contextlib.closing(sqlite3.connect(new)) as out:
-            for statement in statements:
-                if "sqlite_sequence" not in statement:
-                    out.execute(statement)
-            out.execute(f"PRAGMA application_id = {schema.APPLICATION_ID}")
-            out.execute(f"PRAGMA user_version = {version}")
-            counts = {table.name: _copy_rows(old, out, table) for table in tables}
-            out.commit()
-    return counts
+def _read(image: bytes) -> Found:
+    found: Found = {table: {} for table in COLUMNS}
+    for table, row in _rows_of_sqlite(image):
+        found[table].setdefault(row[0], row)
+    by_key: Dict[Tuple[str, object], List[Row]] = {}
+    for table, row in _rows_of_pages(image):
+        if row[0] not in found[table]:
+            by_key.setdefault((table, row[0]), []).append(row)
+    for (table, key), rows in by_key.items():
+        row = _newest(table, rows)
+        if row is not None:
+            found[table][key] = row
+    return found
 
 
-def _copy_rows(old: sqlite3.Connection, out: sqlite3.Connection, table: _Table) -> int:
-    """Copy a table from both its ends, and what is between them row by row."""
-    first, whole = _read(old, table, "ASC")
-    rows: List[Row] = first
-    if not whole:
-        last, _ = _read(old, table, "DESC")
-        rows = first + last
-        if table.has_rowid:
-            begin = first[-1][0] + 1 if first else 1
-            end = last[-1][0] if last else begin + MAX_PROBED
-            rows += [row for row in (_probe(old, table, i) for i in range(begin, end)) if row is not None]
-    count = 0
-    for row in rows:
-        marks = ", ".join("?" * (len(row) - 1))
-        count += out.execute(f"INSERT OR IGNORE INTO {table.name} VALUES ({marks})", row[1:]).rowcount
-    return count
+def _newest(table: str, rows: List[Row]) -> Optional[Row]:
+    """Which of several versions of a row was the last one; None: nobody knows."""
+    if table == "runs":
+        return max(rows, key=lambda row: (row[-2] or 0.0, len(row[-1] or "")))
+    if table == "states" and len(set(rows)) > 1:
+        return None  # a core must not resume from an old state
+    return rows[-1]
 
 
-def _read(old: sqlite3.Connection, table: _Table, order: str) -> Tuple[List[Row], bool]:
-    """All rows in this order up to the first that cannot be read, each behind its key; and whether that was all."""
-    rows: List[Row] = []
+# -- through SQLite ---------------------------------------------------------------------------------
+
+
+def _rows_of_sqlite(image: bytes) -> Iterator[Tuple[str, Row]]:
+    """All rows up to the first that cannot be read, from both ends of each table."""
+    with tempfile.TemporaryDirectory(prefix="roah_rsbb_journal_") as directory:
+        copy = os.path.join(directory, "journal.sqlite3")
+        with open(copy, "wb") as file:
+            file.write(image)
+        with contextlib.closing(sqlite3.connect(copy)) as connection:
+            connection.text_factory = bytes
+            schema.add_functions(connection)
+            for table, columns in COLUMNS.items():
+                for order in ("ASC", "DESC"):
+                    yield from _rows_in_order(connection, table, columns, order)
+
+
+def _rows_in_order(
+    connection: sqlite3.Connection, table: str, columns: Tuple[str, ...], order: str
+) -> Iterator[Tuple[str, Row]]:
     with contextlib.suppress(sqlite3.DatabaseError):
-        rows.extend(old.execute(f"SELECT {table.key}, * FROM {table.name} ORDER BY {table.key} {order}"))
-        return rows, True
-    return rows, False
+        has_crc = any(row[1] == b"crc" for row in connection.execute(f"PRAGMA table_info({table})"))
+        names = ", ".join((*columns, "crc") if has_crc else columns)
+        for values in connection.execute(f"SELECT {names} FROM {table} ORDER BY {columns[0]} {order}"):
+            row = _checked(table, values)
+            if row is not None:
+                yield table, row
 
 
-def _probe(old: sqlite3.Connection, table: _Table, rowid: int) -> Optional[Row]:
-    with contextlib.suppress(sqlite3.DatabaseError):
-        return old.execute(f"SELECT rowid, * FROM {table.name} WHERE rowid = ?", (rowid,)).fetchone()
-    return None
+def _checked(table: str, values: Row) -> Optional[Row]:
+    """A row of the table, from its values with or without their checksum; None: it is not one."""
+    columns = COLUMNS[table]
+    row = tuple(_value(table, name, value) for name, value in zip(columns, values))
+    if _BAD in row or len(values) not in (len(columns), len(columns) + (table != "meta")):
+        return None
+    has_crc = len(values) > len(columns)
+    return None if has_crc and schema.row_crc(*row[-len(schema.CHECKED[table]):]) != values[-1] else row
+
+
+_BAD = object()
+
+
+def _value(table: str, name: str, value: object) -> object:
+    """A value as the column has it; `_BAD`: it can be none of the column."""
+    if isinstance(value, bytes):
+        try:
+            value = value.decode("utf-8")
+        except UnicodeDecodeError:
+            return _BAD
+    if value is None:
+        return None if (table, name) in _MAY_BE_NULL else _BAD
+    if name in _REALS:
+        return float(value) if isinstance(value, (int, float)) and abs(value) < 1e12 else _BAD
+    if name in _WHOLES:
+        return value if isinstance(value, int) else _BAD
+    return value if isinstance(value, str) else _BAD
+
+
+# -- from the pages ---------------------------------------------------------------------------------
+
+
+def _rows_of_pages(image: bytes) -> Iterator[Tuple[str, Row]]:
+    """Every row of ours in any page."""
+    for record in pages.records(image):
+        for table in COLUMNS:
+            row = _row_of(table, record)
+            if row is not None:
+                yield table, row
+                break
+
+
+def _row_of(table: str, record: pages.Record) -> Optional[Row]:
+    has_rowid = COLUMNS[table][0] in ("id", "port", "rowid")
+    if has_rowid is (record.rowid is None):
+        return None
+    values = record.values
+    if table == "links":
+        values = (record.rowid, *values)
+    elif has_rowid:
+        if not values or values[0] is not None:
+            return None
+        values = (record.rowid, *values[1:])
+    is_meta = values[:1] == ("competition",)
+    if table in ("meta", "states") and (table == "meta") is not is_meta:
+        return None
+    return _checked(table, values)
+
+
+def _last_number(image: bytes) -> int:
+    """The number of the last entry that was ever written, as far as it can be read."""
+    numbers = [
+        record.values[1] for record in pages.records(image)
+        if record.rowid is not None and record.values[:1] == ("entries",) and len(record.values) == 2
+    ]
+    return max((n for n in numbers if isinstance(n, int)), default=0)
+
+
+# -- writing ----------------------------------------------------------------------------------------
+
+
+def _write(found: Found, last_number: int, new: str) -> Recovered:
+    with contextlib.closing(sqlite3.connect(new, isolation_level=None)) as out:
+        schema.add_functions(out)
+        schema.create(out)
+        out.execute("BEGIN")
+        for table, rows in found.items():
+            _insert(out, table, sorted(rows.values(), key=lambda row: row[0]))
+        if last_number:
+            out.execute("UPDATE sqlite_sequence SET seq = max(seq, ?) WHERE name = 'entries'", (last_number,))
+        out.execute("COMMIT")
+        damage = find_damage(out)
+    return Recovered({table: len(rows) for table, rows in found.items()}, damage)
+
+
+def _insert(out: sqlite3.Connection, table: str, rows: List[Row]) -> None:
+    columns = COLUMNS[table]
+    marks = ", ".join("?" for _ in columns)
+    out.executemany(f"INSERT INTO {table} ({', '.join(columns)}) VALUES ({marks})", rows)
+    if table in schema.CHECKED:
+        out.execute(f"UPDATE {table} SET crc = {schema.crc_of(table)}")

@@ -7,32 +7,95 @@ of an older version is brought up to date when the core opens it.
 import contextlib
 import functools
 import sqlite3
+import zlib
 from typing import Dict, Tuple
 
 # "RSBB": by this a file is known as a journal.
 APPLICATION_ID = 0x52534242
-VERSION = 1
+VERSION = 2
 
 SCHEMA = (
     "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID",
     "CREATE TABLE sessions (id INTEGER PRIMARY KEY, utc REAL NOT NULL, mono REAL NOT NULL, boot_id TEXT NOT NULL,"
-    " pid INTEGER NOT NULL, box_uuid TEXT NOT NULL, launch TEXT NOT NULL)",
+    " pid INTEGER NOT NULL, box_uuid TEXT NOT NULL, launch TEXT NOT NULL, crc INTEGER)",
     "CREATE TABLE runs (identity TEXT PRIMARY KEY, zone TEXT NOT NULL, benchmark TEXT NOT NULL, team TEXT NOT NULL,"
     " round INTEGER NOT NULL, run INTEGER NOT NULL, scheduled REAL NOT NULL, opened_utc REAL NOT NULL,"
-    " closed_utc REAL, outcome TEXT) WITHOUT ROWID",
+    " closed_utc REAL, outcome TEXT, crc INTEGER) WITHOUT ROWID",
     "CREATE TABLE members (port INTEGER PRIMARY KEY, identity TEXT NOT NULL, team TEXT NOT NULL, robot TEXT NOT NULL,"
-    " log_file TEXT)",
+    " log_file TEXT, crc INTEGER)",
     "CREATE TABLE entries (id INTEGER PRIMARY KEY AUTOINCREMENT, session INTEGER NOT NULL, utc REAL NOT NULL,"
     " mono REAL NOT NULL, zone TEXT NOT NULL, identity TEXT NOT NULL, port INTEGER, who TEXT NOT NULL,"
-    " kind TEXT NOT NULL, value TEXT NOT NULL)",
+    " kind TEXT NOT NULL, value TEXT NOT NULL, crc INTEGER)",
     "CREATE INDEX entries_of_run ON entries (identity, id)",
-    "CREATE TABLE links (port INTEGER NOT NULL, utc REAL NOT NULL, mono REAL NOT NULL, sample TEXT NOT NULL)",
+    "CREATE TABLE links (port INTEGER NOT NULL, utc REAL NOT NULL, mono REAL NOT NULL, sample TEXT NOT NULL,"
+    " crc INTEGER)",
     "CREATE INDEX links_of_port ON links (port)",
-    "CREATE TABLE states (name TEXT PRIMARY KEY, state TEXT NOT NULL) WITHOUT ROWID",
+    "CREATE TABLE states (name TEXT PRIMARY KEY, state TEXT NOT NULL, crc INTEGER) WITHOUT ROWID",
 )
 
+# What the checksum of a row is made of: all its columns, but for a number that SQLite gives.
+CHECKED = {
+    "sessions": ("utc", "mono", "boot_id", "pid", "box_uuid", "launch"),
+    "runs": ("identity", "zone", "benchmark", "team", "round", "run", "scheduled", "opened_utc", "closed_utc",
+             "outcome"),
+    "members": ("port", "identity", "team", "robot", "log_file"),
+    "entries": ("session", "utc", "mono", "zone", "identity", "port", "who", "kind", "value"),
+    "links": ("port", "utc", "mono", "sample"),
+    "states": ("name", "state"),
+}
+
+
+def crc_of(table: str) -> str:
+    """SQL that computes the checksum of a row of a table."""
+    return f"row_crc({', '.join(map(_bytes_of, CHECKED[table]))})"
+
+
+def _bytes_of(column: str) -> str:
+    """SQL for a value as it is stored: Python refuses damaged text."""
+    return f"CASE typeof({column}) WHEN 'text' THEN CAST({column} AS BLOB) ELSE {column} END"
+
+
 # version -> the statements that make the next version of it.
-MIGRATIONS: Dict[int, Tuple[str, ...]] = {}
+MIGRATIONS: Dict[int, Tuple[str, ...]] = {
+    1: tuple(
+        statement for table in CHECKED
+        for statement in (f"ALTER TABLE {table} ADD COLUMN crc INTEGER", f"UPDATE {table} SET crc = {crc_of(table)}")
+    ),
+}
+
+
+def row_crc(*values: object) -> int:
+    """The checksum of a row's values. SQLite may keep a whole number in a column of real numbers: both count as one."""
+    words = []
+    for value in values:
+        if value is None:
+            words.append(b"-")
+        elif isinstance(value, (int, float)):
+            words.append(repr(float(value)).encode("ascii"))
+        else:
+            words.append(b"s" + (value.encode("utf-8", errors="replace") if isinstance(value, str) else value))
+    return zlib.crc32(b"\0".join(words))
+
+
+def add_functions(connection: sqlite3.Connection) -> None:
+    """Let a connection compute checksums."""
+    connection.create_function("row_crc", -1, row_crc)
+
+
+def insertion(table: str, or_what: str = "") -> str:
+    """A statement that inserts the checked columns of a row, with their checksum."""
+    columns = CHECKED[table]
+    values = ", ".join(f"?{i}" for i, _ in enumerate(columns, 1))
+    return f"INSERT{or_what} INTO {table} ({', '.join(columns)}, crc) VALUES ({values}, row_crc({values}))"
+
+
+def change(table: str, changed: Tuple[str, ...]) -> str:
+    """A statement that changes some columns, with the checksum, of the row with a value in the table's first checked
+    column; the parameters are the new values in this order, then that value."""
+    sets = ", ".join(f"{name} = ?{i}" for i, name in enumerate(changed, 1))
+    values = ", ".join(f"?{changed.index(name) + 1}" if name in changed else _bytes_of(name)
+                       for name in CHECKED[table])
+    return f"UPDATE {table} SET {sets}, crc = row_crc({values}) WHERE {CHECKED[table][0]} = ?{len(changed) + 1}"
 
 
 def create(connection: sqlite3.Connection) -> None:

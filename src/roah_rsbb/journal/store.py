@@ -17,6 +17,7 @@ import time
 from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.journal import file as files
+from roah_rsbb.journal import schema
 from roah_rsbb.journal.batch import Batch, Entry, Pending
 from roah_rsbb.journal.before import NOTHING, Before, read_before
 from roah_rsbb.journal.disk import Disk
@@ -59,6 +60,7 @@ class Journal:
         self._session_id = 0
         self._problem = ""  # why the last attempt to write failed
         self._is_slow = False
+        self._is_log_begun = False
         self._trouble = MENDED
         self._disk_trouble = MENDED
         self.path = os.path.join(log_dir, files.FILE_NAME)
@@ -169,22 +171,30 @@ class Journal:
     def _begin_session(self) -> None:
         """Read what was before; that is possible on a disk that is full or read-only, too. Then write."""
         connection = self._connection
+        self._begin_log()
         try:
             if self.before is NOTHING and files.is_readable(connection):
                 self.before = read_before(connection)
             files.prepare(connection, self._competition)
             if self.before is NOTHING:
                 self.before = read_before(connection)
-            cursor = connection.execute(
-                "INSERT INTO sessions (utc, mono, boot_id, pid, box_uuid, launch) VALUES (?, ?, ?, ?, ?, ?)",
-                self._session,
-            )
+            cursor = connection.execute(schema.insertion("sessions"), self._session)
         except sqlite3.OperationalError as error:
             if "readonly" in str(error) and os.access(self.path, os.W_OK):
                 self._release()  # it was opened when it could only be read
             raise
         self._session_id = cursor.lastrowid
         self._disk.written(self._committed)
+
+    def _begin_log(self) -> None:
+        """Empty the write-ahead log that a killed core left: what was torn in it could later look like damage."""
+        if not self._is_log_begun:
+            self._is_log_begun = True
+            with contextlib.suppress(sqlite3.Error):
+                self._connection.execute("PRAGMA synchronous = FULL")
+                self._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            if files.has_log(self._connection):
+                self._connection.execute("PRAGMA synchronous = OFF")
 
     def _take(self, connection: sqlite3.Connection) -> None:
         if self._disk_trouble:
@@ -255,19 +265,20 @@ def _plain(error: Exception) -> str:
     return "the disk is full" if "disk is full" in text or getattr(error, "errno", 0) == errno.ENOSPC else text
 
 
+_INSERT_STATE = schema.insertion("states", " OR REPLACE")
+_INSERT_ENTRY = schema.insertion("entries")
+_INSERT_LINK = schema.insertion("links")
+_INSERT_RUN = schema.insertion("runs", " OR IGNORE")
+_INSERT_MEMBER = schema.insertion("members", " OR IGNORE")
+_SET_LOG_FILE = schema.change("members", ("log_file",))
+_SET_OUTCOME = schema.change("runs", ("closed_utc", "outcome"))
+
+
 def _insert(connection: sqlite3.Connection, session: int, waiting: Pending) -> None:
-    connection.executemany("INSERT OR REPLACE INTO states VALUES (?, ?)", waiting.states.items())
-    connection.executemany(
-        "INSERT INTO entries (session, utc, mono, zone, identity, port, who, kind, value)"
-        " VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)", ((session, *entry) for entry in waiting.entries))
-    connection.executemany(
-        "INSERT OR IGNORE INTO runs (identity, zone, benchmark, team, round, run, scheduled, opened_utc)"
-        " VALUES (?, ?, ?, ?, ?, ?, ?, ?)", waiting.runs)
-    connection.executemany(
-        "INSERT OR IGNORE INTO members (port, identity, team, robot) VALUES (?, ?, ?, ?)", waiting.members)
-    connection.executemany(
-        "UPDATE members SET log_file = ? WHERE port = ?", ((path, port) for port, path in waiting.log_files.items()))
-    connection.executemany(
-        "UPDATE runs SET closed_utc = ?, outcome = ? WHERE identity = ?",
-        ((*outcome, identity) for identity, outcome in waiting.outcomes.items()))
-    connection.executemany("INSERT INTO links VALUES (?, ?, ?, ?)", waiting.links)
+    connection.executemany(_INSERT_STATE, waiting.states.items())
+    connection.executemany(_INSERT_ENTRY, ((session, *entry) for entry in waiting.entries))
+    connection.executemany(_INSERT_RUN, ((*run, None, None) for run in waiting.runs))
+    connection.executemany(_INSERT_MEMBER, ((*member, None) for member in waiting.members))
+    connection.executemany(_SET_LOG_FILE, ((path, port) for port, path in waiting.log_files.items()))
+    connection.executemany(_SET_OUTCOME, ((*outcome, identity) for identity, outcome in waiting.outcomes.items()))
+    connection.executemany(_INSERT_LINK, waiting.links)

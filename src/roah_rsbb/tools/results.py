@@ -12,6 +12,7 @@ from typing import Any, Callable, Dict, List, NoReturn, Optional, TextIO
 from roah_rsbb.arguments import Parser
 from roah_rsbb.core import run_log
 from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.journal.damage import text_of
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover
@@ -315,7 +316,9 @@ def _journals(options: argparse.Namespace) -> int:
 
 
 def _recover(options: argparse.Namespace) -> int:
-    counts = recover(options.damaged, options.new)
+    counts, damage = recover(options.damaged, options.new)
+    for missing in damage:
+        _warn(f"not recovered: {text_of(missing)}")
     found = ", ".join(f"{count} of {name}" for name, count in counts.items())
     print(f"{options.new}: {found}. Read it with --journal {options.new}")
     return 0
@@ -325,7 +328,15 @@ def _recover(options: argparse.Namespace) -> int:
 
 
 def _open(options: argparse.Namespace) -> JournalReader:
-    return JournalReader(options.journal or os.path.join(os.path.expanduser(options.log_dir), FILE_NAME))
+    reader = JournalReader(options.journal or os.path.join(os.path.expanduser(options.log_dir), FILE_NAME))
+    try:
+        for text in reader.damage:
+            _warn(f"{reader.path} is damaged: {text}. More may be recovered with: rosrun roah_rsbb results recover "
+                  f"'{reader.path}' NEW_FILE")
+    except JournalError:
+        reader.close()
+        raise
+    return reader
 
 
 def _ranked(options: argparse.Namespace, known: List[RunRecord]) -> List[Standing]:

@@ -1,6 +1,9 @@
 """Journals as a box writes them, for tests of what reads them."""
 
+import contextlib
 import json
+import os
+import sqlite3
 
 from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
@@ -50,6 +53,42 @@ class Writer:
         """The box ends."""
         self.journal.close()
         assert not any(self.troubles)
+
+
+# The tables of version 1.
+OLD_SCHEMA = (
+    "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID",
+    "CREATE TABLE sessions (id INTEGER PRIMARY KEY, utc REAL NOT NULL, mono REAL NOT NULL, boot_id TEXT NOT NULL,"
+    " pid INTEGER NOT NULL, box_uuid TEXT NOT NULL, launch TEXT NOT NULL)",
+    "CREATE TABLE runs (identity TEXT PRIMARY KEY, zone TEXT NOT NULL, benchmark TEXT NOT NULL, team TEXT NOT NULL,"
+    " round INTEGER NOT NULL, run INTEGER NOT NULL, scheduled REAL NOT NULL, opened_utc REAL NOT NULL,"
+    " closed_utc REAL, outcome TEXT) WITHOUT ROWID",
+    "CREATE TABLE members (port INTEGER PRIMARY KEY, identity TEXT NOT NULL, team TEXT NOT NULL, robot TEXT NOT NULL,"
+    " log_file TEXT)",
+    "CREATE TABLE entries (id INTEGER PRIMARY KEY AUTOINCREMENT, session INTEGER NOT NULL, utc REAL NOT NULL,"
+    " mono REAL NOT NULL, zone TEXT NOT NULL, identity TEXT NOT NULL, port INTEGER, who TEXT NOT NULL,"
+    " kind TEXT NOT NULL, value TEXT NOT NULL)",
+    "CREATE INDEX entries_of_run ON entries (identity, id)",
+    "CREATE TABLE links (port INTEGER NOT NULL, utc REAL NOT NULL, mono REAL NOT NULL, sample TEXT NOT NULL)",
+    "CREATE INDEX links_of_port ON links (port)",
+    "CREATE TABLE states (name TEXT PRIMARY KEY, state TEXT NOT NULL) WITHOUT ROWID",
+    "PRAGMA application_id = 1381188162",
+    "PRAGMA user_version = 1",
+)
+
+
+def make_old(path):
+    """Replace a journal that nobody has open by the same one as version 1 wrote it."""
+    os.rename(path, f"{path}.new")
+    with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as old:
+        old.execute("ATTACH ? AS new", (f"{path}.new",))
+        for statement in OLD_SCHEMA:
+            old.execute(statement)
+        for table in ("meta", "sessions", "runs", "members", "entries", "links", "states"):
+            columns = ", ".join(row[1] for row in old.execute(f"PRAGMA main.table_info({table})"))
+            old.execute(f"INSERT INTO main.{table} ({columns}) SELECT {columns} FROM new.{table}")
+        old.execute("PRAGMA main.journal_mode = WAL")
+    os.remove(f"{path}.new")
 
 
 def text(value):

@@ -5,13 +5,14 @@ import sqlite3
 
 import pytest
 
-from roah_rsbb.journal.batch import Batch
+from roah_rsbb.journal.batch import Batch, Entry, Member
 from roah_rsbb.journal.before import NOTHING
 from roah_rsbb.journal.file import FILE_NAME, Resume, Session
 from roah_rsbb.journal.schema import APPLICATION_ID, VERSION
 from roah_rsbb.journal.store import Journal
 
 COMPETITION = json.dumps([["Home", "HNF", "Alpha", 1, 1, 0.0]])
+ENTRY = Entry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "notice", "")
 
 
 @pytest.fixture
@@ -65,7 +66,7 @@ def test_a_file_with_other_tables_is_put_aside(start, tmp_path, statement):
 
 @pytest.mark.parametrize("statement", [
     "UPDATE sessions SET mono = 'x'", "UPDATE sessions SET utc = x'ff'", "UPDATE sessions SET mono = -1e300",
-    "INSERT INTO links VALUES (1, 'x', 'y', '{}')", "UPDATE states SET name = x'ff'",
+    "INSERT INTO links VALUES (1, 'x', 'y', '{}', 0)", "UPDATE states SET name = x'ff'",
     "UPDATE states SET state = cast(x'ff' AS TEXT)",
 ])
 def test_values_that_nobody_wrote_do_not_keep_it_from_going_on(start, tmp_path, statement):
@@ -74,7 +75,9 @@ def test_values_that_nobody_wrote_do_not_keep_it_from_going_on(start, tmp_path, 
         connection.execute(statement)
     connection.close()
     journal, told, aside = start()
-    assert (told, aside) == ([], [])
+    assert aside == []
+    warning, = told
+    assert "is damaged" in warning
     last = journal.before.last
     assert last is None or abs(last.mono) < 1e12
     assert all(isinstance(text, str) for pair in journal.before.states.items() for text in pair)
@@ -88,3 +91,22 @@ def test_a_file_that_only_says_that_it_is_a_journal(start, tmp_path):
     connection.close()
     _, told, aside = start()
     assert len(aside) == 1 and "its tables are not those of a journal" in told[0]
+
+
+def test_a_core_resumes_behind_a_damaged_write_ahead_log(start, tmp_path):
+    """SQLite would silently drop everything behind the damage."""
+    journal, _, _ = start()
+    journal.write(Batch(members=(Member(6667, "HNF-6667-1", "Alpha", "r1"),)))
+    for number in range(40):
+        journal.write(Batch(states=(("box", f'{{"n":{number}}}'),), entries=(ENTRY._replace(value=str(number)),)))
+    copies = {suffix: (tmp_path / f"{FILE_NAME}{suffix}").read_bytes() for suffix in ("", "-wal")}
+    journal.close()
+    log = bytearray(copies["-wal"])
+    log[len(log) // 2] ^= 1
+    (tmp_path / FILE_NAME).write_bytes(copies[""])
+    (tmp_path / f"{FILE_NAME}-wal").write_bytes(log)
+    again, told, aside = start()
+    assert again.before.states == {"box": '{"n":39}'}
+    assert len(aside) == 1
+    assert "write-ahead log" in told[0] and str(aside[0]) in told[0]
+    assert len(again.entries_of(6667)) >= 35

@@ -8,10 +8,11 @@ import tempfile
 
 import pytest
 
-from helpers.journals import UTC0, Writer
+from helpers.journals import UTC0, Writer, make_old
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal import schema
+from roah_rsbb.journal.damage import moment
 from roah_rsbb.journal.reader import JournalError, JournalMember, JournalReader, JournalRun
 
 RECORD = RunRecord("HNF-6667-1.000", "fbm", "HNF", "Alpha", 1, 2, UTC0 - 600.0, UTC0)
@@ -131,7 +132,7 @@ def test_a_computer_that_failed_in_the_middle_of_a_change(writer, tmp_path):
     connection.execute("PRAGMA cache_size = 1")
     connection.execute("BEGIN")
     connection.execute("UPDATE runs SET identity = 'half'")
-    connection.executemany("INSERT INTO links VALUES (1, 1, 1, ?)", (("x" * 4000,) for _ in range(100)))
+    connection.executemany("INSERT INTO links VALUES (1, 1, 1, ?, 0)", (("x" * 4000,) for _ in range(100)))
     for suffix in ("", "-journal"):
         shutil.copy(writer.path + suffix, tmp_path / f"j{suffix}")
     connection.execute("ROLLBACK")
@@ -183,15 +184,13 @@ def test_a_directory_that_cannot_be_written(writer, suffixes):
         shutil.rmtree(directory)
 
 
-def test_a_journal_of_an_older_version_is_read_from_a_copy(writer, monkeypatch):
+def test_a_journal_of_an_older_version_is_read_from_a_copy(writer):
     writer.close()
-    statement(writer.path, "ALTER TABLE members RENAME COLUMN robot TO bot")
-    statement(writer.path, "PRAGMA user_version = 0")
-    monkeypatch.setitem(schema.MIGRATIONS, 0, ("ALTER TABLE members RENAME COLUMN bot TO robot",))
+    make_old(writer.path)
     with JournalReader(writer.path) as reader:
         assert reader.members(RECORD.identity)[0].robot == "r1"
     with contextlib.closing(sqlite3.connect(writer.path)) as connection:
-        assert connection.execute("PRAGMA user_version").fetchone() == (0,), "the file itself is not touched"
+        assert connection.execute("PRAGMA user_version").fetchone() == (1,), "the file itself is not touched"
 
 
 def error_of(path):
@@ -244,3 +243,44 @@ def test_damaged_pages_and_values(writer):
         file.write(b"\xaa" * 4096)
     with pytest.raises(JournalError, match="damaged"):
         identities(writer.path)  # which reads nothing of that page
+
+
+def test_no_damage(writer):
+    assert reader_damage(writer.path) == []
+    writer.close()
+    assert reader_damage(writer.path) == []
+
+
+def reader_damage(path):
+    with JournalReader(path) as reader:
+        return reader.damage
+
+
+@pytest.mark.parametrize("change, what", [
+    ("UPDATE entries SET value = replace(value, ':', ';') WHERE id = 2", "entries 2 to 2: 1 damaged"),
+    ("DELETE FROM entries WHERE id IN (2, 3)", "entries 2 to 3: 2 missing"),
+    ("DELETE FROM entries WHERE id > 3", "entries 4 to"),
+    ("UPDATE runs SET outcome = replace(outcome, 'Alpha', 'Alpka')", "records of runs: 1 damaged"),
+    ("UPDATE members SET robot = 'r2'", "robots of runs: 1 damaged"),
+    ("UPDATE sessions SET utc = utc + 1", "starts of the core: 1 damaged"),
+    ("UPDATE entries SET who = CAST(x'ff' AS TEXT) WHERE id = 1", "entries 1 to 1: 1 damaged"),
+])
+def test_rows_that_nobody_wrote_are_reported(writer, change, what):
+    for i in range(5):
+        writer.entry("notice", {"text": str(i)}, RECORD.identity)
+    writer.close()
+    statement(writer.path, change)
+    found, = reader_damage(writer.path)
+    assert what in found
+
+
+def test_damage_is_reported_with_its_times(writer):
+    for i in range(5):
+        writer.entry("notice", {"text": str(i)}, RECORD.identity)
+    with JournalReader(writer.path) as reader:
+        times = {entry.number: entry.utc for entry in reader.entries(RECORD.identity)}
+    last = max(times)
+    writer.close()
+    statement(writer.path, f"DELETE FROM entries WHERE id IN ({last - 2}, {last - 1})")
+    found, = reader_damage(writer.path)
+    assert f"from {moment(times[last - 3])} to {moment(times[last])}" in found

@@ -1,13 +1,15 @@
 """What can be had of a damaged journal."""
 
 import os
+import shutil
 import sqlite3
 
 import pytest
 
-from helpers.journals import UTC0, Writer
+from helpers.journals import UTC0, Writer, make_old
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal import recover as recover_module
+from roah_rsbb.journal.pages import is_damaged, read_frames
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover
 
@@ -48,7 +50,8 @@ def page_of(path, text):
 
 def test_all_of_a_journal_that_is_not_damaged(path, tmp_path):
     new = str(tmp_path / "new")
-    counts = recover(path, new)
+    counts, damage = recover(path, new)
+    assert damage == []
     assert (counts["entries"], counts["runs"], counts["members"]) == (COUNT, 1, 1)
     assert numbers(new) == list(range(1, COUNT + 1))
 
@@ -82,11 +85,86 @@ def test_both_sides_of_a_damaged_page_of_runs(tmp_path):
     assert len(found) > 50
 
 
+def test_a_journal_whose_first_page_is_damaged(path, tmp_path):
+    spoil(path, 0)
+    new = str(tmp_path / "new")
+    assert recover(path, new).damage == []
+    assert numbers(new) == list(range(1, COUNT + 1))
+
+
+@pytest.mark.parametrize("is_old", [False, True])
+@pytest.mark.parametrize("pages", range(3, 24, 4))
+def test_all_that_is_in_the_pages_of_a_truncated_journal(path, tmp_path, pages, is_old):
+    """Whichever page is the last: everything in those before it is taken, in order, and the rest is named."""
+    if is_old:
+        make_old(path)
+    os.truncate(path, pages * PAGE)
+    with open(path, "rb") as file:
+        left = [n for n in range(1, COUNT + 1) if f'"{n - 1} {n - 1} '.encode() in file.read()[file.seek(0):]]
+    new = str(tmp_path / "new")
+    rows, damage = recover(path, new)
+    with JournalReader(new) as reader:
+        found = [entry.number for entry in reader.entries(RECORD.identity)]
+        if found:
+            times = {entry.number: entry.utc for entry in reader.entries(RECORD.identity)}
+    assert rows["entries"] == len(found)
+    assert found == sorted(found)
+    assert set(left) - set(found) == set()
+    if found:
+        hole, = (d for d in damage if d.table == "entries")
+        assert hole.from_utc == times[found[-1]]
+        assert f"{found[-1] + 1} to {COUNT}: {COUNT - len(found)} missing" in hole.what
+
+
+@pytest.fixture
+def crashed(tmp_path):
+    """A journal whose newest runs are in the write-ahead log alone, as a killed box leaves it; returns its path."""
+    writer = Writer(tmp_path / "log")
+    for number in range(6):
+        record = RECORD._replace(identity=f"HNF-{number}-1.000", run=number)
+        writer.run(record, ((6667 + number, "r1"),))
+        for i in range(10):
+            writer.entry("notice", {"text": f"{number} {i} " * 30}, record.identity, port=6667 + number)
+    copy = tmp_path / "crashed" / os.path.basename(writer.path)
+    copy.parent.mkdir()
+    for suffix in ("", "-wal"):
+        shutil.copy(f"{writer.path}{suffix}", f"{copy}{suffix}")
+    writer.close()
+    assert read_frames(f"{copy}-wal") != []
+    return str(copy)
+
+
+@pytest.mark.parametrize("place", [0.0, 0.1, 0.3, 0.5, 0.7, 0.9])
+def test_a_damaged_write_ahead_log_is_reported_and_costs_only_what_is_damaged(crashed, tmp_path, place):
+    log = f"{crashed}-wal"
+    assert not is_damaged(read_frames(log))
+    at = int(os.path.getsize(log) * place) + 8
+    with open(log, "r+b") as file:
+        file.seek(at)
+        byte = file.read(1)[0]
+        file.seek(at)
+        file.write(bytes([byte ^ 0x40]))
+    if place:
+        with JournalReader(crashed) as reader:
+            assert len(reader.damage) == 1 and "write-ahead log" in reader.damage[0]
+    else:  # SQLite ignores all of the log, and all of this journal is in it
+        with pytest.raises(JournalError, match="write-ahead log"):
+            JournalReader(crashed)
+    new = str(tmp_path / "new")
+    recover(crashed, new)
+    with JournalReader(new) as reader:
+        runs = [run.identity for run in reader.runs()]
+        entries = [entry.number for run in runs for entry in reader.entries(run)]
+    assert len(runs) >= 5
+    assert len(entries) >= 55
+    assert "HNF-5-1.000" in runs
+
+
 def test_nothing_half_is_left(path, tmp_path, monkeypatch):
     def full(*_):
         raise sqlite3.OperationalError("database or disk is full")
 
-    monkeypatch.setattr(recover_module, "_copy_rows", full)
+    monkeypatch.setattr(recover_module, "_insert", full)
     with pytest.raises(JournalError, match="full"):
         recover(path, str(tmp_path / "new"))
     assert not (tmp_path / "new").exists()
@@ -101,7 +179,7 @@ def test_a_torn_journal(path, tmp_path):
 
 def test_what_is_no_journal_or_gone(path, tmp_path):
     new = str(tmp_path / "new")
-    spoil(path, 0)
+    spoil(path, 0, os.path.getsize(path) // PAGE)
     with pytest.raises(JournalError, match="nothing can be had"):
         recover(path, new)
     assert not os.path.exists(new)

@@ -13,12 +13,14 @@ import time
 
 import pytest
 
+from helpers.journals import make_old
 from helpers.small_disk import CannotMount, SmallDisk
 from roah_rsbb.journal import disk as disks
 from roah_rsbb.journal import schema
 from roah_rsbb.journal import store as stores
 from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
 from roah_rsbb.journal.before import NOTHING
+from roah_rsbb.journal.damage import find_damage
 from roah_rsbb.journal.file import FILE_NAME, Resume, Session, same_competition
 from roah_rsbb.journal.store import MENDED, Journal
 
@@ -199,7 +201,7 @@ def test_what_cannot_be_written_waits_in_its_order(journals, monkeypatch):
     journal.look()
     assert journal.troubles[-1] == MENDED
     assert rows(journal, "value") == [("0",), ("1",), ("2",)]
-    assert rows(journal, "*", "states") == [("zone:Home", "2")]
+    assert rows(journal, "name, state", "states") == [("zone:Home", "2")]
 
 
 def test_a_directory_that_was_removed_is_written_anew(journals, tmp_path):
@@ -296,6 +298,19 @@ def test_an_older_version_is_brought_up_to_date(journals, monkeypatch):
     assert again.warnings == ()
     assert again.before.states == {"zone:Home": '{"n":1}'}
     assert rows(again, "room", "runs") == [(None,)]
+
+
+def test_a_journal_of_version_1_is_brought_up_to_date(journals):
+    journal = journals()
+    journal.write(BATCH)
+    journal.close()
+    make_old(journal.path)
+    again = journals()
+    assert again.warnings == ()
+    assert again.before.states == {"zone:Home": '{"n":1}'}
+    again.write(BATCH._replace(runs=(), members=()))
+    assert len(rows(again)) == 2
+    assert find_damage(again._connection) == []
 
 
 def test_a_competition_is_known_by_its_events_not_by_their_times():

@@ -1,0 +1,88 @@
+"""Finds damage in a journal: rows that are not as they were written, and rows that are missing.
+
+Each row carries a checksum (`schema.row_crc`). Entries and samples of links are numbered without gaps, so a missing
+one shows, too. SQLite itself sees only damage to the structure of its pages.
+"""
+
+import sqlite3
+import time
+from typing import Iterator, List, NamedTuple, Optional
+
+from roah_rsbb.journal import schema
+
+NAMES = {
+    "sessions": "starts of the core", "runs": "records of runs", "members": "robots of runs", "entries": "entries",
+    "links": "link samples", "states": "saved states",
+}
+# What is shown of the names of damaged rows.
+_SHOWN = 5
+
+
+class Damage(NamedTuple):
+    """Rows of a table that are damaged or missing."""
+
+    table: str
+    what: str  # which ones
+    from_utc: Optional[float]  # of the last good row before; None: there is none, or the rows have no order
+    to_utc: Optional[float]  # of the first good row after
+
+
+def find_damage(connection: sqlite3.Connection) -> List[Damage]:
+    """All damage in a journal of the present version; raises sqlite3.Error."""
+    found = [*_holes(connection, "entries", "id"), *_holes(connection, "links", "rowid")]
+    for table, key in (("sessions", "id"), ("runs", "identity"), ("members", "port"), ("states", "name")):
+        rows = connection.execute(f"SELECT {key} FROM {table} WHERE crc IS NOT {schema.crc_of(table)}").fetchall()
+        if rows:
+            names = ", ".join(str(row[0]) for row in rows[:_SHOWN]) + (", …" if len(rows) > _SHOWN else "")
+            found.append(Damage(table, f"{len(rows)} damaged: {names}", None, None))
+    return found
+
+
+def _holes(connection: sqlite3.Connection, table: str, key: str) -> Iterator[Damage]:
+    """Damaged and missing rows of a table whose rows are numbered from 1."""
+    last, last_utc, bad = 0, None, 0
+    rows = connection.execute(f"SELECT {key}, utc, crc IS {schema.crc_of(table)} FROM {table} ORDER BY {key}")
+    for number, utc, is_good in rows:
+        if not is_good:
+            bad += 1
+            continue
+        if number != last + 1:
+            yield _hole(table, last + 1, number - 1, bad, last_utc, utc)
+        last, last_utc, bad = number, utc, 0
+    end = _last_number(connection, table)
+    if end > last or bad:
+        yield _hole(table, last + 1, max(end, last + bad), bad, last_utc, None)
+
+
+def _last_number(connection: sqlite3.Connection, table: str) -> int:
+    """The number of the last row that was ever written, where SQLite keeps it."""
+    row = connection.execute("SELECT seq FROM sqlite_sequence WHERE name = ?", (table,)).fetchone()
+    return row[0] if row is not None and isinstance(row[0], int) else 0
+
+
+def _hole(
+    table: str, first: int, last: int, bad: int, from_utc: Optional[float], to_utc: Optional[float]
+) -> Damage:
+    missing = last - first + 1 - bad
+    states = [text for count, text in ((bad, f"{bad} damaged"), (missing, f"{missing} missing")) if count > 0]
+    return Damage(table, f"{first} to {last}: {' and '.join(states)}", from_utc, to_utc)
+
+
+def text_of(damage: Damage) -> str:
+    """What is damaged, and from when to when."""
+    if damage.table not in ("entries", "links"):
+        return f"{NAMES[damage.table]}: {damage.what}"
+    begin = "the beginning" if damage.from_utc is None else moment(damage.from_utc)
+    end = "the end" if damage.to_utc is None else moment(damage.to_utc)
+    return f"{NAMES[damage.table]} {damage.what}, from {begin} to {end}"
+
+
+def moment(utc: float) -> str:
+    """A moment, for a line of text."""
+    return time.strftime("%Y-%m-%d %H:%M:%S UTC", time.gmtime(utc))
+
+
+def last_moment(connection: sqlite3.Connection) -> str:
+    """When the newest entry was made that SQLite can read."""
+    row = connection.execute("SELECT utc FROM entries ORDER BY id DESC LIMIT 1").fetchone()
+    return moment(row[0]) if row is not None and isinstance(row[0], float) else "the beginning"
