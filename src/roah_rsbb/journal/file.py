@@ -159,7 +159,9 @@ def _replace_if_log_is_damaged(path: str) -> List[str]:
     silently drop everything behind the damage. Returns warnings."""
     try:
         if not pages.has_damaged_log(path):
-            return []
+            torn = (f"The end of the write-ahead log of the journal {path} is torn or damaged: what happened last before "
+                    "the core ended may be missing")
+            return [torn] if pages.has_torn_log(path) else []
     except OSError:
         return []
     aside = put_aside(path)
@@ -176,7 +178,7 @@ def _damage(path: str) -> List[str]:
     try:
         with contextlib.closing(_connect(path)) as connection:
             found = find_damage(connection) if is_readable(connection) else []
-    except sqlite3.Error:
+    except (sqlite3.Error, UnicodeDecodeError):
         return []  # it can be read only later
     return [f"The journal {path} is damaged: {'; '.join(map(text_of, found))}"] if found else []
 
@@ -249,7 +251,7 @@ def _problem_of(connection: sqlite3.Connection, competition: str) -> str:
         return f"a newer version of roah_rsbb wrote it (its tables have version {version}, known are {schema.VERSION})"
     if any(v not in schema.MIGRATIONS for v in range(version, schema.VERSION)):
         return f"its tables have version {version}, which this version of roah_rsbb does not know any more"
-    found = connection.execute("PRAGMA quick_check(1)").fetchone()[0]
+    found = connection.execute("PRAGMA integrity_check(1)").fetchone()[0]
     if found != "ok":
         return f"it is damaged ({found})"
     if version == schema.VERSION and not schema.is_whole(connection):

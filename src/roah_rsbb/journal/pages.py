@@ -41,7 +41,7 @@ class Record(NamedTuple):
 
 
 def read_frames(path: str) -> List[Frame]:
-    """The frames of a write-ahead log, up to the last good one. Raises OSError."""
+    """The frames of a write-ahead log. Raises OSError."""
     try:
         with open(path, "rb") as file:
             content = file.read()
@@ -64,14 +64,18 @@ def read_frames(path: str) -> List[Frame]:
         page, pages = struct.unpack_from(">II", content, at)
         frames.append(Frame(page, pages, body, is_good))
         before = stored
-    while frames and not frames[-1].is_good:
-        frames.pop()  # torn when the process or the computer was switched off
     return frames
 
 
 def is_damaged(frames: List[Frame]) -> bool:
     """Whether a frame before the last good one cannot be read."""
-    return not all(frame.is_good for frame in frames)
+    good = [i for i, frame in enumerate(frames) if frame.is_good]
+    return bool(good) and len(good) <= good[-1]
+
+
+def is_torn(frames: List[Frame]) -> bool:
+    """Whether the last frame cannot be read: it is damaged, or the computer was switched off while it was written."""
+    return bool(frames) and not frames[-1].is_good
 
 
 def _belongs(content: bytes, at: int, size: int, salt: bytes, places: range) -> bool:
@@ -237,3 +241,8 @@ def _varint(content: bytes, at: int) -> Tuple[int, int]:
 def has_damaged_log(path: str) -> bool:
     """Whether something is damaged in the write-ahead log of a file, with more behind it. Raises OSError."""
     return os.path.exists(f"{path}-wal") and is_damaged(read_frames(f"{path}-wal"))
+
+
+def has_torn_log(path: str) -> bool:
+    """Whether the last frame in the write-ahead log of a file cannot be read. Raises OSError."""
+    return os.path.exists(f"{path}-wal") and is_torn(read_frames(f"{path}-wal"))

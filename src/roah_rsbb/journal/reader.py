@@ -12,11 +12,11 @@ import pathlib
 import shutil
 import sqlite3
 import tempfile
-from typing import Any, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.journal import schema
 from roah_rsbb.journal.damage import find_damage, last_moment, text_of
-from roah_rsbb.journal.pages import has_damaged_log
+from roah_rsbb.journal.pages import has_damaged_log, has_torn_log
 
 # For so long the box may hold the file where its file system knows no write-ahead log.
 BUSY_S = 5.0
@@ -179,7 +179,7 @@ class JournalReader:
     def _rows(self, statement: str, *values: object) -> List[Tuple[Any, ...]]:
         try:
             return self._connection.execute(statement, values).fetchall()
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeDecodeError) as error:
             raise self._damaged(str(error)) from None
 
     @property
@@ -187,16 +187,19 @@ class JournalReader:
         """What is damaged or missing in the journal, with from when to when. The rest is read all the same."""
         try:
             found = [text_of(damage) for damage in find_damage(self._connection)]
-            if self._has_damaged_log():
+            if self._has(has_damaged_log):
                 found.append(f"the write-ahead log: what happened after {last_moment(self._connection)} cannot be read")
-        except sqlite3.Error as error:
+            elif self._has(has_torn_log):
+                found.append("the end of the write-ahead log is torn or damaged: what happened after "
+                             f"{last_moment(self._connection)} may be missing")
+        except (sqlite3.Error, UnicodeDecodeError) as error:
             raise self._damaged(str(error)) from None
         return found
 
-    def _has_damaged_log(self) -> bool:
-        """A box may write while this looks: damage is there again."""
+    def _has(self, damage: Callable[[str], bool]) -> bool:
+        """A box may write while this looks: damage is found again."""
         with contextlib.suppress(OSError):
-            return all(has_damaged_log(self.path) for _ in range(COPIES))
+            return all(damage(self.path) for _ in range(COPIES))
         return False
 
     # -- opening ------------------------------------------------------------------------------------
@@ -212,7 +215,7 @@ class JournalReader:
             version = self._check(connection)
         except sqlite3.OperationalError:
             return self._open_copy()
-        except sqlite3.DatabaseError as error:
+        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
             raise self._damaged(str(error)) from None
         return connection if version == schema.VERSION else self._open_copy()
 
@@ -239,7 +242,7 @@ class JournalReader:
                     f"{self.path}: cannot be read: {error.strerror}. Its owner can make it readable, or free space "
                     f"for a copy in {tempfile.gettempdir()}"
                 ) from None
-            except (sqlite3.Error, JournalError) as error:
+            except (sqlite3.Error, UnicodeDecodeError, JournalError) as error:
                 problem = error
         raise problem if isinstance(problem, JournalError) else self._damaged(str(problem))
 
@@ -263,7 +266,7 @@ class JournalReader:
         one moment. Raises sqlite3.Error, too."""
         connection.execute("BEGIN")
         if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0:
-            if self._has_damaged_log():
+            if self._has(has_damaged_log):
                 raise self._damaged("its write-ahead log")
             raise JournalError(f"{self.path}: nothing was written to this journal yet: connect a robot first")
         if _pragma(connection, "application_id") != schema.APPLICATION_ID:
@@ -279,7 +282,7 @@ class JournalReader:
                 f"{self.path}: its tables have version {version}, which this version of roah_rsbb does not know any "
                 "more: read it with the version that wrote it"
             )
-        found = _pragma(connection, "quick_check(1)")
+        found = _pragma(connection, "integrity_check(1)")
         if found != "ok":
             raise self._damaged(str(found))
         if version != schema.VERSION:
