@@ -159,8 +159,8 @@ def _replace_if_log_is_damaged(path: str) -> List[str]:
     silently drop everything behind the damage. Returns warnings."""
     try:
         if not pages.has_damaged_log(path):
-            torn = (f"The end of the write-ahead log of the journal {path} is torn or damaged: what happened last before "
-                    "the core ended may be missing")
+            torn = (f"The end of the write-ahead log of the journal {path} is torn or damaged: what happened last "
+                    "before the core ended may be missing")
             return [torn] if pages.has_torn_log(path) else []
     except OSError:
         return []
