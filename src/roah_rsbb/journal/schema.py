@@ -52,7 +52,8 @@ def crc_of(table: str) -> str:
 
 def _bytes_of(column: str) -> str:
     """SQL for a value as it is stored: Python refuses damaged text."""
-    return f"CASE typeof({column}) WHEN 'text' THEN CAST({column} AS BLOB) ELSE {column} END"
+    return (f"CASE typeof({column}) WHEN 'text' THEN CAST({column} AS BLOB) WHEN 'blob' THEN 0"
+            f" ELSE {column} END")
 
 
 # version -> the statements that make the next version of it.
