@@ -87,7 +87,7 @@ class _Gated(Behaviour):
         happened()
 
     def on_report(self, report: fx.Report) -> None:
-        self._robot.reports.append(report.trouble)
+        self._robot.reports.append(report.problem)
         happened()
 
 

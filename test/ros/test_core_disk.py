@@ -61,7 +61,8 @@ class DiskCase(OwnCoreCase):
         """A score that counts, although it cannot be saved; returns what the referee reads."""
         with self.assertRaises(Refusal) as refused:
             self.box.set_score(ZONE, GROUP, DOOR, 1)
-        wait_until(lambda: (GROUP, DOOR, "bool", 1) in self.box.scores(ZONE), "the score counts")
+        wait_until(lambda: any((desc, value) == (DOOR, 1) for _, desc, _, value in self.box.scores(ZONE)),
+                   "the score counts")
         self.wait_unsaved([1])
         return str(refused.exception)
 
