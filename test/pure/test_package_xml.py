@@ -1,0 +1,51 @@
+"""package.xml declares what the code imports (REP 149), so that rosdep and release tools install it."""
+
+import ast
+import pathlib
+import sys
+import xml.etree.ElementTree as ElementTree
+from typing import Iterator, Set
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+# rosdep's names of Python packages that are no ROS packages. Without a name: part of another one.
+NAMES = {
+    "cryptography": "python3-cryptography", "google": "python3-protobuf", "pytest": "python3-pytest",
+    "rospkg": "python3-rospkg-modules", "tornado": "python3-tornado", "yaml": "python3-yaml", "hypothesis": None,
+    "PyQt5": "python_qt_binding", "setuptools": "python3-setuptools", "roah_rsbb": None, "roah_rsbb_comm_ros": None,
+}
+OWN_TEST_TOOLS = ("atheris", "catkin_pkg", "importlib_resources", "grpc_tools")
+
+
+def _declared(*kinds: str) -> Set[str]:
+    package = ElementTree.parse(str(ROOT / "package.xml")).getroot()
+    return {each.text for kind in kinds for each in package.iter(kind)}
+
+
+def _imported(folder: str) -> Iterator[str]:
+    for path in (ROOT / folder).rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                yield from (alias.name.split(".")[0] for alias in node.names)
+            elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                yield node.module.split(".")[0]
+
+
+def _missing(folder: str, *kinds: str) -> Set[str]:
+    beside = {path.stem for place in ("test", "tools", "src") for path in (ROOT / place).rglob("*")}
+    names = {
+        NAMES.get(name, name) for name in set(_imported(folder)) - beside - set(OWN_TEST_TOOLS)
+        if name not in sys.stdlib_module_names
+    }
+    return names - {None} - _declared(*kinds)
+
+
+@pytest.mark.skipif(not hasattr(sys, "stdlib_module_names"), reason="Python 3.10 and later list the standard library")
+@pytest.mark.parametrize("folder, kinds", [
+    ("src", ("depend", "exec_depend")),
+    ("test/ros", ("depend", "exec_depend", "test_depend")),
+    ("test/pure", ("depend", "exec_depend", "test_depend")),
+])
+def test_every_imported_package_is_declared(folder: str, kinds) -> None:
+    assert _missing(folder, *kinds) == set()
