@@ -65,8 +65,8 @@ def show(widget: QWidget, width: int = 640, height: int = 700) -> None:
     """Show a widget as the active window."""
     widget.resize(width, height)
     widget.show()
-    QApplication.setActiveWindow(widget)
-    wait_until(widget.isVisible, "the widget is shown")
+    widget.activateWindow()
+    wait_until(lambda: QApplication.activeWindow() is widget, "the widget is shown and has the focus")
 
 
 def click(button: QWidget) -> None:

@@ -142,7 +142,7 @@ class TestBenchmarkControl(PanelCase):
     # -- keys -----------------------------------------------------------------------------------------
 
     def press(self, key: int) -> None:
-        QTest.keyClick(self.panel, key)
+        QTest.keyClick(self.panel.windowHandle(), key)
         pressed = time.monotonic()
         wait_until(lambda: time.monotonic() - pressed > 0.15, "the key has stopped bouncing")
 
@@ -155,6 +155,7 @@ class TestBenchmarkControl(PanelCase):
         self.wait_phase("RUNNING")
         self.press(Qt.Key_Escape)
         self.assertEqual([call for call, _ in self.core.calls], ["start"])
+        self.assertIn("STOP Home A?  Press Esc again", self.client.stop_keys.prompt.text())
         self.press(Qt.Key_Escape)
         self.wait_phase("ENDED")
 

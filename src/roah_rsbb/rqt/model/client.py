@@ -8,6 +8,7 @@ from roah_rsbb.rqt.model.model import TOPICS, Model
 from roah_rsbb.rqt.model.presses import DoublePress
 from roah_rsbb.rqt.model.zone_parameter import ZoneParameter
 from roah_rsbb.rqt.qt import QObject, Signal
+from roah_rsbb.rqt.widgets.stop_keys import StopKeys
 
 
 class RefereeName(QObject):
@@ -36,6 +37,7 @@ class Client:
         self.model = Model(Feed(TOPICS), ZoneParameter())
         self.calls = Calls()
         self.presses = DoublePress()
+        self.stop_keys = StopKeys(self.model, self.calls, self.presses)
         self.referee = RefereeName()
 
     @classmethod
@@ -52,5 +54,6 @@ class Client:
         """Release the client; the last call ends it."""
         cls._users -= 1
         if cls._users == 0 and cls._shared is not None:
+            cls._shared.stop_keys.end()
             cls._shared.model.stop()
             cls._shared = None

@@ -109,6 +109,25 @@ class Model(QObject):
         return chosen
 
     @property
+    def zone_names(self) -> List[str]:
+        """All zones, in the order of the schedule."""
+        return [] if self.gui is None else [zone.zone for zone in self.gui.zones]
+
+    def running_zones(self) -> List[str]:
+        """Returns the zones that are running. If a phase is unknown, a zone that can be stopped may be running."""
+        found = []
+        for zone in self.gui.zones if self.gui else ():
+            details = self.details_of(zone.zone)
+            if zone.stop_enabled and (details is None or details.phase == "running"):
+                found.append(zone.zone)
+        return found
+
+    def identity_of(self, zone_name: str) -> str:
+        """Returns the identity of the run in a zone; empty: none, or not known."""
+        details = self.details_of(zone_name)
+        return "" if details is None else details.identity
+
+    @property
     def zone(self) -> Optional[ZoneState]:
         """The state of that zone; None: nothing heard yet, or the schedule has no such zone."""
         zones = () if self.gui is None else self.gui.zones

@@ -70,7 +70,12 @@ class ZoneParameter:
                 if self._unwritten == unwritten:
                     self._unwritten = None
             return
-        read = str(rospy.get_param(NAME, ""))
+        read = rospy.get_param(NAME, None)
         with self._lock:
-            if self._unwritten is None:
-                self._value = read
+            if self._unwritten is not None:
+                return
+            if read is None and self._value:  # the master was restarted, and lost it
+                self._unwritten = self._value
+                self._wake.put(True)
+            else:
+                self._value = "" if read is None else str(read)

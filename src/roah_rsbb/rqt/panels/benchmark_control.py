@@ -3,6 +3,7 @@
 Keys: F5 twice starts, Esc twice stops, whichever panel of the process has the focus.
 """
 
+from functools import partial
 from typing import Dict, NamedTuple, Optional, Tuple
 
 from roah_rsbb.msg import ZoneDetails, ZoneState
@@ -10,7 +11,7 @@ from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels import phases
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
-from roah_rsbb.rqt.qt import QComboBox, QGridLayout, QLabel, QLineEdit, QSizePolicy, Qt
+from roah_rsbb.rqt.qt import QComboBox, QGridLayout, QLabel, QLineEdit, QSizePolicy, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
 from roah_rsbb.srv import StopReason, Zone
@@ -110,6 +111,9 @@ class BenchmarkControlPanel(Panel):
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
         self._zones = _ZoneBox()
+        self._shown_zone = ""
+        self._highlight = QTimer(self, singleShot=True)
+        self._highlight.timeout.connect(lambda: basic.set_style(self._zones, ""))
         self._event: Dict[str, QLabel] = {}
         self._phase = basic.Badge(1.8)
         self._what_counts = QLabel(alignment=Qt.AlignCenter)
@@ -120,7 +124,7 @@ class BenchmarkControlPanel(Panel):
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
         self._lay_out()
         self._zones.activated.connect(lambda index: self.model.choose_zone(self._zones.itemText(index)))
-        self._keys = [self._key("F5", "start"), self._key("Esc", "stop")]
+        self._start_key = self._key("F5", "start")
 
     # -- layout -------------------------------------------------------------------------------------
 
@@ -177,6 +181,7 @@ class BenchmarkControlPanel(Panel):
 
     def show_model(self) -> None:
         self._show_zones()
+        self._show_zone_change()
         zone = self.model.zone
         details = self.model.zone_details
         if zone is None:
@@ -187,8 +192,7 @@ class BenchmarkControlPanel(Panel):
         for command in COMMANDS.values():
             self._show_button(command, zone, details)
         self.reason.show_run(details)
-        for key in self._keys:
-            key.forget()
+        self._start_key.forget()
 
     def where(self) -> str:
         return f"{times.time_of_day(self.model.clock_s)} UTC" if self.model.gui else ""
@@ -200,6 +204,17 @@ class BenchmarkControlPanel(Panel):
             self._zones.addItems(names)
         if not self._zones.view().isVisible():
             self._zones.setCurrentIndex(self._zones.findText(self.model.zone_name))
+
+    def _show_zone_change(self) -> None:
+        """Highlight another zone for a moment. Until then only STOP works: no click may hit the wrong zone."""
+        before, self._shown_zone = self._shown_zone, self.model.zone_name
+        if before in ("", self._shown_zone):
+            return
+        for name, button in self.buttons.items():
+            if name != "stop":
+                button.hold()
+        basic.set_style(self._zones, f"QComboBox {{ background: {basic.OLD.background}; color: {basic.OLD.text}; }}")
+        self._highlight.start(basic.HOLD_MS)
 
     def _show_no_zone(self) -> None:
         for label in self._event.values():
@@ -262,9 +277,16 @@ class BenchmarkControlPanel(Panel):
         if service == "disconnect" and details is not None and details.phase == "running":
             ask(self, "The run is in progress. Disconnect?",
                 f"This ends the run of {details.robot} in zone {zone}, and it cannot be resumed.",
-                "Disconnect", lambda: self._send(service, zone))
+                "Disconnect", partial(self._disconnect, zone, details))
         else:
             self._send(service, zone)
+
+    def _disconnect(self, zone: str, asked: ZoneDetails) -> None:
+        """Disconnect the run that the referee was asked about, and no other one."""
+        if self.model.identity_of(zone) == asked.identity:
+            self._send("disconnect", zone)
+        else:
+            self._answer.warn(f"Not disconnected: another run is in {zone} now")
 
     def _send(self, service: str, zone: str) -> None:
         what = f"{service.capitalize()} in {zone}"

@@ -48,7 +48,7 @@ class CoreStatusPanel(Panel):
             grid.addWidget(value, row, 2 * column + 1)
             grid.setColumnStretch(2 * column + 1, 1)
         self.body.addLayout(grid)
-        self._answer = Answer(reserved=False)
+        self._answer = Answer()
         self.body.addWidget(self._answer)
         self.exit = basic.CommandButton("Exit …", "End this client or the whole RSBB. You are asked first.", 1.0)
         self.exit.allow(True)

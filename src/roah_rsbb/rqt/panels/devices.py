@@ -215,7 +215,7 @@ class DevicesPanel(Panel):
         area.setFrameShape(QFrame.NoFrame)
         area.setWidget(inside)
         self.body.addWidget(area, 1)
-        self._answer = Answer(reserved=False)
+        self._answer = Answer()
         self.body.addWidget(self._answer)
 
     def _add(self, device: str, row: DeviceRow) -> None:

@@ -129,7 +129,7 @@ class History(QWidget):
         def done(outcome: CallOutcome) -> None:
             self._answer.show_outcome(what, outcome)
 
-        NoteDialog(self, f"{what}?", text, "Why", "Withdraw", send).open()
+        basic.show_dialog(NoteDialog(self, f"{what}?", text, "Why", "Withdraw", send))
 
 
 def _history_rows(sheet: RunSheet) -> List[Row]:
@@ -159,12 +159,17 @@ class HistoryDialog(QDialog):
         self._zone = zone
         self._identity = identity
         self._sheets = RunSheets(self, client.calls, self._on_update)
-        answer = Answer(reserved=False)
+        answer = Answer()
         self.history = History(client, self, answer)
         column = QVBoxLayout(self)
         column.addWidget(self.history, 1)
         last = QHBoxLayout()
         last.addWidget(answer, 1)
+        self.close_button = QPushButton("Close")
+        self.close_button.setFocusPolicy(Qt.TabFocus)
+        self.close_button.setAutoDefault(False)
+        self.close_button.clicked.connect(self.close)
+        last.addWidget(self.close_button)
         column.addLayout(last)
         client.model.updated.connect(self._on_update)
         self.finished.connect(lambda _: self._end())

@@ -44,7 +44,7 @@ class ManualOperationPanel(Panel):
         self.typed.returnPressed.connect(self._on_return)
         self.typed.hide()
         self.body.addWidget(self.typed)
-        self._answer = Answer(reserved=False)
+        self._answer = Answer()
         self.body.addWidget(self._answer)
         self._line = QHBoxLayout()
         self.body.addLayout(self._line)

@@ -32,7 +32,7 @@ class OmfSwitchesPanel(Panel):
             grid.addWidget(button, *divmod(index, COLUMNS))
         self.body.addLayout(grid)
         self.body.addLayout(self._damaged_line())
-        self._answer = Answer(reserved=False)
+        self._answer = Answer()
         self.body.addWidget(self._answer)
         self.complete = basic.CommandButton("✔ Confirm switches", "Confirm that the entries are correct", 1.5)
         self.complete.clicked.connect(self._confirm)

@@ -4,16 +4,14 @@ Keys: Shift+Esc twice stops all zones, whichever panel of the process has the fo
 """
 
 import math
-from functools import partial
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.msg import ZoneDetails, ZoneState
-from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels import phases
-from roah_rsbb.rqt.panels.panel import Answer, Panel
-from roah_rsbb.rqt.panels.shortcuts import TwiceKey
+from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import (
     QApplication,
+    QFontMetrics,
     QFrame,
     QGridLayout,
     QLabel,
@@ -26,6 +24,7 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.basic import HoldButton
+from roah_rsbb.rqt.widgets.stop_keys import DONE_S
 from roah_rsbb.wording import times
 from roah_rsbb.wording.todo import Todo, Urgency, todo
 
@@ -42,6 +41,9 @@ LINES = {
     Urgency.NONE: ("", basic.OFF),
 }
 CHOSEN = "◆ "
+# The share of a compact tile's width that what to do needs; beyond that the phase shrinks to its symbol.
+MOST_OF_TILE = 0.5
+BETWEEN = "  ·  "
 
 
 class _TodoLabel(QLabel):
@@ -85,6 +87,8 @@ class ZoneTile(QFrame):
     def __init__(self, zone: str, parent: Optional[QWidget] = None) -> None:
         super().__init__(parent)
         self.zone = zone
+        self._texts = (zone, "", "")  # zone, team, event
+        self._phase_text = ""
         self.setObjectName(f"zone {zone}")
         self.setFocusPolicy(Qt.TabFocus)
         self.setCursor(Qt.PointingHandCursor)
@@ -99,41 +103,42 @@ class ZoneTile(QFrame):
             label.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
         self._grid = grid = QGridLayout(self)
         grid.setVerticalSpacing(round(0.1 * basic.em()))
-        grid.addWidget(self.countdown, 0, 2)
         grid.addWidget(self.event, 1, 1, 1, 2)
-        grid.addWidget(self.todo, 2, 0, 1, 3)
         grid.setColumnStretch(1, 1)
-        grid.setRowStretch(2, 1)
         self.scale(1.0, False)
 
     def scale(self, factor: float, compact: bool) -> None:
         """Scale the tile relative to the desktop's font; `compact`: in two lines."""
         self._compact = compact
         self.event.setVisible(not compact)
+        self._grid.addWidget(self.name, 0, 0, 1, 3 if compact else 2)
+        self._grid.addWidget(self.phase, 1, 0)
+        self._grid.addWidget(self.countdown, 1 if compact else 0, 2)
         if compact:
-            self._grid.addWidget(self.phase, 0, 0)
-            self._grid.addWidget(self.name, 0, 1)
+            self._grid.addWidget(self.todo, 1, 1)
         else:
-            self._grid.addWidget(self.name, 0, 0, 1, 2)
-            self._grid.addWidget(self.phase, 1, 0)
+            self._grid.addWidget(self.todo, 2, 0, 1, 3)
+        for row in (1, 2):
+            self._grid.setRowStretch(row, 1 if row == (1 if compact else 2) else 0)
         edge = round((0.15 if compact else 0.35) * basic.em())
         self._grid.setContentsMargins(edge, edge, edge, edge)
         for label, share, bold in ((self.name, 1.2 if compact else 1.4, True), (self.phase, 0.95, True),
-                                   (self.countdown, 1.35 if compact else 1.7, True), (self.event, 1.0, False)):
+                                   (self.countdown, 1.15 if compact else 1.7, True), (self.event, 1.0, False)):
             basic.enlarged(label, share * factor, bold)
-        self.todo.factor = 1.15 * factor
+        self.todo.factor = (1.0 if compact else 1.15) * factor
         self.todo.settle()
         self.setMinimumHeight(round((COMPACT_EMS if compact else HIGH_EMS) * factor * basic.em()))
 
     def show_zone(self, zone: ZoneState, details: Optional[ZoneDetails], todo: Todo, chosen: bool, old: bool) -> None:
         """Show the zone. `chosen`: the other panels show it; `old`: the core is silent."""
-        name = f"{zone.zone}  ·  {zone.team}" if self._compact else zone.zone
-        self.name.setText(f"{CHOSEN if chosen else ''}{name}")
+        self._texts = (f"{CHOSEN if chosen else ''}{zone.zone}", zone.team,
+                       f"{zone.team}  ·  {zone.code}  ·  round {zone.round}, run {zone.run}")
         left = times.countdown(zone.timer.to_sec())
         self.countdown.setText(f"({left})" if old else left)
         phase = phases.shown(details)
+        self._phase_text = phase.text
         self.phase.show_text(phase.text, basic.IDLE if old else phase.tone)
-        self.event.setText(f"{zone.team}  ·  {zone.code}  ·  round {zone.round}, run {zone.run}")
+        self._fit()
         mark, tone = LINES[todo.urgency]
         more = todo.warnings - (todo.urgency is Urgency.LOOK)
         self.todo.setText(f"{mark}{todo.text}{f'   (⚠ {more} more)' if more > 0 else ''}")
@@ -146,6 +151,29 @@ class ZoneTile(QFrame):
         border = "0.25em solid palette(highlight)" if chosen else "0.1em solid palette(mid)"
         basic.set_style(self, f"ZoneTile {{ border: {border}; border-radius: 0.3em; }}"
                                 "ZoneTile:focus { border-style: dashed; }")
+
+    def resizeEvent(self, event) -> None:
+        super().resizeEvent(event)
+        self._fit()
+
+    def _fit(self) -> None:
+        """Show zone and team first, elided if need be; the phase shrinks to its symbol where space is short."""
+        zone, team, event = self._texts
+        gap = self._grid.horizontalSpacing()
+        edges = self._grid.contentsMargins()
+        width = self.contentsRect().width() - edges.left() - edges.right()
+        beside_countdown = width - self.countdown.sizeHint().width() - gap
+        metrics = self.event.fontMetrics()
+        needed = MOST_OF_TILE * width if self._compact else metrics.horizontalAdvance(team)
+        self.phase.setText(self._phase_text)
+        if needed > (beside_countdown if self._compact else width) - self.phase.sizeHint().width() - gap:
+            self.phase.setText(self._phase_text[:1])
+        if self._compact:
+            self.name.setText(_both(zone, team, self.name.fontMetrics(), width))
+        else:
+            self.name.setText(self.name.fontMetrics().elidedText(zone, Qt.ElideRight, beside_countdown))
+            beside_phase = width - self.phase.sizeHint().width() - gap
+            self.event.setText(metrics.elidedText(event, Qt.ElideRight, beside_phase))
 
     def mouseReleaseEvent(self, event) -> None:
         if event.button() == Qt.LeftButton and self.rect().contains(event.pos()):
@@ -180,6 +208,15 @@ class Arrangement(NamedTuple):
     compact: bool = False
 
 
+def _both(zone: str, team: str, metrics: QFontMetrics, width: int) -> str:
+    """Returns zone and team in one line; where the width is too small for both, each has at least half of it."""
+    if metrics.horizontalAdvance(f"{zone}{BETWEEN}{team}") <= width:
+        return f"{zone}{BETWEEN}{team}"
+    width -= metrics.horizontalAdvance(BETWEEN)
+    zone = metrics.elidedText(zone, Qt.ElideRight, max(width // 2, width - metrics.horizontalAdvance(team)))
+    return f"{zone}{BETWEEN}{metrics.elidedText(team, Qt.ElideRight, width - metrics.horizontalAdvance(zone))}"
+
+
 class OverviewPanel(Panel):
     """A tile for each zone, in the order of the schedule, so that no tile moves under the mouse."""
 
@@ -201,15 +238,10 @@ class OverviewPanel(Panel):
         self._area.setFrameShape(QFrame.NoFrame)
         self._area.setWidget(self._inside)
         self.body.addWidget(self._area, 1)
-        self._answer = Answer(reserved=False)
-        self.body.addWidget(self._answer)
         self.stop = HoldButton(STOP_ALL, STOP_TIP, 1.4)
         self.stop.kept.connect(self._stop_all)
-        self.stop.too_short.connect(lambda: self._answer.warn(HOLD_IT))
+        self.stop.too_short.connect(lambda: client.stop_keys.prompt.say(HOLD_IT, basic.OLD, DONE_S))
         self.body.addWidget(self.stop)
-        self._key = TwiceKey(
-            self, STOP_KEY, self.stop, self._answer, lambda: (STOP_ALL, STOP_ALL), self._stop_all
-        )
 
     # -- showing ------------------------------------------------------------------------------------
 
@@ -230,23 +262,13 @@ class OverviewPanel(Panel):
             elif self._calls.get(zone.zone, NO_CALL)[1] == 0:  # switches have no number: the next request is new
                 del self._calls[zone.zone]
             self.tiles[zone.zone].show_zone(zone, details, what, zone.zone == self.model.zone_name, old)
-        running = self._running()
+        running = self.model.running_zones()
         self._show_head(running, calling)
         self.stop.allow(bool(running), [NONE_RUNS if self.model.gui else NOT_HEARD], basic.ALARM)
-        self._key.forget()
 
     def resizeEvent(self, event) -> None:
         super().resizeEvent(event)
         self._arrange()
-
-    def _running(self) -> List[str]:
-        """Returns the zones that are running. If a phase is unknown, a zone that can be stopped may be running."""
-        found = []
-        for zone in self.model.gui.zones if self.model.gui else ():
-            details = self.model.details_of(zone.zone)
-            if zone.stop_enabled and (details is None or details.phase == "running"):
-                found.append(zone.zone)
-        return found
 
     def _show_head(self, running: List[str], calling: List[str]) -> None:
         """Show which zones need the referee, and which are running."""
@@ -299,22 +321,8 @@ class OverviewPanel(Panel):
     # -- stopping -----------------------------------------------------------------------------------
 
     def _stop_all(self) -> None:
-        zones = self._running()
         self.stop.hold()
-        self._answer.say(f"Stop {', '.join(zones)} …")
-        outcomes: Dict[str, CallOutcome] = {}
-        for zone in zones:
-            answered = partial(self._stopped, zones, outcomes, zone)
-            self.stop_run(zone, self.model.details_of(zone), answered)
-
-    def _stopped(self, zones: List[str], outcomes: Dict[str, CallOutcome], zone: str, outcome: CallOutcome) -> None:
-        outcomes[zone] = outcome
-        failed = [f"{name}: {found.error}" for name, found in outcomes.items() if found.error]
-        if failed:
-            self.stop.let_go()
-            self._answer.show_outcome("Stop", CallOutcome("; ".join(failed)))
-        elif len(outcomes) == len(zones):
-            self._answer.show_outcome(f"Stop {', '.join(zones)}", outcome)
+        self.client.stop_keys.stop(self.model.running_zones(), self.stop.let_go)
 
 
 def best_arrangement(tiles: int, wide_ems: float, high_ems: float) -> Arrangement:

@@ -94,7 +94,7 @@ def ask(parent: QWidget, question: str, details: str, yes: str, then) -> QMessag
     box.setEscapeButton(cancel)
     box.setAttribute(Qt.WA_DeleteOnClose)
     box.buttonClicked.connect(lambda button: then() if button is accept else None)
-    box.open()
+    basic.show_dialog(box)
     return box
 
 
@@ -107,14 +107,12 @@ DONE_MS = 4000
 class Answer(QLabel):
     """The line in which a panel shows the result of the last command."""
 
-    def __init__(self, reserved: bool = True, parent: Optional[QWidget] = None) -> None:
-        """`reserved`: it keeps its height while it is empty, so that nothing moves when it appears."""
+    def __init__(self, parent: Optional[QWidget] = None) -> None:
         super().__init__(parent)
-        self._reserved = reserved
         self._done = QTimer(self, singleShot=True)
         self._done.timeout.connect(self.clear_answer)
-        if reserved:
-            self.setFixedHeight(round(LINES * self.fontMetrics().lineSpacing() + basic.em()))
+        # It keeps its height while it is empty, so that nothing moves under the mouse when a text appears.
+        self.setFixedHeight(round(LINES * self.fontMetrics().lineSpacing() + basic.em() / 2))
         self.setWordWrap(True)
         self.setTextFormat(Qt.PlainText)
         self.setTextInteractionFlags(Qt.TextSelectableByMouse)
@@ -145,8 +143,6 @@ class Answer(QLabel):
         self._done.stop()
         self.setText(text)
         self.setToolTip(basic.tip(text.strip()))  # the whole text, if it does not fit
-        if not self._reserved:
-            self.setVisible(text != " ")
         basic.set_style(self, f"QLabel {{ padding: 0.2em; {style} }}")
 
 

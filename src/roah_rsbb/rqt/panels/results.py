@@ -36,7 +36,7 @@ class ResultsPanel(RefereePanel):
         self.correct = self._button("Change …", self._ask_score)
         self.give_reason = self._button("Reason …", self._ask_reason)
         self.sign = self._button(SIGN_OFF, self._ask_sign_off)
-        self._answer = Answer(reserved=False)
+        self._answer = Answer()
         self.history = History(client, self, self._answer)
         self._lay_out()
         for rows in (self.runs, self.items, self.stops):
@@ -61,9 +61,9 @@ class ResultsPanel(RefereePanel):
         self._split.setStretchFactor(0, 2)
         self._split.setStretchFactor(1, 3)
         self.body.addWidget(self._split, 1)
-        self.body.addWidget(self._answer)
         last = QHBoxLayout()
         last.addWidget(self.referee, 1)
+        last.addWidget(self._answer, 2)
         last.addWidget(self.sign)
         self.body.addLayout(last)
 
@@ -152,12 +152,12 @@ class ResultsPanel(RefereePanel):
         if summary is None or item is None:
             return
         title = _name(summary)
-        ScoreDialog(
+        basic.show_dialog(ScoreDialog(
             self, title, item.desc, item.type, item.value, item.not_attempted,
             lambda value, not_attempted, note: self._send(
                 summary, item.desc, "score", ScoreMark, (item.group, item.desc, value, not_attempted, note)
             ),
-        ).open()
+        ))
 
     def _ask_reason(self) -> None:
         summary, sheet = self._summary(), self._sheet()
@@ -172,7 +172,7 @@ class ResultsPanel(RefereePanel):
             ),
         )
         dialog.note.setText(stop.reason)
-        dialog.open()
+        basic.show_dialog(dialog)
 
     def _ask_sign_off(self) -> None:
         summary = self._summary()

@@ -165,13 +165,13 @@ class ScoringPanel(RefereePanel):
         self.body.addLayout(self._stack, 2)
         self.module_scores = ModuleScores()
         self.body.addWidget(self.module_scores, 1)
-        self._answer = Answer(reserved=False)
-        self.body.addWidget(self._answer)
+        self._answer = Answer()
         self.history = QPushButton("History …")
         self.history.setFocusPolicy(Qt.TabFocus)
         self.history.clicked.connect(self._show_history)
         last = QHBoxLayout()
         last.addWidget(self.referee, 1)
+        last.addWidget(self._answer, 2)
         last.addWidget(self.history)
         self.body.addLayout(last)
 
@@ -252,10 +252,12 @@ class ScoringPanel(RefereePanel):
         def then(value: int, not_attempted: bool, note: str) -> None:
             if sheet == self._sheet:
                 self._send(item, NOT_ATTEMPTED if not_attempted else value, note)
+            else:
+                self._answer.warn(f"Not saved: {shape.desc}. The score sheet of another run is shown now.")
 
-        ScoreDialog(
+        basic.show_dialog(ScoreDialog(
             self, self.where(), shape.desc, shape.kind, max(0, shown), shown == NOT_ATTEMPTED, then
-        ).open()
+        ))
 
     def _show_history(self) -> None:
         """Open the history of the current run."""

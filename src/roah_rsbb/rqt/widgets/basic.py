@@ -6,6 +6,7 @@ from typing import Iterable, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.rqt.qt import (
     QApplication,
+    QDialog,
     QFont,
     QFontMetricsF,
     QLabel,
@@ -20,7 +21,6 @@ from roah_rsbb.rqt.qt import (
     QWidget,
     Signal,
 )
-from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import texts
 
 
@@ -60,6 +60,21 @@ def enlarged(widget: QWidget, factor: float, bold: bool = False) -> QWidget:
     font.setBold(bold)
     widget.setFont(font)
     return widget
+
+
+def show_dialog(dialog: QDialog) -> None:
+    """Show a dialog that blocks no other window, so that STOP stays available.
+
+    A question that the same widget asked before is cancelled.
+    """
+    for other in dialog.parent().findChildren(QDialog):
+        if other.property("is_question"):
+            other.reject()
+    dialog.setProperty("is_question", True)
+    dialog.setWindowModality(Qt.NonModal)
+    dialog.show()
+    dialog.raise_()
+    dialog.activateWindow()
 
 
 def set_style(widget: QWidget, style: str) -> None:
@@ -224,7 +239,7 @@ KEEP_MS = 800
 KEEP_HOLDING = "… keep holding"
 
 
-class HoldButton(basic.CommandButton):
+class HoldButton(CommandButton):
     """A button that must be held down. `kept` is emitted after KEEP_MS, `too_short` if it is released before."""
 
     kept = Signal()

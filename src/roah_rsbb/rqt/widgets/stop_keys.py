@@ -1,0 +1,114 @@
+"""The keys that stop runs: Esc twice for the client's zone, Shift+Esc twice for all zones.
+
+They work wherever the focus is: in panels, dialogs, menus and floating docks. They stop runs and never leave them. The
+first press also does what Esc usually does, such as closing a dialog. The prompt says what the second press will do.
+"""
+
+import time
+from functools import partial
+from typing import Callable, Dict, List
+
+from roah_rsbb.rqt.model.calls import CallOutcome, Calls
+from roah_rsbb.rqt.model.model import Model
+from roah_rsbb.rqt.model.presses import WITHIN_S, DoublePress
+from roah_rsbb.rqt.qt import QApplication, QEvent, QGuiApplication, QLabel, QObject, QPoint, Qt, QTimer
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.srv import StopRun
+
+DONE_S = 4.0
+FAILED_S = 15.0
+
+
+class StopPrompt(QLabel):
+    """A line above all windows that takes neither the focus nor the mouse."""
+
+    def __init__(self) -> None:
+        super().__init__(None, Qt.ToolTip | Qt.WindowStaysOnTopHint | Qt.WindowTransparentForInput)
+        self.setAttribute(Qt.WA_ShowWithoutActivating)
+        self.setTextFormat(Qt.PlainText)
+        basic.enlarged(self, 1.6, bold=True)
+        self._timer = QTimer(self, singleShot=True)
+        self._timer.timeout.connect(self.hide)
+
+    def say(self, text: str, tone: basic.Tone, for_s: float) -> None:
+        """Show a text for some time, at the top of the active window."""
+        self.setText(text)
+        basic.set_style(self, f"background: {tone.background}; color: {tone.text}; padding: 0.4em 0.8em;")
+        self.adjustSize()
+        window = QApplication.activeWindow()
+        area = QGuiApplication.primaryScreen().availableGeometry() if window is None else window.frameGeometry()
+        self.move(area.topLeft() + QPoint(max(0, (area.width() - self.width()) // 2), 0))
+        self.show()
+        self.raise_()
+        self._timer.start(round(for_s * 1000))
+
+
+class StopKeys(QObject):
+    """Watches the keys of all windows of the process."""
+
+    def __init__(self, model: Model, calls: Calls, presses: DoublePress) -> None:
+        super().__init__()
+        self._model = model
+        self._calls = calls
+        self._presses = presses
+        self.prompt = StopPrompt()
+        # Qt sends each key press to the window with the focus before it reaches any widget.
+        QGuiApplication.instance().focusWindowChanged.connect(self._watch)
+        self._watch(QGuiApplication.focusWindow())
+
+    def end(self) -> None:
+        """Stop watching."""
+        QGuiApplication.instance().focusWindowChanged.disconnect(self._watch)
+        for window in QGuiApplication.allWindows():
+            window.removeEventFilter(self)
+        self._calls.forget(self)
+        self.prompt.close()
+
+    def eventFilter(self, _window: QObject, event: QEvent) -> bool:
+        if event.type() != QEvent.KeyPress or event.key() != Qt.Key_Escape:
+            return False
+        if event.modifiers() == Qt.NoModifier:
+            return self._press(event.isAutoRepeat(), "Esc", [self._model.zone_name])
+        if event.modifiers() == Qt.ShiftModifier:
+            return self._press(event.isAutoRepeat(), "Shift+Esc", self._model.zone_names)
+        return False
+
+    def _watch(self, window) -> None:
+        if window is not None:
+            window.installEventFilter(self)
+
+    def _press(self, is_repeat: bool, key: str, zones: List[str]) -> bool:
+        """A key was pressed. Returns whether the press has no other effect."""
+        if is_repeat:
+            return False
+        running = [zone for zone in self._model.running_zones() if zone in zones]
+        if not running:
+            names = "in any zone" if len(zones) != 1 else f"in {zones[0]}"
+            self.prompt.say(f"Nothing is running {names}", basic.IDLE, WITHIN_S)
+            return False
+        what = (key, running[0], self._model.identity_of(running[0])) if key == "Esc" else (key,)
+        if self._presses.press(time.monotonic(), what):
+            self.stop(running)
+            return True
+        text = f"■ STOP {', '.join(running)}?  Press {key} again within {WITHIN_S:.0f} s"
+        self.prompt.say(text, basic.ALARM, WITHIN_S)
+        return False
+
+    def stop(self, zones: List[str], failed: Callable[[], None] = lambda: None) -> None:
+        """Stop the runs in these zones and show the outcome; `failed()` is called if one could not be stopped."""
+        what = f"Stop {', '.join(zones)}"
+        self.prompt.say(f"{what} …", basic.ALARM, FAILED_S)
+        outcomes: Dict[str, CallOutcome] = {}
+
+        def answered(zone: str, outcome: CallOutcome) -> None:
+            outcomes[zone] = outcome
+            errors = [f"{name}: {found.error}" for name, found in outcomes.items() if found.error]
+            if errors:
+                failed()
+                self.prompt.say(f"✘ Stop failed: {'; '.join(errors)}", basic.ALARM, FAILED_S)
+            elif len(outcomes) == len(zones):
+                self.prompt.say(f"✔ {what}: done", basic.RUNNING, DONE_S)
+
+        for zone in zones:
+            request = (zone, self._model.identity_of(zone))
+            self._calls.service(self, "/core/stop_run", StopRun, request, partial(answered, zone))
