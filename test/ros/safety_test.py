@@ -214,19 +214,21 @@ class TestZone(WindowCase):
         wait_until(lambda: self.control.buttons["start"].isEnabled(), "START is enabled again")
         wait_until(lambda: self.control._zones.styleSheet() == "", "the zone is no longer highlighted")
 
-    def test_an_answer_moves_no_button(self) -> None:
+    def test_an_answer_moves_nothing(self) -> None:
         self.run_zone()
-        for name, panel in self.window.panels.items():
-            with self.subTest(name):
-                self.window.docks[name].raise_()
-                wait_until(panel.isVisible, "the panel is in front")
-                if hasattr(panel, "_answer"):
-                    panel._answer.clear_answer()
-                    QTest.qWait(50)
-                    before = places(panel)
-                    panel._answer.warn("Something was done. " * 5)
-                    QTest.qWait(50)
-                    self.assertEqual(places(panel), before)
+        moved, panels = [], [name for name, panel in self.window.panels.items() if hasattr(panel, "_answer")]
+        self.assertGreater(len(panels), 5)
+        for name in panels:
+            panel = self.panel(name)
+            self.window.docks[name].raise_()
+            wait_until(panel.isVisible, "the panel is in front")
+            panel._answer.clear_answer()
+            QTest.qWait(100)
+            before = places(panel)
+            panel._answer.warn("Something was done. " * 5)
+            QTest.qWait(100)
+            moved += [name] if places(panel) != before else []
+        self.assertEqual(moved, [])
 
 
 def places(panel: QWidget) -> list:
