@@ -3,6 +3,7 @@
 
 import tempfile
 import unittest
+from unittest import mock
 
 import gui_testing  # first: gives this process a virtual display
 import rospy
@@ -10,13 +11,13 @@ import rostest
 from fake_core import FakeCore
 from gui_testing import QApplication, QMessageBox, QPoint, QTest, QWidget, click, wait_until
 from PyQt5 import sip
-from python_qt_binding.QtCore import QSettings, QTimer
-from python_qt_binding.QtWidgets import QDialog
 from real_input import click_at, middle_of, press_key
 
 from roah_rsbb.rqt.app.window import Window
+from roah_rsbb.rqt.model import presses
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.history import HistoryDialog
+from roah_rsbb.rqt.qt import QDialog, QSettings, QTimer
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
 
 DOOR = ("Achievements", "The robot detects the door with changed state")
@@ -36,6 +37,9 @@ class WindowCase(unittest.TestCase):
     SIZE = gui_testing.SCREEN
 
     def setUp(self) -> None:
+        within = mock.patch.object(presses, "WITHIN_S", 600.0)  # a busy machine may be slow between two presses
+        within.start()
+        self.addCleanup(within.stop)
         rospy.set_param("current_zone", self.ZONES[0])
         self.core = FakeCore(self.ZONES)
         self.addCleanup(self.core.close)
@@ -154,7 +158,6 @@ class TestStop(WindowCase):
         self.wait_prompt("STOP Home A?  Press Esc again")
         wait_until(lambda: is_closed(history), "the history is closed")
         self.assertEqual(self.core.calls, [])
-        wait_until(lambda: not self.prompt.isVisible(), "the time for the second press is over")
         click(self.scoring.history)
         history = self.dialog(HistoryDialog)
         click_at(middle_of(history.close_button))

@@ -37,7 +37,7 @@ class Client:
         self.model = Model(Feed(TOPICS), ZoneParameter())
         self.calls = Calls()
         self.presses = DoublePress()
-        self.stop_keys = StopKeys(self.model, self.calls, self.presses)
+        self.stop_keys = StopKeys(self.model, self.calls)
         self.referee = RefereeName()
 
     @classmethod

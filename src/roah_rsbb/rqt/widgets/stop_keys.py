@@ -4,14 +4,14 @@ They work wherever the focus is: in panels, dialogs, menus and floating docks. T
 first press also does what Esc usually does, such as closing a dialog. The prompt says what the second press will do.
 """
 
-import time
 from functools import partial
 from typing import Callable, Dict, List
 
+from roah_rsbb.rqt.model import presses
 from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.model.model import Model
-from roah_rsbb.rqt.model.presses import WITHIN_S, DoublePress
-from roah_rsbb.rqt.qt import QApplication, QEvent, QGuiApplication, QLabel, QObject, QPoint, Qt, QTimer
+from roah_rsbb.rqt.model.presses import DoublePress
+from roah_rsbb.rqt.qt import QApplication, QEvent, QGuiApplication, QKeyEvent, QLabel, QObject, QPoint, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import StopRun
 
@@ -46,11 +46,11 @@ class StopPrompt(QLabel):
 class StopKeys(QObject):
     """Watches the keys of all windows of the process."""
 
-    def __init__(self, model: Model, calls: Calls, presses: DoublePress) -> None:
+    def __init__(self, model: Model, calls: Calls) -> None:
         super().__init__()
         self._model = model
         self._calls = calls
-        self._presses = presses
+        self._presses = DoublePress()
         self.prompt = StopPrompt()
         # Qt sends each key press to the window with the focus before it reaches any widget.
         QGuiApplication.instance().focusWindowChanged.connect(self._watch)
@@ -68,30 +68,31 @@ class StopKeys(QObject):
         if event.type() != QEvent.KeyPress or event.key() != Qt.Key_Escape:
             return False
         if event.modifiers() == Qt.NoModifier:
-            return self._press(event.isAutoRepeat(), "Esc", [self._model.zone_name])
+            return self._press(event, "Esc", [self._model.zone_name])
         if event.modifiers() == Qt.ShiftModifier:
-            return self._press(event.isAutoRepeat(), "Shift+Esc", self._model.zone_names)
+            return self._press(event, "Shift+Esc", self._model.zone_names)
         return False
 
     def _watch(self, window) -> None:
         if window is not None:
             window.installEventFilter(self)
 
-    def _press(self, is_repeat: bool, key: str, zones: List[str]) -> bool:
+    def _press(self, event: QKeyEvent, key: str, zones: List[str]) -> bool:
         """A key was pressed. Returns whether the press has no other effect."""
-        if is_repeat:
+        if event.isAutoRepeat():
             return False
         running = [zone for zone in self._model.running_zones() if zone in zones]
         if not running:
             names = "in any zone" if len(zones) != 1 else f"in {zones[0]}"
-            self.prompt.say(f"Nothing is running {names}", basic.IDLE, WITHIN_S)
+            self.prompt.say(f"Nothing is running {names}", basic.IDLE, presses.WITHIN_S)
             return False
         what = (key, running[0], self._model.identity_of(running[0])) if key == "Esc" else (key,)
-        if self._presses.press(time.monotonic(), what):
+        # The time when the key was pressed: a busy process may handle both presses at once.
+        if self._presses.press(event.timestamp() / 1000, what):
             self.stop(running)
             return True
-        text = f"■ STOP {', '.join(running)}?  Press {key} again within {WITHIN_S:.0f} s"
-        self.prompt.say(text, basic.ALARM, WITHIN_S)
+        text = f"■ STOP {', '.join(running)}?  Press {key} again within {presses.WITHIN_S:.0f} s"
+        self.prompt.say(text, basic.ALARM, presses.WITHIN_S)
         return False
 
     def stop(self, zones: List[str], failed: Callable[[], None] = lambda: None) -> None:
