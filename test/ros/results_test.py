@@ -138,7 +138,7 @@ class TestStopReason(WordsCase):
         QTest.keyClick(line, Qt.Key_Return)
         self.wait_words(identity, "fire alarm", "Anna")
         wait_until(lambda: not line.text(), "it is kept")
-        self.assertEqual(self.zone.book.stops[0].reason, "fire alarm")
+        self.assertEqual(self.zone.book.state.stops[0].reason, "fire alarm")
 
     def test_it_is_of_the_run_that_was_stopped_also_after_it_is_left(self) -> None:
         line, identity = self.panel.reason, self.zone.identity
