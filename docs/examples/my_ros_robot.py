@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A robot with ROS in a few lines: beside the comm node it takes part in every run that the box gives it."""
+"""A short robot with ROS: beside the comm node it takes part in every run."""
 
 import queue
 
@@ -11,12 +11,12 @@ from std_srvs.srv import Empty
 from roah_rsbb.msg import Benchmark, BenchmarkState
 from roah_rsbb.srv import ResultHOPF, ResultHPPF, String
 
-WORK_S = 1.0  # seconds that this robot waits where a real one works
+WORK_S = 1.0  # seconds that this robot waits instead of working
 NAMES = {number: name for name, number in vars(Benchmark).items() if name.isupper()}
 
 
 def call(name, kind, *arguments):
-    """Call a service of the comm node: it is there a moment after the state that it belongs to."""
+    """Call a service of the comm node, which appears a moment after its state."""
     rospy.wait_for_service(f"/roah_rsbb/{name}", 5.0)
     rospy.ServiceProxy(f"/roah_rsbb/{name}", kind)(*arguments)
 
@@ -24,7 +24,7 @@ def call(name, kind, *arguments):
 class MyRobot:
     def __init__(self):
         self.benchmark = "NONE"
-        self.states = queue.Queue()  # callbacks only put in: a stop must never wait behind work
+        self.states = queue.Queue()  # callbacks only add states, so that a stop never waits for work
         self.saved = rospy.Publisher("/roah_rsbb/messages_saved", UInt32, queue_size=1, latch=True)
         rospy.Subscriber("/roah_rsbb/benchmark", Benchmark, self.on_benchmark)
         rospy.Subscriber("/roah_rsbb/benchmark/state", BenchmarkState, lambda m: self.states.put(m.benchmark_state))
@@ -33,7 +33,7 @@ class MyRobot:
         self.benchmark = NAMES.get(message.benchmark, "HOMF")
 
     def works(self, seconds=WORK_S):
-        """Work a while; False as soon as there is a new state: then stop at once what you do."""
+        """Work for a while. False: a new state came, so stop working at once."""
         until = rospy.get_time() + seconds
         while rospy.get_time() < until and self.states.empty() and not rospy.is_shutdown():
             rospy.sleep(0.02)
@@ -41,7 +41,7 @@ class MyRobot:
 
     def prepare(self):
         print(f"{self.benchmark}: preparing", flush=True)
-        self.saved.publish(1)  # the recording of offline data runs: the box stops a run that has none
+        self.saved.publish(1)  # offline data is being recorded: the box stops a run without it
         if self.works():
             call("end_prepare", Empty)
 
@@ -67,7 +67,7 @@ class MyRobot:
             except queue.Empty:
                 pass
             except (rospy.ROSException, rospy.ServiceException) as error:
-                rospy.logwarn("%s", error)  # the run was over meanwhile
+                rospy.logwarn("%s", error)  # the run has ended
 
 
 if __name__ == "__main__":
