@@ -108,10 +108,10 @@ def test_the_robots_states():
 
 def test_the_boxes_states():
     cells = {
-        machine.Step.KEEP: KEEP, machine.Step.EXECUTE: "GOAL_TX, or WAITING_RESULT without a goal",
-        machine.Step.AWAIT_RESULT: "WAITING_RESULT", machine.Step.RETRY: RETRY,
-        machine.Step.RETRY_WITH_GOAL: f"{RETRY}, or {KEEP} without a goal",
-        machine.Step.GOAL_DONE: "next goal: PREPARE; after the last: STOP",
+        machine.Reaction.KEEP: KEEP, machine.Reaction.EXECUTE: "GOAL_TX, or WAITING_RESULT without a goal",
+        machine.Reaction.AWAIT_RESULT: "WAITING_RESULT", machine.Reaction.RETRY: RETRY,
+        machine.Reaction.RETRY_WITH_GOAL: f"{RETRY}, or {KEEP} without a goal",
+        machine.Reaction.GOAL_DONE: "next goal: PREPARE; after the last: STOP",
     }
     rows = table("| | STOP | PREPARE | GOAL_TX | WAITING_RESULT |")
     assert [row[0] for row in rows] == [state.name for state in RobotState]
