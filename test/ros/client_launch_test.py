@@ -9,13 +9,16 @@ import sys
 import tempfile
 import unittest
 import xmlrpc.client
+from typing import List
 
 import rosgraph
 import rosnode
 import rospy
 from case_results import rosrun
 from gui_testing import wait_until
+from programs import own
 from std_srvs.srv import Empty
+from waiting import LIMIT_S
 
 from roah_rsbb.rqt.app import alone
 from roah_rsbb.rqt.app.panel_list import PANELS
@@ -23,6 +26,7 @@ from roah_rsbb.rqt.model.client import Client
 
 HERE = pathlib.Path(__file__).resolve().parent
 LAUNCH = HERE.parent.parent / "launch"
+AT_A_TIME = 3  # panels
 
 
 def _names(end: str) -> list:
@@ -38,7 +42,7 @@ def _listeners() -> set:
 def _end(process: subprocess.Popen) -> None:
     if process.poll() is None:
         process.send_signal(signal.SIGINT)
-        process.wait(20)
+        process.wait(LIMIT_S)
 
 
 class TestPrograms(unittest.TestCase):
@@ -68,7 +72,7 @@ class TestPrograms(unittest.TestCase):
 
     def test_a_client_opens_comes_back_after_a_crash_and_ends_by_its_exit(self) -> None:
         launch = self.start("roslaunch", str(LAUNCH / "roah_rsbb_client.launch"), "gui:=window", "zone:=Home B")
-        wait_until(lambda: _names("/roah_rsbb_gui"), "the window is a node", 30)
+        wait_until(lambda: _names("/roah_rsbb_gui"), "the window is a node")
         node = _names("/roah_rsbb_gui")[0]
         namespace = node.rpartition("/")[0]
         self.assertTrue(namespace.startswith("/roah_rsbb_client"), node)
@@ -82,22 +86,26 @@ class TestPrograms(unittest.TestCase):
             except (OSError, rosgraph.MasterException):
                 return False
 
-        wait_until(is_back, "the window is opened again", 30)
-        rospy.wait_for_service(f"{namespace}/roah_rsbb_shutdown", 10)
+        wait_until(is_back, "the window is opened again")
+        rospy.wait_for_service(f"{namespace}/roah_rsbb_shutdown", LIMIT_S)
         rospy.ServiceProxy(f"{namespace}/roah_rsbb_shutdown", Empty)()
-        wait_until(lambda: launch.poll() is not None, "the client ends", 30)
+        wait_until(lambda: launch.poll() is not None, "the client ends")
         self.assertEqual(_names("/roah_rsbb_gui"), [])  # it took its leave of the master
 
     def test_each_panel_opens_alone_and_ends(self) -> None:
         self.start_core()
         names = [alone.name_of(kind) for kind in PANELS]
-        programs = [self.start("rosrun", "roah_rsbb", name) for name in names]
+        # A few at a time: all of them at once would only wait for one another.
+        for first in range(0, len(names), AT_A_TIME):
+            self.open_and_end(names[first:first + AT_A_TIME])
 
-        wait_until(lambda: _listeners() >= {f"/{name}" for name in names}, "each of them listens to the core", 60)
+    def open_and_end(self, names: List[str]) -> None:
+        programs = [self.start(own(name)) for name in names]
+        wait_until(lambda: _listeners() >= {f"/{name}" for name in names}, f"{names} listen to the core")
         for program in programs:
             program.send_signal(signal.SIGINT)
         for name, program in zip(names, programs):
-            _, said = program.communicate(timeout=30)
+            _, said = program.communicate(timeout=LIMIT_S)
             self.assertEqual(program.returncode, 0, f"{name}: {said}")
             self.assertNotIn("Traceback", said)
 
@@ -106,23 +114,23 @@ class TestPrograms(unittest.TestCase):
             kept = pathlib.Path(folder) / "roah_rsbb" / "roah_rsbb_log_display.conf"
             kept.parent.mkdir()
             kept.write_text("[LogDisplayPanel]\nfollow=false\n", encoding="utf-8")
-            program = self.start("rosrun", "roah_rsbb", "roah_rsbb_log_display", XDG_CONFIG_HOME=folder)
+            program = self.start(own("roah_rsbb_log_display"), XDG_CONFIG_HOME=folder)
             wait_until(lambda: "/roah_rsbb_log_display" in _listeners(), "it listens to the core")
             program.send_signal(signal.SIGINT)
-            self.assertEqual(program.wait(30), 0)
+            self.assertEqual(program.wait(LIMIT_S), 0)
             self.assertIn("follow=false", kept.read_text(encoding="utf-8"))
             self.assertIn("geometry=", kept.read_text(encoding="utf-8"))
 
     def test_the_public_display_opens_and_ends(self) -> None:
         launch = self.start("roslaunch", str(LAUNCH / "roah_rsbb_public.launch"))
-        wait_until(lambda: _names("/roah_rsbb_public"), "the display is a node", 30)
+        wait_until(lambda: _names("/roah_rsbb_public"), "the display is a node")
         launch.send_signal(signal.SIGINT)
-        wait_until(lambda: launch.poll() is not None, "it ends", 30)
+        wait_until(lambda: launch.poll() is not None, "it ends")
         self.assertEqual(_names("/roah_rsbb_public"), [])
 
     def test_without_a_display_one_line_and_no_error(self) -> None:
-        gui = self.start("rosrun", "roah_rsbb", "roah_rsbb_gui", "--gui", "auto", DISPLAY="", WAYLAND_DISPLAY="")
-        _, said = gui.communicate(timeout=30)
+        gui = self.start(own("roah_rsbb_gui"), "--gui", "auto", DISPLAY="", WAYLAND_DISPLAY="")
+        _, said = gui.communicate(timeout=LIMIT_S)
         self.assertEqual(gui.returncode, 0)
         self.assertEqual(len(said.splitlines()), 1, said)
         self.assertIn("No display", said)

@@ -11,8 +11,9 @@ import rosgraph
 import rosnode
 import rospy
 import rosservice
-from box_case import PACKAGE, BoxCase, main
+from box_case import BoxCase, main
 from box_client import Refusal
+from programs import own
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 from waiting import LIMIT_S, happened, wait_until
@@ -125,7 +126,7 @@ class TestBell(DevicesCase):
 
     def test_the_door_and_the_bell_from_the_command_line(self):
         def command(word):
-            subprocess.run(["rosrun", PACKAGE, "roah_devices_dummy", word], check=True, timeout=LIMIT_S)
+            subprocess.run([own("roah_devices_dummy"), word], check=True, timeout=LIMIT_S)
         command("open")
         self.wait_state(door_win_detect=True)
         command("close")

@@ -7,8 +7,8 @@ import tempfile
 from typing import Callable, Dict, List, Tuple
 
 import rospy
-from box_case import PACKAGE, BoxCase
-from programs import Program
+from box_case import BoxCase
+from programs import Program, own
 from robots import BROADCAST, CONFIG, PASSWORDS, RSBB_PORT, Robot, host_of
 from waiting import happened
 
@@ -25,7 +25,7 @@ class FunctionalityCase(BoxCase):
     def dummy_robot(self, team: str, *options: str, execute_s: float = 0.3) -> Program:
         """A dummy robot as a program."""
         return self._leaving(Program(
-            "rosrun", PACKAGE, "dummy_robot", "--team", team, "--password", PASSWORDS[team], "--host", BROADCAST,
+            own("dummy_robot"), "--team", team, "--password", PASSWORDS[team], "--host", BROADCAST,
             "--port", str(RSBB_PORT), "--bind", host_of(team), "--prepare-duration", "0.1", "--execute-duration",
             str(execute_s), *options,
         ))
@@ -85,7 +85,7 @@ class ModulesProcess(Program):
     """A node of benchmarking modules."""
 
     def __init__(self, name: str, folder: pathlib.Path, benchmarks: str = "all") -> None:
-        super().__init__("rosrun", PACKAGE, "roah_rsbb_modules", f"__name:={name}", f"_parameters_dir:={folder}",
+        super().__init__(own("roah_rsbb_modules"), f"__name:={name}", f"_parameters_dir:={folder}",
                          f"_benchmarks:={benchmarks}")
 
     def kill(self) -> None:

@@ -6,9 +6,9 @@ import shutil
 import tempfile
 from typing import Any, Dict, List, Tuple
 
-from box_case import PACKAGE, NetworkCase
+from box_case import NetworkCase
 from box_client import BoxClient
-from programs import Program
+from programs import Program, own
 from robots import BOX, BROADCAST, CONFIG, RSBB_PORT
 from waiting import wait_until
 
@@ -28,7 +28,7 @@ class Core(Program):
     """A core; `inside`: see `SmallDisk`."""
 
     def __init__(self, params: Dict[str, Any], inside: Tuple[str, ...] = ()) -> None:
-        super().__init__(*inside, "rosrun", PACKAGE, "roah_rsbb_core",
+        super().__init__(*inside, own("roah_rsbb_core"),
                          *(f"_{name}:={value}" for name, value in {**PARAMS, **params}.items()))
 
     def kill(self) -> None:

@@ -21,6 +21,15 @@ def _end_with_parent() -> None:
     _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGINT)
 
 
+def own(name: str) -> str:
+    """The path of a program of this package, as rosrun would find it after a search of 0.3 s."""
+    for prefix in os.environ["CMAKE_PREFIX_PATH"].split(os.pathsep):
+        path = os.path.join(prefix, "lib", "roah_rsbb", name)
+        if os.path.isfile(path):
+            return path
+    raise FileNotFoundError(f"{name} is not built: source build/devel/setup.bash")
+
+
 class Program:
     """A running program. Close it at the end of the test: it is interrupted as by Ctrl-C."""
 

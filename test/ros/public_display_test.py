@@ -15,6 +15,7 @@ import rosservice
 from case_results import rosrun
 from fake_public import MIDNIGHT, NOON, TEAMS, FakePublic, event, scene
 from gui_testing import SCREEN, SECOND_SCREEN, app, show, wait_until
+from waiting import LIMIT_S
 
 from roah_rsbb.msg import PublicDetails
 from roah_rsbb.ros.feed import Feed
@@ -306,7 +307,7 @@ class TestScreens(DisplayCase):
 
     def call(self, number: int) -> None:
         """The service is answered while Qt's thread is in here: it must not wait for it."""
-        rospy.wait_for_service("screen", 10)
+        rospy.wait_for_service("screen", LIMIT_S)
         self.service(number)
 
     def test_a_screen_is_chosen_by_service(self) -> None:
@@ -354,10 +355,10 @@ class TestProgram(unittest.TestCase):
     def end(self) -> None:
         if self.launch.poll() is None:
             self.launch.send_signal(signal.SIGINT)
-            self.launch.wait(20)
+            self.launch.wait(LIMIT_S)
 
     def wait_says(self, text: str) -> None:
-        wait_until(lambda: text in os.pread(self.output, 1_000_000, 0).decode(), f"it says {text!r}", 40)
+        wait_until(lambda: text in os.pread(self.output, 1_000_000, 0).decode(), f"it says {text!r}")
 
     def test_the_screen_and_its_service(self) -> None:
         size = "{}x{}".format(*SECOND_SCREEN)

@@ -5,7 +5,7 @@ from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
-from programs import Program
+from programs import Program, own
 from robots import BROADCAST, RSBB_PORT
 from waiting import wait_until
 
@@ -24,7 +24,7 @@ def node(**params: Any) -> Program:
     """A tablet node beside the launched one. Its page is at OWN_TABLET_PORT."""
     values = {"rsbb_host": BROADCAST, "rsbb_port": RSBB_PORT, "tablet_port": OWN_TABLET_PORT, **params}
     return Program(
-        "rosrun", "roah_rsbb", "roah_rsbb_tablet", "__name:=own_tablet", *(f"_{k}:={v}" for k, v in values.items())
+        own("roah_rsbb_tablet"), "__name:=own_tablet", *(f"_{k}:={v}" for k, v in values.items())
     )
 
 

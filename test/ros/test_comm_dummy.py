@@ -8,9 +8,9 @@ import xmlrpc.client
 
 import rosgraph
 import rospy
-from box_case import PACKAGE, TABLET, BoxCase, main
+from box_case import TABLET, BoxCase, main
 from dummy_launch import launch_dummy
-from programs import Program
+from programs import Program, own
 from robots import wire
 from waiting import wait_until
 
@@ -166,7 +166,7 @@ class TestMisbehaviour(DummyCase):
 
     def test_wrong_parameters(self) -> None:
         dummy = self._leaving(Program(
-            "rosrun", PACKAGE, "dummy_glue", "_crash_in:=later", "_execute_duration:=-1", "_never_end:=perhaps",
+            own("dummy_glue"), "_crash_in:=later", "_execute_duration:=-1", "_never_end:=perhaps",
         ))
         self.assertEqual(dummy.wait_ended(), 1)
         for text in ("crash_in: found 'later', expected one of , prepare, execute",

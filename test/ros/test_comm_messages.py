@@ -60,7 +60,7 @@ class TestTroubles(ChannelCase):
         self.box.beacon()
         other = self.new_box(host=TABLET)
         other.beacon()
-        self.wait_logged(Log.WARN, f"there is another box at {TABLET}, beside the one at 127.0.0.1")
+        self.wait_logged(Log.WARN, f"there is another box at {TABLET} besides the one at 127.0.0.1")
 
     def test_an_unknown_benchmark(self) -> None:
         """Of a newer box: the robot's programs would not know what it is either."""

@@ -4,9 +4,9 @@
 from typing import Dict
 
 import rosgraph
-from box_case import PACKAGE, NetworkCase, main
+from box_case import NetworkCase, main
 from comm_case import told_with
-from programs import Program
+from programs import Program, own
 from robots import BROADCAST, RSBB_PORT
 from waiting import wait_until
 
@@ -17,9 +17,9 @@ class TestParameters(NetworkCase):
     def node(self, program: str, name: str, **params: str) -> Program:
         """A node under a name of its own."""
         usual = {"rsbb_host": BROADCAST, "rsbb_port": str(RSBB_PORT), "bind_host": "127.0.1.1"}
-        own: Dict[str, str] = {**(usual if program == "comm" else {}), **params}
-        return self._leaving(Program("rosrun", PACKAGE, program, f"__name:={name}",
-                                     *(f"_{key}:={value}" for key, value in own.items())))
+        chosen: Dict[str, str] = {**(usual if program == "comm" else {}), **params}
+        return self._leaving(Program(own(program), f"__name:={name}",
+                                     *(f"_{key}:={value}" for key, value in chosen.items())))
 
     def test_what_is_wrong_is_told_at_once(self) -> None:
         nodes = {

@@ -5,9 +5,9 @@ import os
 import time
 
 import rospy
-from box_case import LISTENER, PACKAGE, BoxCase, main
+from box_case import LISTENER, BoxCase, main
 from box_client import BoxClient
-from programs import Program
+from programs import Program, own
 from robots import BOX, CONFIG
 from waiting import wait_until
 
@@ -29,7 +29,7 @@ class TestTwoBoxes(BoxCase):
             "listen_duration": listen_duration,
         }
         return self._leaving(Program(
-            "rosrun", PACKAGE, "roah_rsbb_core", "__name:=other_core", f"/timeout:={OTHER}/timeout",
+            own("roah_rsbb_core"), "__name:=other_core", f"/timeout:={OTHER}/timeout",
             *(f"/core/{name}:={OTHER}/core/{name}" for name in NAMES),
             *(f"_{name}:={value}" for name, value in params.items()),
         ))

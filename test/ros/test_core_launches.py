@@ -9,9 +9,8 @@ from typing import List
 import rospy
 from box_case import LISTENER, PACKAGE, NetworkCase, main
 from box_client import BoxClient
-from programs import Program
+from programs import Program, own
 from robots import BOX, BROADCAST, CONFIG, RSBB_PORT, empty_beacon
-from roslib.packages import find_node
 from std_srvs.srv import Empty
 from waiting import LIMIT_S, happened, wait_until
 
@@ -76,7 +75,7 @@ class TestCoresThatCannotStart(unittest.TestCase):
     def setUpClass(cls) -> None:
         cls.cores = {}
         for name, params in cls.PARAMS.items():
-            core = cls.cores[name] = Program("rosrun", PACKAGE, "roah_rsbb_core", f"__name:={name}",
+            core = cls.cores[name] = Program(own("roah_rsbb_core"), f"__name:={name}",
                                              f"_log_dir:={log_dir(name)}",
                                              *(f"_{param}:={value}" for param, value in params.items()))
             cls.addClassCleanup(core.close)
@@ -113,8 +112,7 @@ class TestCoresThatCannotStart(unittest.TestCase):
 
 class TestShutdownNode(unittest.TestCase):
     def test_it_ends_when_whoever_started_it_is_killed(self) -> None:
-        node, = find_node(PACKAGE, "roah_rsbb_shutdown")  # rosrun would stay between them
-        command = f"'{node}' __name:=orphan_shutdown roah_rsbb_shutdown:=/orphan & wait"
+        command = f"'{own('roah_rsbb_shutdown')}' __name:=orphan_shutdown roah_rsbb_shutdown:=/orphan & wait"
         starter = Program("sh", "-c", command)
         self.addCleanup(starter.close)
         rospy.wait_for_service("/orphan", LIMIT_S)

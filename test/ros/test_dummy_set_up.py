@@ -7,7 +7,7 @@ import pathlib
 
 from box_case import PACKAGE, NetworkCase, main
 from box_client import BoxClient
-from programs import Program
+from programs import Program, own
 from robots import BOX, BROADCAST, CONFIG, PASSWORDS, RSBB_PORT
 from waiting import wait_until
 
@@ -56,7 +56,7 @@ class TestThatCannotBe(NetworkCase):
     def node(self, port: int, **params: object) -> Program:
         given = {"rsbb_port": RSBB_PORT + port, **FILES, **params}
         return self._leaving(Program(
-            "rosrun", PACKAGE, "dummy_robots", f"__name:=dummies_{port}",
+            own("dummy_robots"), f"__name:=dummies_{port}",
             *(f"_{name}:={value}" for name, value in given.items()),
         ))
 

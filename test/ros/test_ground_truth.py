@@ -11,9 +11,9 @@ from typing import Optional
 
 import rospy
 import tf2_ros
-from box_case import PACKAGE, main
+from box_case import main
 from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
-from programs import Program
+from programs import Program, own
 from waiting import wait_until
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3, rotation
@@ -283,7 +283,7 @@ class TestDummy(unittest.TestCase):
             ("ground_truth_file", "/nowhere.yaml", "no file '/nowhere.yaml'"),
         ):
             program = Program(
-                "rosrun", PACKAGE, "roah_rsbb_dummy_ground_truth", "__name:=wrong_dummy", f"_{name}:={value}"
+                own("roah_rsbb_dummy_ground_truth"), "__name:=wrong_dummy", f"_{name}:={value}"
             )
             self.addCleanup(program.close)
             self.assertEqual(program.wait_ended(), 1)
@@ -299,7 +299,7 @@ class TestDummy(unittest.TestCase):
     def check(self, status: int, *arguments: str, **environment: str) -> str:
         """Run check_ground_truth; returns what it printed."""
         command = ["env", *(f"{name}={value}" for name, value in environment.items()),
-                   "rosrun", PACKAGE, "check_ground_truth", *arguments]
+                   own("check_ground_truth"), *arguments]
         done = subprocess.run(
             command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False
         )

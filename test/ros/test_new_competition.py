@@ -6,9 +6,9 @@ import shutil
 import tempfile
 
 import rospy
-from box_case import PACKAGE, NetworkCase, main
+from box_case import NetworkCase, main
 from box_client import BoxClient
-from programs import Program
+from programs import Program, own
 from robots import BOX, BROADCAST, RSBB_PORT
 from std_srvs.srv import Empty
 from waiting import LIMIT_S
@@ -31,7 +31,7 @@ class TestNewCompetition(NetworkCase):
         self.addCleanup(shutil.rmtree, os.path.dirname(self.directory))
 
     def new_competition(self, *arguments: str) -> Program:
-        made = self._leaving(Program("rosrun", PACKAGE, "new_competition", self.directory, *arguments))
+        made = self._leaving(Program(own("new_competition"), self.directory, *arguments))
         made.status = made.wait_ended()
         return made
 

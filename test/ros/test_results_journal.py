@@ -11,6 +11,7 @@ from typing import Any, Dict, List
 
 import rospy
 from box_case import BoxCase, main
+from programs import own
 from robots import BOX, host_of
 from waiting import LIMIT_S, wait_until
 
@@ -34,7 +35,7 @@ class ResultsCase(BoxCase):
     def results(self, *arguments: str) -> str:
         """What the program prints."""
         done = subprocess.run(
-            ["rosrun", "roah_rsbb", "results", "--log-dir", self.log_dir, *arguments], text=True, timeout=LIMIT_S,
+            [own("results"), "--log-dir", self.log_dir, *arguments], text=True, timeout=LIMIT_S,
             capture_output=True, env={**os.environ, "ROS_MASTER_URI": NO_MASTER},
         )
         self.assertEqual((done.returncode, done.stderr), (0, ""))

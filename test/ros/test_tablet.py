@@ -6,7 +6,7 @@ import time
 
 import tablet_nodes
 from box_case import LISTENER, TABLET, BoxCase, main
-from programs import Program
+from programs import Program, own
 from robots import BROADCAST, RSBB_PORT, wire
 from waiting import wait_until
 
@@ -30,7 +30,7 @@ class TestTablet(BoxCase):
         robot = self.robot("Delta")
         wait_until(lambda: robot.tablet, "the robot hears the box")
         tablet = self._leaving(Program(
-            "rosrun", "roah_rsbb", "dummy_tablet", "--host", BROADCAST, "--port", str(RSBB_PORT), "--bind", TABLET,
+            own("dummy_tablet"), "--host", BROADCAST, "--port", str(RSBB_PORT), "--bind", TABLET,
             "--call", "--position=1.5,-2.25",
         ))
         tablet.wait_printed("the box has published the call")

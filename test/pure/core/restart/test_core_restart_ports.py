@@ -1,0 +1,85 @@
+"""Private ports after a restart: no two runs, and no two robots of a run, have the same one."""
+
+import json
+
+import pytest
+
+from helpers.all_robots import robots_of
+from helpers.box_driver import BoxDriver
+from helpers.competition import competition, event
+from roah_rsbb.core.restart.restart import BoxSaved, Saved
+from roah_rsbb.core.restart.saved import freeze, thaw
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.zones import ZoneState
+
+SETTINGS = Settings(listen_duration=0.0)
+TEAMS = ("Alpha", "Beta", "Gamma")
+
+
+def _config():
+    return competition(
+        teams=TEAMS, tbm=[event("HWV", timeout=300.0)], fbm=[event("HWV", team="Beta", timeout=300.0)],
+        all=[event("HSUF", team="ALL", timeout=120.0)],
+    )
+
+
+@pytest.fixture
+def driver():
+    return BoxDriver(_config(), SETTINGS)
+
+
+def _saved(driver, change=lambda zones: None):
+    """The saved state, as JSON that `change` edits."""
+    zones = {name: json.loads(json.dumps(freeze(zone.saved()))) for name, zone in driver.box.zones.items()}
+    change(zones)
+    return Saved(driver.now.utc, BoxSaved(), {name: thaw(ZoneState, state) for name, state in zones.items()})
+
+
+def _restart(driver, saved, last_port):
+    """Another core, whose record of used ports ends with `last_port`; what it says is heard."""
+    again = BoxDriver(_config(), SETTINGS, last_port=last_port)
+    again.now = driver.now
+    again.event(again.box.resume, saved)
+    return again
+
+
+def _ports(driver):
+    return [run.port for run in driver.box.zones.runs()]
+
+
+def test_an_older_record_of_ports_gives_no_port_of_a_resumed_run_again(driver):
+    """The record was not written to the disk when the computer lost its power."""
+    driver.connected("tbm")
+    port, = _ports(driver)
+    again = _restart(driver, _saved(driver), port - 1)
+    assert _ports(again) == [port]
+    again.connected("fbm", team="Beta", name="r2", host="10.0.0.3")
+    assert _ports(again) == [port, port + 1]
+
+
+def test_two_runs_on_one_port_are_not_both_resumed(driver):
+    driver.connected("tbm")
+    driver.connected("fbm", team="Beta", name="r2", host="10.0.0.3")
+    first, second = _ports(driver)
+
+    def same_port(zones):
+        zones["fbm"]["run"]["port"] = first
+
+    again = _restart(driver, _saved(driver, same_port), second)
+    assert _ports(again) == [first]
+    assert any("cannot continue" in warning and str(first) in warning for warning in again.box.warnings(again.now))
+
+
+def test_two_robots_of_a_run_on_one_port_are_not_resumed(driver):
+    robots_of(driver, TEAMS)
+    driver.command("connect", "all")
+    ports = [member.port for member in driver.run_in("all").members()]
+    assert len(set(ports)) == len(TEAMS)
+
+    def same_port(zones):
+        members = zones["all"]["all_robots"]["members"]
+        members[1]["port"] = members[0]["port"]
+
+    again = _restart(driver, _saved(driver, same_port), max(ports))
+    assert _ports(again) == []
+    assert any("cannot continue" in warning for warning in again.box.warnings(again.now))
