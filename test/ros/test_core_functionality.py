@@ -156,6 +156,10 @@ class TestReferee(ModulesCase):
         self.fbm.says("Switches", finished=True)
         self.wait_phase("Switches", "ended", "completed")
         self.box.wait_zone("Switches", lambda z: not z.omf, "there are no switches any more")
+        log = self.leave("Switches")
+        self.assertEqual(log.values("/rsbb_log/omf_button"), [2, 1])
+        self.assertEqual(log.values("/rsbb_log/omf_damaged"), [1])
+        self.assertEqual(log.values("/rsbb_log/omf_complete"), ['{"switches": [2, 1], "damaged_switches": 1}'])
 
     def test_zones_without_a_module(self) -> None:
         self.robot("Theta")

@@ -33,6 +33,10 @@ MANUAL_OPERATION = "/rsbb_log/manual_operation"
 HOPF_RESULT = "/rsbb_log/opf_result"
 RESULT = "/rsbb_log/result"
 SWITCHES = "/rsbb_log/omf_switches"
+# The original's topics for the same: what was entered each time, and all of it once it was confirmed.
+OMF_BUTTON = "/rsbb_log/omf_button"
+OMF_DAMAGED = "/rsbb_log/omf_damaged"
+OMF_COMPLETE = "/rsbb_log/omf_complete"
 DEVICES = ("switch_1", "switch_2", "switch_3", "blinds", "dimmer")
 
 
@@ -63,5 +67,7 @@ KINDS: Dict[str, LogKind] = {
     VISITOR: LogKind.STRING,
     COMMAND: LogKind.STRING,
     **dict.fromkeys((GOAL, MODULE_SCORE, MANUAL_OPERATION, HOPF_RESULT, RESULT, SWITCHES), LogKind.STRING),
+    OMF_COMPLETE: LogKind.STRING,
+    **dict.fromkeys((OMF_BUTTON, OMF_DAMAGED), LogKind.UINT8),
     **{device_topic(device): LogKind.UINT8 for device in DEVICES},
 }

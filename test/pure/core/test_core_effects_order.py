@@ -111,7 +111,8 @@ def test_what_is_sent_acknowledges_the_last_message():
 
 
 OF_FUNCTIONALITY = {f"/rsbb_log/{t}" for t in (
-    "bmbox/goal", "bmbox/score", "manual_operation", "opf_result", "result", "omf_switches"
+    "bmbox/goal", "bmbox/score", "manual_operation", "opf_result", "result", "omf_switches",
+    "omf_button", "omf_damaged", "omf_complete",
 )}
 
 

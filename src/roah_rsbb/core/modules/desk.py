@@ -2,6 +2,7 @@
 
 from typing import Callable, List, Optional, Tuple
 
+from roah_rsbb.core import run_log
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.commands import CommandRecord
 from roah_rsbb.core.modules.messages import ModulesState, RunForModule
@@ -47,7 +48,7 @@ class ModuleDesk:
         with self._record.of(RunName(zone_name), who, "omf_button", switch=switch):
             run = self._homf_run(zone_name)
             run.sheet_of_switches().press(switch)
-            run.switches_entered(now)
+            run.switches_entered(now, run_log.OMF_BUTTON, switch)
 
     def damage_switches(self, now: Now, zone_name: str, damaged: int, who: str = "") -> None:
         """HOMF: the referee enters how many switches were damaged; raises `Refused`."""
@@ -55,7 +56,7 @@ class ModuleDesk:
         with self._record.of(RunName(zone_name), who, "omf_damaged", damaged=damaged):
             run = self._homf_run(zone_name)
             run.sheet_of_switches().damage(damaged)
-            run.switches_entered(now)
+            run.switches_entered(now, run_log.OMF_DAMAGED, damaged)
 
     def complete_switches(self, now: Now, zone_name: str, who: str = "") -> None:
         """HOMF: the referee has entered all that the robot changed; raises `Refused`."""

@@ -137,9 +137,10 @@ class FunctionalityRun(Run):
             raise Refused([f"zone '{self.zone}' has no switches to enter: only HOMF has them, from its goal on"])
         return self.switches
 
-    def switches_entered(self, now: Now) -> None:
-        """The referee says of a switch, or of damaged ones, what the run keeps."""
+    def switches_entered(self, now: Now, topic: str, value: int) -> None:
+        """The referee says of a switch, or of damaged ones, what the run keeps; `topic` and `value` of the log."""
         switches = self.sheet_of_switches()
+        self._emit(effects.RunLogged(self.port, topic, value))
         text = json.dumps({"changed": switches.changed, "on": switches.on, "damaged": switches.damaged})
         self._emit(effects.RunLogged(self.port, run_log.SWITCHES, text))
         self.say(now, Level.INFO, f"Switches changed: {switches.changed or 'none'}, damaged: {switches.damaged}")
@@ -150,6 +151,8 @@ class FunctionalityRun(Run):
         if asked is None or asked.kind is not RequestKind.SWITCHES:
             raise Refused(["the switches cannot be confirmed yet: the robot has not finished"])
         switches = self.sheet_of_switches()
+        text = json.dumps({"switches": switches.changed, "damaged_switches": switches.damaged})
+        self._emit(effects.RunLogged(self.port, run_log.OMF_COMPLETE, text))
         self.say(now, Level.INFO, "Switches confirmed by the referee")
         self._answer_referee(now, Outcome(
             OutcomeKind.DONE, ended_utc=now.utc, changed=tuple(switches.changed), damaged=switches.damaged
