@@ -145,10 +145,12 @@ def test_the_log_of_a_whole_run_has_every_topic_of_a_task_benchmark():
 
 def test_the_topics_are_those_of_the_interface():
     devices = {f"/rsbb_log/devices/{d}" for d in ("switch_1", "switch_2", "switch_3", "blinds", "dimmer")}
-    uint8 = {f"/rsbb_log/{t}" for t in ("rsbb_state", "tablet/display_map", "client_state", "refbox_state")} | devices
+    uint8 = {f"/rsbb_log/{t}" for t in (
+        "rsbb_state", "tablet/display_map", "client_state", "refbox_state", "omf_button", "omf_damaged"
+    )} | devices
     texts = {f"/rsbb_log/{t}" for t in (
         "rsbb_state_str", "rsbb_state_desc", "client_state_payload", "refbox_state_payload"
-    )} | {"/notification", "/activation_event", "/visitor", "/command"} | OF_FUNCTIONALITY
+    )} | {"/notification", "/activation_event", "/visitor", "/command"} | OF_FUNCTIONALITY - uint8
     by_kind = {kind: {topic for topic, k in KINDS.items() if k is kind} for kind in LogKind}
     assert by_kind == {
         LogKind.UINT8: uint8, LogKind.STRING: texts, LogKind.SCORE: {"/rsbb_log/score"},
