@@ -8,9 +8,9 @@ import errno
 import os
 import socket
 import time
-from typing import Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional
 
-from tornado import httpserver, netutil, web, websocket
+from tornado import httpserver, iostream, netutil, web, websocket
 
 from roah_rsbb.comm.sockets import ANY_HOST, OpenError
 from roah_rsbb.tablet.maps import Map
@@ -18,6 +18,8 @@ from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
 
 # More than one venue has tablets.
 MAX_PAGES = 32
+# A browser opens up to six at once; those that show a page do not count.
+MAX_CONNECTIONS = 200
 # A page says that it is there every two seconds; a phone that sleeps does not say that it goes.
 PAGE_SILENT_S = 6.0
 # More messages a second are no fingers' work.
@@ -36,6 +38,30 @@ _HEADERS = {
     "Cache-Control": "no-cache",
     "Server": "roah_rsbb",
 }
+
+
+class _HTTPServer(httpserver.HTTPServer):
+    """Serves a bounded number of connections: of too many that show no page, the oldest is closed.
+
+    Otherwise slow connections use up all files of the process, and nobody else is let in.
+    """
+
+    def initialize(self, *args: Any, **options: Any) -> None:
+        super().initialize(*args, **options)
+        self._waiting: Dict[iostream.IOStream, None] = {}  # oldest first
+
+    def handle_stream(self, stream: iostream.IOStream, address: Any) -> Any:
+        """A connection was accepted."""
+        self._waiting[stream] = None
+        if len(self._waiting) > MAX_CONNECTIONS:
+            next(iter(self._waiting)).close()
+        # Tornado sets a callback of its own for what it serves.
+        self._waiting = {waiting: None for waiting in self._waiting if not waiting.closed()}
+        return super().handle_stream(stream, address)
+
+    def keep(self, stream: Optional[iostream.IOStream]) -> None:
+        """A connection shows a page: these have a number of their own."""
+        self._waiting.pop(stream, None)
 
 
 class TabletServer:
@@ -70,7 +96,7 @@ class TabletServer:
             default_handler_class=web.ErrorHandler, default_handler_args={"status_code": 404},
             log_function=lambda handler: None,
         )
-        self._http = httpserver.HTTPServer(
+        self._http = _HTTPServer(
             application, max_body_size=_MAX_BODY_BYTES, max_header_size=_MAX_HEADER_BYTES,
             idle_connection_timeout=_IDLE_S, body_timeout=_IDLE_S,
         )
@@ -126,6 +152,7 @@ class TabletServer:
         if len(self._sockets) >= MAX_PAGES:
             return False
         self._sockets[page] = self._loop.time()
+        self._http.keep(getattr(page.ws_connection, "stream", None))
         self._note_presence()
         page.tell(self._pages.text(self._loop.time()))
         return True
@@ -136,9 +163,9 @@ class TabletServer:
 
     def receive(self, page: "PageSocket", text: object) -> None:
         """A page says or asks for something."""
-        now = self._loop.time()
-        if page in self._sockets:
-            self._sockets[page] = now
+        if page not in self._sockets:
+            return  # one too many, or silent for too long: it is being closed
+        now = self._sockets[page] = self._loop.time()
         try:
             touched = self._pages.do(now, time.time_ns(), text)
         except Refusal as refusal:

@@ -1,6 +1,7 @@
 """The tablet's web server on real sockets: what it serves, and what bad clients can do to it."""
 
 import asyncio
+import contextlib
 import json
 import pathlib
 import socket
@@ -234,4 +235,30 @@ def test_clients_that_never_finish_keep_nobody_waiting(served):
         connection.sendall([b"", b"GET / HT", b"POST / HTTP/1.1\r\nContent-Length: 9\r\n\r\n"][number % 3])
     assert served.get("/").code == 200
     for connection in idle:
+        connection.close()
+
+
+def test_a_page_that_is_refused_touches_nothing(served):
+    pages = [served.page() for _ in range(MAX_PAGES)]
+    assert all(served.read(page) for page in pages)
+    for _ in range(5):
+        with contextlib.suppress(websocket.WebSocketClosedError):
+            served.page().write_message('{"do": "call"}')
+    pages[0].write_message('{"do": "call"}')
+    served.running.until(lambda: served.touches)
+    served.running.turn()
+    assert len(served.touches) == 1
+
+
+def test_more_slow_connections_than_there_is_room_for_keep_nobody_out(served, monkeypatch):
+    monkeypatch.setattr(server_module, "MAX_CONNECTIONS", 20)
+    page = served.page()
+    assert served.read(page)
+    slow = [socket.create_connection((HOST, served.port)) for _ in range(60)]
+    assert served.get("/").code == 200
+    slow[0].settimeout(30.0)
+    assert slow[0].recv(1) == b"", "the oldest was closed"
+    page.write_message('{"do": "call"}')
+    served.running.until(lambda: served.touches)
+    for connection in slow:
         connection.close()
