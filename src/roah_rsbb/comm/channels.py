@@ -19,7 +19,7 @@ _COPY = object()  # in the place of a message that was taken before
 
 
 class _Channel:
-    """What both channels do: decode and hand over, or complain; refuse to send the other one's messages."""
+    """Common part of both channels: decode datagrams or complain, and refuse messages of the other channel."""
 
     def __init__(
         self,
@@ -48,7 +48,7 @@ class _Channel:
 
     @property
     def port(self) -> int:
-        """The UDP port of this channel, on both sides."""
+        """The UDP port of this channel on both sides."""
         return self._peer.port
 
     @property
@@ -57,15 +57,15 @@ class _Channel:
 
     @property
     def unsent(self) -> int:
-        """Datagrams that could not be sent since the channel was made."""
+        """Number of datagrams that could not be sent."""
         return self._peer.unsent
 
     def open(self) -> None:
-        """Begin to receive; does nothing if open. Raises OSError whose text names the remedy."""
+        """Start to receive; has no effect if open. Raises OSError whose text names the remedy."""
         self._peer.open()
 
     def close(self) -> None:
-        """End all receiving and sending; does nothing if closed. May be called from `on_message`."""
+        """Stop receiving and sending; has no effect if closed. May be called from `on_message`."""
         self._peer.close()
 
     def _check_type(self, message: Message) -> None:
@@ -87,7 +87,7 @@ class _Channel:
 
 
 class PublicChannel(_Channel):
-    """Plain messages to and from everybody, by broadcast: beacons of box, robots and tablet."""
+    """Plain broadcast messages: beacons of box, robots and tablet."""
 
     def __init__(
         self,
@@ -101,11 +101,11 @@ class PublicChannel(_Channel):
         complaints: Optional[Complaints] = None,
         apart: bool = False,
     ) -> None:
-        """Nothing is opened yet: see `open`.
+        """Opens nothing yet: see `open`.
 
-        `on_message(message, (host, port))` and `on_complaint(text)` are called in the loop's thread; what
-        they raise is logged and goes no further. `complaints` may be shared between channels.
-        `apart`: beside another participant on one machine, see `Peer`.
+        `on_message(message, (host, port))` and `on_complaint(text)` are called in the loop's thread; their exceptions
+        are logged. `complaints` may be shared between channels. `apart`: for a second participant on the same machine,
+        see `Peer`.
         """
         peer = Peer(
             loop, rsbb_host, rsbb_port, self._receive, on_complaint, bind_host, max_datagram, apart=apart)
@@ -114,7 +114,7 @@ class PublicChannel(_Channel):
             loop, on_message, on_complaint, complaints)
 
     def send(self, message: Message) -> bool:
-        """Broadcast a message; whether it left. The network's errors never raise: see `on_complaint`.
+        """Broadcast a message; returns whether it was sent. Network errors do not raise: see `on_complaint`.
 
         ValueError for a message of the private channel, EncodeError for an incomplete one.
         """
@@ -142,14 +142,14 @@ class PrivateChannel(_Channel):
         seen: Optional[Seen] = None,
         on_copy: Callable[[Address], None] = lambda sender: None,
     ) -> None:
-        """As `PublicChannel`; `cipher` is used to send, any is accepted (ValueError for NONE).
+        """As `PublicChannel`. `cipher` is used for sending (ValueError for NONE); all ciphers are accepted.
 
-        `broadcast`: send to rsbb_host as the original box did, and not to `remote`. `read`: makes of a decrypted
-        payload what `on_message` gets, or raises `BadDatagram`. `seen`: what was remembered by `remember`; a copy
-        of that is not read, and `on_copy` gets its sender.
+        `broadcast`: send to rsbb_host, as the original box did, instead of `remote`. `read` converts a decrypted
+        payload to the argument of `on_message`, or raises `BadDatagram`. `seen`: what was remembered by `remember`; a
+        copy of that is not read, and `on_copy` gets its sender.
         """
         if cipher is Cipher.NONE:
-            raise ValueError("a private channel is never plain: choose a cipher")
+            raise ValueError("a private channel must be encrypted: choose a cipher")
         peer = Peer(
             loop, rsbb_host, port, self._receive, on_complaint, bind_host, max_datagram, shared=False)
         super().__init__(
@@ -166,7 +166,7 @@ class PrivateChannel(_Channel):
 
     @property
     def remote(self) -> Optional[str]:
-        """The other side's IPv4 address, or None while it is not known: then nothing is sent.
+        """The other side's IPv4 address; None while it is unknown, then nothing is sent.
 
         Only the caller sets it. ValueError for anything but an IPv4 address.
         """
@@ -174,11 +174,11 @@ class PrivateChannel(_Channel):
 
     @remote.setter
     def remote(self, host: Optional[str]) -> None:
-        # A name would make every send ask the name service, and wait for it.
+        # With a host name, each send would wait for the name service.
         self._remote = None if host is None else str(ipaddress.IPv4Address(host))
 
     def send(self, message: Message) -> bool:
-        """Send a message to the other side; whether it left. The network's errors never raise.
+        """Send a message to the other side; returns whether it was sent. Network errors do not raise.
 
         ValueError for a message of the public channel, EncodeError for an incomplete one.
         """

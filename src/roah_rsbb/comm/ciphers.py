@@ -1,7 +1,7 @@
-"""Passwords to keys, and the four ciphers of private channels (docs/protocol.md, "Frame" and "Key").
+"""Keys from passwords, and the four ciphers of private channels (docs/protocol.md, "Frame" and "Key").
 
-There is no message authentication on the wire: a wrong password shows as a wrong padding or, once in
-256 datagrams, as a payload that makes no sense.
+Messages are not authenticated: a wrong password causes a wrong padding or, once in 256 datagrams, a meaningless
+payload.
 """
 
 import enum
@@ -15,15 +15,15 @@ from cryptography.hazmat.primitives.ciphers import Cipher as _AesCipher
 from cryptography.hazmat.primitives.ciphers import algorithms, modes
 
 BLOCK_SIZE = 16
-"""Bytes of an AES block, of an initialisation vector, and most that a padding can add."""
+"""Bytes of an AES block and of an initialisation vector; also the longest padding."""
 
 _KEY_ITERATIONS = 8
-_BACKEND = default_backend()  # cryptography 2.8 demands one; later versions ignore it
+_BACKEND = default_backend()  # cryptography 2.8 requires it; later versions ignore it
 _PADDINGS = [bytes([count]) * count for count in range(BLOCK_SIZE + 1)]
 
 
 class Cipher(enum.IntEnum):
-    """How a frame's payload is encrypted; the number is that in the frame's header."""
+    """How a frame's payload is encrypted; the number is part of the frame's header."""
 
     NONE = 0
     AES_128_ECB = 1
@@ -43,7 +43,7 @@ class Cipher(enum.IntEnum):
 
 
 def cipher_by_label(label: str) -> Cipher:
-    """The cipher that a parameter such as ``~rsbb_cypher`` names; ValueError names the choices."""
+    """Find a cipher by its label, as in parameter ``~rsbb_cypher``; ValueError names the choices."""
     for cipher in Cipher:
         if cipher.label == label and cipher is not Cipher.NONE:
             return cipher
@@ -52,10 +52,10 @@ def cipher_by_label(label: str) -> Cipher:
 
 
 class _Stream:
-    """One direction of a cipher, set up once for all datagrams: to set it up takes longer than to use it.
+    """One direction of a cipher. It is set up once for all datagrams, because that takes longer than its use.
 
-    Each call goes on where the last one ended. In CBC mode that one's last block of ciphertext is therefore the
-    initialisation vector of this one; it is taken out of the first block again, and the right one put in.
+    Each call continues the previous one. So in CBC mode the last block of ciphertext of the previous call acts as
+    initialisation vector. The first block is corrected for this.
     """
 
     __slots__ = ("_before", "_cipher", "_context", "_encrypts", "_lock")
@@ -65,37 +65,37 @@ class _Stream:
         aes_cipher = _AesCipher(aes, mode, backend=_BACKEND)
         self._context = aes_cipher.encryptor() if encrypts else aes_cipher.decryptor()
         self._cipher, self._encrypts = cipher, encrypts
-        self._before = 0  # the last block of ciphertext
+        self._before = 0  # the latest block of ciphertext
         self._lock = threading.Lock()
 
     def run(self, blocks: bytes, iv: bytes) -> bytes:
-        """As many bytes as `blocks` has, from any thread; ValueError where lengths do not fit."""
+        """Process whole blocks, from any thread; ValueError for wrong lengths."""
         if not blocks or len(blocks) % BLOCK_SIZE:
-            raise ValueError(f"{len(blocks)} bytes are no whole blocks of {BLOCK_SIZE}")
+            raise ValueError(f"{len(blocks)} bytes are not whole blocks of {BLOCK_SIZE}")
         if len(iv) != self._cipher.iv_size:
             raise ValueError(f"{self._cipher.label} needs an IV of {self._cipher.iv_size} bytes, not {len(iv)}")
         with self._lock:
             if not iv:
                 return self._context.update(blocks)
             if self._encrypts:
-                done = self._context.update(self._aim(blocks, iv))
+                done = self._context.update(self._correct(blocks, iv))
                 self._before = int.from_bytes(done[-BLOCK_SIZE:], "big")
             else:
-                done = self._aim(self._context.update(blocks), iv)
+                done = self._correct(self._context.update(blocks), iv)
                 self._before = int.from_bytes(blocks[-BLOCK_SIZE:], "big")
             return done
 
-    def _aim(self, plain: bytes, iv: bytes) -> bytes:
+    def _correct(self, plain: bytes, iv: bytes) -> bytes:
         first = int.from_bytes(plain[:BLOCK_SIZE], "big") ^ self._before ^ int.from_bytes(iv, "big")
         return first.to_bytes(BLOCK_SIZE, "big") + plain[BLOCK_SIZE:]
 
 
 class Key:
-    """What a team's password gives: the keys of all four ciphers, derived once.
+    """The keys of all four ciphers, derived from a team's password.
 
     EVP_BytesToKey with SHA-256, no salt and 8 iterations over the password's UTF-8 bytes (docs/protocol.md, "Key").
-    One SHA-256 digest is as long as the longest key, so that only its first round is needed; the
-    initialisation vector of the further rounds is not used by the protocol.
+    A SHA-256 digest is as long as the longest key, so only the first round is needed. The protocol does not use the
+    initialisation vector of further rounds.
     """
 
     __slots__ = ("_aes_128", "_aes_256", "_streams")
@@ -105,10 +105,10 @@ class Key:
         try:
             digest = password.encode("utf-8")
         except UnicodeEncodeError:
-            digest = b""  # raised below, outside: the encoder's error carries the password
+            digest = b""  # raised below, because the encoder's error contains the password
         if not digest:
             raise ValueError("the password is empty or not valid Unicode text: give each team a password, "
-                             "because private channels are never plain")
+                             "because private channels are always encrypted")
         for _ in range(_KEY_ITERATIONS):
             digest = hashlib.sha256(digest).digest()
         self._aes_128 = algorithms.AES(digest[:16])
@@ -119,9 +119,9 @@ class Key:
         return "Key(...)"
 
     def encrypt(self, cipher: Cipher, plain: bytes, iv: Optional[bytes] = None) -> bytes:
-        """The initialisation vector (none for ECB) and the ciphertext of `plain`, PKCS#7 padded.
+        """Return the initialisation vector (none for ECB) and the ciphertext of `plain` with PKCS#7 padding.
 
-        `iv` is for tests that compare bytes; without it every call draws a random one.
+        `iv` is for tests that compare bytes; the default is random.
         """
         if iv is None:
             iv = os.urandom(cipher.iv_size)
@@ -129,10 +129,10 @@ class Key:
         return iv + self._stream(cipher, encrypts=True).run(padded, iv)
 
     def decrypt(self, cipher: Cipher, iv: bytes, ciphertext: bytes) -> Optional[bytes]:
-        """The plain text, or None where the padding shows that another key encrypted it.
+        """Return the plain text, or None if the padding shows that another key was used.
 
-        `ciphertext` is one or more whole blocks. The padding's check need not take constant time: nobody
-        gets an answer to a datagram that does not decrypt.
+        `ciphertext` consists of whole blocks. Checking the padding need not take constant time, because there is no
+        answer to an undecryptable datagram.
         """
         padded = self._stream(cipher, encrypts=False).run(ciphertext, iv)
         count = padded[-1]

@@ -1,8 +1,8 @@
-"""What came in and was no message: counted by sender and reason, and told without flooding the log.
+"""Counts invalid datagrams by sender and reason, and reports them without flooding the log.
 
-A robot with a wrong password sends twenty bad datagrams a second, and a broken program thousands, from
-as many senders as it likes. So the counts are bounded, each (sender, reason) is reported at most once a
-second, and all of them together at most ten times a second. No I/O and no clock in here.
+A robot with a wrong password sends twenty invalid datagrams a second. A faulty program may send thousands, with forged
+senders. So memory is bounded, each (sender, reason) is reported at most once a second, and all of them together at most
+ten times a second. No I/O and no clock.
 """
 
 from collections import OrderedDict
@@ -12,10 +12,10 @@ from roah_rsbb.comm.frame import BadDatagram, Reason
 
 REPORT_PERIOD_S = 1.0
 OTHERS = "others"
-"""The sender under which the counts of forgotten senders are summed."""
+"""The sender that stands for all forgotten senders."""
 
 _OTHER_PROGRAM = "Likely another program on this port: choose another rsbb_port, or end it."
-_OTHER_PORT = "Likely its rsbb_port is another one than ours: it takes one channel for the other."
+_OTHER_PORT = "Likely its rsbb_port differs from ours, so that it confuses the channels."
 _PASSWORD = "Likely a wrong password in the robot (rsbb_key) or in the box (passwords file)."
 _LIKELY_CAUSE = {
     Reason.TOO_SHORT: _OTHER_PROGRAM,
@@ -28,19 +28,19 @@ _LIKELY_CAUSE = {
     Reason.UNDECRYPTABLE: _PASSWORD,
     Reason.UNKNOWN_TYPE: "Likely a participant of another competition or league on this network and port.",
     Reason.WRONG_CHANNEL: _OTHER_PORT,
-    Reason.MALFORMED: "Likely a sender that was not made from our .proto file.",
+    Reason.MALFORMED: "Likely a sender that was built from another .proto file.",
     Reason.NOT_UTF8: "Likely a name or text in another encoding: its configuration must be saved as UTF-8.",
-    Reason.INCOMPLETE: "Likely a sender that was made from another .proto file, or that forgets these.",
+    Reason.INCOMPLETE: "Likely a sender that was made from another .proto file, or that omits these fields.",
 }
 
 
 def likely_cause(reason: Reason) -> str:
-    """What a bad datagram likely means, with the remedy: one or two sentences."""
+    """The likely cause of an invalid datagram, with the remedy."""
     return _LIKELY_CAUSE[reason]
 
 
 class OnceASecond:
-    """Counts events, and tells at most once a second how many there were since it last did."""
+    """Counts events, and reports their number at most once a second."""
 
     __slots__ = ("_next_mono", "_waiting")
 
@@ -49,11 +49,11 @@ class OnceASecond:
         self._next_mono = float("-inf")
 
     def count(self) -> None:
-        """One more event."""
+        """Count an event."""
         self._waiting += 1
 
     def take(self, now_mono: float) -> int:
-        """The number of events to report now, or 0 if the last report is less than a second old."""
+        """The number of events to report now; 0 within a second after the previous report."""
         if now_mono < self._next_mono:
             return 0
         waiting, self._waiting = self._waiting, 0
@@ -61,11 +61,11 @@ class OnceASecond:
         return waiting
 
     def ready(self, now_mono: float) -> bool:
-        """Whether a report would be allowed now."""
+        """Whether a report is allowed now."""
         return now_mono >= self._next_mono
 
 
-class _Entry:
+class _Count:
     __slots__ = ("reports", "total")
 
     def __init__(self) -> None:
@@ -74,19 +74,19 @@ class _Entry:
 
 
 class Complaints:
-    """Bad datagrams of one or more channels, counted by (sender's host, reason)."""
+    """Invalid datagrams of one or more channels, counted by (sender's host, reason)."""
 
     def __init__(self, max_entries: int = 200, max_reports_per_second: int = 10) -> None:
-        """`max_entries`: pairs of sender and reason that are remembered, the most recent ones."""
+        """`max_entries`: number of remembered pairs of sender and reason."""
         self._max_entries = max_entries
         self._max_reports = max_reports_per_second
-        self._entries: OrderedDict[Tuple[str, Reason], _Entry] = OrderedDict()
+        self._entries: OrderedDict[Tuple[str, Reason], _Count] = OrderedDict()
         self._forgotten: Dict[Reason, int] = {}
         self._second_began_mono = float("-inf")
         self._reports_this_second = 0
 
     def add(self, now_mono: float, channel: str, sender: Tuple[str, int], bad: BadDatagram) -> Optional[str]:
-        """Counts a bad datagram; returns the text to log now, or None. `channel` opens the text."""
+        """Count an invalid datagram; returns the text to log now, or None. `channel` is the beginning of the text."""
         entry = self._entry((sender[0], bad.reason))
         entry.total += 1
         entry.reports.count()
@@ -100,13 +100,13 @@ class Complaints:
     def totals(self) -> Dict[Tuple[str, str], int]:
         """(sender's host, reason) to the number of datagrams since the start.
 
-        What was too long ago to be remembered by sender is summed by reason under `OTHERS`.
+        Forgotten senders are summed by reason under `OTHERS`.
         """
         totals = {(OTHERS, reason.value): count for reason, count in self._forgotten.items()}
         totals.update({(host, reason.value): entry.total for (host, reason), entry in self._entries.items()})
         return totals
 
-    def _entry(self, key: Tuple[str, Reason]) -> _Entry:
+    def _entry(self, key: Tuple[str, Reason]) -> _Count:
         entry = self._entries.get(key)
         if entry is not None:
             self._entries.move_to_end(key)
@@ -114,7 +114,7 @@ class Complaints:
         while len(self._entries) >= self._max_entries:
             (_, reason), oldest = self._entries.popitem(last=False)
             self._forgotten[reason] = self._forgotten.get(reason, 0) + oldest.total
-        entry = self._entries[key] = _Entry()
+        entry = self._entries[key] = _Count()
         return entry
 
     def _may_report(self, now_mono: float) -> bool:

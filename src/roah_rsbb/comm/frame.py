@@ -1,7 +1,7 @@
 """Datagrams to messages and back (docs/protocol.md, "Frame").
 
-Encoding gives exactly one frame of version 2. Decoding takes whatever the network brings, up to the
-largest UDP datagram, and either returns a complete message of the channel or raises `BadDatagram`.
+Encoding makes a frame of version 2. Decoding accepts any bytes, up to the largest UDP datagram, and either returns a
+complete message of the channel or raises `BadDatagram`.
 """
 
 import enum
@@ -18,14 +18,14 @@ VERSION = 2
 _HEADER = struct.Struct(">BB2xI")  # version, cipher, reserved, payload size
 _IDS = struct.Struct(">HH")  # component id, message type
 _SHOWN_FIELDS = 5
-# A beacon that lists 200 robots.
+# Enough for a beacon that lists 200 robots.
 _MAX_PUBLIC_FIELDS = 1000
-# The 987 bytes of a robot's message have room for 329 strings, each of which the box puts on record.
+# The 987 bytes of a robot's message have space for 329 strings, all of which the box records.
 _MAX_PRIVATE_FIELDS = 400
 
 
 class Reason(enum.Enum):
-    """Why a datagram is no message. The value is what the referee reads."""
+    """Why a datagram is invalid. The value is shown to the referee."""
 
     TOO_SHORT = "too short"
     VERSION_1 = "frame of version 1"
@@ -43,7 +43,7 @@ class Reason(enum.Enum):
 
 
 class BadDatagram(Exception):
-    """A datagram that is no message: `reason` to count by, `detail` to read (never what it contained)."""
+    """The datagram is invalid. `reason` is for counting, `detail` for people; it never has the content."""
 
     def __init__(self, reason: Reason, detail: str) -> None:
         super().__init__(f"{reason.value}: {detail}")
@@ -82,20 +82,20 @@ PRIVATE_TYPES = tuple(kind.type for kind in _KINDS if not kind.public)
 
 
 def ids_of(message_type: Type[Message]) -> bytes:
-    """What the payload of a message begins with."""
+    """The first bytes of a message's payload."""
     return _BY_TYPE[message_type].ids
 
 
 def encode(message: Message, cipher: Cipher = Cipher.NONE, key: Optional[Key] = None,
            iv: Optional[bytes] = None) -> bytes:
-    """The frame of a message; `iv` only for tests, otherwise random.
+    """Encode a message as a frame; `iv` is for tests, otherwise random.
 
-    Errors are the caller's mistakes: ValueError (a type that is never a datagram of its own, a cipher
-    without key, an `iv` of the wrong length), protobuf's EncodeError (a required field is not set).
+    Raises ValueError (a type that is not sent on its own, a cipher without key, a wrong length of `iv`) or protobuf's
+    EncodeError (a required field is missing).
     """
     kind = _BY_TYPE.get(type(message))
     if kind is None:
-        raise ValueError(f"{type(message).__name__} is not sent as a datagram of its own")
+        raise ValueError(f"{type(message).__name__} is not sent as a datagram")
     payload = kind.ids + message.SerializeToString()
     if cipher is not Cipher.NONE:
         if key is None:
@@ -105,7 +105,7 @@ def encode(message: Message, cipher: Cipher = Cipher.NONE, key: Optional[Key] = 
 
 
 def encoded_size(message: Message, cipher: Cipher = Cipher.NONE) -> int:
-    """Bytes of the datagram that `encode` would make of the message."""
+    """The size of the datagram that `encode` would return (bytes)."""
     plain = _IDS.size + message.ByteSize()
     if cipher is Cipher.NONE:
         return _HEADER.size + plain
@@ -113,18 +113,18 @@ def encoded_size(message: Message, cipher: Cipher = Cipher.NONE) -> int:
 
 
 def decode_public(datagram: bytes) -> Any:
-    """The RoahRsbbBeacon, RobotBeacon or TabletBeacon in a plain frame; else raises BadDatagram only."""
+    """Decode a RoahRsbbBeacon, RobotBeacon or TabletBeacon in a plain frame; raises only BadDatagram."""
     cipher, size = _open(datagram)
     if cipher is not Cipher.NONE:
         raise BadDatagram(Reason.ENCRYPTED, f"with {cipher.label}")
     payload = datagram[_HEADER.size:]
     if size != len(payload):
-        raise BadDatagram(Reason.SIZE, f"its header announces {size} bytes, {len(payload)} came")
+        raise BadDatagram(Reason.SIZE, f"the header says {size} bytes, but {len(payload)} arrived")
     return _message(payload, public=True)
 
 
 class PrivateFrame(NamedTuple):
-    """A frame of a private channel, not decrypted yet."""
+    """An encrypted frame of a private channel."""
 
     cipher: Cipher
     iv: bytes
@@ -132,9 +132,9 @@ class PrivateFrame(NamedTuple):
 
 
 def open_private(datagram: bytes) -> PrivateFrame:
-    """The frame in a datagram of a private channel, as far as it can be read without a key.
+    """Read the frame in a datagram of a private channel without a key.
 
-    Raises BadDatagram only. Any of the four ciphers is accepted, a plain frame never.
+    Raises only BadDatagram. All four ciphers are accepted, but no plain frame.
     """
     cipher, size = _open(datagram)
     if cipher is Cipher.NONE:
@@ -142,22 +142,22 @@ def open_private(datagram: bytes) -> PrivateFrame:
     start = _HEADER.size + cipher.iv_size
     ciphertext = datagram[start:]
     if not ciphertext or len(ciphertext) % BLOCK_SIZE:
-        raise BadDatagram(Reason.SIZE, f"{len(datagram)} bytes cannot be a frame of {cipher.label}")
+        raise BadDatagram(Reason.SIZE, f"{len(datagram)} bytes do not fit a frame of {cipher.label}")
     # The original counts initialisation vector and padding. Some descriptions leave out one of them or both, and the
     # original reads such frames, too: it goes by the length of the datagram.
     came = len(datagram) - _HEADER.size
     if not len(ciphertext) - BLOCK_SIZE <= size <= came:
-        raise BadDatagram(Reason.SIZE, f"its header announces {size} bytes, {came} came")
+        raise BadDatagram(Reason.SIZE, f"the header says {size} bytes, but {came} arrived")
     return PrivateFrame(cipher, datagram[_HEADER.size:start], ciphertext)
 
 
 def decode_private(datagram: bytes, key: Key) -> Any:
-    """The BenchmarkState or RobotState in a frame encrypted with the key; else raises BadDatagram only."""
+    """Decode a BenchmarkState or RobotState in an encrypted frame; raises only BadDatagram."""
     return private_message(decrypt(datagram, key))
 
 
 def decrypt(datagram: bytes, key: Key) -> bytes:
-    """The payload of a private channel's frame, which is for `private_message`; else raises BadDatagram only."""
+    """Decrypt the payload of a private channel's frame, for `private_message`; raises only BadDatagram."""
     return decrypt_frame(open_private(datagram), key)
 
 
@@ -167,27 +167,27 @@ def decrypt_frame(opened: PrivateFrame, key: Key) -> bytes:
     payload = key.decrypt(cipher, iv, ciphertext)
     if payload is None:
         raise BadDatagram(Reason.UNDECRYPTABLE, "the padding is wrong")
-    # One of 256 wrong keys gives a padding that looks right; the component id then tells.
+    # One in 256 wrong keys gives a valid padding; then the component id is wrong.
     if len(payload) >= _IDS.size and not payload.startswith(_COMPONENT):
-        raise BadDatagram(Reason.UNDECRYPTABLE, "the content makes no sense")
+        raise BadDatagram(Reason.UNDECRYPTABLE, "the content is meaningless")
     return payload
 
 
 def private_message(payload: bytes) -> Any:
-    """The BenchmarkState or RobotState of a decrypted payload; else raises BadDatagram only."""
+    """Decode a BenchmarkState or RobotState from a decrypted payload; raises only BadDatagram."""
     return _message(payload, public=False)
 
 
 def _open(datagram: bytes) -> Tuple[Cipher, int]:
-    """Cipher and payload size of a header of version 2."""
+    """Read cipher and payload size in a header of version 2."""
     if len(datagram) < _HEADER.size:
-        raise BadDatagram(Reason.TOO_SHORT, f"{len(datagram)} bytes, a frame's header has {_HEADER.size}")
+        raise BadDatagram(Reason.TOO_SHORT, f"{len(datagram)} bytes, but a frame's header has {_HEADER.size}")
     version, cipher_id, size = _HEADER.unpack_from(datagram)
     if version != VERSION:
-        # A frame of version 1 has no version: it begins with the component id.
+        # A frame of version 1 has no version number: it begins with the component id.
         if datagram.startswith(_COMPONENT):
-            raise BadDatagram(Reason.VERSION_1, "only version 2 is spoken here")
-        raise BadDatagram(Reason.OTHER_VERSION, f"version {version}, only 2 is spoken here")
+            raise BadDatagram(Reason.VERSION_1, "only version 2 is supported")
+        raise BadDatagram(Reason.OTHER_VERSION, f"version {version}, only 2 is supported")
     cipher = _CIPHERS.get(cipher_id)
     if cipher is None:
         raise BadDatagram(Reason.UNKNOWN_CIPHER, f"number {cipher_id}")
@@ -196,7 +196,7 @@ def _open(datagram: bytes) -> Tuple[Cipher, int]:
 
 def _message(payload: bytes, public: bool) -> Any:
     if len(payload) < _IDS.size:
-        raise BadDatagram(Reason.TOO_SHORT, f"{len(payload)} bytes of payload, its ids have {_IDS.size}")
+        raise BadDatagram(Reason.TOO_SHORT, f"{len(payload)} bytes of payload, but its ids have {_IDS.size}")
     kind = _BY_IDS.get(payload[:_IDS.size])
     if kind is None:
         raise BadDatagram(Reason.UNKNOWN_TYPE, "component {}, type {}".format(*_IDS.unpack_from(payload)))
@@ -218,7 +218,7 @@ def _parse(message_type: Any, protobuf: bytes) -> Any:
     name = message_type.DESCRIPTOR.name
     try:
         message = message_type.FromString(protobuf)
-    except Exception as error:  # which ones differs by the implementation of protobuf
+    except Exception as error:  # the type depends on the implementation of protobuf
         raise BadDatagram(Reason.MALFORMED, f"{name}: {type(error).__name__}") from None
     if not message.IsInitialized():
         missing = message.FindInitializationErrors()

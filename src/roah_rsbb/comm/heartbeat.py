@@ -1,10 +1,10 @@
-"""Recognises a robot's message that says what the last one said, at another time: most of them are such.
+"""Recognises a robot's message that differs from the previous one only in its time, as most messages do.
 
-Only its time is read then. To check, parse and convert the whole message takes ten times as long, in code and data
-that have left the processor's caches since the last datagram.
+Then only the time is read. Checking, parsing and converting a whole message takes 40 µs more: 0.8 points of CPU for 200
+messages a second (40 robots at the original's pace, which may use 12 %), 8 points for 100 robots at 50 ms.
 
-A serialised RobotState begins with its time: every implementation of protobuf writes fields in the order of their
-numbers. One that is written otherwise is valid, and just not recognised.
+A serialised RobotState begins with its time, because all implementations of protobuf write fields in the order of their
+numbers. Other orders are valid, but not recognised.
 """
 
 from typing import NamedTuple, Optional, Tuple
@@ -20,10 +20,10 @@ _MAX_INT64 = 2**63 - 1
 
 
 class _Split(NamedTuple):
-    """A payload, divided."""
+    """The parts of a payload."""
 
     time: Tuple[int, int]  # s, ns
-    rest: bytes  # all after it
+    rest: bytes  # everything after it
 
 
 class Heartbeat:
@@ -33,14 +33,14 @@ class Heartbeat:
         self._rest: Optional[bytes] = None
 
     def remember(self, payload: bytes, message: pb.RobotState) -> None:
-        """Compare with this payload from now on, which was read as this message."""
+        """Compare with this payload from now on; `message` is its content."""
         split = _split(payload)
-        # Protobuf itself writes no field twice: in other bytes a second time might come, which would count instead.
+        # Other encoders may repeat the time, and the later one would count. So accept only protobuf's own encoding.
         is_sure = split is not None and _IDS + message.SerializeToString() == payload
         self._rest = split.rest if is_sure else None
 
     def time_of(self, payload: bytes) -> Optional[Tuple[int, int]]:
-        """The time (s, ns) of a payload that else says what the remembered one says; None: that is not sure."""
+        """The time (s, ns) of a payload that otherwise equals the remembered one; None if it may differ."""
         if self._rest is None or not payload.endswith(self._rest):
             return None
         split = _split(payload)
@@ -48,7 +48,7 @@ class Heartbeat:
 
 
 def _split(payload: bytes) -> Optional[_Split]:
-    """None where the payload does not begin as protobuf itself writes a RobotState."""
+    """Split a payload; None unless it begins like protobuf's own encoding of a RobotState."""
     if not payload.startswith(_BEGIN):
         return None
     try:

@@ -1,8 +1,8 @@
-"""Passwords for programs that need neither ROS nor a YAML library: one team's own, or those of all teams.
+"""Reads passwords without ROS and without a YAML library: one team's password, or those of all teams.
 
-The box's passwords file is YAML (`config/passwords.yaml`). Here only what such a file needs is read: a line
-'team: password' for each team, comments, plain and quoted texts. Whatever YAML could take for something
-else is refused, so that a file that is read here says the same to the box.
+The box's passwords file is YAML (`config/passwords.yaml`). This module reads the necessary part of YAML: a line
+'team: password' for each team, comments, plain and quoted texts. It rejects everything that YAML could interpret
+differently, so that a file means the same here and in the box.
 """
 
 import os
@@ -14,30 +14,30 @@ PASSWORD_VARIABLE = "ROAH_RSBB_KEY"
 
 _LINE = "a line 'team: password', not indented"
 _QUOTES = "quotes around it"
-# Words with blanks between them: none begins with '#', no colon ends one, and the first begins with nothing that
-# has a meaning in YAML. No character fits in two places, so that no line makes the search go back and forth.
+# Words separated by blanks. No word begins with '#' or ends with a colon, and the first one does not begin with a
+# character that has a meaning in YAML. Each character matches in one place only, which avoids backtracking.
 _FIRST, _FURTHER = r"(?:[^\s:#]|:(?=\S))", r"(?:[^\s:]|:(?=\S))"
 _PLAIN = re.compile(rf"""(?![-+.?,\[\]{{}}&*!|>'"%@`~=<:]){_FIRST}{_FURTHER}*(?: +{_FIRST}{_FURTHER}*)*""")
 _SINGLE = re.compile(r"'((?:[^']|'')*)'")
 _DOUBLE = re.compile(r'"((?:[^"\\]|\\["\\])*)"')
-# The mark of a YAML document's beginning, below comments only.
+# The beginning of a YAML document, after comments only.
 _BEGINNING = re.compile(r"\A((?: *(?:#.*)?\n)*)--- *(?:\n|$)")
-# All that YAML could read as a number, a date, a yes, a no or nothing, and a little more.
+# Everything that YAML could read as a number, date, boolean or null.
 _NO_TEXT = re.compile(r"[0-9][-+.:_0-9eETtZz ]*|0[bx][0-9a-fA-F_]*|(?i:y|n|yes|no|true|false|on|off|null)")
 
 
 class BadPasswords(Exception):
-    """A file that cannot be read; str() names every error with its line, and shows no password."""
+    """The file cannot be read. The text has all errors with their lines, but no password."""
 
 
 class _Wrong(Exception):
-    """What is wrong with a line, what was expected."""
+    """What is wrong with a line, and what was expected."""
 
 
 def own_password(password: Optional[str], file: Optional[str]) -> Optional[str]:
-    """A team's password: itself, or the first line of `file`, or that of the environment; None if there is none.
+    """Find a team's password: the argument, the first line of `file`, or the environment; None if there is none.
 
-    ValueError, which names the file, if it cannot be read.
+    Raises ValueError, which names the file, if it cannot be read.
     """
     if password is not None:
         return password
@@ -47,31 +47,31 @@ def own_password(password: Optional[str], file: Optional[str]) -> Optional[str]:
         with open(file, encoding="utf-8") as opened:
             return opened.readline().rstrip("\r\n")
     except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no text in UTF-8"
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         raise ValueError(f"cannot read --password-file {file}: {reason}") from None
 
 
 def read_passwords(path: str) -> Dict[str, str]:
-    """Password by team; BadPasswords if there is anything wrong with the file."""
+    """Read the passwords by team; BadPasswords for an invalid file."""
     try:
         with open(path, encoding="utf-8-sig") as file:
             text = file.read()
     except OSError as error:
         raise BadPasswords(f"cannot read {path}: {error.strerror}") from None
     except UnicodeDecodeError:
-        raise BadPasswords(f"cannot read {path}: it is no text in UTF-8: save it as such") from None
+        raise BadPasswords(f"cannot read {path}: it is not UTF-8 text: save it as UTF-8") from None
     return parse_passwords(text, path)
 
 
 def parse_passwords(text: str, name: str) -> Dict[str, str]:
-    """Password by team in the text of a file; `name` is the file's, for errors."""
+    """Read the passwords by team in the text of a file; `name` appears in errors."""
     passwords: Dict[str, str] = {}
     errors: List[str] = []
     for number, line in enumerate(_BEGINNING.sub(r"\1\n", text).split("\n"), 1):
         try:
             found = _team_line(line)
             if found is not None and found[0] in passwords:
-                raise _Wrong("a second line of the same team; expected one line for each team")
+                raise _Wrong("a second line for the same team; expected one line for each team")
         except _Wrong as wrong:
             errors.append(f"{name}:{number}: found {wrong}")
             continue
@@ -85,11 +85,11 @@ def parse_passwords(text: str, name: str) -> Dict[str, str]:
 
 
 def _team_line(line: str) -> Optional[Tuple[str, str]]:
-    """Team and password of a line; None for a line without."""
+    """Read team and password of a line; None for an empty line or a comment."""
     comment = not line.strip(" ") or line.lstrip(" ").startswith("#")
-    # In a comment, too: to YAML some of them end the line, and others are errors.
+    # Also in comments: for YAML, some of these characters end the line, and others are errors.
     if not (line.replace("\t", " ") if comment else line).isprintable():
-        raise _Wrong("a tab or another character that cannot be seen; expected blanks only")
+        raise _Wrong("a tab or another invisible character; expected blanks only")
     if comment:
         return None
     if line.startswith(" "):
@@ -97,7 +97,7 @@ def _team_line(line: str) -> Optional[Tuple[str, str]]:
     team, rest = _text(line, "the team's name")
     colon = re.match(r" *:(?: +|$)", rest)
     if colon is None:
-        raise _Wrong(f"no colon with a blank after it behind the team's name; expected {_LINE}")
+        raise _Wrong(f"no colon with a blank after the team's name; expected {_LINE}")
     password, rest = _text(rest[colon.end():], "the password")
     if not re.fullmatch(r" *| +#.*", rest):
         raise _Wrong(f"something after the password; expected {_QUOTES}, where it belongs to the password")
@@ -105,7 +105,7 @@ def _team_line(line: str) -> Optional[Tuple[str, str]]:
 
 
 def _text(line: str, what: str) -> Tuple[str, str]:
-    """The text at the beginning of `line`, and what follows it."""
+    """Read the text at the beginning of `line`; returns it and the rest."""
     if not line or line.startswith("#"):
         raise _Wrong(f"nothing as {what}; expected a text")
     for pattern, escaped, meant in ((_SINGLE, "''", "'"), (_DOUBLE, r"\\(.)", r"\1")):

@@ -1,4 +1,4 @@
-"""One participant on one UDP port: reads what arrives, sends what it is given, and survives both."""
+"""One participant on one UDP port: receives and sends datagrams, and survives all errors."""
 
 import asyncio
 import errno
@@ -14,34 +14,34 @@ Address = Tuple[str, int]
 
 _log = logging.getLogger(__name__)
 
-# So that a flood leaves the loop time for timers and for other sockets.
+# Leaves the loop time for timers and other sockets during a flood.
 _MAX_READS_PER_WAKE_UP = 100
 _LARGEST_DATAGRAM = 65535
 _OWN_HOST_PERIOD_S = 1.0
 
 _SEND_REMEDY = {
     errno.ENETUNREACH: "check the network cable or wireless, and rsbb_host ('ip -4 addr' shows it as brd)",
-    errno.EHOSTUNREACH: "check the network cable or wireless, and whether that host is on",
+    errno.EHOSTUNREACH: "check the network cable or wireless, and that the host is on",
     errno.ENETDOWN: "the network interface is down: check the cable or wireless",
     errno.EPERM: "a firewall on this machine forbids it: allow UDP from rsbb_port upwards",
     errno.EACCES: "a firewall on this machine forbids it: allow UDP from rsbb_port upwards",
     errno.EMSGSIZE: "the datagram is larger than the network takes: lower max_datagram",
-    errno.EAGAIN: "the network is slower than what is sent; it is sent again soon",
-    errno.ENOBUFS: "the network is slower than what is sent; it is sent again soon",
-    errno.EINVAL: "there is no way from bind_host to there: choose both in the same network",
+    errno.EAGAIN: "the network is too slow; the message is repeated soon",
+    errno.ENOBUFS: "the network is too slow; the message is repeated soon",
+    errno.EINVAL: "there is no route from bind_host: choose both in the same network",
 }
 
 
 class Peer:
     """Sends and receives datagrams on one port of one asyncio loop; all methods belong to its thread.
 
-    Bound to 0.0.0.0, one socket does all. Bound to an address of its own, so that several participants
-    can share a machine, it needs a second socket on the broadcast address: a socket bound to one address
-    receives no broadcasts. What the peer itself sent, and hears again as a broadcast, is ignored.
+    On 0.0.0.0, one socket is enough. On a specific address, so that several participants can share a machine, the peer
+    needs a second socket on the broadcast address, because a socket bound to one address receives no broadcasts. The
+    peer ignores its own broadcasts.
 
-    One that is `apart` shares the machine, and even the address, of another participant: it sends from a
-    port of its own, because that one ignores what seems to be its own, and it hears broadcasts only,
-    because of a unicast datagram only one socket of two would get it.
+    With `apart`, the peer shares the machine, and even the address, with another participant. It sends from a different
+    port, because the other participant ignores datagrams from its own port. It receives only broadcasts, because only
+    one of two sockets gets a unicast datagram.
     """
 
     def __init__(
@@ -56,16 +56,15 @@ class Peer:
         shared: bool = True,
         apart: bool = False,
     ) -> None:
-        """`max_datagram`: bytes of the largest datagram to send (any is received).
+        """`max_datagram`: size limit of sent datagrams (bytes).
 
-        `shared`: other programs may use the same address and port (all public channels do, for
-        broadcasts reach all of them). Not shared, a second program there is noticed at `open`: of
-        unicast datagrams only one of two would get each.
+        `shared`: other programs may use the same address and port, as on the public channel, where broadcasts reach all
+        of them. Otherwise `open` fails if the port is in use, because only one program would get a unicast datagram.
         """
         self.rsbb_host = rsbb_host
         self.port = port
         self.unsent = 0
-        """Datagrams that could not be sent since the peer was made."""
+        """Number of datagrams that could not be sent."""
         self._loop = loop
         self._on_datagram = on_datagram
         self._on_complaint = on_complaint
@@ -74,7 +73,7 @@ class Peer:
         self._shared = shared
         self._apart = apart
         self._source_port = port
-        self._sockets: List[socket.socket] = []  # the first one sends
+        self._sockets: List[socket.socket] = []  # the first one is used for sending
         self._own_host: Optional[str] = None
         self._own_host_until_mono = float("-inf")
         self._send_errors = OnceASecond()
@@ -86,7 +85,7 @@ class Peer:
         return bool(self._sockets)
 
     def open(self) -> None:
-        """Bind and begin to read; does nothing if open. Raises OSError with a remedy in its text."""
+        """Bind and start to read; has no effect if open. Raises OSError whose text names the remedy."""
         if self._sockets:
             return
         self.rsbb_host = sockets.resolve(self.rsbb_host, "rsbb_host")
@@ -114,14 +113,14 @@ class Peer:
         if host is not None:
             self._sockets.append(sockets.listen(host, self.port, shared=True))
             return
-        text = (f"no broadcasts are heard on {self._bind_host}:{self.port}: {self.rsbb_host} is not a broadcast "
+        text = (f"no broadcasts can be received on {self._bind_host}:{self.port}: {self.rsbb_host} is not a broadcast "
                 "address of this machine. Set rsbb_host to one ('ip -4 addr' shows them as brd)")
-        if self._apart:  # it would hear nothing at all
+        if self._apart:  # it could receive nothing
             raise sockets.OpenError(errno.EADDRNOTAVAIL, text)
         self._complain(f"{text}, or bind_host to {sockets.ANY_HOST}")
 
     def close(self) -> None:
-        """Stop reading and release the port; does nothing if closed."""
+        """Stop reading and release the port; has no effect if closed."""
         closing, self._sockets = self._sockets, []
         for endpoint in closing:
             self._loop.remove_reader(endpoint.fileno())
@@ -130,15 +129,15 @@ class Peer:
     def send(self, datagram: bytes, host: str) -> bool:
         """Send to `host`, an IPv4 address, at this peer's port.
 
-        Never raises or blocks: returns whether the datagram left, and otherwise complains, at most once
-        a second. A closed peer sends nothing and says nothing.
+        Never raises or blocks. Returns whether the datagram was sent; failures are reported at most once a second. A
+        closed peer does nothing.
         """
         if not self._sockets:
             return False
         if len(datagram) > self._max_datagram:
             return self._not_sent(
-                host, f"it has {len(datagram)} bytes, and receivers may read only {self._max_datagram}. "
-                      "Remedy: send less, or raise max_datagram if all are known to read more")
+                host, f"it has {len(datagram)} bytes, but receivers may only read {self._max_datagram}. "
+                      "Remedy: send less, or raise max_datagram if all receivers read more")
         try:
             self._sockets[0].sendto(datagram, (host, self.port))
         except OSError as error:

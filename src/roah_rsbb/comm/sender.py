@@ -1,7 +1,7 @@
-"""When to send a state (docs/protocol.md, "Timing"). No I/O and no clock in here.
+"""When to send a state (docs/protocol.md, "Timing"). No I/O and no clock.
 
-A changed state leaves at once, then ten times at 50 ms intervals, because any single datagram may be
-lost; after that once a second. An answer to what came in may leave between these, and moves none of them.
+A changed state is sent immediately, then ten times at 50 ms intervals, because a datagram may be lost, and after that
+once a second. Replies to received messages are additional, and do not change this schedule.
 """
 
 from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S
@@ -18,23 +18,23 @@ class StateSender:
         self._burst_left = 0
 
     def changed(self, now_mono: float) -> None:
-        """The state changed: it is due now, and a burst follows (a burst that runs begins anew)."""
+        """The state changed: it is due now, and a new burst follows."""
         self._next_mono = now_mono
         self._burst_left = BURST_COUNT
 
     def reply(self, now_mono: float) -> None:
-        """One extra send is due now; bursts and period stay as they are."""
+        """One additional message is due now; the schedule does not change."""
         self._reply_mono = min(self._reply_mono, now_mono)
 
     @property
     def deadline(self) -> float:
-        """When the next send is due, seconds of the monotonic clock; infinity if none is."""
+        """When the next message is due (seconds, monotonic clock); infinity if none is due."""
         return min(self._next_mono, self._reply_mono)
 
     def due(self, now_mono: float) -> bool:
-        """Whether to send now. True counts as sent: the next deadline is a later one.
+        """Whether to send now. True counts as sent, and moves the deadline.
 
-        Whoever asks late gets one send, and the intervals begin anew: nothing is caught up on.
+        After a delay, only one message is due, and the intervals start again.
         """
         if now_mono < self.deadline:
             return False

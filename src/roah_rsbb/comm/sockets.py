@@ -1,4 +1,4 @@
-"""UDP sockets for a peer: which ones it needs, and errors that say what to do. IPv4, as the protocol is."""
+"""UDP sockets for a peer, with errors that name the remedy. IPv4 only, like the protocol."""
 
 import errno
 import ipaddress
@@ -9,13 +9,13 @@ from typing import Optional
 ANY_HOST = "0.0.0.0"
 LOOPBACK_BROADCAST = "127.255.255.255"
 
-# Much more than the usual default, for the moments in which the loop is busy; the system may give less.
+# More than the usual default, for times when the loop is busy; the system may grant less.
 _RECEIVE_BUFFER_SIZE = 4 * 1024 * 1024
-_PROBE_PORT = 9  # any will do: connecting a UDP socket sends nothing
+_PROBE_PORT = 9  # any port: connecting a UDP socket sends nothing
 
 
 class OpenError(OSError):
-    """A channel cannot be opened; the text alone (without the number that OSError shows) has the remedy."""
+    """A channel cannot be opened. The text, without the error number, names the remedy."""
 
     def __str__(self) -> str:
         return str(self.strerror)
@@ -24,17 +24,17 @@ class OpenError(OSError):
 def listen(host: str, port: int, shared: bool) -> socket.socket:
     """A non-blocking UDP socket on (host, port) that may send broadcasts.
 
-    `shared`: others may bind the same address and port too, if they also agree to it. Raises OpenError
+    `shared`: other programs may bind the same address and port, if they also allow it. Raises OpenError
     whose text names the address and the remedy.
     """
     if not 1 <= port <= 65535:
-        raise OpenError(errno.EINVAL, f"there is no UDP port {port}: choose an rsbb_port from 1 to 65535, "
-                                      "with room above it for private channels")
+        raise OpenError(errno.EINVAL, f"{port} is not a UDP port: choose an rsbb_port from 1 to 65535, "
+                                      "with free ports above it for private channels")
     return _bound(host, port, shared)
 
 
 def speak(host: str) -> socket.socket:
-    """The same on a port of its own, which the system chooses: for one who is not to be spoken to."""
+    """The same on a port that the system chooses, for a participant that only sends."""
     return _bound(host, 0, shared=False)
 
 
@@ -56,8 +56,8 @@ def _bound(host: str, port: int, shared: bool) -> socket.socket:
 
 def _bind_remedy(error: OSError, host: str, port: int) -> str:
     if error.errno == errno.EADDRINUSE:
-        return ("in use by another program, perhaps a second one of the same kind: end it "
-                f"('ss -ulpn sport = :{port}' shows it), or give each program here its own bind_host")
+        return ("in use by another program, perhaps a second copy of this one: end it "
+                f"('ss -ulpn sport = :{port}' shows it), or give each program its own bind_host")
     if error.errno == errno.EADDRNOTAVAIL:
         return f"{host} is not an address of this machine ('ip -4 addr' lists them): correct bind_host"
     if error.errno == errno.EACCES:
@@ -66,9 +66,9 @@ def _bind_remedy(error: OSError, host: str, port: int) -> str:
 
 
 def resolve(host: str, parameter: str) -> str:
-    """The IPv4 address of a host; asks the name service, and so may take a while, only for a name.
+    """The IPv4 address of a host. Only host names need the name service, which may take a while.
 
-    Raises OpenError that names the parameter which `host` comes from.
+    Raises OpenError, which names the parameter that `host` comes from.
     """
     try:
         return str(ipaddress.IPv4Address(host))
@@ -76,9 +76,9 @@ def resolve(host: str, parameter: str) -> str:
         pass
     try:
         return socket.gethostbyname(host)
-    except (OSError, ValueError) as error:  # ValueError: what can be no name at all
-        raise OpenError(errno.EINVAL, f"{parameter} '{host}' is no IPv4 address and no known host: "
-                                      "write an address such as 192.168.1.255") from error
+    except (OSError, ValueError) as error:  # ValueError: not a possible name
+        raise OpenError(errno.EINVAL, f"{parameter} '{host}' is neither an IPv4 address nor a known host: "
+                                      "use an address such as 192.168.1.255") from error
 
 
 def is_broadcast(host: str) -> bool:
@@ -87,17 +87,17 @@ def is_broadcast(host: str) -> bool:
         try:
             probe.connect((host, _PROBE_PORT))
         except PermissionError:
-            return True  # the system's answer for broadcast addresses without SO_BROADCAST
+            return True  # the error for broadcast addresses without SO_BROADCAST
         except OSError:
             return False
     return False
 
 
 def broadcast_host(bind_host: str, rsbb_host: str) -> Optional[str]:
-    """The address at which a peer bound to `bind_host` receives broadcasts; None if it cannot be known.
+    """The address at which a peer bound to `bind_host` receives broadcasts; None if unknown.
 
-    Where rsbb_host is a participant's own address (a team may give the box's), that is not it: a socket
-    bound there would take that participant's datagrams if both are on one machine.
+    rsbb_host may be the address of a participant (a team may use the box's). A socket bound to that would take the
+    participant's datagrams if both run on one machine.
     """
     if is_broadcast(rsbb_host):
         return rsbb_host
@@ -107,7 +107,7 @@ def broadcast_host(bind_host: str, rsbb_host: str) -> Optional[str]:
 
 
 def source_host(destination: str) -> Optional[str]:
-    """The address of this machine that datagrams to `destination` leave from; None if there is no way."""
+    """The local address from which datagrams to `destination` are sent; None if there is no route."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)

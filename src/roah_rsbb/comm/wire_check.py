@@ -1,10 +1,9 @@
-"""A look at a serialised protobuf before the protobuf library reads it.
+"""Checks a serialised protobuf before the protobuf library parses it.
 
-The library's three implementations (C++, upb, Python) and its versions disagree about bad input: text
-that is no UTF-8 is an exception, or a `bytes` value, or a line on standard error for every datagram;
-a stray end-group tag cuts the message short with a warning; nested groups exhaust Python's stack. So
-what is malformed is found here, with one meaning for all of them and at bounded cost, and the library
-gets to see only what it reads in silence.
+The implementations of the library (C++, upb, Python) and its versions treat invalid input differently: text that is not
+UTF-8 causes an exception, a `bytes` value, or a line on standard error for every datagram; a stray end-group tag
+truncates the message with a warning; nested groups exhaust Python's stack. This check rejects all such input in the
+same way and at bounded cost.
 """
 
 from typing import Any, Dict, List, Tuple
@@ -15,7 +14,7 @@ _VARINT, _FIXED_64, _LENGTH, _FIXED_32 = 0, 1, 2, 5
 _MAX_VARINT_BYTES = 10
 _MAX_TAG = 2**32 - 1
 
-# What `check` looks into: tag -> the field's name (a string), or the Texts of the message that it holds.
+# What `check` inspects: tag -> the field's name (for a string), or the Texts of an inner message.
 Texts = Dict[int, Any]
 
 
@@ -28,11 +27,11 @@ class NotUtf8(Exception):
 
 
 class _TooMany(Exception):
-    """There are more fields than an honest message has."""
+    """There are more fields than a valid message has."""
 
 
 def texts_of(descriptor: Descriptor) -> Texts:
-    """The table that `check` needs for messages of this type."""
+    """Build the table that `check` needs for a type of message."""
     texts: Texts = {}
     for field in descriptor.fields:
         tag = field.number << 3 | _LENGTH
@@ -44,10 +43,10 @@ def texts_of(descriptor: Descriptor) -> Texts:
 
 
 def check(protobuf: bytes, texts: Texts, max_fields: int) -> None:
-    """Malformed or NotUtf8 unless `protobuf` is a sequence of whole fields whose texts are UTF-8.
+    """Raise Malformed or NotUtf8 unless `protobuf` is a sequence of complete fields with UTF-8 texts.
 
-    It may have `max_fields`, those of inner messages included: that bounds the work for 65 kB.
-    What is inside a field that nobody knows is not looked at: the library keeps it as bytes.
+    `max_fields`, including those of inner messages, bounds the work for 65 kB. Unknown fields are not inspected,
+    because the library keeps them as bytes.
     """
     budget = [max_fields]
     try:
@@ -65,8 +64,8 @@ def _check(protobuf: bytes, texts: Texts, budget: List[int]) -> None:
         if budget[0] < 0:
             raise _TooMany
         tag, position = varint(protobuf, position)
-        # Field numbers go from 1 to 29 bits. A tag with needless zero bytes at its end, which no encoder
-        # writes, is read by the C++ library and skipped by the Python one.
+        # Field numbers have up to 29 bits. The C++ library accepts superfluous zero bytes at the end of a tag, which
+        # no encoder writes; the Python library does not.
         if not 8 <= tag <= _MAX_TAG or not protobuf[position - 1]:
             raise Malformed("it has an impossible field number")
         wire_type = tag & 7
@@ -101,8 +100,10 @@ def _check_text(value: bytes, text: Any, budget: List[int]) -> None:
 
 
 def varint(protobuf: bytes, position: int) -> Tuple[int, int]:
-    """The number that starts at `position`, and the position after it; IndexError at the end of the bytes, `Malformed`
-    where it does not end."""
+    """Read the number at `position`; returns it and the next position.
+
+    Raises IndexError at the end of the bytes, `Malformed` for a number that is too long.
+    """
     byte = protobuf[position]
     if byte < 0x80:
         return byte, position + 1

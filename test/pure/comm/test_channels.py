@@ -188,7 +188,7 @@ def test_the_port_is_free_again_after_closing(private):
 
 
 def test_a_private_channel_is_never_plain(private):
-    with pytest.raises(ValueError, match="never plain"):
+    with pytest.raises(ValueError, match="must be encrypted"):
         private(BOX, cipher=Cipher.NONE)
     with pytest.raises(ValueError, match="RobotBeacon does not belong on the private channel"):
         private(BOX, remote=ROBOT).send(ROBOT_BEACON)

@@ -131,6 +131,6 @@ def test_refuses_an_iv_of_the_wrong_length():
 def test_refuses_what_is_no_whole_block_and_goes_on(size):
     key = Key("PASSWORD")
     sent = key.encrypt(Cipher.AES_128_CBC, b"before")
-    with pytest.raises(ValueError, match=f"{size} bytes are no whole blocks of 16"):
+    with pytest.raises(ValueError, match=f"{size} bytes are not whole blocks of 16"):
         key.decrypt(Cipher.AES_128_CBC, bytes(16), bytes(size))
     assert key.decrypt(Cipher.AES_128_CBC, sent[:16], sent[16:]) == b"before"

@@ -181,7 +181,7 @@ def test_too_large_a_datagram_is_not_sent(peer, raw):
     assert not sender.send(b"x" * 11, "127.0.0.9")
     assert sender.unsent == 2
     assert len(sender.complaints) == 1
-    assert "11 bytes, and receivers may read only 10" in sender.complaints[0]
+    assert "11 bytes, but receivers may only read 10" in sender.complaints[0]
     assert "raise max_datagram" in sender.complaints[0]
 
 
@@ -193,8 +193,8 @@ def test_too_large_for_the_system(peer):
 
 @pytest.mark.parametrize("number, remedy", [
     (errno.ENETUNREACH, "rsbb_host"), (errno.EHOSTUNREACH, "host is on"), (errno.ENETDOWN, "is down"),
-    (errno.EPERM, "firewall"), (errno.EACCES, "firewall"), (errno.EAGAIN, "slower"),
-    (errno.ENOBUFS, "slower"), (errno.EINVAL, "bind_host"), (errno.EIO, "check the network"),
+    (errno.EPERM, "firewall"), (errno.EACCES, "firewall"), (errno.EAGAIN, "too slow"),
+    (errno.ENOBUFS, "too slow"), (errno.EINVAL, "bind_host"), (errno.EIO, "check the network"),
 ])
 def test_errors_of_sending_are_told_with_a_remedy_once_a_second(loop, port, inbox, number, remedy):
     complaints, clock = inbox(), Clock(loop)

@@ -63,7 +63,7 @@ def test_an_address_of_another_machine(port):
 
 @pytest.mark.parametrize("port", [-1, 0, 65536])
 def test_a_port_that_does_not_exist(port):
-    with pytest.raises(OSError, match=f"there is no UDP port {port}: choose an rsbb_port"):
+    with pytest.raises(OSError, match=f"{port} is not a UDP port: choose an rsbb_port"):
         sockets.listen("127.0.0.1", port, shared=False)
 
 
@@ -85,5 +85,5 @@ def test_names_are_resolved_once_and_errors_name_the_parameter(monkeypatch):
 
     monkeypatch.setattr(sockets.socket, "gethostbyname", unknown)
     for host in ("nowhere", "", "10.0.0", "\ud800"):
-        with pytest.raises(OSError, match=r"bind_host '.*' is no IPv4 address"):
+        with pytest.raises(OSError, match=r"bind_host '.*' is neither an IPv4 address"):
             sockets.resolve(host, "bind_host")

@@ -100,7 +100,7 @@ class Clicker(QObject):
         }
         finder: Callable[[QWidget], QWidget] = finders[panel]
         widget = finder(self._window.panels[panel])
-        assert _is_seen(widget), "it cannot be seen"
+        assert _is_seen(widget), "it invisible"
         assert widget.isEnabled(), f"it is off: {widget.toolTip()}"
         at = QPoint(5, 5) if panel == "OverviewPanel" else QPoint()
         QTest.mouseClick(widget, Qt.LeftButton, Qt.NoModifier, at)

@@ -200,7 +200,7 @@ def test_a_terminal_gets_colours_unless_it_does_not_want_them(network, monkeypat
 
 @pytest.mark.parametrize("arguments, told", [
     (["--host", "127.0.0.1"], "--host 127.0.0.1 is not a broadcast address"),
-    (["--host", "no such host"], "--host 'no such host' is no IPv4 address"),
+    (["--host", "no such host"], "--host 'no such host' is neither an IPv4 address"),
     (["--write", "/nonexistent/run.jsonl"], "cannot open /nonexistent/run.jsonl: No such file"),
     (["--read", "/nonexistent/run.jsonl"], "cannot open /nonexistent/run.jsonl: No such file"),
     (["--passwords", "/nonexistent/passwords.yaml"], "cannot read /nonexistent/passwords.yaml"),
