@@ -1,6 +1,8 @@
 """How late each side learned what the other one had become."""
 
 import bisect
+import threading
+import time
 from typing import Iterable, List, NamedTuple, Optional, Tuple
 
 from crew import Robot
@@ -9,8 +11,10 @@ from referee import Result
 from roah_rsbb.protocol import PERIOD_S, BoxState, RobotState
 
 CLIENT_STATES, BOX_STATES = "/rsbb_log/client_state", "/rsbb_log/rsbb_state"
-# What a machine may add that does much else.
+# What a machine adds that has little else to do.
 MACHINE_S = 3.0
+# A busy machine lets each program on the way wait for a processor: robot, wire, comm node, core, and back.
+STALLS = 10
 # The robot's state that shows that it has heard of the box's.
 _HEARD = {
     BoxState.PREPARE: RobotState.PREPARING.name, BoxState.GOAL_TX: RobotState.EXECUTING.name,
@@ -25,9 +29,36 @@ class Late(NamedTuple):
     what: str
 
 
-def allowed_s(longest_delay_s: float, periods: int = 1) -> float:
+class Stalls(threading.Thread):
+    """Measures for how long the machine lets a thread wait that wants to run now."""
+
+    STEP_S = 0.02
+
+    def __init__(self) -> None:
+        super().__init__(daemon=True)
+        self.worst_s = 0.0
+        self._ended = threading.Event()
+
+    def run(self) -> None:
+        """Measure until the end."""
+        before = time.monotonic()
+        while not self._ended.wait(self.STEP_S):
+            now = time.monotonic()
+            self.worst_s = max(self.worst_s, now - before - self.STEP_S)
+            before = now
+
+    def __enter__(self) -> "Stalls":
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ended.set()
+        self.join()
+
+
+def allowed_s(longest_delay_s: float, worst_stall_s: float, periods: int = 1) -> float:
     """The network's own delay and the retransmission period (or some), and what the machine may add."""
-    return longest_delay_s + periods * PERIOD_S + MACHINE_S
+    return longest_delay_s + periods * PERIOD_S + MACHINE_S + STALLS * worst_stall_s
 
 
 def of_run(result: Result, robot: Robot, outages: Iterable[Tuple[float, float]] = ()) -> List[Late]:

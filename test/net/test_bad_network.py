@@ -31,13 +31,13 @@ def test_round(net: Net, plan: Plan, measured: List[str]) -> None:
     net.impair(wire.BAD)
     for code in plan.lossless:
         net.lan.wire(net.numbers[code]).how = wire.BAD._replace(loss=0.0)
-    with Round(net, list(TEAMS)) as played:
+    with Round(net, list(TEAMS)) as played, lateness.Stalls() as stalls:
         with contextlib.ExitStack() as around:
             if plan.strangers:
                 played.when_connected = lambda: around.enter_context(
                     troubles.strangers(net.lan.stations[STRANGER], list(TEAMS.values())))
             results = played.conduct(plan.troubles)
-        faults = _faults(played, results) + _late(played, results, plan.name, wire.BAD, measured)
+        faults = _faults(played, results) + _late(played, results, plan.name, wire.BAD, stalls, measured)
         faults += _speech_faults(played) + _tablet_faults(played)
         measured.extend(_overtaken(played))
     assert not faults, "\n".join(faults)
@@ -46,11 +46,11 @@ def test_round(net: Net, plan: Plan, measured: List[str]) -> None:
 def test_flood(net: Net, measured: List[str]) -> None:
     """Garbage comes on the public port and on a private one, and runs go on."""
     net.impair(wire.PERFECT)
-    with Round(net, FLOODED) as played:
+    with Round(net, FLOODED) as played, lateness.Stalls() as stalls:
         with contextlib.ExitStack() as around:
             played.when_connected = lambda: around.enter_context(_flood(net, measured))
             results = played.conduct({})
-        faults = _faults(played, results) + _late(played, results, "flood", wire.PERFECT, measured)
+        faults = _faults(played, results) + _late(played, results, "flood", wire.PERFECT, stalls, measured)
     assert not faults, "\n".join(faults)
 
 
@@ -76,17 +76,19 @@ def _faults(played: Round, results: Dict[str, Result]) -> List[str]:
 
 
 def _late(
-    played: Round, results: Dict[str, Result], name: str, how: wire.Impairment, measured: List[str]
+    played: Round, results: Dict[str, Result], name: str, how: wire.Impairment, stalls: lateness.Stalls,
+    measured: List[str],
 ) -> List[str]:
     """What was heard too late."""
     faults: List[str] = []
     everything: List[lateness.Late] = []
     for code, result in results.items():
         late = lateness.of_run(result, played.robots[code], played.outages[code])
-        limit_s = lateness.allowed_s(how.longest_s, PERIODS_AFTER_OUTAGE if played.outages[code] else 1)
+        limit_s = lateness.allowed_s(how.longest_s, stalls.worst_s, PERIODS_AFTER_OUTAGE if played.outages[code] else 1)
         faults += [f"{each.what} after {each.seconds:.3f} s" for each in late if each.seconds > limit_s]
         everything += late
-    measured.append(f"{name}: {lateness.summary(everything)}")
+    stall = f"the machine stalled for up to {stalls.worst_s * 1e3:.0f} ms"
+    measured.append(f"{name}: {lateness.summary(everything)}; {stall}")
     return faults
 
 

@@ -241,10 +241,11 @@ class TestWatch(WithCore):
         self.zone.command("connect")
         connected = watch.line(lambda line: "CONNECTED" in line, "connected")
         self.assertRegex(connected, r"^\d\d:\d\d:\d\dZ Home A: CONNECTED to mbot on UDP port 6667$")
-        self.zone.scores[DOOR] = 1
-        watch.wait_printed(f"Home A: score: {DOOR[0]}: {DOOR[1]}: no → yes")
         self.zone.online_data += "12:00:00Z visitor: postman\n"
         watch.wait_printed("\n12:00:00Z Home A: online data: visitor: postman")
+        # This came in the message that has the sheet, too: the phase comes in another one.
+        self.zone.scores[DOOR] = 1
+        watch.wait_printed(f"Home A: score: {DOOR[0]}: {DOOR[1]}: no → yes")
         self.core.zones["Home B"].command("connect")
         self.zone.warnings.append("Robot is silent")
         watch.wait_printed("Z Home A: WARNING: Robot is silent")
