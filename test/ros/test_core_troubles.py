@@ -57,7 +57,7 @@ class TestTime(BoxCase):
         box.wait_details("Restart", lambda d: (d.phase, d.end_reason) == ("ended", "stopped"), "the run is stopped")
         # Long enough to see whether the run's clock goes on meanwhile.
         box.wait_zone("Restart", lambda z: z.timer.to_sec() < 118.0, "the time after a stop runs down from 120 s")
-        box.wait_zone("Restart", lambda z: "May be started again" in z.state and z.start_enabled, "start is on again")
+        box.wait_zone("Restart", lambda z: "Can be restarted" in z.state and z.start_enabled, "start is on again")
 
         box.command("start", "Restart")
         robot.wait_did("execute HGTKMH", times=2)

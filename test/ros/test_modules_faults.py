@@ -30,7 +30,8 @@ class TestCrashes(FaultsCase):
         self.assertIn("Benchmarking module not connected: the run is held", details.warnings[0])
         self.assertEqual((details.phase, details.module_scores), ("running", before))
         self.modules()
-        self.box.wait_zone("STB", lambda z: "Benchmarking module is back, at step 3: the run goes on" in z.log, "back")
+        back = "Benchmarking module is back, at step 3: the run continues"
+        self.box.wait_zone("STB", lambda z: back in z.log, "back")
         robot.let("execute")
         scores, log = self.to_the_end("STB", after=1)
         self.assertEqual(scores["", "completed"], 2)

@@ -273,7 +273,7 @@ class Box:
             self._outbox.emit(effects.SendBeacon())
 
     def on_devices(self, now: Now, devices: DevicesState) -> None:
-        """The devices told their state."""
+        """The devices reported their state."""
         self.tick(now)
         if devices != self.devices:
             self.devices = devices
@@ -301,15 +301,15 @@ class Box:
             self._outbox.notice(Level.WARNING, text)
 
     def on_trouble(self, now: Now, text: str) -> None:
-        """Something on this computer does not work; `text` names the remedy. Every referee is told."""
+        """Something on this computer does not work; `text` names the remedy. Every referee is warned."""
         self.tick(now)
         if self.watches.trouble(now, text):
             self._outbox.notice(Level.ERROR, text)
 
-    def on_mended(self, now: Now, trouble: str, text: str) -> None:
-        """A trouble that was told is over, and `text` says so."""
+    def on_repaired(self, now: Now, trouble: str, text: str) -> None:
+        """A reported trouble is over, and `text` says so."""
         self.tick(now)
-        self.watches.mended(trouble)
+        self.watches.repaired(trouble)
         self._outbox.notice(Level.INFO, text)
 
     def on_journal(self, now: Now, trouble: str) -> None:

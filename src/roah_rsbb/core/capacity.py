@@ -38,7 +38,7 @@ class Capacity(NamedTuple):
     listed: Sequence[BenchmarkingRobot]  # robots that are in runs
 
     def off(self, robots: Sequence[RobotId]) -> List[str]:
-        """Why there is no room for a run of each of these robots besides those that there are."""
+        """Why there is no room for a run of each of these robots besides the present runs."""
         return self._ports_off(max(1, len(robots))) + self._beacon_off(robots)
 
     def _ports_off(self, count: int) -> List[str]:
@@ -72,7 +72,7 @@ class Capacity(NamedTuple):
         return self.beacon_size(Beacon((*self.listed, *entries), LONGEST_DEVICES, LONGEST_TABLET))
 
     def _fitting(self, robots: Sequence[RobotId]) -> int:
-        """How many of them there is room for, in their order; found by halving, because sizes take time."""
+        """How many of the first robots fit. Found by bisection, because each size takes time."""
         fits, too_many = 0, len(robots)
         while too_many - fits > 1:
             middle = (fits + too_many) // 2

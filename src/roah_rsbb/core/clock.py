@@ -1,4 +1,4 @@
-"""Time as the core is told it: two clocks, and a watch on the steps of one of them.
+"""Time as the core gets it: two clocks, and a watch on the steps of one of them.
 
 Durations use the monotonic clock; what is shown, logged or sent is UTC (docs/architecture.md, "Two clocks"). The
 core never asks a clock: every method that needs the time takes a `Now`.

@@ -233,7 +233,7 @@ class Commands:
             reasons.append("The run ended by timeout: disconnect, and connect for a new run")
         elif run.clock.is_over(now):
             reasons.append(
-                "The run's time is up (it went on after the stop): disconnect, and connect for a new run"
+                "The run's time is up (the clock kept running after the stop): disconnect, and connect for a new run"
             )
         return reasons + run.start_off(now)
 

@@ -61,7 +61,7 @@ class SendBeacon(NamedTuple):
 
 
 class TimeoutRung(NamedTuple):
-    """A run ended by timeout: tell everybody (topic /timeout)."""
+    """A run ended by timeout: publish it (topic /timeout)."""
 
     zone: str
 
@@ -85,7 +85,7 @@ class RunOpened(NamedTuple):
 
 
 class RunResumed(NamedTuple):
-    """A run goes on after a restart of the core, and so does its log."""
+    """A run continues after a restart of the core, and so does its log."""
 
     port: int
 

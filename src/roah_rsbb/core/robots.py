@@ -15,9 +15,9 @@ from roah_rsbb.core.link.skew import SkewEstimate
 from roah_rsbb.core.messages import NEVER
 from roah_rsbb.protocol import WireTime, wire_seconds
 
-# A robot sends every second; one that was not heard for this long is late.
+# A robot sends every second. One that was not heard for this long is late.
 LATE_S = 3.0
-# Names longer than this are no robot's; both are repeated to every panel ten times a second.
+# No robot has a longer name. Names are repeated to every panel ten times a second.
 MAX_NAME = 100
 # More robots than any competition has.
 MAX_ROBOTS = 250
@@ -109,7 +109,7 @@ class _Pauses:
 
 
 class Squatter(NamedTuple):
-    """Who announces more robots than there is room for."""
+    """Who announces more robots than the list holds."""
 
     host: str
     team: str

@@ -1,13 +1,12 @@
-"""The tablet: what it said last, whether that is news, and which view it is to show.
+"""The tablet: what it said last, whether that is new, and which view it must show.
 
-TabletBeacons come in the clear from anybody, over a network that loses, doubles and reorders them. What
-is forwarded matters: original robots take every change of `tablet_call_time` in the beacon for a call,
-also one back to an older time, and a time that a ROS message cannot hold ends them.
+TabletBeacons come in the clear from anybody, over a network that loses, doubles and reorders them. What the box
+forwards matters: original robots take every change of `tablet_call_time` in the beacon for a call, even a change back
+to an older time. A time that a ROS message cannot hold ends them.
 
-So there is one tablet, the host that was heard first; another one takes over once that is silent. A
-time that is older than the one forwarded is a datagram that was overtaken, unless the tablet stays with
-it: then its clock was set back. A time of zero means "never", which undoes nothing: the tablet, or its
-program, was started again.
+So there is one tablet: the host that was heard first. Another host takes over once the first is silent. A time that
+is older than the forwarded one belongs to a delayed datagram. If the tablet keeps sending it, its clock was set back.
+A time of zero means "never" and changes nothing: the tablet or its program was restarted.
 
 Only a few changes a second are accepted: each is saved and sent to all robots, so a flood of tablet beacons would
 otherwise fill the disk and the network.
@@ -22,11 +21,11 @@ from roah_rsbb.protocol import WireTime, wire_ns
 
 T = TypeVar("T")
 
-# The tablet sends a beacon each second; after this long without one it is not there any more.
+# The tablet sends a beacon each second. Without one for this long, it is gone.
 SILENT_S = 5.0
-# A silent tablet is before the referees' eyes for this long, where no zone needs it.
+# Referees are warned of a silent tablet for this long if no zone needs it.
 REMEMBER_SILENT_S = 300.0
-# An overtaken datagram is late by milliseconds; who says the same again after this long means it.
+# A delayed datagram is late by milliseconds. A tablet that repeats a value after this long means it.
 MEANT_S = 0.5
 # Every change is saved and sent to all robots. A person presses and moves less often; a tablet repeats what it says.
 CHANGES_AT_ONCE = 5
@@ -38,7 +37,7 @@ MAX_DISTANCE_M = 10_000.0
 
 
 class HeardTablet(NamedTuple):
-    """What one TabletBeacon was; at most one of these holds."""
+    """What is wrong with a TabletBeacon: at most one of these."""
 
     absurd: Optional[str] = None  # what is wrong with its values
     rival_of: Optional[str] = None  # the host of the tablet that counts instead
@@ -52,7 +51,7 @@ class _Said(NamedTuple, Generic[T]):
 
 
 class _Newest(Generic[T]):
-    """The value to forward, of one that the tablet repeats with its time."""
+    """The newest of the values that the tablet repeats, each with its time."""
 
     def __init__(self, value: T) -> None:
         self.said = _Said(NEVER, value)
@@ -112,7 +111,7 @@ class Tablet:
         self._position.said = _Said(state.position_time, (state.position_x, state.position_y))
 
     def hear(self, now: Now, host: str, beacon: TabletState) -> HeardTablet:
-        """Take a TabletBeacon from `host`; which view is shown is not its to say."""
+        """Take a TabletBeacon from `host`. The box, not the tablet, decides which view is shown."""
         absurd = _absurd(beacon)
         if absurd:
             return HeardTablet(absurd=absurd)
@@ -138,11 +137,11 @@ class Tablet:
         silence = self.silence(now)
         if silence <= SILENT_S or (silence > REMEMBER_SILENT_S and not is_needed):
             return []
-        return [f"The tablet is silent for {silence:.0f} s: look whether it is on, on the network, and shows its page"]
+        return [f"The tablet is silent for {silence:.0f} s: check that it is on, connected, and showing its page"]
 
 
 def _absurd(beacon: TabletState) -> Optional[str]:
-    """What no tablet with a sane clock and map says; None: nothing."""
+    """What is wrong with the values of a beacon; None: nothing."""
     for seconds, nanoseconds in (beacon.call_time, beacon.position_time):
         if not (0 <= seconds <= LAST_SECOND and 0 <= nanoseconds < 1_000_000_000):
             return f"a time of {seconds} s {nanoseconds} ns: set its clock"

@@ -7,14 +7,14 @@ from roah_rsbb.core.link.skew import skew_text
 from roah_rsbb.core.robots import ActiveRobot, Squatter
 from roah_rsbb.core.tablet import HeardTablet
 
-# A warning stays before the referees' eyes for this long after its last cause.
+# A warning is shown for this long after its last cause.
 REMEMBER_S = 10.0
 CLOCK_REMEMBER_S = 60.0
 NOTICE_REMEMBER_S = 60.0
 TROUBLE_REMEMBER_S = 300.0
-# So many causes of one kind are remembered; what more there may be is a flood.
+# This many causes of one kind are remembered. More are a flood.
 MAX_KEPT = 20
-# Two robots of one name whose clocks differ by this much are told with their clocks.
+# Two robots of one name whose clocks differ by this much are reported with their clocks.
 TWO_CLOCKS_S = 0.1
 
 
@@ -80,7 +80,7 @@ class Watches:
         """What this start found out about the time before it, such as a journal that is not continued."""
         return self._keep(now, ("notice", text), text, NOTICE_REMEMBER_S)
 
-    def mended(self, text: str) -> None:
+    def repaired(self, text: str) -> None:
         """A trouble of this text is over."""
         self._kept.pop(("trouble", text), None)
 
@@ -90,7 +90,7 @@ class Watches:
         return is_new
 
     def not_listed(self, now: Now, host: str) -> Optional[str]:
-        """A robot's beacon that the list of active robots has no room or no use for."""
+        """A robot's beacon that is not listed: there is no room, or the name is unusable."""
         return self._keep(
             now, ("not listed", None),
             f"Beacons from {host} are ignored: too many robots, or a name empty or too long",
@@ -131,7 +131,7 @@ class Watches:
         return text
 
     def restarted(self, now: Now, text: str) -> None:
-        """Runs go on after a restart of the core: then there is no time to listen for another box, either."""
+        """Runs continue after a restart of the core, so the box does not listen for another box first."""
         self._listen_duration = 0.0
         self._keep(now, ("restart", None), text, CLOCK_REMEMBER_S)
 

@@ -63,8 +63,8 @@ _SCORE_KINDS = {"bool": ScoreKind.BOOL, "uint": ScoreKind.UINT}
 class BenchmarksFile:
     """The file's benchmarks by code, and the codes that it means to describe.
 
-    `codes` includes those of entries with errors; None: they cannot be known, the file or the code of
-    an entry being unreadable.
+    `codes` includes those of entries with errors. None: they are unknown, because the file or the code of an entry
+    cannot be read.
     """
 
     def __init__(self, path: str, report: Report) -> None:
@@ -79,7 +79,7 @@ class BenchmarksFile:
         if entries is None:
             return
         found = [self._entry(entry) for entry in entries]
-        # A code or a key twice, or none: another code may be meant.
+        # With a code or a key twice, or without a code, another code may be meant.
         doubtful = None in found or len(set(found)) < len(found)
         self.codes = None if doubtful else {code for code in found if code}
 
@@ -157,8 +157,8 @@ _PASSWORDS_SHAPE = "a line 'team: password' for each team"
 class PasswordsFile:
     """Passwords by team, and the teams that the file means to list.
 
-    `teams` includes those of lines with errors; None: they cannot be known, the file or the name of a
-    team being unreadable.
+    `teams` includes those of lines with errors. None: they are unknown, because the file or the name of a team cannot
+    be read.
     """
 
     def __init__(self, path: str, report: Report) -> None:
@@ -183,7 +183,7 @@ class PasswordsFile:
     def _line(self, key: Scalar, value: Node) -> bool:
         """Read one team's line; return whether it is sure which team is meant.
 
-        The name is not shown in errors: where a colon or a blank is missing it holds the password.
+        Errors do not show the name: it contains the password if a colon or a blank is missing.
         """
         if ":" in key.text:
             expected = "'team: password' with a blank after the colon"

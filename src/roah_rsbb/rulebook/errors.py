@@ -1,12 +1,12 @@
-"""What is wrong with configuration files: collected from all of them, then told at once.
+"""Errors in configuration files: collected from all of them, then reported at once.
 
-An organiser corrects a file at a desk with a text editor, so each error says where (file, line), what
+An organiser corrects a file with a text editor, so each error says where it is (file, line), what
 was found and what was expected (docs/architecture.md, "Errors name the remedy"), and all of them come in one go.
 """
 
 from typing import Any, Dict, Iterable, List, NamedTuple
 
-# More than anybody reads; a hostile file must not grow the report, or the time it takes, without end.
+# Nobody reads more. A hostile file must not make the report, or the time for it, unbounded.
 MAX_ERRORS = 1000
 
 _LONGEST_EXCERPT = 60

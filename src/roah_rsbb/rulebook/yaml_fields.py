@@ -1,7 +1,7 @@
-"""Typed values out of a `yaml_lines` tree; what is not as it should be goes into the report.
+"""Reads typed values from a `yaml_lines` tree. What is wrong goes into the report.
 
 Each function takes the node, what it is called in messages, and what is allowed. It returns None after
-an error, which is then in the report, and takes None (and `Unusable`) silently: so a caller reads all it
+an error, which is then in the report, and accepts None and `Unusable` without an error. So a caller reads all it
 needs, and whatever is None is already reported.
 """
 

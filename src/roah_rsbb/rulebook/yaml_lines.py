@@ -1,8 +1,8 @@
-"""YAML files as a tree that knows its lines, so that errors can name them.
+"""Reads YAML files as a tree that knows its lines, so that errors can name them.
 
 Stricter than YAML, because these files are written by people in a hurry: a key may stand in a map
 only once (PyYAML silently takes the last), and anchors, aliases and tags are errors (no Python
-objects, no "billion laughs"). Whatever is in the file, the worst that happens is an entry in the
+objects, no "billion laughs"). Whatever the file contains, the worst result is an entry in the
 report. `yaml_fields` takes typed values out of the tree. Passwords: a tree that was read with `secret`
 knows so, and no message shows its text.
 """
@@ -37,7 +37,7 @@ class Node:
 
 @dataclass(frozen=True)
 class Unusable(Node):
-    """Something that is already in the report as an error: who meets it says nothing more."""
+    """Something that is already in the report as an error. Do not report it again."""
 
 
 @dataclass(frozen=True)
@@ -368,7 +368,7 @@ class _Builder:
                     self._report.error(key.place, "a map or a sequence as key", "a text, e.g. 'name: value'")
             elif key.text in pairs:
                 again.append(key)
-                # Which of the values is meant, and under which key, is anybody's guess.
+                # Nobody knows which of the values is meant, and under which key.
                 pairs[key.text] = (pairs[key.text][0], Unusable(value.place))
             else:
                 pairs[key.text] = (key, value)
@@ -383,7 +383,7 @@ class _Builder:
             name = "the same key" if self._secret else f"the key {quote(key.text)}"
             expected = f"each key once: it is already in line {pairs[key.text][0].place.line}"
             if key.text == begin and not self._secret:
-                # Two items have become one: that their other keys stand twice as well is no news.
+                # Two items have become one. Do not report their other keys, too.
                 self._report.error(key.place, f"{name} again", f"{expected} (a new item begins with '- ')")
                 break
             self._report.error(key.place, f"{name} again", expected)

@@ -205,7 +205,7 @@ def test_trouble_of_this_computer_is_told_once():
     assert driver.notices(Level.ERROR) == ["the disk is full: free it"]
     assert views.status(driver.box, driver.now) == "the disk is full: free it"
     driver.event(driver.box.on_trouble, "another trouble")
-    driver.event(driver.box.on_mended, "the disk is full: free it", "all is written")
+    driver.event(driver.box.on_repaired, "the disk is full: free it", "all is written")
     assert driver.notices(Level.INFO)[-1] == "all is written"
     assert driver.box.watches.warnings(driver.now) == ["another trouble"]
 

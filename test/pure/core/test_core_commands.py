@@ -177,7 +177,7 @@ def test_every_reason_against_a_start_is_listed():
         robot.says(RobotState.EXECUTING, after=1.5)
     driver.run(60)
     over, silent, skew, state = _refused(driver, "start")
-    assert over.startswith("The run's time is up (it went on after the stop)")
+    assert over.startswith("The run's time is up (the clock kept running after the stop)")
     assert silent == "No message from the robot for 60 s"
     assert skew.startswith("Clock skew of the robot is -200")
     assert state == "Robot has not stopped yet: it reports EXECUTING"

@@ -173,7 +173,7 @@ def test_a_run_that_was_stopped_is_not_started_after_its_time():
     robot.lives(61)
     assert _ended(driver) is EndReason.STOPPED  # stopped runs do not time out
     assert driver.taken(effects.TimeoutRung) == []
-    with pytest.raises(Refused, match="time is up .it went on after the stop.: disconnect, and connect for a new run"):
+    with pytest.raises(Refused, match="time is up .the clock kept running after the stop.: disconnect, and connect"):
         driver.command("start")
 
 

@@ -1,7 +1,7 @@
 """What the box knows of the robot at the other end of a private channel.
 
-Staleness, skew, silence and clock steps are judged here; what they mean for the run is decided in
-`roah_rsbb.core.runs.run`.
+Staleness, skew, silence and clock steps are detected here. `roah_rsbb.core.runs.run` decides what they mean for the
+run.
 """
 
 from dataclasses import dataclass, field
@@ -14,19 +14,19 @@ from roah_rsbb.core.link.timeline import Timeline, TimelineState, Verdict
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.protocol import RobotState, WireTime, wire_ns, wire_seconds
 
-# A robot sends every second: after this long without a message something is wrong.
+# A robot sends every second. After this long without a message something is wrong.
 SILENT_S = 3.0
 # A forward step of the robot's clock shows as a sudden rise of the skew: nothing else makes it larger.
 JUMP_S = 0.1
 # One late message alone would look like a robot behind whose clock then jumps: ask for this many.
 SURE_SAMPLES = 3
-# For this long a warning about a single event stays before the referee's eyes.
+# A warning about a single event is shown for this long.
 REMEMBER_S = 30.0
-# As long as the robot was heard less than this ago, nobody else is taken for it who has its team's password.
+# While the robot was heard within this time, no other host with its team's password is taken for it.
 HERE_S = 2.5
-# So many messages that are not newer than the last one, in a silence, are no stragglers.
+# This many messages that are not newer than the last one, in a silence, are not delayed datagrams.
 OLD_TOLD = 3
-# A datagram that could not be read matters as long as nothing good came since, and this long.
+# An unreadable datagram is reported for this long, unless a readable one came since.
 BAD_S = 10.0
 
 NO_ANSWER = "Robot has not answered on the private channel yet"
@@ -221,7 +221,7 @@ class RobotLink:
             return NO_ANSWER
         text = f"No message from the robot for {now.mono - self.last_heard.mono:.0f} s"
         if self._old >= OLD_TOLD:
-            return f"{text} but old ones: does its clock stand still, or is it set back again and again?"
+            return f"{text} but old ones: check whether its clock stands still or is set back repeatedly"
         return text
 
     def _is_elsewhere(self, now: Now, host: str) -> bool:
@@ -229,7 +229,7 @@ class RobotLink:
         return host != self.host and self.last_heard is not None and now.mono - self.last_heard.mono < HERE_S
 
     def _note_rival(self, now: Now, host: str) -> Tuple[str, ...]:
-        """Another robot of the team, or a recording, uses this channel: that is said once in a while."""
+        """Another robot of the team, or a recording, uses this channel. This is reported once in a while."""
         if self._rival is not None and now.mono - self._rival_mono <= REMEMBER_S:
             return ()
         self._rival_mono = now.mono
@@ -238,14 +238,14 @@ class RobotLink:
         return (self._rival,)
 
     def _note_host(self, now: Now, before: str, host: str) -> List[str]:
-        """Two robots of one name change the address with every message: that is said once in a while."""
+        """Two robots of one name change the address with every message. This is reported once in a while."""
         if self._moved is not None and now.mono - self._moved_mono <= REMEMBER_S:
             return []
         self._moved, self._moved_mono = f"Robot's address changed from {before} to {host}", now.mono
         return [self._moved]
 
     def _note_clock(self, now: Now, verdict: Verdict, report: RobotReport) -> List[str]:
-        """Take the skew sample, and the record; return what is to be said of the robot's clock."""
+        """Take the skew sample, and the record; return what to report of the robot's clock."""
         sample = wire_seconds(report.time) - now.utc
         before = self.skew
         step = None

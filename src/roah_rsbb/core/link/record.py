@@ -1,13 +1,13 @@
-"""The link record: how the wireless did, second by second, so that it can be said afterwards.
+"""The link record: the quality of the wireless link, second by second, to be read after the run.
 
-The box sees its own end of the link only. Everything here follows from what arrived, when, what the robot's
-clock said when it was sent, and from the rules by which both sides send (docs/protocol.md, "Timing"): each second, and
-after a change of state ten times at 50 ms. Each number says in `LinkSample` what it rests on, and what it cannot
-know. Where a rule leaves room the smaller number is taken (the ten begin with the change in the original client,
-and come after it in ours): losses are never invented for a robot that keeps the rules, but some are not seen.
+The box sees only its own end of the link. Everything here follows from what arrived and when, from the robot's time
+in it, and from the rules by which both sides send (docs/protocol.md, "Timing"): each second, and ten times at 50 ms
+after a change of state. `LinkSample` says for each number what it is based on and what it cannot know. Where the rules
+allow two numbers, the smaller one is taken: the original client's ten begin with the change, those of this project's
+client follow it. So no loss is invented for a robot that follows the rules, but some losses are not seen.
 
-A computer that is busy looks like a slow network. What happens to one robot alone is that robot's, or its radio's;
-what happens to all of them in the same second is the box's, or the access point's.
+A busy computer looks like a slow network. If only one robot is affected, check that robot and its radio. If all
+robots are affected in the same second, check the box and the access point.
 """
 
 from typing import FrozenSet, List, NamedTuple, Optional, Tuple
@@ -16,17 +16,17 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S, BoxState, RobotState, sent_after_change, wire_ns
 
-# An answer that is later than this was not the answer to the first datagrams: no robot thinks for so long.
+# No robot needs longer to answer. A later answer is not one to the first datagrams.
 ANSWER_S = 0.5
-# The end of a robot's burst, seconds after it began: half as long again as it takes, for a robot that is slow.
+# A robot's burst ends this many seconds after it began: one and a half times its length, for slow robots.
 BURST_OVER_S = 1.5 * BURST_COUNT * BURST_INTERVAL_S
-# As slow as that a robot's burst may be that is cut short by the next change.
+# The interval of a slow robot in a burst that the next change cuts short.
 SLOW_INTERVAL_S = 1.25 * BURST_INTERVAL_S
-# A robot that was heard this often within a burst does send bursts.
+# A robot that was heard this often within a burst sends bursts.
 IS_BURST = 6
-# More seconds than that no datagram is under way: the robot's clock jumped.
+# No datagram travels longer (s). If it seems so, the robot's clock jumped.
 MOST_LATE_S = 5.0
-# No more acknowledgements than that are remembered.
+# This many acknowledgements are remembered.
 MAX_ACKNOWLEDGED = 64
 
 # The robot's states (docs/protocol.md, "Robot's next state") in which it must do something at the
@@ -46,39 +46,39 @@ _ANSWERS = {
 
 
 class LinkSample(NamedTuple):
-    """What was seen of a robot's link since the sample before, usually a second.
+    """What was seen of a robot's link since the previous sample, usually for a second.
 
     From the robot to the box:
     `received`: datagrams that were newer than all before.
-    `lost`: datagrams that the robot must have sent and that were not there in their turn. From the robot's times:
-    after a message the next one is due a second later by the robot's clock; with a change of its state there are
-    ten in half a second. They are counted when the next message arrives, so during a silence only `gap_s`
-    grows. Unknown: what is lost at the end of a run, bursts of a robot that was never heard to send one, those
-    after new online data, most of a burst that was cut short. Too large for a robot that sends less often
-    than the rules say. One that was overtaken counts as lost, and as `stale` when it comes.
-    `skipped_states`: states that the robot went through without the box hearing of them. Usually their datagrams
-    were lost; a robot that goes through two at once has none to lose.
-    `duplicates`, `stale`: datagrams that came twice, or after a newer one (copies of older ones are stale, too).
+    `lost`: datagrams that the robot must have sent, but that did not arrive in their turn. This is based on the
+    robot's times: the next message is due a second after each message, and ten in half a second after a change of
+    state. They are counted when the next message arrives, so during a silence only `gap_s` grows. Unknown: losses at
+    the end of a run, bursts of a robot that was never heard to send one, bursts after new online data, and most of a
+    burst that was cut short. Too large for a robot that sends less often than the rules say. A delayed datagram
+    counts as lost, and as `stale` when it arrives.
+    `skipped_states`: states that the robot went through without the box receiving them. Usually their datagrams were
+    lost. A robot that goes through two states at once sends none for the first.
+    `duplicates`, `stale`: datagrams that arrived twice, or after a newer one. Copies of older ones are stale, too.
     `unreadable`: datagrams that could not be decrypted or parsed, whoever sent them to this port.
-    `gap_s`: the longest time without a message that was newer, in seconds, up to the sample: also the part of it
-    from before. Up to about 1 s is as it should be.
-    `late_s`: how much later than the fastest of the last 2.5 s the slowest message came, in seconds: waiting in a
-    radio, repeated by it, or in a busy computer. The delay that all of them have is not in it.
+    `gap_s`: the longest time without a newer message up to the sample, in seconds, including the part before the
+    previous sample. Up to about 1 s is normal.
+    `late_s`: how much later the slowest message came than the fastest of the last 2.5 s, in seconds. Causes are a
+    waiting or repeating radio, and a busy computer. The delay that all messages have is not included.
 
-    From the box to the robot, and back; the robot does not acknowledge what it gets, so only what it must react
-    to tells of this direction, which is the box's changes of state and the acknowledgement of online data:
-    `answers`: how many of them the robot was seen to react to.
-    `unanswered`: datagrams of the box, `ANSWER_S` old or more, that a newer message of the robot knows nothing of:
-    lost on the way, or the robot thinks for so long. Too large for a robot that repeats what was acknowledged.
-    `round_trip_s`, `round_trip_max_s`: the shortest and the longest time, in seconds, from saying something for the
-    first time to the arrival of the reaction. With the robot's own delay (a robot that looks at its messages five
-    times a second has up to 0.2 s of it) and with repetitions where the first ones were lost: the shortest one of
-    a run is closest to the network's. None: nothing was said that needs a reaction.
+    From the box to the robot, and back. The robot does not acknowledge what it receives. So only what it must react to
+    shows this direction: the box's changes of state, and the acknowledgement of online data.
+    `answers`: how many of them the robot reacted to.
+    `unanswered`: datagrams of the box, at least `ANSWER_S` old, that a newer message of the robot does not react to.
+    They were lost, or the robot is slow. Too large for a robot that repeats what was acknowledged.
+    `round_trip_s`, `round_trip_max_s`: the shortest and the longest time, in seconds, from sending something for the
+    first time to the arrival of the reaction. This includes the robot's own delay (up to 0.2 s if it reads its
+    messages five times a second), and repetitions if the first datagrams were lost. The shortest one of a run is
+    closest to the network's. None: nothing was sent that needs a reaction.
 
     Clocks, robot's minus box's, in seconds:
-    `skew_s`: the largest difference of the last 2.5 s between a message's time and its arrival; the true skew is
-    no smaller, and larger by the fastest one's way. None: nothing heard since one of the clocks was set.
-    `skew_max_s`: the true skew is no larger: from the times of reactions, which were sent after what they react to.
+    `skew_s`: the largest difference of the last 2.5 s between a message's time and its arrival. The true skew is not
+    smaller; it is larger by the fastest message's travel time. None: nothing was heard since a clock was set.
+    `skew_max_s`: the true skew is not larger. This follows from reactions, which are sent after what they react to.
     """
 
     seconds: float  # since the sample before

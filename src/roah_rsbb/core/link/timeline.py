@@ -2,7 +2,7 @@
 
 UDP reorders and duplicates, and a stale datagram must never move the state machine (docs/protocol.md, "State
 machines"). A robot may also have its clock set back; it would then be stale for ever. Such a
-robot is told from a reordering network by this: nothing newer arrives any more, while several older
+robot differs from a reordering network in this: nothing newer arrives any more, while several older
 times arrive in rising order. As long as the first timeline lives, replayed datagrams have no chance.
 What falls below the rising times begins them anew, or one straggler from just before the clock was set
 back would stand above all that follows.

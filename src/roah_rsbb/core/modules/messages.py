@@ -2,12 +2,11 @@
 
 Theory of operation. The core owns the run: its state, its clocks, what the referee and the robot said. A
 module owns the rules: it asks for one thing after the other (a *request*), and the core answers each with
-an *outcome*; both together are a *step*. Requests are numbered 1, 2, … within an *attempt* (one start of a
-run). Both sides only ever say all that they know, again and again: the core a `RunForModule` for each run,
-with all steps of the attempt, the module a `Progress`, with its latest request. So a message that comes
-twice, late or in another order changes nothing, and one about another run or attempt is known by its
-identity. A module that was started again gets all steps back, goes through its rules with the outcomes that
-are already there, and so arrives where it was.
+an *outcome*; both together are a *step*. Requests are numbered 1, 2, … within an *attempt* (one start of a run). Both
+sides always repeat all that they know: the core sends a `RunForModule` for each run, with all steps of the attempt,
+and the module a `Progress`, with its latest request. So a message that comes twice, late or in another order changes
+nothing, and a message about another run or attempt is recognised by its identity. A restarted module gets all steps
+back, goes through its rules with the outcomes that are already there, and so arrives where it was.
 """
 
 import enum
@@ -43,7 +42,7 @@ class Request(NamedTuple):
 
     @property
     def explicit_goal(self) -> bool:
-        """Whether the robot is sent something, and not only told to execute."""
+        """Whether the robot is sent a goal. Otherwise it only executes."""
         return bool(self.goal or self.pose is not None or self.initial_state or self.switches)
 
 
@@ -88,7 +87,7 @@ class RunForModule(NamedTuple):
     elapsed_s: float = 0.0  # seconds that count of the attempt, when it ended
     goal_timeout: float = 0.0  # seconds, from the benchmarks file
     total_timeout: float = 0.0  # seconds, from the benchmarks file
-    told_utc: float = 0.0  # UTC seconds when the robot was first told to execute the goal under way; 0: not yet
+    told_utc: float = 0.0  # UTC seconds when the robot was first asked to execute the present goal; 0: not yet
     sheet: Tuple[ScoreGroup, ...] = ()  # the referee's own scores
     steps: Tuple[Step, ...] = ()
     kept: str = ""  # JSON that the module asked to keep
@@ -105,7 +104,7 @@ class Progress(NamedTuple):
     warnings: Tuple[str, ...] = ()
     kept: str = ""  # JSON to get back after a restart
     finished: bool = False  # the rules are through
-    failed: str = ""  # why the module cannot go on
+    failed: str = ""  # why the module cannot continue
 
 
 class ModuleInfo(NamedTuple):

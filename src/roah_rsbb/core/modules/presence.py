@@ -11,7 +11,7 @@ from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress
 
 # Four of its messages in a row are missing.
 GONE_S = 2.0
-# More nodes than that are no competition's, but a fault that must not grow.
+# No competition has more nodes. More are a fault that must not grow.
 MAX_NODES = 32
 
 
@@ -45,7 +45,7 @@ class Modules:
         self._heard[state.node] = _HeardNode(state, now.mono)
 
     def forget_gone(self, now: Now) -> None:
-        """Nodes that were not heard for too long are gone: where they come back, they come last."""
+        """Forget the nodes that were not heard for too long. A node that comes back is the last in order."""
         self._heard = {node: heard for node, heard in self._heard.items() if now.mono < heard.mono + GONE_S}
 
     def deadline(self) -> Optional[float]:

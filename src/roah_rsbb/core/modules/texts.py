@@ -6,8 +6,8 @@ from typing import NamedTuple, Tuple
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.modules.messages import Request, ScoreValue
 
-# Characters of a result. It is kept with every step and told to the modules again and again; none of theirs reads so
-# many (`roah_rsbb.bmbox.framework.results`), so what is cut here is refused there.
+# Characters of a result. It is kept with every step and repeated to the modules. They refuse a longer one
+# (`roah_rsbb.bmbox.framework.results`), so one that is cut here is refused there.
 MAX_RESULT = 4000
 
 

@@ -1,11 +1,11 @@
 """A run of all robots at once (HSUF): a member for each robot, and one clock, score sheet and log for all.
 
-Theory of operation. Each member is a whole `Run` with a port, a channel, a run log and a state machine of its
-own, so that one robot's failure ends nobody else's run. What is one for all is here: the referee's commands go
-to all members, the run is over with the last of them, and what they say is shown with the robot's name.
+Theory of operation. Each member is a whole `Run` with its own port, channel, run log and state machine, so that one
+robot's failure does not end another robot's run. What all share is here: the referee's commands go to all members,
+the run ends with the last of them, and their messages are shown with the robot's name.
 
-*Start* waits a moment for robots that were just connected or just stopped, but not longer: those that are not
-ready then are left out, and join as soon as they are ready.
+*Start* waits a moment for robots that were just connected or just stopped. Robots that are not ready then are left
+out, and join as soon as they are ready.
 """
 
 from typing import Dict, List, NamedTuple, Optional, Tuple
@@ -21,12 +21,12 @@ from roah_rsbb.core.scoring.book import BookState
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.protocol import BoxState
 
-# For so long *start* waits for robots that have not answered, or not stopped, yet.
+# *Start* waits this long for robots that have not answered or stopped yet.
 SETTLE_S = SILENT_S
 
 
 class Counts(NamedTuple):
-    """How many robots do what, as the box has them; together they are all."""
+    """How many robots do what, by the states that the box sends. The sum is the number of robots."""
 
     preparing: int
     executing: int
@@ -215,7 +215,7 @@ class AllRobotsRun(ZoneRun):
     # -- for the referee's eyes ---------------------------------------------------------------------
 
     def start_off(self, now: Now) -> List[str]:
-        """See `ZoneRun`. Nobody waits for long for a robot that is not ready, unless there is no other."""
+        """See `ZoneRun`. A robot that is not ready delays the start only for a moment, unless no robot is ready."""
         waiting = [member for member in self._members if member.why_not_ready(now)]
         if now.mono >= self._settled_mono and len(waiting) < len(self._members):
             return []

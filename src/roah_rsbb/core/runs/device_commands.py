@@ -1,10 +1,9 @@
 """A robot's commands to the home devices and the tablet's display.
 
-They are obeyed in HCFGAC only; in every other benchmark they are ignored and that is said once
+They are obeyed in HCFGAC only. In every other benchmark they are ignored, and that is reported once
 (docs/benchmarks.md, "HCFGAC"). Robots repeat their wishes in every message, so a command is obeyed once per change: a
-value that is merely repeated never undoes what the referee operated since. The first values count as
-a change, but not those of the first message: a client of 2015 still carries the wishes of its previous
-run there (docs/protocol.md, "Device commands"), where they mean nothing.
+repeated value never undoes what the referee operated since. The first values count as a change, but not those of the
+first message: there a client of 2015 still sends the wishes of its previous run (docs/protocol.md, "Device commands").
 """
 
 from dataclasses import dataclass

@@ -186,9 +186,9 @@ class FunctionalityRun(Run):
                 self.say(now, Level.ERROR, "Benchmarking module is gone: the run is held, its time does not count")
             return
         if self._node not in ("", driver.node):
-            self.say(now, Level.WARNING, f"Benchmarking module is back, at step {len(self.steps)}: the run goes on")
+            self.say(now, Level.WARNING, f"Benchmarking module is back, at step {len(self.steps)}: the run continues")
         elif self.held:
-            self.say(now, Level.WARNING, "Benchmarking module is heard again: the run goes on")
+            self.say(now, Level.WARNING, "Benchmarking module is heard again: the run continues")
         self._node = driver.node
         if self.held:
             self.of_module.held = False
@@ -273,7 +273,7 @@ class FunctionalityRun(Run):
         self._emit(effects.ModuleRunsChanged())
 
     def for_module(self) -> RunForModule:
-        """The run as its module is told it."""
+        """What the module needs to know of the run."""
         event, goal = self.event, self.of_module.goal
         return RunForModule(
             self.identity, self.attempt, self.zone, event.benchmark.code, event.team, event.round, event.run,

@@ -1,11 +1,10 @@
 """The box's state machine: what a message of the robot does to the state that the box sends.
 
 Theory of operation. The box asks (STOP, PREPARE, GOAL_TX, WAITING_RESULT), the robot answers with
-what it is doing, and both repeat themselves until the other has understood. So each message that
-comes in is a pair (state that the box sends, state that the robot reports), and `TABLE` says what
-follows from it. Only fresh messages may be put in: a stale one must never move the machine (see
-`roah_rsbb.core.link.timeline`). The referee's start and stop and the timeouts are not in the table: they
-set PREPARE and STOP from outside.
+what it is doing, and both repeat themselves until the other has understood. So each incoming message makes a pair
+(state that the box sends, state that the robot reports), and `TABLE` has the reaction to it. Pass only fresh messages:
+a stale one must never move the machine (see `roah_rsbb.core.link.timeline`). The referee's start and stop and the
+timeouts are not in the table. They set PREPARE and STOP from outside.
 
 docs/protocol.md, "Box's next state" shows the table, with rows and columns swapped.
 """
@@ -35,7 +34,7 @@ TABLE: Dict[Tuple[BoxState, RobotState], Reaction] = {
     (_BOX.STOP, _ROBOT.WAITING_GOAL): Reaction.KEEP,
     (_BOX.STOP, _ROBOT.EXECUTING): Reaction.KEEP,
     (_BOX.STOP, _ROBOT.RESULT_TX): Reaction.KEEP,
-    # A robot that hears PREPARE late, or was busy with something else, is just asked on.
+    # A robot that hears PREPARE late, or was busy with something else, is asked again.
     (_BOX.PREPARE, _ROBOT.STOP): Reaction.KEEP,
     (_BOX.PREPARE, _ROBOT.PREPARING): Reaction.KEEP,
     (_BOX.PREPARE, _ROBOT.WAITING_GOAL): Reaction.EXECUTE,

@@ -27,7 +27,7 @@ class GoalState:
     """How far a goal is."""
 
     clock: CountdownState = field(default_factory=CountdownState)
-    told: Optional[Now] = None  # when the robot was first told to execute
+    told: Optional[Now] = None  # when the robot was first asked to execute
 
 
 class Goal:
@@ -45,7 +45,7 @@ class Goal:
             self.clock.start(now)
 
     def executing_s(self, mono: float) -> float:
-        """Seconds that the robot has executed it until `mono` (s); 0.0: it was not told to yet."""
+        """Seconds that the robot has executed it until `mono` (s); 0.0: it was not asked to yet."""
         told = self.state.told
         return 0.0 if told is None else max(0.0, mono - told.mono)
 

@@ -29,7 +29,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, ScheduledEvent
 
-# So often the referee is told what was dropped of a robot that sends too much.
+# The referee is warned this often that messages of a robot are dropped.
 DROPPED_PERIOD_S = 10.0
 # The robot state that a robot leaves as soon as it hears the box's state, and after how long a hint is given.
 STUCK = {BoxState.PREPARE: RobotState.STOP, BoxState.GOAL_TX: RobotState.WAITING_GOAL}

@@ -22,7 +22,7 @@ from roah_rsbb.core.scoring.records import (
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, standing_text
 from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent, ScoreKind, ScoringItem
 
-# More stops than that are none of a referee; then the oldest one goes that has no reason typed.
+# No referee stops a run more often. Then the oldest stop without a typed reason is dropped.
 MAX_STOPS = 100
 # More than a day of any competition.
 MAX_KEPT = 100
@@ -187,11 +187,11 @@ class FinishedRun:
 
 
 def left_behind(record: RunRecord, utc: float) -> RunRecord:
-    """The record of a run that was going on when the core ended, at `utc`, and does not go on after that."""
+    """The record of a run that was in progress when the core ended, at `utc`, and does not continue."""
     record = record._replace(closed_utc=utc)
     if not record.started_utc or record.end_reason:
         return record
-    stop = StopRecord(utc, "", EndReason.STOPPED.name.lower(), "The run did not go on after a restart of the core")
+    stop = StopRecord(utc, "", EndReason.STOPPED.name.lower(), "The run did not continue after a restart of the core")
     return record._replace(end_reason=stop.end_reason, stops=(*record.stops, stop))
 
 

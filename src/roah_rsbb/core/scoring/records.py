@@ -23,7 +23,7 @@ class EndReason(enum.Enum):
     TIMEOUT = "Stopped due to timeout"
     GOALS_TIMED_OUT = "Benchmark over: every goal timed out"
     NO_MESSAGES_SAVED = "Stopped: the robot saves no offline data (messages saved stays 0)"
-    MODULE_FAILED = "Stopped: the benchmarking module cannot go on"
+    MODULE_FAILED = "Stopped: the benchmarking module cannot continue"
 
 
 # The benchmark ran to its end, so the zone moves on to its next event.

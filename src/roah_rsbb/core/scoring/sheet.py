@@ -2,14 +2,14 @@
 
 Items, their types and groups come from the benchmarks file (docs/benchmarks.md, "Scoring items of the TBMs").
 
-Theory of operation. The sheet is its history: an item stands as its last entry says that is not withdrawn, and at 0
-without one. So one entry can be withdrawn without touching the others, and what was saved can be read back
-whatever became of the benchmarks file: entries of items that it no longer has stay in the history.
+Theory of operation. The sheet is its history. The value of an item is that of its last entry that is not withdrawn,
+or 0 without one. So one entry can be withdrawn without changing the others. A saved history can be read whatever
+changed in the benchmarks file: entries of items that the file no longer has stay in the history.
 
-The history is bounded. What one person does to an item within a moment is one entry, for a referee who counts
-with the mouse wheel makes ten changes a second. Where there are too many entries, the oldest plain one is left out
-that the next one replaced, if possible of the same person; so notes, withdrawals, and how an item stood when the
-run was over are never lost. The run log and the journal have each change in any case.
+The history is bounded. Changes of an item by one person within a moment are one entry, because a referee who counts
+with the mouse wheel makes ten changes a second. If there are too many entries, the oldest plain one that was replaced
+is dropped, if possible one of the same person. So notes, withdrawals, and the values at the end of the run are never
+lost. The run log and the journal have each change in any case.
 """
 
 from dataclasses import dataclass, field
@@ -23,9 +23,9 @@ from roah_rsbb.wording.suggestions import did_you_mean
 
 # `int32` on the ROS interface.
 MAX_VALUE = 2**31 - 1
-# Changes of an item by the same person so soon (s) after an entry of theirs belong to it.
+# Changes of an item by the same person within this time (s) after an entry belong to that entry.
 ONE_ENTRY_S = 1.0
-# Entries besides two for each item, and how many of them may be no plain ones: have a note or be withdrawn.
+# Entries besides two for each item; and how many of them may have a note or be withdrawn.
 MAX_ENTRIES = 200
 MAX_NOTED = 100
 
@@ -33,7 +33,7 @@ Key = Tuple[str, str]  # group and description of an item
 
 
 def standing_text(value: int, not_attempted: bool) -> str:
-    """How an item stands, for the referee's eyes."""
+    """The value of an item, for the referee."""
     return "not attempted" if not_attempted else str(value)
 
 
@@ -124,8 +124,8 @@ class ScoreSheet:
         return before
 
     def withdraw(self, now: Now, who: str, number: int, note: str = "", correction: bool = False) -> ScoreEntry:
-        """Let an entry count no more; the item stands as the entry before says, or at 0. Returns the entry as it
-        was; raises `Refused`."""
+        """Withdraw an entry. The item gets the value of the entry before, or 0. Returns the entry as it was; raises
+        `Refused`."""
         index = next((i for i, entry in enumerate(self._history) if entry.number == number), None)
         if index is None:
             raise Refused([f"the score sheet has no entry {number}: " + self._numbers()])
@@ -162,7 +162,7 @@ class ScoreSheet:
             )
 
     def _make_room(self) -> None:
-        """Leave one entry out if there are too many."""
+        """Drop one entry if there are too many."""
         if len(self._history) < MAX_ENTRIES + 2 * len(self._items):
             return
         pairs = self._replaced_pairs()

@@ -212,7 +212,7 @@ def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:
         if run.phase is Phase.CONNECTED:
             lines.extend(reasons or ("All OK for start",))
         elif not reasons:
-            lines.append("May be started again: its time went on")
+            lines.append("Can be restarted. The clock kept running")
     lines.extend(run.status_lines(now))
     return lines + _warning_lines(view, lines)
 

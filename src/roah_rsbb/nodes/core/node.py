@@ -224,7 +224,7 @@ class CoreNode:
         self._ros.post(lambda: self._event(self._box.on_trouble, text))
 
     def _on_log_mended(self, trouble: str, text: str) -> None:
-        self._ros.post(lambda: self._event(self._box.on_mended, trouble, text))
+        self._ros.post(lambda: self._event(self._box.on_repaired, trouble, text))
 
     def _on_journal_trouble(self, text: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_journal, text))

@@ -307,7 +307,7 @@ def test_after_a_stop_all_start_again_and_the_clock_went_on():
     for robot in robots:
         robot.says(RobotState.STOP)
     live_all(driver, robots, 10)
-    assert "May be started again: its time went on" in state_lines(driver)
+    assert "Can be restarted. The clock kept running" in state_lines(driver)
     start_all(driver, robots)
     run = driver.run_in()
     assert (run.phase, run.end_reason, ends(driver)) == (Phase.RUNNING, None, [None] * 3)
@@ -343,7 +343,7 @@ def test_time_that_is_up_after_a_stop_is_up():
         robot.says(RobotState.STOP)
     live_all(driver, robots, 61)
     assert driver.off("start") == [
-        "The run's time is up (it went on after the stop): disconnect, and connect for a new run"
+        "The run's time is up (the clock kept running after the stop): disconnect, and connect for a new run"
     ]
 
 

@@ -44,7 +44,7 @@ def test_a_run_whose_module_is_gone_is_held_and_its_clocks_stand():
     again = rejoined(driver, modules)
     again.beat()
     assert not driver.run_in().held
-    assert driver.notices(Level.WARNING)[-1] == "Benchmarking module is back, at step 1: the run goes on"
+    assert driver.notices(Level.WARNING)[-1] == "Benchmarking module is back, at step 1: the run continues"
     again.lives(10.0, robot)
     assert driver.view().timer == pytest.approx(48.0)
     assert driver.run_in().phase is Phase.RUNNING
@@ -63,7 +63,7 @@ def test_the_same_module_that_was_only_slow_goes_on():
     driver.run(3.0)
     modules.beat()
     assert not driver.run_in().held
-    assert driver.notices(Level.WARNING)[-1] == "Benchmarking module is heard again: the run goes on"
+    assert driver.notices(Level.WARNING)[-1] == "Benchmarking module is heard again: the run continues"
     does_goal(robot)
     assert modules.outcome().kind is OutcomeKind.DONE
 

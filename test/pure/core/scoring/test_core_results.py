@@ -107,7 +107,7 @@ def test_a_run_that_was_left_behind_in_a_restart_was_stopped_then():
     left = left_behind(going_on, UTC0 + 50.0)
     assert (left.closed_utc, left.end_reason, left.elapsed_s) == (UTC0 + 50.0, "stopped", 12.0)
     assert [stop[:4] for stop in left.stops] == [
-        (UTC0 + 50.0, "", "stopped", "The run did not go on after a restart of the core")
+        (UTC0 + 50.0, "", "stopped", "The run did not continue after a restart of the core")
     ]
     ended = run_record(1, closed_utc=0.0, end_reason="timeout")
     assert left_behind(ended, UTC0 + 50.0) == ended._replace(closed_utc=UTC0 + 50.0)
