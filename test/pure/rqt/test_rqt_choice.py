@@ -24,6 +24,12 @@ def test_without_a_display_nothing_is_opened_and_nothing_failed(wanted):
     assert "\n" not in choice.text
 
 
+def test_rqt_starts_with_a_clear_settings_file_of_its_own():
+    """Else qt_gui 0.4.2 crashes at the second start; and the referee's own rqt must keep its settings."""
+    assert "settings_filename='roah_rsbb_rqt'" in gui.RQT[2]
+    assert "--clear-config" in gui.RQT
+
+
 def test_rqt_that_is_not_there_is_named_with_its_remedy():
     choice = gui.choose("rqt", has_display=True, has_rqt=False)
     assert (choice.command, choice.code) == (None, 1)
