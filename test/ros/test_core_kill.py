@@ -21,7 +21,7 @@ from waiting import wait_until
 GROUP, OBJECTS = ITEM = ("Achievements", "Objects")
 STATES = ["STOP", "PREPARE", "WAITING_RESULT", "STOP"]
 BENCHMARKS = {"benchmarks_file": CONFIG / "kill_benchmarks.yaml"}
-KILLS = 8
+KILLS = int(os.environ.get("ROAH_TEST_KILLS", "8"))
 # Seconds from one start to the next kill, at most.
 LIFE_S = 2.5
 SCORES = 6
