@@ -3,6 +3,7 @@
 import os
 import pathlib
 import shutil
+import signal
 import tempfile
 from typing import Any, Dict, List, Tuple
 
@@ -35,6 +36,10 @@ class Core(Program):
         """End it as nothing can be worse: in the middle of whatever it does."""
         super().kill()
         self.wait_ended()
+
+    def stop(self) -> None:
+        """Let it hang: it exists, and does nothing any more."""
+        self._process.send_signal(signal.SIGSTOP)
 
 
 class OwnCoreCase(NetworkCase):

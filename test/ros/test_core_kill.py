@@ -16,6 +16,7 @@ from box_case import main
 from box_client import BoxClient, Refusal
 from own_core import OwnCoreCase
 from robots import CONFIG, Robot
+from std_srvs.srv import Empty
 from waiting import wait_until
 
 GROUP, OBJECTS = ITEM = ("Achievements", "Objects")
@@ -111,6 +112,23 @@ class TestKilledOnce(KillCase):
             self.assertEqual(robot.did, [f"prepare {benchmark}", f"execute {benchmark}", "stop"])
         self.assert_records(ports)
         self.assertEqual(box.timeouts, 1)
+
+    def test_a_core_that_hangs(self) -> None:
+        self.start()
+        alpha = self.robot("Alpha")
+        port = self.begin("Home", alpha, "HGTKMH")
+        hung = self.core
+        self.addCleanup(hung.kill)
+        hung.stop()
+        self.start()
+        self.assertIn("which is stopped", self.wait_warned("Another core (process "))
+        self.assertEqual(self.box.zone_details("Home").phase, "idle", "it does not know the run")
+        rospy.ServiceProxy("/core/end_other_core", Empty)()
+        hung.wait_ended()
+        self.core.wait_ended()
+        self.start()
+        self.assertEqual(self.box.zone_details("Home").port, port, "the run continues")
+        self.wait_no_warning("Another core")
 
     def lines(self, zone: str) -> List[str]:
         """A zone's online data."""

@@ -66,10 +66,25 @@ def boot_id() -> str:
         return ""
 
 
-def lock(log_dir: str) -> Tuple[str, int]:
-    """The path of the first journal in the directory that no other core has, and the lock on it, which lasts as
-    long as its file descriptor. Raises `CannotWrite`."""
+class Holder(NamedTuple):
+    """A process that keeps a journal, so that another core cannot have it."""
+
+    path: str  # of the journal
+    pid: int  # 0: not known
+
+
+class Lock(NamedTuple):
+    """A journal that belongs to this core as long as it keeps the file descriptor open."""
+
+    path: str
+    fd: int
+    holders: Tuple[Holder, ...]  # of the journals before it
+
+
+def lock(log_dir: str) -> Lock:
+    """Take the first journal in the directory that no other core has. Raises `CannotWrite`."""
     base, suffix = os.path.splitext(FILE_NAME)
+    holders: List[Holder] = []
     try:
         os.makedirs(log_dir, exist_ok=True)
         for number in range(1, MAX_CORES + 1):
@@ -78,12 +93,30 @@ def lock(log_dir: str) -> Tuple[str, int]:
             try:
                 fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
+                holders.append(Holder(path, _pid_in(fd)))
                 os.close(fd)
                 continue
-            return path, fd
+            with contextlib.suppress(OSError):  # a full or read-only disk
+                os.ftruncate(fd, 0)
+                os.pwrite(fd, f"{os.getpid()}\n".encode("ascii"), 0)
+            return Lock(path, fd, tuple(holders))
     except OSError as error:
         raise CannotWrite(f"{log_dir}: {error.strerror}") from None
     raise CannotWrite(f"{log_dir}: {MAX_CORES} cores keep their journals there: end some, or give another log_dir")
+
+
+def _pid_in(fd: int) -> int:
+    text = os.pread(fd, 20, 0).decode("ascii", errors="replace").strip()
+    return int(text) if text.isdigit() else 0
+
+
+def is_stopped(pid: int) -> bool:
+    """Whether a process is stopped (SIGSTOP, Ctrl-Z, a debugger) and does nothing."""
+    try:
+        with open(f"/proc/{pid}/stat", encoding="ascii", errors="replace") as file:
+            return file.read().rpartition(")")[2].split()[0] in "tT"
+    except (OSError, IndexError):
+        return False
 
 
 def _lock_file(path: str) -> int:

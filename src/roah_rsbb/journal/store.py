@@ -21,7 +21,7 @@ from roah_rsbb.journal import schema
 from roah_rsbb.journal.batch import Batch, Entry, Pending
 from roah_rsbb.journal.before import NOTHING, Before, read_before
 from roah_rsbb.journal.disk import Disk
-from roah_rsbb.journal.file import CannotWrite, Resume, Session
+from roah_rsbb.journal.file import CannotWrite, Holder, Resume, Session
 
 # What could not be written is tried again after this long.
 RETRY_S = 0.5
@@ -66,6 +66,7 @@ class Journal:
         self.path = os.path.join(log_dir, files.FILE_NAME)
         self.before: Before = NOTHING
         self.warnings: Tuple[str, ...] = ()
+        self.holders: Tuple[Holder, ...] = ()  # other cores with a journal in the directory
         self._resume = resume
         self._attempt(self._flush)
 
@@ -163,10 +164,14 @@ class Journal:
 
     def _open(self) -> None:
         if self._lock is None:
-            self.path, self._lock = files.lock(self._log_dir)
+            self._take_lock()
         opened = files.open_file(self.path, self._competition, self._resume, self._session.launch)
         self._take(opened.connection)
         self.warnings += opened.warnings
+
+    def _take_lock(self) -> None:
+        self.path, self._lock, self.holders = files.lock(self._log_dir)
+        self.warnings += tuple(_held(holder, self.path) for holder in self.holders)
 
     def _begin_session(self) -> None:
         """Read what was before; that is possible on a disk that is full or read-only, too. Then write."""
@@ -226,7 +231,7 @@ class Journal:
         """Somebody removed the file, or its directory: what it held is still in our hands, and is written anew."""
         old = self._connection
         self._unlock()
-        self.path, self._lock = files.lock(self._log_dir)
+        self._take_lock()
         if os.path.exists(self.path):
             files.put_aside(self.path)
         new = files.copied(old, self.path)
@@ -257,6 +262,14 @@ class Journal:
         self._committed = self._ticket
         self._disk.written(self._ticket, self._checkpoint_wanted)
         self._checkpoint_wanted = False
+
+
+def _held(holder: Holder, own: str) -> str:
+    """The warning that another core has the journal that this one would resume from."""
+    state = ", which is stopped," if files.is_stopped(holder.pid) else ""
+    who = f"process {holder.pid}{state}" if holder.pid else "an unknown process"
+    return (f"Another core ({who}) has the journal {holder.path}. This core does not know the runs in it, and uses "
+            f"{own}. If the other core is not needed, end it and restart this: rosservice call /core/end_other_core")
 
 
 def _plain(error: Exception) -> str:

@@ -161,13 +161,13 @@ def test_a_sign_off_is_moved_into_the_database(journals):
 
 
 def test_the_write_ahead_log_shrinks_while_the_box_runs(journals, monkeypatch):
-    monkeypatch.setattr(disks, "CHECKPOINT_BYTES", 200_000)
     monkeypatch.setattr(disks, "CHECKPOINT_PAUSE_S", 0.0)
     journal = journals()
     log = pathlib.Path(f"{journal.path}-wal")
     for _ in range(100):
         ticket = journal.write(Batch(states=(("box", "x" * 5000),)))
     assert log.stat().st_size > 200_000
+    monkeypatch.setattr(disks, "CHECKPOINT_BYTES", 200_000)
 
     def is_small():
         journal.why_not_saved(journal.write(Batch(states=(("box", "y"),))))
@@ -249,6 +249,9 @@ def test_a_directory_that_cannot_be_made_until_later(tmp_path):
 def test_two_cores_with_one_log_dir_keep_journals_of_their_own(journals):
     first, second = journals(), journals()
     assert first.path != second.path
+    assert first.warnings == ()
+    warning, = second.warnings
+    assert f"process {os.getpid()})" in warning and first.path in warning and "end_other_core" in warning
     first.write(BATCH)
     assert rows(second) == []
 
@@ -311,6 +314,23 @@ def test_a_journal_of_version_1_is_brought_up_to_date(journals):
     again.write(BATCH._replace(runs=(), members=()))
     assert len(rows(again)) == 2
     assert find_damage(again._connection) == []
+
+
+def test_a_core_that_hangs_is_named(journals):
+    program = (
+        "import fcntl, os, signal, sys; fd = os.open(sys.argv[1], os.O_RDWR); fcntl.flock(fd, fcntl.LOCK_EX);"
+        "os.pwrite(fd, str(os.getpid()).encode(), 0); print(flush=True); os.kill(os.getpid(), signal.SIGSTOP)")
+    journal = journals()
+    journal.close()
+    hung = subprocess.Popen([sys.executable, "-c", program, f"{journal.path}.lock"], stdout=subprocess.PIPE)
+    try:
+        hung.stdout.readline()
+        os.waitpid(hung.pid, os.WUNTRACED)  # it is stopped
+        warning, = journals().warnings
+        assert f"process {hung.pid}, which is stopped" in warning
+    finally:
+        hung.kill()
+        hung.communicate()
 
 
 def test_a_competition_is_known_by_its_events_not_by_their_times():

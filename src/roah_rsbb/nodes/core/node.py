@@ -20,6 +20,7 @@ from typing import Callable, Optional, Tuple
 import rospy
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
+from std_srvs.srv import EmptyResponse
 
 from roah_rsbb.comm.ciphers import Cipher, Key, cipher_by_label
 from roah_rsbb.core.box import Box
@@ -64,6 +65,8 @@ GUI_PERIOD_S = 0.1
 # Every fifth of the panels' messages goes with one for the public.
 PUBLIC_EVERY = 5
 JOURNAL_EVERY = 10
+# A service's answer must be on its way before the node ends.
+ANSWERED_S = 0.2
 # After a restart those who play sounds need a moment to find the core again.
 HEARD_AFTER_S = 2.0
 
@@ -178,6 +181,7 @@ class CoreNode:
             "timeout": rospy.Publisher("/timeout", Empty, queue_size=1),
         }
         CoreServices(self._box, self._ros, self._event, self._journal.ticket, self._store.why_not_saved)
+        rospy.Service("/core/end_other_core", EmptySrv, self._end_other_core)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
         rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
         rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
@@ -228,6 +232,16 @@ class CoreNode:
 
     def _on_journal_trouble(self, text: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_journal, text))
+
+    def _end_other_core(self, _request: object) -> EmptyResponse:
+        """End every core that has a journal in log_dir, then this one: roslaunch starts it again, with that journal."""
+        ended = [holder.pid for holder in self._store.holders if _kill_core(holder.pid)]
+        if not ended:
+            raise rospy.ServiceException("there is no other core with a journal in log_dir, or it cannot be ended")
+        why = f"the other core (process {', '.join(map(str, ended))}) was ended: restarting with its journal"
+        rospy.logwarn("%s", why)
+        self._ros.loop.call_soon_threadsafe(self._ros.loop.call_later, ANSWERED_S, self._ros.stop, why)
+        return EmptyResponse()
 
     def _give_up(self, reason: str) -> None:
         self._gave_up = reason
@@ -286,6 +300,18 @@ class CoreNode:
         except rospy.ROSException as error:
             if not rospy.is_shutdown():
                 rospy.logerr_throttle(1.0, f"{self._topics[topic].name} could not be published: {error}")
+
+
+def _kill_core(pid: int) -> bool:
+    """End the process if it is a core: one that hangs does not react to less."""
+    try:
+        with open(f"/proc/{pid}/cmdline", "rb") as file:
+            if not pid or b"roah_rsbb_core" not in file.read():
+                return False
+        os.kill(pid, signal.SIGKILL)
+    except OSError:
+        return False
+    return True
 
 
 def _end_launch() -> None:
