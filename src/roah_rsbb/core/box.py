@@ -297,7 +297,7 @@ class Box:
     def on_notice(self, now: Now, text: str) -> None:
         """The start found out something about the time before it. It is over, so referees see it for a minute only."""
         self.tick(now)
-        if self._watches.notice(now, text):
+        if self.watches.notice(now, text):
             self._outbox.notice(Level.WARNING, text)
 
     def on_trouble(self, now: Now, text: str) -> None:
