@@ -1,7 +1,6 @@
 """The tablet's web server on real sockets: what it serves, and what bad clients can do to it."""
 
 import asyncio
-import contextlib
 import json
 import pathlib
 import socket
@@ -238,12 +237,28 @@ def test_clients_that_never_finish_keep_nobody_waiting(served):
         connection.close()
 
 
+def _ended(sock, received):
+    """Whether the other side closes; what came goes to `received`."""
+    try:
+        received.append(sock.recv(4096))
+    except BlockingIOError:
+        return False
+    return received[-1] == b"" or b"too many pages" in received[-1]
+
+
 def test_a_page_that_is_refused_touches_nothing(served):
     pages = [served.page() for _ in range(MAX_PAGES)]
     assert all(served.read(page) for page in pages)
-    for _ in range(5):
-        with contextlib.suppress(websocket.WebSocketClosedError):
-            served.page().write_message('{"do": "call"}')
+    call = b'{"do": "call"}'
+    frame = bytes([0x81, 0x80 | len(call), 0, 0, 0, 0]) + call
+    with socket.create_connection((HOST, served.port)) as refused:  # a client that does not wait for an answer
+        refused.sendall(f"GET /pages HTTP/1.1\r\nHost: {HOST}:{served.port}\r\nUpgrade: websocket\r\n"
+                        "Connection: Upgrade\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+                        "Sec-WebSocket-Version: 13\r\n\r\n".encode() + frame)
+        refused.setblocking(False)
+        received = []
+        served.running.until(lambda: _ended(refused, received))
+        assert b" 101 " in received[0]
     pages[0].write_message('{"do": "call"}')
     served.running.until(lambda: served.touches)
     served.running.turn()
