@@ -22,6 +22,7 @@ from typing import Any, Awaitable, Callable, Optional, Set, Union
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.protocol import RobotState
+from roah_rsbb.replaced import warn_if_replaced
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Goal, Result
 from roah_rsbb.robot.machine import IllegalEvent
@@ -116,6 +117,7 @@ class RobotClient:
 
     async def run(self) -> None:
         """Run until cancelled. Raises ValueError or OSError, which name the remedy, if it cannot start."""
+        warn_if_replaced()
         loop = asyncio.get_event_loop()
         self._runner = SessionRunner(loop, on_effect=self._follow, on_complaint=_warn, **self._settings)
         self._runner.session.progress.messages_saved = self._messages_saved

@@ -20,6 +20,7 @@ from roah_rsbb.arguments import Parser, number
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.replaced import warn_if_replaced
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.client import Behaviour, RobotClient
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
@@ -267,6 +268,7 @@ async def _run(client: RobotClient) -> None:
 
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
+    warn_if_replaced()
     given = sys.argv[1:] if arguments is None else arguments
     # roslaunch appends __name:=... and __log:=..., and may add other remappings.
     options = _parser().parse_args([argument for argument in given if ":=" not in argument])

@@ -15,6 +15,7 @@ from roah_rsbb.arguments import Parser, number
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.frame import PRIVATE_TYPES, PUBLIC_TYPES
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, BadPasswords, own_password, read_passwords
+from roah_rsbb.replaced import warn_if_replaced
 from roah_rsbb.tools.capture import recording
 from roah_rsbb.tools.capture.decoding import DatagramKind, Decoder, HeardDatagram
 from roah_rsbb.tools.capture.listening import PlainListener, RawListener
@@ -194,6 +195,7 @@ def _interrupt(*_: object) -> None:
 
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
+    warn_if_replaced()
     options = parse_options(arguments)
     signal.signal(signal.SIGTERM, _interrupt)
     screen = _Screen(options)

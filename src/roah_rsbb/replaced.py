@@ -1,0 +1,30 @@
+"""Detects that another copy of this package runs than the one that pip installed."""
+
+import importlib.metadata
+import os
+import pathlib
+import sys
+
+
+def replaced() -> str:
+    """Return a warning if PYTHONPATH puts another roah_rsbb before the one of this virtual environment; else "".
+
+    A terminal in which ROS was sourced has a PYTHONPATH with the package of ROS.
+    """
+    running = pathlib.Path(__file__).resolve().parent
+    prefix = pathlib.Path(sys.prefix).resolve()
+    if sys.prefix == sys.base_prefix or prefix in running.parents or not os.environ.get("PYTHONPATH"):
+        return ""
+    for installed in importlib.metadata.distributions():
+        home = pathlib.Path(str(installed.locate_file("roah_rsbb"))).resolve()
+        if installed.metadata["Name"] == "roah_rsbb" and prefix in home.parents:
+            return (f"roah_rsbb runs from {running}, because PYTHONPATH names it. pip installed another one in {home}. "
+                    "Remedy: 'unset PYTHONPATH' in this terminal, or 'python -I'")
+    return ""
+
+
+def warn_if_replaced() -> None:
+    """Print that warning, if there is one."""
+    text = replaced()
+    if text:
+        print(f"warning: {text}", file=sys.stderr)
