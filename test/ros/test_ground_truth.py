@@ -148,7 +148,7 @@ class TestNoPose(GroundTruthCase):
 
     def test_a_frame_that_is_too_old_is_named_with_its_age(self) -> None:
         self.shown(8.0, 1.0, 2.0, 0.0)
-        self.assert_no_pose(rf"^robot: frame '{self.frame}' was last seen (8|9|1\d)\.\d s ago: see that the cameras")
+        self.assert_no_pose(rf"^robot: frame '{self.frame}' was last seen (8|9|1\d)\.\d s ago: check that the cameras")
 
     def test_a_frame_of_the_future_is_a_matter_of_clocks(self) -> None:
         self.shown(-60.0)

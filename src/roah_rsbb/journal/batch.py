@@ -1,23 +1,23 @@
-"""What is put into the journal at once: all that one event changed."""
+"""The data that one event adds to the journal, in one transaction."""
 
 from typing import Dict, NamedTuple, Optional, Tuple
 
 
-class Entry(NamedTuple):
-    """One thing that happened."""
+class NewEntry(NamedTuple):
+    """An entry to be written."""
 
     utc: float  # UTC seconds
     mono: float  # seconds on the monotonic clock of the session
     zone: str
-    identity: str  # of the run; empty: it belongs to none
-    port: Optional[int]  # of the robot's private channel; None: it belongs to no robot
-    who: str  # who did it: a referee's node, a robot's address; empty: the box
+    identity: str  # of the run; empty if it belongs to no run
+    port: Optional[int]  # of the robot's private channel; None if it belongs to no robot
+    who: str  # the originator: a referee's node or a robot's address; empty: the box
     kind: str
     value: str  # JSON
 
 
 class RunRow(NamedTuple):
-    """A run that began."""
+    """A run to be written."""
 
     identity: str
     zone: str
@@ -29,15 +29,15 @@ class RunRow(NamedTuple):
     opened_utc: float
 
 
-class Outcome(NamedTuple):
-    """A run's record, as it is now."""
+class RunOutcome(NamedTuple):
+    """The present record of a run."""
 
-    closed_utc: Optional[float]  # None: it is still connected
+    closed_utc: Optional[float]  # None: still connected
     outcome: str  # JSON
 
 
 class Member(NamedTuple):
-    """A robot's part in a run."""
+    """A robot that takes part in a run."""
 
     port: int
     identity: str
@@ -46,7 +46,7 @@ class Member(NamedTuple):
 
 
 class LinkRow(NamedTuple):
-    """A second of a robot's link record."""
+    """One second of a robot's link record."""
 
     port: int
     utc: float
@@ -55,14 +55,14 @@ class LinkRow(NamedTuple):
 
 
 class Batch(NamedTuple):
-    """What one event left to be written: all of it, or nothing."""
+    """Everything that one event writes, in one transaction."""
 
-    entries: Tuple[Entry, ...] = ()
+    entries: Tuple[NewEntry, ...] = ()
     runs: Tuple[RunRow, ...] = ()
     members: Tuple[Member, ...] = ()
     log_files: Tuple[Tuple[int, str], ...] = ()  # port and path of its run log
-    outcomes: Tuple[Tuple[str, Outcome], ...] = ()  # by the run's identity
-    states: Tuple[Tuple[str, str], ...] = ()  # name and JSON: what a restart goes on from
+    outcomes: Tuple[Tuple[str, RunOutcome], ...] = ()  # by the run's identity
+    states: Tuple[Tuple[str, str], ...] = ()  # name and JSON of the state for a restart
     links: Tuple[LinkRow, ...] = ()
 
     def is_empty(self) -> bool:
@@ -71,7 +71,7 @@ class Batch(NamedTuple):
 
 
 class Pending:
-    """Batches that wait: one transaction writes them all. Of what replaces an older value only the newest waits."""
+    """Waiting batches, which one transaction writes. Of values that replace each other, only the newest waits."""
 
     def __init__(self) -> None:
         self.entries: list = []
@@ -79,11 +79,11 @@ class Pending:
         self.members: list = []
         self.links: list = []
         self.log_files: Dict[int, str] = {}
-        self.outcomes: Dict[str, Outcome] = {}
+        self.outcomes: Dict[str, RunOutcome] = {}
         self.states: Dict[str, str] = {}
 
     def add(self, batch: Batch) -> None:
-        """Put a batch behind those that are there."""
+        """Append a batch."""
         self.entries += batch.entries
         self.runs += batch.runs
         self.members += batch.members

@@ -1,10 +1,10 @@
-"""Brings what was written to the journal onto the disk, in a thread of its own.
+"""Syncs the journal to the disk in a separate thread.
 
-SQLite hands what is committed to the system, where it survives this process, but not a power cut. This thread forces
-it to the disk within `GROUP_S`, many commits at once. It also moves the write-ahead log into the database (a
-checkpoint), so that the log stays small and the database is nearly complete by itself. The loop never waits for it.
+SQLite hands committed data to the operating system, where it survives this process, but not a power failure. This
+thread syncs it to the disk within `GROUP_S`, many commits at once. It also moves the write-ahead log into the database
+(a checkpoint), so that the log stays small and the database is nearly complete by itself. The loop never waits for it.
 
-An fsync that failed once proves nothing when it succeeds later: Linux forgets the pages that it could not write.
+After a failed fsync, a later success proves nothing, because Linux discards the pages that it could not write.
 Therefore, after a failure the data counts as saved only when a checkpoint has written all of it to the database.
 """
 
@@ -14,14 +14,14 @@ import threading
 import time
 from typing import Callable, Optional
 
-# Commits within this time go to the disk together: half of what a power cut may take (docs/architecture.md, "First
+# Commits within this time go to the disk together: half of what a power failure may lose (docs/architecture.md, "First
 # written, then done").
 GROUP_S = 0.05
 # The write-ahead log is moved into the database when it is this large, or this old.
 CHECKPOINT_BYTES = 1_000_000
 CHECKPOINT_S = 30.0
 CHECKPOINT_PAUSE_S = 1.0
-# What failed is tried again after this long.
+# Failed syncs are retried after this time.
 RETRY_S = 0.5
 BUSY_TIMEOUT_S = 1.0
 
@@ -29,13 +29,13 @@ BUSY_TIMEOUT_S = 1.0
 class Disk:
     """Syncs one journal. All methods may be called from any thread.
 
-    Tickets are rising numbers that the writer gives to what it commits.
+    Tickets are rising numbers that the writer assigns to its commits.
     """
 
     def __init__(self, path: str, has_log: bool, on_problem: Callable[[str], None]) -> None:
         """`has_log`: whether the file has a write-ahead log; without one SQLite syncs each commit itself.
 
-        `on_problem` is called from the thread with what keeps data from the disk; empty: it works again.
+        `on_problem` is called in the thread with the reason why data cannot be saved; empty when it works again.
         """
         self._path = path
         self._has_log = has_log
@@ -56,7 +56,7 @@ class Disk:
         self._thread.start()
 
     def written(self, ticket: int, checkpoint: bool = False) -> None:
-        """Everything up to this ticket was committed. `checkpoint`: it is to be in the database itself soon."""
+        """Everything up to this ticket was committed. `checkpoint`: move it into the database soon."""
         with self._changed:
             if self._waits_since is None:
                 self._waits_since = time.monotonic()
@@ -72,7 +72,7 @@ class Disk:
 
     @property
     def problem(self) -> str:
-        """What kept data from the disk at the last attempt; empty: nothing."""
+        """Why the latest sync failed; empty if it succeeded."""
         return self._problem
 
     def waiting_s(self) -> float:
@@ -81,14 +81,14 @@ class Disk:
             return 0.0 if self._waits_since is None else time.monotonic() - self._waits_since
 
     def wait(self, ticket: int, timeout: float) -> bool:
-        """Wait until what has this ticket is on the disk, at most `timeout` seconds; False: it is not."""
+        """Wait until this ticket is on the disk, at most `timeout` seconds; returns whether it is."""
         with self._changed:
             self._hurry = True
             self._changed.notify_all()
             return self._changed.wait_for(lambda: self._synced >= ticket, timeout)
 
     def end(self) -> None:
-        """Sync what is left, and end the thread."""
+        """Sync the rest, and end the thread."""
         with self._changed:
             self._ended = True
             self._changed.notify_all()
@@ -114,10 +114,10 @@ class Disk:
         if not problem:
             with self._changed:
                 self._synced = target
-                # What was committed after the beginning may have missed this sync.
+                # Commits after the beginning may have missed this sync.
                 self._waits_since = began if self._commits > commits else None
                 self._changed.notify_all()
-            # Who waits for the sync must not wait for this, too.
+            # Threads that wait for the sync must not wait for the checkpoint.
             problem = self._problem_of(self._checkpoint_if_due)
         if problem != self._problem:
             self._problem = problem
@@ -132,7 +132,7 @@ class Disk:
         return ""
 
     def _force(self) -> None:
-        """Bring everything that was committed onto the disk. Raises OSError or sqlite3.Error."""
+        """Sync all commits to the disk. Raises OSError or sqlite3.Error."""
         if not self._has_log:
             return
         if self._must_rewrite:

@@ -1,6 +1,6 @@
-"""The journal's file: found, checked, brought up to date; or put aside, and a new one begun.
+"""The journal's file: finds, checks and migrates it, or puts it aside and begins a new one.
 
-A file that cannot be gone on with is never deleted: it is renamed, where `results --journal` can read it.
+A file from which the core cannot resume is never deleted. It is renamed, and `results --journal` can read it.
 """
 
 import contextlib
@@ -20,22 +20,22 @@ from roah_rsbb.journal.reader import JournalError
 from roah_rsbb.journal.recover import recover
 
 FILE_NAME = "roah_rsbb_journal.sqlite3"
-# What SQLite keeps beside its file.
+# Files that SQLite keeps next to its database.
 COMPANIONS = ("", "-wal", "-shm")
-# So many cores with one log_dir get a journal of their own.
+# Up to this many cores with the same log_dir get their own journals.
 MAX_CORES = 20
 COMPETITION = "competition"
 
 
 class CannotWrite(Exception):
-    """There is no journal for now: the directory is missing, full, read-only, or mended later."""
+    """There is no journal at present: the folder is missing, full or read-only, possibly for some time only."""
 
 
 class Resume(enum.Enum):
-    """When a core goes on from the journal that is there (parameter `resume`)."""
+    """When a core resumes from an existing journal (parameter `resume`)."""
 
     ALWAYS = "always"
-    LAUNCH = "launch"  # only within one roslaunch: after a crash, but not when somebody starts anew
+    LAUNCH = "launch"  # only within one roslaunch: after a crash, but not after a new start
     NEVER = "never"
 
 
@@ -44,10 +44,10 @@ class Session(NamedTuple):
 
     utc: float
     mono: float
-    boot_id: str  # of the computer's start: another one has another monotonic clock
+    boot_id: str  # identifies the computer's start, and so its monotonic clock
     pid: int
     box_uuid: str
-    launch: str  # of the roslaunch that it belongs to; empty: none
+    launch: str  # id of its roslaunch; empty if none
 
 
 class File(NamedTuple):
@@ -58,7 +58,7 @@ class File(NamedTuple):
 
 
 def boot_id() -> str:
-    """Which start of the computer this is; empty where that is not told."""
+    """The id of the computer's start; empty if unknown."""
     try:
         with open("/proc/sys/kernel/random/boot_id", encoding="ascii") as file:
             return file.read().strip()
@@ -67,10 +67,10 @@ def boot_id() -> str:
 
 
 class Holder(NamedTuple):
-    """A process that keeps a journal, so that another core cannot have it."""
+    """A process that has locked a journal."""
 
     path: str  # of the journal
-    pid: int  # 0: not known
+    pid: int  # 0 if unknown
 
 
 class Lock(NamedTuple):
@@ -82,7 +82,7 @@ class Lock(NamedTuple):
 
 
 def lock(log_dir: str) -> Lock:
-    """Take the first journal in the directory that no other core has. Raises `CannotWrite`."""
+    """Lock the first journal in the folder that no other core uses. Raises `CannotWrite`."""
     base, suffix = os.path.splitext(FILE_NAME)
     holders: List[Holder] = []
     try:
@@ -123,7 +123,7 @@ def _lock_file(path: str) -> int:
     try:
         return os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
     except OSError as error:
-        with contextlib.suppress(OSError):  # a lock needs no more, where nothing can be written now
+        with contextlib.suppress(OSError):  # a read-only file is enough for a lock
             return os.open(path, os.O_RDONLY | os.O_CLOEXEC)
         raise error
 
@@ -131,8 +131,8 @@ def _lock_file(path: str) -> int:
 def open_file(path: str, competition: str, resume: Resume, launch: str) -> File:
     """Open the journal for a competition (JSON: a list of its events, each a list), or begin a new one.
 
-    `launch`: of the session that begins. One that is gone on with is not changed, and may be read where it cannot be
-    written now; `prepare` comes next. Raises `CannotWrite`.
+    `launch`: of the new session. An existing journal is not changed, and may be read even if it cannot be written;
+    call `prepare` next. Raises `CannotWrite`.
     """
     warnings: List[str] = []
     if os.path.exists(path):
@@ -173,7 +173,7 @@ def prepare(connection: sqlite3.Connection, competition: str) -> None:
 
 
 def put_aside(path: str) -> str:
-    """Rename a journal with all that belongs to it; returns its new path. Raises `CannotWrite`."""
+    """Rename a journal with its companions; returns its new path. Raises `CannotWrite`."""
     base, suffix = os.path.splitext(path)
     stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
     names = (f"{base}_aside_{stamp}{number}{suffix}" for number in ("", *(f"_{n}" for n in range(2, 1000))))
@@ -212,7 +212,7 @@ def _damage(path: str) -> List[str]:
         with contextlib.closing(_connect(path)) as connection:
             found = find_damage(connection) if is_readable(connection) else []
     except (sqlite3.Error, UnicodeDecodeError):
-        return []  # it can be read only later
+        return []  # it cannot be read yet
     return [f"The journal {path} is damaged: {'; '.join(map(text_of, found))}"] if found else []
 
 
@@ -222,12 +222,12 @@ def _connect(path: str) -> sqlite3.Connection:
     except sqlite3.OperationalError:
         if not (os.path.exists(path) and _is_at_rest(path)):
             raise
-    # A core that ended closed it, and there is no place now for what SQLite keeps beside it: it can be read without.
+    # The journal is closed, but SQLite cannot create its companions: read it without them.
     return _connect_as(path, f"{pathlib.Path(path).resolve().as_uri()}?immutable=1")
 
 
 def _is_at_rest(path: str) -> bool:
-    """Whether all of a journal is in one file."""
+    """Whether the journal is complete without its companions."""
     try:
         return os.stat(f"{path}-wal").st_size == 0
     except OSError:
@@ -236,12 +236,12 @@ def _is_at_rest(path: str) -> bool:
 
 def _connect_as(path: str, address: str) -> sqlite3.Connection:
     connection = sqlite3.connect(address, uri=address != path, timeout=1.0, isolation_level=None)
-    # Text that a damaged disk made no UTF-8 is read, too: whoever takes it sees that it is not what was written.
+    # Also read damaged text that is not UTF-8: its readers detect the damage.
     schema.add_functions(connection)
     connection.text_factory = functools.partial(str, encoding="utf-8", errors="replace")
     try:
         mode = connection.execute("PRAGMA journal_mode = WAL").fetchone()[0]
-        # Another thread syncs (see `disk`); a file system without a write-ahead log has each commit wait.
+        # Another thread syncs (see `disk`). Without a write-ahead log, each commit syncs itself.
         connection.execute(f"PRAGMA synchronous = {'OFF' if mode == 'wal' else 'FULL'}")
         connection.execute("PRAGMA wal_autocheckpoint = 0")
         connection.execute("PRAGMA journal_size_limit = 0")  # the log shrinks when it begins again
@@ -252,8 +252,7 @@ def _connect_as(path: str, address: str) -> sqlite3.Connection:
 
 
 def _why_not(path: str, competition: str, resume: Resume, launch: str) -> str:
-    """Why a journal that is there cannot be gone on with; empty: it can. Raises OperationalError if it could be
-    read only later."""
+    """Why the core cannot resume from a journal; empty if it can. Raises OperationalError if it cannot be read yet."""
     try:
         connection = _connect(path)
     except sqlite3.OperationalError:
@@ -262,7 +261,7 @@ def _why_not(path: str, competition: str, resume: Resume, launch: str) -> str:
         return f"it is damaged, or no journal at all ({error})"
     try:
         if _is_empty(connection):
-            return ""  # the core was ended before it could write anything
+            return ""  # the core ended before it wrote anything
         return _problem_of(connection, competition) or _begins_anew(connection, resume, launch)
     except sqlite3.OperationalError:
         raise
@@ -303,9 +302,9 @@ def _begins_anew(connection: sqlite3.Connection, resume: Resume, launch: str) ->
 
 
 def same_competition(saved: str, present: str) -> bool:
-    """Whether two schedules have an event in common, whenever it takes place: a schedule may change on the day.
+    """Whether two schedules have an event in common, at any time, because a schedule may change on the day.
 
-    Raises ValueError if what is saved is no schedule.
+    Raises ValueError for an invalid saved schedule.
     """
     try:
         events = {tuple(event[:-1]) for event in json.loads(saved)}
@@ -319,7 +318,7 @@ def _number(connection: sqlite3.Connection, pragma: str) -> int:
 
 
 def identity(path: str) -> Optional[Tuple[int, int]]:
-    """Which file is at this path; None: there is none. One that was removed goes on to take what is written to it."""
+    """Identifies the file at a path; None if there is none. A deleted file stays writable, so compare identities."""
     try:
         found = os.stat(path)
     except OSError:
@@ -328,7 +327,7 @@ def identity(path: str) -> Optional[Tuple[int, int]]:
 
 
 def copied(connection: sqlite3.Connection, path: str) -> sqlite3.Connection:
-    """Write all that an open journal holds to a new file; raises sqlite3.Error and leaves no half of it."""
+    """Copy an open journal to a new file, completely or not at all; raises sqlite3.Error."""
     draft = f"{path}.draft"
     for companion in COMPANIONS:
         if os.path.exists(draft + companion):

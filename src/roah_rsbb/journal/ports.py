@@ -1,9 +1,9 @@
-"""The record of used private ports: none is given twice in a competition, also across restarts.
+"""The record of used private ports, so that none is used twice in a competition, even across restarts.
 
 A text file in the log directory, one port a line, appended before the port is used
-(docs/protocol.md, "Channels"). It then survives the process; a thread forces it to the disk, because a slow disk
-must not stop the box. A line that was torn by a power cut names a smaller number or none and does no harm, because only
-the largest counts.
+(docs/protocol.md, "Channels"). It then survives the process. A thread syncs it to the disk, because a slow disk
+must not delay the box. A line that a power failure truncated contains a smaller number or none. That does no harm,
+because only the largest number counts.
 """
 
 import os
@@ -22,9 +22,9 @@ class PortRecord:
         self.path = os.path.join(log_dir, FILE_NAME)
 
     def read(self) -> Tuple[Optional[int], List[str]]:
-        """The largest port used so far (None: none), and warnings about lines that are no port.
+        """The largest used port (None if there is none), and warnings about invalid lines.
 
-        Raises OSError if the file is there and cannot be read.
+        Raises OSError if the file exists but cannot be read.
         """
         try:
             with open(self.path, encoding="ascii", errors="replace") as file:
@@ -38,13 +38,13 @@ class PortRecord:
         return max(ports, default=None), warnings
 
     def add(self, port: int, on_problem: Callable[[OSError], None]) -> None:
-        """Put a port on record. Raises OSError if it cannot be written.
+        """Record a port. Raises OSError if it cannot be written.
 
         `on_problem` is called from another thread if it does not reach the disk.
         """
         fd = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
         try:
-            # The line break first: a line torn before must not swallow this one.
+            # Begin with a line break, in case the previous line is truncated.
             os.write(fd, f"\n{port}\n".encode("ascii"))
         except OSError:
             os.close(fd)
@@ -53,7 +53,7 @@ class PortRecord:
 
 
 def _force(fd: int, on_problem: Callable[[OSError], None]) -> None:
-    """Bring a file onto the disk and close it."""
+    """Sync a file to the disk and close it."""
     try:
         os.fsync(fd)
     except OSError as error:

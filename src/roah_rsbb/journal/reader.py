@@ -1,8 +1,7 @@
-"""Reads a journal: of the competition that goes on, of a past one, of a copy. Never changes it.
+"""Reads a journal: of the present competition, of a past one, or a copy. Never changes it.
 
-Beside a running box it reads what was committed when it was opened. A journal that nobody writes is left as it
-is, without even the files that SQLite keeps beside one. Where it lies in a directory that cannot be written, and
-when its tables are of an older version, a copy is read, which is removed again.
+While the box runs, it reads the state at the time of opening. It creates no files next to a journal that is not in use.
+If the folder is read-only, or the tables have an older version, it reads a temporary copy.
 """
 
 import contextlib
@@ -18,20 +17,20 @@ from roah_rsbb.journal import schema
 from roah_rsbb.journal.damage import find_damage, last_moment, text_of
 from roah_rsbb.journal.pages import has_damaged_log, has_torn_log
 
-# For so long the box may hold the file where its file system knows no write-ahead log.
+# The box may lock the file for this time if its file system supports no write-ahead log.
 BUSY_S = 5.0
-# A copy that was made while the box wrote may be torn: then another one is made.
+# Number of attempts to copy, because the box may write during a copy.
 COPIES = 3
 
-# What SQLite keeps beside a file that is written, besides what can be made again.
+# Files that SQLite keeps next to a file in use, except those that can be rebuilt.
 LOG_SUFFIX = "-wal"
 LOGS = (LOG_SUFFIX, "-journal")
-# The byte of the file's header that tells a write-ahead log, and its value.
+# The byte of the file's header that indicates a write-ahead log, and its value.
 READ_VERSION_AT, WRITE_AHEAD = 19, 2
 
 
 class JournalError(Exception):
-    """A journal that cannot be read; the text names the file and the remedy."""
+    """The journal cannot be read. The text names the file and the remedy."""
 
 
 class JournalSession(NamedTuple):
@@ -40,14 +39,14 @@ class JournalSession(NamedTuple):
     number: int
     utc: float  # UTC seconds
     mono: float  # seconds on the monotonic clock
-    boot_id: str  # of the computer's start: another one has another monotonic clock
+    boot_id: str  # identifies the computer's start, and so its monotonic clock
     pid: int
     box_uuid: str
     launch: str
 
 
 class JournalRun(NamedTuple):
-    """A run, from *connect* on."""
+    """A run since *connect*."""
 
     identity: str
     zone: str
@@ -58,30 +57,30 @@ class JournalRun(NamedTuple):
     scheduled: float  # UTC seconds
     opened_utc: float  # UTC seconds of *connect*
     closed_utc: Optional[float]  # UTC seconds of *disconnect*; None: still connected
-    outcome: Dict[str, Any]  # the core's RunRecord, fields that have their default left out; empty: none yet
+    outcome: Dict[str, Any]  # the core's RunRecord, without fields that have their default; empty if there is none yet
 
 
 class JournalMember(NamedTuple):
     """A robot's part in a run."""
 
-    port: int  # UDP port of its private channel: no other robot in no other run has it
+    port: int  # UDP port of its private channel, which is unique among all runs
     identity: str
     team: str
     robot: str
-    log_file: str  # path of its run log, where the box was; empty: none
+    log_file: str  # path of its run log on the box's computer; empty if none
 
 
 class JournalEntry(NamedTuple):
-    """One thing that happened."""
+    """An entry of the journal."""
 
     number: int  # rising, in order
     session: int
     utc: float  # UTC seconds
     mono: float  # seconds on the session's monotonic clock
     zone: str
-    identity: str  # of the run; empty: it belongs to none
-    port: Optional[int]  # of the robot; None: it belongs to no robot
-    who: str  # who did it; empty: the box
+    identity: str  # of the run; empty if it belongs to no run
+    port: Optional[int]  # of the robot; None if it belongs to no robot
+    who: str  # the originator; empty: the box
     kind: str
     value: Any  # JSON's value
 
@@ -92,7 +91,7 @@ class JournalLink(NamedTuple):
     port: int
     utc: float  # UTC seconds
     mono: float
-    sample: Dict[str, Any]  # the core's LinkSample, fields that have their default left out
+    sample: Dict[str, Any]  # the core's LinkSample, without fields that have their default
 
 
 _RUN = "identity, zone, benchmark, team, round, run, scheduled, opened_utc, closed_utc, outcome"
@@ -100,8 +99,10 @@ _ENTRY = "id, session, utc, mono, zone, identity, port, who, kind, value"
 
 
 class JournalReader:
-    """One journal as it was when it was opened. Use it in a `with`, or call `close`; every method raises
-    `JournalError`."""
+    """One journal in its state at the time of opening. Use it in a `with`, or call `close`.
+
+    All methods raise `JournalError`.
+    """
 
     def __init__(self, path: str) -> None:
         self.path = path
@@ -119,13 +120,13 @@ class JournalReader:
         self.close()
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         self._cleanup.close()
 
     # -- what is in it ------------------------------------------------------------------------------
 
     def meta(self) -> Dict[str, str]:
-        """What is known of the whole journal, such as the competition's events (JSON)."""
+        """Data about the whole journal, such as the competition's events (JSON)."""
         return dict(self._rows("SELECT key, value FROM meta"))
 
     def sessions(self) -> List[JournalSession]:
@@ -138,7 +139,7 @@ class JournalReader:
         return [self._run(row) for row in self._rows(f"SELECT {_RUN} FROM runs ORDER BY opened_utc, identity")]
 
     def run(self, identity: str) -> Optional[JournalRun]:
-        """A run; None: there is none of that name."""
+        """A run; None if it does not exist."""
         rows = self._rows(f"SELECT {_RUN} FROM runs WHERE identity = ?", identity)
         return self._run(rows[0]) if rows else None
 
@@ -151,11 +152,11 @@ class JournalReader:
         return [JournalMember(*row) for row in rows]
 
     def entries(self, identity: str) -> List[JournalEntry]:
-        """All that happened in a run, in order."""
+        """All entries of a run, in order."""
         return self._entries("identity = ?", identity)
 
     def commands(self, zone: str) -> List[JournalEntry]:
-        """The referees' commands to a zone, also those that were refused, in order."""
+        """The referees' commands to a zone, including refused ones, in order."""
         return self._entries("zone = ? AND kind = 'command'", zone)
 
     def links(self, port: int) -> List[JournalLink]:
@@ -220,7 +221,7 @@ class JournalReader:
         return connection if version == schema.VERSION else self._open_copy()
 
     def _is_at_rest(self) -> bool:
-        """Whether nobody writes the file: SQLite would only leave files beside it."""
+        """Whether the file is not in use, so that SQLite need not create files next to it."""
         try:
             with open(self.path, "rb") as file:
                 header = file.read(READ_VERSION_AT + 1)

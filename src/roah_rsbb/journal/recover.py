@@ -1,7 +1,7 @@
-"""Takes what can still be read of a damaged journal into a new one. The damaged file is not changed.
+"""Copies the readable part of a damaged journal to a new one. The damaged file is not changed.
 
-What SQLite can read counts first: it knows which version of a row is the present one. Then every page is searched for
-rows that SQLite does not find any more. Rows of the present version of the tables count only with a right checksum.
+Rows that SQLite can read come first, because it knows the present version of each row. Then all pages are searched for
+rows that SQLite no longer finds. Rows of the present version of the tables count only with a right checksum.
 """
 
 import contextlib
@@ -15,7 +15,7 @@ from roah_rsbb.journal.damage import Damage, find_damage
 from roah_rsbb.journal.reader import JournalError
 
 Row = Tuple[object, ...]
-# By table, then by key: a number, or the first column where the table has none.
+# By table, then by key: the row's number, or the first column if the table has no numbers.
 Found = Dict[str, Dict[object, Row]]
 
 COLUMNS = {
@@ -40,7 +40,7 @@ class Recovered(NamedTuple):
 
 
 def recover(path: str, new: str) -> Recovered:
-    """Write a new journal with what can be read of the one at `path`. Raises JournalError."""
+    """Copy the readable part of the journal at `path` to a new one. Raises JournalError."""
     if os.path.exists(new):
         raise JournalError(f"{new}: there is such a file already: name another one")
     try:
@@ -74,7 +74,7 @@ def _read(image: bytes) -> Found:
 
 
 def _newest(table: str, rows: List[Row]) -> Optional[Row]:
-    """Which of several versions of a row was the last one; None: nobody knows."""
+    """The latest of several versions of a row; None if unknown."""
     if table == "runs":
         return max(rows, key=lambda row: (row[-2] or 0.0, len(row[-1] or "")))
     if table == "states" and len(set(rows)) > 1:
@@ -112,7 +112,7 @@ def _rows_in_order(
 
 
 def _checked(table: str, values: Row) -> Optional[Row]:
-    """A row of the table, from its values with or without their checksum; None: it is not one."""
+    """A row of the table from its values, with or without checksum; None if it is invalid."""
     columns = COLUMNS[table]
     row = tuple(_value(table, name, value) for name, value in zip(columns, values))
     if _BAD in row or len(values) not in (len(columns), len(columns) + (table != "meta")):
@@ -125,7 +125,7 @@ _BAD = object()
 
 
 def _value(table: str, name: str, value: object) -> object:
-    """A value as the column has it; `_BAD`: it can be none of the column."""
+    """A value in the type of the column; `_BAD` if it does not fit."""
     if isinstance(value, bytes):
         try:
             value = value.decode("utf-8")
@@ -144,7 +144,7 @@ def _value(table: str, name: str, value: object) -> object:
 
 
 def _rows_of_pages(image: bytes) -> Iterator[Tuple[str, Row]]:
-    """Every row of ours in any page."""
+    """All rows of the journal's tables in all pages."""
     for record in pages.records(image):
         for table in COLUMNS:
             row = _row_of(table, record)
@@ -171,7 +171,7 @@ def _row_of(table: str, record: pages.Record) -> Optional[Row]:
 
 
 def _last_number(image: bytes) -> int:
-    """The number of the last entry that was ever written, as far as it can be read."""
+    """The number of the latest entry that was ever written, if it is readable."""
     numbers = [
         record.values[1] for record in pages.records(image)
         if record.rowid is not None and record.values[:1] == ("entries",) and len(record.values) == 2

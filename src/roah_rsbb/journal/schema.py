@@ -1,7 +1,7 @@
-"""The journal's tables, their version, and the way from older versions (docs/journal.md).
+"""The journal's tables, their version, and the migration of older versions (docs/journal.md).
 
-Who changes a table raises `VERSION` and adds the statements that lead there from the version before: a journal
-of an older version is brought up to date when the core opens it.
+After changing a table, increment `VERSION` and add the statements that migrate the previous version. The core migrates
+older journals when it opens them.
 """
 
 import contextlib
@@ -10,7 +10,7 @@ import sqlite3
 import zlib
 from typing import Dict, Tuple
 
-# "RSBB": by this a file is known as a journal.
+# "RSBB": identifies a file as a journal.
 APPLICATION_ID = 0x52534242
 VERSION = 2
 
@@ -33,7 +33,7 @@ SCHEMA = (
     "CREATE TABLE states (name TEXT PRIMARY KEY, state TEXT NOT NULL, crc INTEGER) WITHOUT ROWID",
 )
 
-# What the checksum of a row is made of: all its columns, but for a number that SQLite gives.
+# The columns in the checksum of a row: all except numbers that SQLite assigns.
 CHECKED = {
     "sessions": ("utc", "mono", "boot_id", "pid", "box_uuid", "launch"),
     "runs": ("identity", "zone", "benchmark", "team", "round", "run", "scheduled", "opened_utc", "closed_utc",
@@ -56,7 +56,7 @@ def _bytes_of(column: str) -> str:
             f" ELSE {column} END")
 
 
-# version -> the statements that make the next version of it.
+# version -> the statements that migrate to the next version.
 MIGRATIONS: Dict[int, Tuple[str, ...]] = {
     1: tuple(
         statement for table in CHECKED
@@ -105,14 +105,14 @@ def create(connection: sqlite3.Connection) -> None:
 
 
 def migrate(connection: sqlite3.Connection, version: int) -> None:
-    """Bring a journal of an older `version` up to date; raises KeyError if there is no way."""
+    """Migrate a journal of an older `version`; raises KeyError if that is impossible."""
     while version < VERSION:
         _run(connection, MIGRATIONS[version], version + 1)
         version += 1
 
 
 def is_whole(connection: sqlite3.Connection) -> bool:
-    """Whether a file of the present version has the tables that it should have, and nothing that acts on them."""
+    """Whether a file of the present version has the right tables, without triggers and views."""
     return _shape(connection) == _whole_shape()
 
 

@@ -1,12 +1,12 @@
-"""The one writer of the journal.
+"""Writes the journal.
 
-Theory of operation. `write` takes what one event changed and commits it before it returns, so that it outlives
-the process; `disk` forces it to the disk soon after. What cannot be written (a full disk, a missing directory)
-waits in memory and goes out with the first write that succeeds, in order. Runs continue meanwhile.
+Theory of operation. `write` commits the changes of one event before it returns, so that they survive the process;
+`disk` syncs them to the disk soon after. Data that cannot be written (a full disk, a missing folder) waits in memory
+and is written, in order, with the next write that succeeds. Runs continue in the meantime.
 
 Each write has a ticket, a rising number. `saved` is the newest ticket on the disk, and `why_not_saved` waits for one.
 
-All methods but `why_not_saved` belong to one thread.
+Call all methods except `why_not_saved` in one thread.
 """
 
 import contextlib
@@ -18,19 +18,19 @@ from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.journal import file as files
 from roah_rsbb.journal import schema
-from roah_rsbb.journal.batch import Batch, Entry, Pending
-from roah_rsbb.journal.before import NOTHING, Before, read_before
+from roah_rsbb.journal.batch import Batch, NewEntry, Pending
 from roah_rsbb.journal.disk import Disk
 from roah_rsbb.journal.file import CannotWrite, Holder, Resume, Session
+from roah_rsbb.journal.previous_session import NOTHING, PreviousSession, read_previous_session
 
-# What could not be written is tried again after this long.
+# Failed writes are retried after this time.
 RETRY_S = 0.5
-# Scores and sign-offs wait for the disk so long at most.
+# Longest time that scores and sign-offs wait for the disk.
 SYNC_TIMEOUT_S = 2.0
 # A disk that takes longer than this is reported.
 SLOW_S = 1.0
 
-# What is reported when there is no trouble any more.
+# Reported when the trouble is over.
 MENDED = ""
 
 _AT_STAKE = "Runs continue, but what happens now is lost if the box ends or this computer is switched off"
@@ -42,8 +42,7 @@ class Journal:
     def __init__(
         self, log_dir: str, session: Session, competition: str, resume: Resume, on_trouble: Callable[[str], None]
     ) -> None:
-        """Never raises. `on_trouble` is called, from any thread, with what keeps the record from the disk and the
-        remedy; with `MENDED` when it is over."""
+        """Never raises. `on_trouble` is called, in any thread, with a problem and its remedy, or with `MENDED`."""
         self._log_dir = log_dir
         self._session = session
         self._competition = competition
@@ -53,18 +52,18 @@ class Journal:
         self._file: Optional[Tuple[int, int]] = None
         self._disk: Optional[Disk] = None
         self._pending = Pending()
-        self._ticket = 0  # of the newest write
-        self._committed = 0  # the newest ticket that was committed
+        self._ticket = 0  # of the latest write
+        self._committed = 0  # the latest committed ticket
         self._checkpoint_wanted = False
         self._retry_at = 0.0
         self._session_id = 0
-        self._problem = ""  # why the last attempt to write failed
+        self._problem = ""  # why the latest write failed
         self._is_slow = False
         self._is_log_begun = False
         self._trouble = MENDED
         self._disk_trouble = MENDED
         self.path = os.path.join(log_dir, files.FILE_NAME)
-        self.before: Before = NOTHING
+        self.previous: PreviousSession = NOTHING
         self.warnings: Tuple[str, ...] = ()
         self.holders: Tuple[Holder, ...] = ()  # other cores with a journal in the directory
         self._resume = resume
@@ -73,10 +72,10 @@ class Journal:
     # -- writing ------------------------------------------------------------------------------------
 
     def write(self, batch: Batch, checkpoint: bool = False) -> int:
-        """Commit what one event changed, with all that still waits; returns its ticket.
+        """Commit the changes of one event and all waiting data; returns its ticket.
 
-        What cannot be written waits, and is reported as trouble. `checkpoint`: it is to be in the database itself soon,
-        not only in the write-ahead log.
+        Data that cannot be written waits, and the problem is reported. `checkpoint`: move it from the write-ahead log
+        into the database soon.
         """
         self._pending.add(batch)
         self._ticket += 1
@@ -86,8 +85,7 @@ class Journal:
         return self._ticket
 
     def look(self) -> None:
-        """To be called about once a second: write what waits, see whether the file is still there and whether the disk
-        keeps up."""
+        """Call this about once a second: writes waiting data, and checks the file and the speed of the disk."""
         if not self._session_id or not self._pending.is_empty() or not self._is_in_place():
             self._attempt(self._flush)
         if not self._trouble or self._is_slow:
@@ -103,12 +101,11 @@ class Journal:
 
     @property
     def is_in_trouble(self) -> bool:
-        """Whether something keeps the record from the disk."""
+        """Whether there is a problem with saving."""
         return bool(self._trouble or self._disk_trouble)
 
     def why_not_saved(self, ticket: int) -> str:
-        """From any thread: wait until what has this ticket is on the disk, for a while; returns "" if it is, else why
-        not."""
+        """Wait for some time until this ticket is on the disk; returns "", or why it is not. For any thread."""
         disk = self._disk
         if disk is not None and ticket <= self._committed and disk.wait(ticket, SYNC_TIMEOUT_S):
             return ""
@@ -116,26 +113,26 @@ class Journal:
         return problem or f"the disk of log_dir takes longer than {SYNC_TIMEOUT_S:g} s"
 
     def close(self) -> None:
-        """Write what waits, bring all onto the disk and into one file."""
+        """Write waiting data, sync everything to the disk, and merge it into one file."""
         self._attempt(self._flush)
         self._release()
         self._unlock()
 
-    def entries_of(self, port: int) -> List[Entry]:
-        """All entries of a robot's part in a run, also those that still wait, in order."""
-        found: List[Entry] = []
+    def entries_of(self, port: int) -> List[NewEntry]:
+        """All entries of a robot in a run, including waiting ones, in order."""
+        found: List[NewEntry] = []
         if self._connection is not None:
             with contextlib.suppress(sqlite3.Error):
                 rows = self._connection.execute(
                     "SELECT utc, mono, zone, identity, port, who, kind, value FROM entries WHERE identity ="
                     " (SELECT identity FROM members WHERE port = ?) AND port = ? ORDER BY id", (port, port))
-                found = [Entry(*row) for row in rows]
+                found = [NewEntry(*row) for row in rows]
         return found + [entry for entry in self._pending.entries if entry.port == port]
 
     # -- trouble ------------------------------------------------------------------------------------
 
     def _attempt(self, step: Callable[[], None]) -> None:
-        """Do a step. If it fails, the runs go on, and all that is to be written waits."""
+        """Do a step. If it fails, the runs continue, and the data waits."""
         try:
             step()
         except (CannotWrite, sqlite3.Error, OSError) as error:
@@ -155,7 +152,7 @@ class Journal:
             self._on_trouble(trouble or self._disk_trouble)
 
     def _on_disk_problem(self, problem: str) -> None:
-        """From the thread of `Disk`."""
+        """Called in the thread of `Disk`."""
         text = f"The journal {self.path} does not reach the disk: {problem}. {_AT_STAKE}. Repair the disk of log_dir"
         self._disk_trouble = text if problem else MENDED
         self._on_trouble(self._trouble or self._disk_trouble)
@@ -174,25 +171,25 @@ class Journal:
         self.warnings += tuple(_held(holder, self.path) for holder in self.holders)
 
     def _begin_session(self) -> None:
-        """Read what was before; that is possible on a disk that is full or read-only, too. Then write."""
+        """Read the previous session, which works even on a full or read-only disk. Then write."""
         connection = self._connection
         self._begin_log()
         try:
-            if self.before is NOTHING and files.is_readable(connection):
-                self.before = read_before(connection)
+            if self.previous is NOTHING and files.is_readable(connection):
+                self.previous = read_previous_session(connection)
             files.prepare(connection, self._competition)
-            if self.before is NOTHING:
-                self.before = read_before(connection)
+            if self.previous is NOTHING:
+                self.previous = read_previous_session(connection)
             cursor = connection.execute(schema.insertion("sessions"), self._session)
         except sqlite3.OperationalError as error:
             if "readonly" in str(error) and os.access(self.path, os.W_OK):
-                self._release()  # it was opened when it could only be read
+                self._release()  # it was opened read-only
             raise
         self._session_id = cursor.lastrowid
         self._disk.written(self._committed)
 
     def _begin_log(self) -> None:
-        """Empty the write-ahead log that a killed core left: what was torn in it could later look like damage."""
+        """Empty the write-ahead log of a killed core, because its truncated end could later look like damage."""
         if not self._is_log_begun:
             self._is_log_begun = True
             with contextlib.suppress(sqlite3.Error):
@@ -203,7 +200,7 @@ class Journal:
 
     def _take(self, connection: sqlite3.Connection) -> None:
         if self._disk_trouble:
-            self._on_disk_problem("")  # it was another file's
+            self._on_disk_problem("")  # the problem of another file
         self._connection = connection
         self._file = files.identity(self.path)
         self._disk = Disk(self.path, files.has_log(connection), self._on_disk_problem)
@@ -228,7 +225,7 @@ class Journal:
         return files.identity(self.path) == self._file
 
     def _move(self) -> None:
-        """Somebody removed the file, or its directory: what it held is still in our hands, and is written anew."""
+        """The file or its folder was removed. Write its contents, which are still accessible, to a new file."""
         old = self._connection
         self._unlock()
         self._take_lock()
@@ -244,7 +241,7 @@ class Journal:
         if self._connection is None:
             self._open()
         elif not self._is_in_place():
-            self._move()  # or what is written now would be gone with the process
+            self._move()  # otherwise new data would be lost with the process
         if not self._session_id:
             self._begin_session()
         waiting, connection = self._pending, self._connection
@@ -273,7 +270,7 @@ def _held(holder: Holder, own: str) -> str:
 
 
 def _plain(error: Exception) -> str:
-    """What SQLite or the system says, in the words of whoever can help."""
+    """The error of SQLite or the system in plain words."""
     text = str(error)
     return "the disk is full" if "disk is full" in text or getattr(error, "errno", 0) == errno.ENOSPC else text
 

@@ -28,7 +28,7 @@ from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.nodes.core.journal import competition as competition_json
-from roah_rsbb.nodes.core.journal import saved_before
+from roah_rsbb.nodes.core.journal import saved_state
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.run_logs.names import log_name
 
@@ -204,9 +204,9 @@ def _start(folder: pathlib.Path) -> None:
     session = Session(driver.now.utc, driver.now.mono, "boot 1", 1, "uuid", "")
     journal = Journal(str(folder), session, competition_json(_CONFIG), Resume.ALWAYS, troubles.append)
     try:
-        driver.box = Box(_CONFIG, Settings(), beacon_bytes, journal.before.last_port)
+        driver.box = Box(_CONFIG, Settings(), beacon_bytes, journal.previous.last_port)
         driver._rules.restart()
-        saved, _ = saved_before(journal.before, driver.now, "boot 1")
+        saved, _ = saved_state(journal.previous, driver.now, "boot 1")
         driver.event(driver.box.resume, saved)
         driver.run(5.0)
         journal.write(Batch(states=(("box", "{}"),)))

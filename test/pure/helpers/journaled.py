@@ -44,9 +44,9 @@ class JournaledDriver(BoxDriver):
         events = journal.competition(self.config)
         self.journal = Journal(str(directory), session, events, resume, self.troubles.append)
         self._rules.restart()
-        self.box = Box(self.config, self.settings, beacon_bytes, self.journal.before.last_port)
+        self.box = Box(self.config, self.settings, beacon_bytes, self.journal.previous.last_port)
         self.core_journal = journal.CoreJournal(self.box, self.journal)
-        saved, warnings = journal.saved_before(self.journal.before, self.now, self.boot)
+        saved, warnings = journal.saved_state(self.journal.previous, self.now, self.boot)
         self.troubles += [*self.journal.warnings, *warnings]
         self.event(self.box.resume, saved)
 

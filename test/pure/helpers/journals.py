@@ -6,7 +6,7 @@ import os
 import sqlite3
 
 from roah_rsbb.core.restart.saved import freeze
-from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
+from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, RunOutcome, RunRow
 from roah_rsbb.journal.file import Resume, Session
 from roah_rsbb.journal.store import Journal
 
@@ -35,13 +35,13 @@ class Writer:
 
     def outcome(self, record):
         """A run's record changed."""
-        outcome = Outcome(record.closed_utc or None, text(freeze(record)))
+        outcome = RunOutcome(record.closed_utc or None, text(freeze(record)))
         self.journal.write(Batch(outcomes=((record.identity, outcome),)))
 
     def entry(self, kind, value, identity="", zone="tbm", port=6667, who="", after=1.0):
         """Something happens, `after` seconds from the last thing."""
         self.utc += after
-        entry = Entry(self.utc, self.utc - UTC0 + 10.0, zone, identity, port, who, kind, text(value))
+        entry = NewEntry(self.utc, self.utc - UTC0 + 10.0, zone, identity, port, who, kind, text(value))
         self.journal.write(Batch(entries=(entry,)))
 
     def link(self, sample, port=6667, after=1.0):

@@ -5,14 +5,14 @@ import sqlite3
 
 import pytest
 
-from roah_rsbb.journal.batch import Batch, Entry, Member
-from roah_rsbb.journal.before import NOTHING
+from roah_rsbb.journal.batch import Batch, Member, NewEntry
 from roah_rsbb.journal.file import FILE_NAME, Resume, Session
+from roah_rsbb.journal.previous_session import NOTHING
 from roah_rsbb.journal.schema import APPLICATION_ID, VERSION
 from roah_rsbb.journal.store import Journal
 
 COMPETITION = json.dumps([["Home", "HNF", "Alpha", 1, 1, 0.0]])
-ENTRY = Entry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "notice", "")
+ENTRY = NewEntry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "notice", "")
 
 
 @pytest.fixture
@@ -40,11 +40,11 @@ def test_a_file_in_which_is_nothing_is_begun(start, tmp_path, makes):
     makes(tmp_path / FILE_NAME)
     journal, told, aside = start()
     assert (told, aside) == ([], [])
-    assert journal.before == NOTHING
+    assert journal.previous == NOTHING
     journal.close()
     journal, told, _ = start()
     assert told == []
-    assert journal.before.states == {"box": "{}"}
+    assert journal.previous.states == {"box": "{}"}
 
 
 @pytest.mark.parametrize("statement", [
@@ -61,7 +61,7 @@ def test_a_file_with_other_tables_is_put_aside(start, tmp_path, statement):
     journal, told, aside = start()
     assert len(aside) == 1
     assert len(told) == 1 and "is not gone on with" in told[0]
-    assert journal.before == NOTHING
+    assert journal.previous == NOTHING
 
 
 @pytest.mark.parametrize("statement", [
@@ -78,9 +78,9 @@ def test_values_that_nobody_wrote_do_not_keep_it_from_going_on(start, tmp_path, 
     assert aside == []
     warning, = told
     assert "is damaged" in warning
-    last = journal.before.last
+    last = journal.previous.last
     assert last is None or abs(last.mono) < 1e12
-    assert all(isinstance(text, str) for pair in journal.before.states.items() for text in pair)
+    assert all(isinstance(text, str) for pair in journal.previous.states.items() for text in pair)
 
 
 def test_a_file_that_only_says_that_it_is_a_journal(start, tmp_path):
@@ -106,7 +106,7 @@ def test_a_core_resumes_behind_a_damaged_write_ahead_log(start, tmp_path):
     (tmp_path / FILE_NAME).write_bytes(copies[""])
     (tmp_path / f"{FILE_NAME}-wal").write_bytes(log)
     again, told, aside = start()
-    assert again.before.states == {"box": '{"n":39}'}
+    assert again.previous.states == {"box": '{"n":39}'}
     assert len(aside) == 1
     assert "write-ahead log" in told[0] and str(aside[0]) in told[0]
     assert len(again.entries_of(6667)) >= 35

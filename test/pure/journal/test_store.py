@@ -18,18 +18,18 @@ from helpers.small_disk import CannotMount, SmallDisk
 from roah_rsbb.journal import disk as disks
 from roah_rsbb.journal import schema
 from roah_rsbb.journal import store as stores
-from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
-from roah_rsbb.journal.before import NOTHING
+from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, RunOutcome, RunRow
 from roah_rsbb.journal.damage import find_damage
 from roah_rsbb.journal.file import FILE_NAME, Resume, Session, same_competition
+from roah_rsbb.journal.previous_session import NOTHING
 from roah_rsbb.journal.store import MENDED, Journal
 
 COMPETITION = json.dumps([["Home", "HNF", "Alpha", 1, 1, 0.0], ["Home", "HWV", "Beta", 1, 1, 900.0]])
-ENTRY = Entry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "command", '{"command":"start"}')
+ENTRY = NewEntry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "command", '{"command":"start"}')
 BATCH = Batch(
     entries=(ENTRY,), runs=(RunRow("HNF-6667-1", "Home", "HNF", "Alpha", 1, 1, 0.0, 1e9),),
     members=(Member(6667, "HNF-6667-1", "Alpha", "r1"),), log_files=((6667, "/logs/run.bag"),),
-    outcomes=(("HNF-6667-1", Outcome(None, '{"n":1}')),), states=(("zone:Home", '{"n":1}'),),
+    outcomes=(("HNF-6667-1", RunOutcome(None, '{"n":1}')),), states=(("zone:Home", '{"n":1}'),),
 )
 
 
@@ -60,7 +60,7 @@ def rows(journal, what="*", table="entries"):
 
 def test_what_was_written_is_there_before_write_returns(journals):
     journal = journals()
-    assert journal.before == NOTHING
+    assert journal.previous == NOTHING
     journal.write(BATCH)
     assert rows(journal, "utc, mono, zone, identity, port, who, kind, value") == [tuple(ENTRY)]
     assert rows(journal, "port, log_file", "members") == [(6667, "/logs/run.bag")]
@@ -69,9 +69,9 @@ def test_what_was_written_is_there_before_write_returns(journals):
 def test_what_the_next_start_goes_on_from(journals):
     journal = journals()
     journal.write(BATCH)
-    journal.write(Batch(states=(("zone:Home", '{"n":2}'),), outcomes=(("HNF-6667-1", Outcome(1e9 + 9, '{"n":2}')),)))
+    journal.write(Batch(states=(("zone:Home", '{"n":2}'),), outcomes=(("HNF-6667-1", RunOutcome(1e9 + 9, '{"n":2}')),)))
     journal.close()
-    before = journals(mono=9.0).before
+    before = journals(mono=9.0).previous
     assert before.states == {"zone:Home": '{"n":2}'}
     assert before.outcomes == ('{"n":2}',)
     assert (before.log_files, before.last_port) == ({6667: "/logs/run.bag"}, 6667)
@@ -83,7 +83,7 @@ def test_the_last_record_may_be_one_of_a_link(journals):
     journal.write(BATCH)
     journal.write(Batch(links=(LinkRow(6667, 1e9 + 7, 12.0, "{}"),)))
     journal.close()
-    last = journals().before.last
+    last = journals().previous.last
     assert (last.utc, last.mono) == (1e9 + 7, 12.0)
 
 
@@ -91,7 +91,7 @@ def test_the_record_of_a_run_that_is_still_connected_is_there_too(journals):
     journal = journals()
     journal.write(BATCH)
     journal.close()
-    assert journals().before.outcomes == ('{"n":1}',)
+    assert journals().previous.outcomes == ('{"n":1}',)
 
 
 def test_all_of_a_batch_or_nothing(journals):
@@ -271,7 +271,7 @@ def test_what_cannot_be_gone_on_with_is_put_aside(journals, tmp_path, spoil, why
     spoil(path)
     spoiled = path.read_bytes()
     again = journals()
-    assert again.before == NOTHING
+    assert again.previous == NOTHING
     assert why in again.warnings[0]
     kept = list(path.parent.glob("*_aside_*.sqlite3"))
     assert [file.read_bytes() for file in kept] == [spoiled]
@@ -299,7 +299,7 @@ def test_an_older_version_is_brought_up_to_date(journals, monkeypatch):
     monkeypatch.setattr(schema, "MIGRATIONS", {schema.VERSION - 1: ("ALTER TABLE runs ADD COLUMN room TEXT",)})
     again = journals()
     assert again.warnings == ()
-    assert again.before.states == {"zone:Home": '{"n":1}'}
+    assert again.previous.states == {"zone:Home": '{"n":1}'}
     assert rows(again, "room", "runs") == [(None,)]
 
 
@@ -310,7 +310,7 @@ def test_a_journal_of_version_1_is_brought_up_to_date(journals):
     make_old(journal.path)
     again = journals()
     assert again.warnings == ()
-    assert again.before.states == {"zone:Home": '{"n":1}'}
+    assert again.previous.states == {"zone:Home": '{"n":1}'}
     again.write(BATCH._replace(runs=(), members=()))
     assert len(rows(again)) == 2
     assert find_damage(again._connection) == []
@@ -362,7 +362,7 @@ troubles = []
 journal = Journal(sys.argv[1], Session(1e9, 1.0, "boot", 1, "uuid", ""), sys.argv[3], Resume.ALWAYS, troubles.append)
 for line in sys.stdin:
     exec(line)
-    print(json.dumps([journal.before.states, (troubles or [""])[-1], journal._session_id]), flush=True)
+    print(json.dumps([journal.previous.states, (troubles or [""])[-1], journal._session_id]), flush=True)
 """
 
 

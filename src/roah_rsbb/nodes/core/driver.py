@@ -1,6 +1,6 @@
-"""Drives the core: puts events in with the time, and carries out the effects that they leave.
+"""Drives the core: passes events with their time to the box, and carries out their effects.
 
-Everything here runs in the loop's thread. The core decides; the driver only knows who does what.
+Everything here runs in the loop's thread. The core makes all decisions; the driver only dispatches effects.
 """
 
 import asyncio
@@ -19,7 +19,7 @@ from roah_rsbb.nodes.core.radio import CoreRadio
 from roah_rsbb.run_logs.writer import RunLogWriter
 from roah_rsbb.wording.plain import plain
 
-# Readings of clocks this close together are of one moment; a busy machine takes a few attempts.
+# Two clock readings count as simultaneous within this time; a busy machine may need several attempts.
 SAME_MOMENT_S = 0.005
 MAX_READINGS = 10
 
@@ -27,7 +27,7 @@ _LOG = {Level.INFO: rospy.loginfo, Level.WARNING: rospy.logwarn, Level.ERROR: ro
 
 
 class CoreDriver:
-    """One box, and the hands that do what it wants done."""
+    """One box, and the objects that carry out its effects."""
 
     def __init__(
         self,
@@ -57,7 +57,7 @@ class CoreDriver:
         self._beacon_wanted = False
         self._modules_wait = False
         self._unopened: Set[int] = set()  # ports
-        self._moment = self.now()  # of the last event
+        self._moment = self.now()  # of the latest event
         self._hands = {
             effects.PortTaken: self._port_taken,
             effects.OpenChannel: self._open_channel,
@@ -70,7 +70,7 @@ class CoreDriver:
             effects.RunOpened: self._run_opened,
             effects.RunResumed: self._run_resumed,
             effects.RecordChanged: lambda e: results_changed(),
-            effects.Recorded: lambda e: None,  # the journal has it
+            effects.Recorded: lambda e: None,  # the journal records it
             effects.RunLogged: lambda e: self._run_logs.logged(e, self._moment.utc),
             effects.RunClosed: lambda e: self._run_logs.closed(e),
             effects.ModuleRunsChanged: self._want_modules_told,
@@ -82,7 +82,7 @@ class CoreDriver:
     def now() -> Now:
         """The present moment on both clocks; the loop's clock is the monotonic one.
 
-        A pause of this process between two readings would look like a step of the clock: then read again.
+        A pause of this process between both readings would look like a step of the clock. Then they are read again.
         """
         for _ in range(MAX_READINGS):
             before, utc, mono = time.monotonic(), time.time(), time.monotonic()
@@ -91,7 +91,7 @@ class CoreDriver:
         return Now(mono, utc)
 
     def event(self, method: Callable[..., object], *args: object) -> None:
-        """Put an event into the box, then do what it wants. What the method raises comes out afterwards."""
+        """Pass an event to the box, then carry out the effects. Exceptions of the method are raised afterwards."""
         self._moment = self.now()
         try:
             method(self._moment, *args)
@@ -100,12 +100,12 @@ class CoreDriver:
             self._set_timer()
 
     def tick(self) -> None:
-        """Let the box do what is due."""
+        """Run the box's due timers."""
         self.event(self.box.tick)
 
     def _carry_out(self) -> None:
         if self._carrying_out:
-            return  # an effect led to another event: its effects come after those before
+            return  # an effect caused another event, whose effects follow later
         self._carrying_out = True
         notices: List[effects.Notice] = []
         try:
@@ -125,18 +125,18 @@ class CoreDriver:
                 self._tell_modules()
         finally:
             self._carrying_out = False
-            # A line in the node's log takes longer than a datagram, and nobody waits for it.
+            # Log lines are slow and not urgent, so they come last.
             for notice in notices:
                 self._do(notice)
 
     def _take_effects(self) -> List[Effect]:
-        """What is to be done; it is on record when this returns."""
+        """The effects, which are recorded when this returns."""
         todo = self.box.take_effects()
         if todo:
             try:
                 self._journal.record(self._moment, todo)
             except Exception:
-                # A record that cannot be made must not keep the robots from their run.
+                # A failed record must not stop the runs.
                 self._journal.lost()
                 rospy.logerr_throttle(1.0, "internal error, please report it: what happened could not be recorded",
                                       exc_info=True)
@@ -146,7 +146,7 @@ class CoreDriver:
         try:
             self._hands[type(effect)](effect)
         except Exception:
-            # One hand that fails must not keep the others from their work.
+            # A failing effect must not prevent the others.
             rospy.logerr_throttle(1.0, f"internal error, please report it: {type(effect).__name__} was not carried out",
                                   exc_info=True)
 
@@ -163,12 +163,11 @@ class CoreDriver:
         self.tick()
 
     def _want_beacon(self, _effect: effects.SendBeacon) -> None:
-        """The beacon says what is true when it leaves, so it leaves after all else, also after what another
-        port puts on record when the first one could not be opened."""
+        """Send the beacon after all other effects, so that it has the final state."""
         self._beacon_wanted = True
 
     def _want_modules_told(self, _effect: effects.ModuleRunsChanged) -> None:
-        """Once an event, after what robots wait for."""
+        """Once per event, after the effects that robots wait for."""
         self._modules_wait = True
 
     def _port_taken(self, effect: effects.PortTaken) -> None:
@@ -193,7 +192,7 @@ class CoreDriver:
 
     def _run_opened(self, effect: effects.RunOpened) -> None:
         if effect.port in self._unopened:
-            return  # the box tries again on another port: no log for this one
+            return  # the box retries on another port: no log for this one
         self._run_logs.opened(effect, self._moment.utc)
         self._journal.log_file(effect.port, self._run_logs.files[effect.port])
 

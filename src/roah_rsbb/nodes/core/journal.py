@@ -1,6 +1,6 @@
-"""Between the core and its journal: an event's effects become a batch, and a batch of old a box that goes on.
+"""Connects the core with its journal: turns effects into batches, and saved batches into a resumed box.
 
-What an event changed is in the journal before anything leaves the box because of it (docs/architecture.md, "First
+The changes of an event are in the journal before any of its effects leave the box (docs/architecture.md, "First
 written, then done").
 """
 
@@ -17,8 +17,8 @@ from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.unsaved import Unsaved, UnsavedParts
 from roah_rsbb.core.zones import ZoneState, key_of
 from roah_rsbb.journal import kinds
-from roah_rsbb.journal.batch import Batch, Entry, LinkRow, Member, Outcome, RunRow
-from roah_rsbb.journal.before import Before
+from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, RunOutcome, RunRow
+from roah_rsbb.journal.previous_session import PreviousSession
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.rulebook.config import Config
 
@@ -27,28 +27,28 @@ ZONE_STATE = "zone:"
 
 
 class _Place(NamedTuple):
-    """Where the robot with a private port is."""
+    """Zone and run of the robot with a private port."""
 
     zone: str
     identity: str
 
 
 def competition(config: Config) -> str:
-    """What a competition is known by: its events."""
+    """Identifies a competition by its events."""
     return _json([[zone.name, *key_of(event)] for zone in config.zones for event in zone.events])
 
 
 class CoreJournal:
-    """Puts on record what the box does."""
+    """Records what the box does."""
 
     def __init__(self, box: Box, journal: Journal) -> None:
         self._box = box
         self._journal = journal
         self._places: Dict[int, _Place] = {}
-        self._entries: List[Entry] = []
+        self._entries: List[NewEntry] = []
         self._runs: List[RunRow] = []
         self._members: List[Member] = []
-        self._outcomes: List[Tuple[str, Outcome]] = []
+        self._outcomes: List[Tuple[str, RunOutcome]] = []
         self._records: List[RunRecord] = []
         self._signed: Set[str] = set()  # identities of runs
         self._unsaved = Unsaved()
@@ -67,7 +67,7 @@ class CoreJournal:
         }
 
     def record(self, now: Now, todo: Sequence[Effect]) -> None:
-        """Write what an event changed; `todo` are its effects, which nobody has carried out yet."""
+        """Write the changes of an event; `todo` are its effects, before they are carried out."""
         for effect in todo:
             taker = self._takers.get(type(effect))
             if taker is not None:
@@ -89,7 +89,7 @@ class CoreJournal:
             self._unsaved.changed(now.mono, self._ticket, record)
 
     def lost(self) -> None:
-        """What happened could not be put on record because of an error of the program."""
+        """An internal error prevented a record."""
         self._is_lost = True
 
     def ticket(self) -> Optional[int]:
@@ -108,22 +108,22 @@ class CoreJournal:
         self._signed |= {record.identity for record in records if record.sign_off}
 
     def log_file(self, port: int, path: str) -> None:
-        """Where the run log of a robot is."""
+        """Record the path of a robot's run log."""
         self._journal.write(Batch(log_files=((port, path),)))
 
     def log_entries(self, port: int) -> List[Tuple[str, object, float]]:
-        """All that belongs into the run log of a robot so far: topic, value and UTC seconds, in order."""
+        """All entries of a robot's run log so far: topic, value and UTC seconds, in order."""
         return [
             (entry.kind, json.loads(entry.value), entry.utc)
             for entry in self._journal.entries_of(port) if entry.kind in run_log.KINDS
         ]
 
     def log_file_before(self, port: int) -> str:
-        """Where the run log of a robot was before the restart; empty: nobody knows."""
-        return self._journal.before.log_files.get(port, "")
+        """The path of a robot's run log before the restart; empty if unknown."""
+        return self._journal.previous.log_files.get(port, "")
 
     def each_second(self, now: Now, unreadable: Mapping[int, int]) -> None:
-        """To be called once a second: write the link records, and what could not be written before.
+        """Call this once a second: writes the link records and waiting data.
 
         `unreadable`: see `Box.link_samples`.
         """
@@ -145,7 +145,7 @@ class CoreJournal:
         return self._places.get(port, _Place("", ""))
 
     def _add(self, now: Now, place: _Place, port: Any, who: str, kind: str, value: object) -> None:
-        self._entries.append(Entry(now.utc, now.mono, place.zone, place.identity, port, who, kind, _json(value)))
+        self._entries.append(NewEntry(now.utc, now.mono, place.zone, place.identity, port, who, kind, _json(value)))
 
     def _opened(self, _now: Now, effect: effects.RunOpened) -> None:
         self._find_place(effect.port)
@@ -158,7 +158,7 @@ class CoreJournal:
         self._find_place(effect.port)
 
     def _find_place(self, port: int) -> None:
-        """A run begins or goes on: what is told of its port later, also after its end, belongs to it."""
+        """A run begins or resumes: later entries of its port belong to it, even after its end."""
         self._places[port] = self._place_of_zone(self._box.zones.run_at(port).zone)
 
     def _place_of_zone(self, zone: str) -> _Place:
@@ -191,12 +191,12 @@ class CoreJournal:
 
     def _record_changed(self, _now: Now, effect: effects.RecordChanged) -> None:
         record = effect.record
-        self._outcomes.append((record.identity, Outcome(record.closed_utc or None, _json(freeze(record)))))
+        self._outcomes.append((record.identity, RunOutcome(record.closed_utc or None, _json(freeze(record)))))
         self._records.append(record)
 
 
-def saved_before(before: Before, now: Now, boot: str) -> Tuple[Saved, List[str]]:
-    """What the box goes on from, and warnings about what cannot be read."""
+def saved_state(before: PreviousSession, now: Now, boot: str) -> Tuple[Saved, List[str]]:
+    """The state from which the box resumes, and warnings about unreadable parts."""
     warnings: List[str] = []
     last = before.last
     shift = 0.0 if last is None else Anchor(last.mono, last.utc, last.boot_id).shift(now, boot)

@@ -47,7 +47,7 @@ from roah_rsbb.msg import (
 from roah_rsbb.nodes.core import public_convert
 from roah_rsbb.nodes.core.device_calls import DeviceCalls, devices_of
 from roah_rsbb.nodes.core.driver import CoreDriver
-from roah_rsbb.nodes.core.journal import CoreJournal, competition, saved_before
+from roah_rsbb.nodes.core.journal import CoreJournal, competition, saved_state
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.nodes.core.results_convert import ResultsBoard
@@ -136,7 +136,7 @@ class CoreNode:
         launch = rospy.get_param("/run_id", "")
         session = Session(time.time(), time.monotonic(), boot_id(), os.getpid(), self._uuid, launch)
         self._store = Journal(log_dir, session, competition(loaded), resume, self._on_journal_trouble)
-        box = Box(loaded, settings, beacon_size, max(last_port or 0, self._store.before.last_port or 0))
+        box = Box(loaded, settings, beacon_size, max(last_port or 0, self._store.previous.last_port or 0))
         keys = {team: Key(password) for team, password in loaded.passwords.items()}
         self._radio = CoreRadio(self._ros.loop, network, keys, box, self._event)
         self._journal = CoreJournal(box, self._store)
@@ -161,12 +161,12 @@ class CoreNode:
 
     def _go_on(self) -> None:
         """Go on where the core was when it ended, if it is in the journal."""
-        saved, warnings = saved_before(self._store.before, self._driver.now(), boot_id())
+        saved, warnings = saved_state(self._store.previous, self._driver.now(), boot_id())
         for warning in warnings:
             self._driver.event(self._box.on_notice, warning)
         self._journal.restore(saved.records)
         self._driver.event(self._box.resume, saved)
-        self._run_logs.repair(self._store.before.log_files)
+        self._run_logs.repair(self._store.previous.log_files)
 
     def run(self) -> int:
         """Run until shut down; returns the process's exit status."""

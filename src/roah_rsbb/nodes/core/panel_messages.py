@@ -1,6 +1,6 @@
 """The messages for the referees' panels: /core/to_gui ten times a second, /core/details when something changed.
 
-Most of what they tell of a zone stays the same for many ticks, so that it is kept until something else is to be told.
+Most of a zone's content stays the same for many ticks, so it is cached until it changes.
 """
 
 from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
@@ -15,18 +15,18 @@ from roah_rsbb.ros.times import ros_duration, ros_time, ros_wire_time
 
 
 class _Zone(NamedTuple):
-    """What is told of a zone."""
+    """The cached messages of a zone."""
 
-    told: Tuple[views.ZoneView, str]  # without time, and the path of the run's log
+    shown: Tuple[views.ZoneView, str]  # view without time, and path of the run's log
     state: SerialisedZone
     details: ZoneDetails
     robot: Optional[views.RobotInRunView]
 
 
 class PanelMessages:
-    """Makes the messages, of one box."""
+    """Makes the messages of one box."""
 
-    # Skew and time of the last message change all the time; with nothing else, they are told after so many ticks.
+    # Clock skew and time of the latest message always change. Alone, they are only published after this many ticks.
     DETAILS_EVERY = 10
 
     def __init__(self, box: Box, box_uuid: str, addr: str) -> None:
@@ -83,10 +83,10 @@ class PanelMessages:
         return list(self._robots.values())
 
     def _zone(self, view: views.ZoneView, log_files: Mapping[int, str]) -> bytes:
-        told = view.without_time(), "" if view.robot is None else log_files.get(view.robot.port, "")
+        shown = view.without_time(), "" if view.robot is None else log_files.get(view.robot.port, "")
         kept = self._zones.get(view.zone)
-        if kept is None or kept.told != told:
-            kept = _Zone(told, SerialisedZone(_zone_state(view)), _zone_details(*told), view.robot)
+        if kept is None or kept.shown != shown:
+            kept = _Zone(shown, SerialisedZone(_zone_state(view)), _zone_details(*shown), view.robot)
             self._details_due_in = 0
         self._zones[view.zone] = kept._replace(robot=view.robot)
         return kept.state.with_timer(ros_duration(view.timer))

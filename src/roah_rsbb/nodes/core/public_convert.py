@@ -1,4 +1,4 @@
-"""From what the public may see to the messages of public displays, the original's and ours."""
+"""Builds the messages for public displays, the original's and ours."""
 
 import time
 
@@ -15,7 +15,7 @@ from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 
 
 def to_public(box: Box, now: Now) -> CoreToPublic:
-    """The public display's message; times are local, the public's."""
+    """The message for the public display, with local times."""
     return CoreToPublic(
         clock=_local(now.utc),
         schedule=[
@@ -29,7 +29,7 @@ def to_public(box: Box, now: Now) -> CoreToPublic:
 
 
 def public_details(view: PublicView, now: Now, box_uuid: str) -> PublicDetails:
-    """What CoreToPublic has no field for; `view` was made at `now`."""
+    """The data for which CoreToPublic has no fields; `view` was made at `now`."""
     return PublicDetails(
         clock=ros_time(now.utc),
         box_uuid=box_uuid,

@@ -1,7 +1,7 @@
-"""All UDP of the core node: the public channel, and a private one for each run.
+"""The UDP channels of the core node: the public channel, and a private one for each run.
 
-Decides nothing: it turns datagrams into events of the box, and what the box says into datagrams at the
-times that `StateSender` gives.
+It makes no decisions. It turns datagrams into events of the box, and the box's messages into datagrams at the times of
+`StateSender`.
 """
 
 import asyncio
@@ -24,9 +24,9 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
 Address = Tuple[str, int]
 BEACON_PERIOD_S = 1.0
-# Devices and the tablet change at the pace of whoever sends it: beacons leave no closer together than this.
+# Shortest interval of beacons, because devices and tablet may change at any rate.
 BEACON_GAP_S = 0.05
-# Copies of datagrams become so many events a second. The network doubles fewer.
+# Limit of events per second for copies of datagrams; a real network causes fewer.
 COPY_EVENTS = 100
 
 
@@ -42,12 +42,12 @@ class Network(NamedTuple):
 
 
 def beacon_size(beacon: Beacon) -> int:
-    """Bytes of the datagram that carries a beacon."""
+    """The size of a beacon's datagram (bytes)."""
     return encoded_size(wire_convert.beacon_message(beacon), Cipher.NONE)
 
 
 class _Private:
-    """A private channel and the message that it sends again and again."""
+    """A private channel and the message that it repeats."""
 
     def __init__(self, channel: PrivateChannel) -> None:
         self.channel = channel
@@ -70,7 +70,7 @@ class CoreRadio:
         box: Box,
         event: Callable[..., None],
     ) -> None:
-        """`keys`: of each team. `event(method, *arguments)` puts an event into the box, with the time."""
+        """`keys` by team. `event(method, *arguments)` passes an event to the box."""
         self._loop = loop
         self._network = network
         self._keys = keys
@@ -105,15 +105,15 @@ class CoreRadio:
         self.public.close()
 
     def unreadable(self) -> Dict[int, int]:
-        """By private port, how many datagrams arrived there so far that could not be read."""
+        """The number of unreadable datagrams so far by private port."""
         return {port: sum(private.channel.complaints.totals().values()) for port, private in self._privates.items()}
 
-    # -- what the box wants sent --------------------------------------------------------------------
+    # -- sending -------------------------------------------------------------------------------------
 
     def send_beacon(self) -> None:
-        """Send a beacon at once (and the regular ones as ever), unless the box only listens.
+        """Send a beacon immediately, in addition to regular ones, unless the box only listens.
 
-        Where the last one left just before, it leaves after `BEACON_GAP_S`, and says what is true then.
+        Shortly after another beacon, it is delayed until `BEACON_GAP_S` has passed, and then has the present state.
         """
         if self._listening or self._beacon_soon is not None:
             return
@@ -150,10 +150,10 @@ class CoreRadio:
             private.channel.remote = host
 
     def send_state(self, port: int, message: BoxMessage, how: How) -> None:
-        """Send this message from now on, the first time as `how` says."""
+        """Repeat this message from now on; `how` applies to the first time."""
         private = self._privates.get(port)
         if private is None:
-            return  # its channel could not be opened: the box takes another port
+            return  # its channel could not be opened: the box uses another port
         if how is How.CHANGE and message.repeats(private.message):
             # A module begins with STOP, and the next moment asks for PREPARE: on the way one may overtake the other.
             how = How.QUIET
@@ -195,7 +195,7 @@ class CoreRadio:
             private.channel.send(private.made)
         private.timer = self._loop.call_at(private.sender.deadline, self._send_due, private)
 
-    # -- what arrives -------------------------------------------------------------------------------
+    # -- receiving ----------------------------------------------------------------------------------
 
     def _on_public(self, message: object, address: Address) -> None:
         host = address[0]

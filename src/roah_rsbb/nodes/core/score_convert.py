@@ -1,4 +1,4 @@
-"""Between scores, the referee's and the modules', and their ROS messages."""
+"""Converts between scores of referees and modules and their ROS messages."""
 
 from typing import Iterable, List
 
@@ -22,7 +22,7 @@ def group_message(group: ScoreGroup) -> ZoneScoreGroup:
 
 
 def type_of(item: ItemRecord) -> int:
-    """An item's type in ZoneScoreGroup; one that nobody knows is a count."""
+    """An item's type in ZoneScoreGroup; unknown types are counts."""
     return _TYPES.get(item.kind, int(ScoreKind.UINT))
 
 
@@ -40,7 +40,7 @@ def items_message(items: Iterable[ItemRecord]) -> List[ZoneScoreGroup]:
 
 
 def group_of(message: ZoneScoreGroup) -> ScoreGroup:
-    """A group of the referee's scoring items; an item whose type nobody knows is a count."""
+    """A group of the referee's scoring items; items of unknown type are counts."""
     kinds = {int(kind): kind for kind in ScoreKind}
     return ScoreGroup(message.group_name, tuple(
         (ScoringItem(message.group_name, desc, kinds.get(kind, ScoreKind.UINT)), value)

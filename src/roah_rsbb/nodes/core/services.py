@@ -33,14 +33,14 @@ from roah_rsbb.srv import (
 
 T = TypeVar("T")
 
-# What a referee reads when something counts, but is not on the disk.
+# The answer if a result counts, but is not on the disk yet.
 NOT_SAVED = ("not saved: {}. It counts, and is saved as soon as the disk can be written: do not enter it again. "
              "Free or repair the disk of log_dir")
 NOT_RECORDED = "not saved: internal error. It counts until the box ends. Report the error in the core's log"
 
 
 class CoreServices:
-    """Offers all of /core/…; `event` puts a method of the box and its arguments in, in the loop's thread.
+    """Offers all of /core/…; `event` calls a method of the box with arguments in the loop's thread.
 
     `ticket` says, in the loop's thread, which ticket the journal gave to what the event changed. `why_not_saved` waits
     until that is on the disk; it is called in rospy's threads, before what a referee wrote down is confirmed.

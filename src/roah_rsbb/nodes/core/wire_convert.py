@@ -1,4 +1,4 @@
-"""Between the protobuf messages of `comm` and the plain values of `core`."""
+"""Converts between the protobuf messages of `comm` and the values of `core`."""
 
 from roah_rsbb.core.messages import Beacon, BoxMessage, RobotReport, TabletState
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -22,7 +22,7 @@ _OPTIONAL = {
 
 
 def report_of(message: pb.RobotState) -> RobotReport:
-    """A RobotState as the core takes it."""
+    """Convert a RobotState."""
     return RobotReport(
         time=time_of(message.time),
         messages_saved=message.messages_saved,
@@ -36,7 +36,7 @@ def report_of(message: pb.RobotState) -> RobotReport:
 
 
 def tablet_of(message: pb.TabletBeacon) -> TabletState:
-    """A TabletBeacon as the core takes it; which view is shown is not in it."""
+    """Convert a TabletBeacon, which does not contain the shown view."""
     return TabletState(
         call_time=time_of(message.last_call),
         position_time=time_of(message.last_pos),
@@ -46,7 +46,7 @@ def tablet_of(message: pb.TabletBeacon) -> TabletState:
 
 
 def state_message(message: BoxMessage) -> pb.BenchmarkState:
-    """A BenchmarkState to send."""
+    """Build a BenchmarkState."""
     goal = message.goal
     made = pb.BenchmarkState(
         benchmark_type=message.benchmark, benchmark_state=int(message.state), initial_state=goal.initial_state,
@@ -61,7 +61,7 @@ def state_message(message: BoxMessage) -> pb.BenchmarkState:
 
 
 def beacon_message(beacon: Beacon) -> pb.RoahRsbbBeacon:
-    """A RoahRsbbBeacon to send."""
+    """Build a RoahRsbbBeacon."""
     devices, tablet = beacon.devices, beacon.tablet
     made = pb.RoahRsbbBeacon(
         devices_switch_1=devices.switch_1,

@@ -1,4 +1,4 @@
-"""What the journal holds of the time before this start of the core."""
+"""The state that the previous session of the core left in the journal."""
 
 import sqlite3
 from typing import Dict, NamedTuple, Optional, Tuple
@@ -6,29 +6,29 @@ from typing import Dict, NamedTuple, Optional, Tuple
 from roah_rsbb.journal import schema
 from roah_rsbb.journal.file import Session
 
-# The records of so many runs are taken up again: those that a referee may still want to correct.
+# Number of runs whose records are restored, so that referees can correct them.
 MAX_OUTCOMES = 100
 
 
-class Before(NamedTuple):
-    """All that a core needs to go on."""
+class PreviousSession(NamedTuple):
+    """Everything that a core needs to resume."""
 
     states: Dict[str, str]  # by name; JSON
-    outcomes: Tuple[str, ...]  # JSON of the records of the newest runs, also of those that go on; the oldest first
-    log_files: Dict[int, str]  # path of the run log, by the port
-    last_port: Optional[int]  # the highest private port that was used
-    last: Optional[Session]  # the session before, with the times of its last record
+    outcomes: Tuple[str, ...]  # JSON of the records of the newest runs, including active ones; oldest first
+    log_files: Dict[int, str]  # path of the run log by port
+    last_port: Optional[int]  # the highest used private port
+    last: Optional[Session]  # the previous session, with the times of its last record
 
 
-NOTHING = Before({}, (), {}, None, None)
+NOTHING = PreviousSession({}, (), {}, None, None)
 
 
-def read_before(connection: sqlite3.Connection) -> Before:
-    """Read it, before the session that begins is written; damaged rows are left out. Raises sqlite3.Error."""
+def read_previous_session(connection: sqlite3.Connection) -> PreviousSession:
+    """Read the state before the new session is written. Damaged rows are omitted. Raises sqlite3.Error."""
     outcomes = connection.execute(
         f"SELECT outcome FROM runs WHERE outcome IS NOT NULL AND crc IS {schema.crc_of('runs')}"
         " ORDER BY opened_utc DESC LIMIT ?", (MAX_OUTCOMES,)).fetchall()
-    return Before(
+    return PreviousSession(
         states=dict(connection.execute(f"SELECT name, state FROM states WHERE crc IS {schema.crc_of('states')}")),
         outcomes=tuple(outcome for (outcome,) in reversed(outcomes)),
         log_files=dict(connection.execute("SELECT port, log_file FROM members WHERE log_file IS NOT NULL")),
@@ -48,7 +48,7 @@ def _last_session(connection: sqlite3.Connection) -> Optional[Session]:
         "SELECT mono, utc FROM entries WHERE session = ? ORDER BY id DESC LIMIT 1", (number,)).fetchall()
     newest += connection.execute(
         "SELECT mono, utc FROM links WHERE mono >= ? ORDER BY rowid DESC LIMIT 1", (session.mono,)).fetchall()
-    # SQLite keeps whatever it finds in a damaged file, also what is no number.
+    # SQLite returns any value from a damaged file, even if it is not a number.
     times = [(mono, utc) for mono, utc in newest if _is_time(mono) and _is_time(utc)]
     if not times:
         return None
