@@ -8,6 +8,7 @@ import rospy
 
 from roah_rsbb.ros import refusals
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
+from roah_rsbb.srv import GetClock
 
 # Timeout of a call. A later answer is ignored.
 TIMEOUT_S = 5.0
@@ -45,6 +46,17 @@ class Calls(QObject):
     ) -> None:
         """Call the service `name` of type `kind` with the request's fields; `done` receives the outcome."""
         self.run(owner, name, lambda: rospy.ServiceProxy(name, kind)(*request), done)
+
+    def command(
+        self, owner: object, name: str, kind: type, request: tuple, done: Callable[[CallOutcome], None]
+    ) -> None:
+        """Call a service that changes something in the box. The result is the box's clock after the change, UTC
+        seconds: only later messages surely contain the change."""
+        def job() -> float:
+            rospy.ServiceProxy(name, kind)(*request)
+            return rospy.ServiceProxy("/core/clock", GetClock)().clock.to_sec()
+
+        self.run(owner, name, job, done)
 
     def run(self, owner: object, what: str, job: Callable[[], Any], done: Callable[[CallOutcome], None]) -> None:
         """Run `job` in a thread; `done` receives its result or error, unless `owner` was forgotten."""

@@ -6,14 +6,11 @@ connection, and must not overwrite what the referee sees.
 
 from typing import Dict, Hashable, NamedTuple, Optional
 
-# Error of the estimated box clock, seconds.
-MARGIN_S = 0.1
-
 
 class _Edit(NamedTuple):
     wish: int
     sent: Optional[int]  # value in the call that waits for its answer; None: answered
-    since: float = 0.0  # once answered: messages from this clock on include the change
+    since: float = 0.0  # once answered: later messages include the change
 
 
 class Edits:
@@ -22,7 +19,7 @@ class Edits:
     Clocks are those of the messages, in seconds. Where messages have none, use any clock that never goes back.
     """
 
-    def __init__(self, margin_s: float = MARGIN_S) -> None:
+    def __init__(self, margin_s: float = 0.0) -> None:
         """`margin_s`: how long after the answer to a change an older message may still arrive."""
         self._margin_s = margin_s
         self._edits: Dict[Hashable, _Edit] = {}
@@ -56,7 +53,7 @@ class Edits:
         edit = self._edits.get(item)
         if edit is None:
             return published
-        if edit.sent is None and clock_s >= edit.since:
+        if edit.sent is None and clock_s > edit.since:
             del self._edits[item]
             return published
         return edit.wish

@@ -96,6 +96,11 @@ class Model(QObject):
         """The box's clock in the newest message, UTC seconds; 0.0 before the first one."""
         return 0.0 if self.gui is None else self.gui.clock.to_sec()
 
+    @property
+    def details_clock_s(self) -> float:
+        """The box's clock in the newest details, UTC seconds; 0.0 before the first ones."""
+        return 0.0 if self.details is None else self.details.clock.to_sec()
+
     def box_time(self) -> float:
         """Returns our estimate of the box's clock now, in UTC seconds."""
         return self.box_clock.now(time.monotonic())

@@ -199,11 +199,13 @@ class ScoringPanel(RefereePanel):
 
     def _show_values(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
         marks = iter(() if details is None else details.not_attempted)
+        # Values and marks come on two topics: what is shown is as old as the older of them.
+        clock_s = self.model.clock_s if details is None else min(self.model.clock_s, self.model.details_clock_s)
         for group in zone.scoring:
             for desc, published in zip(group.descriptions, group.current_values):
                 item = (group.group_name, desc)
                 published = NOT_ATTEMPTED if next(marks, False) else published
-                value = self._edits.value(item, published, self.model.clock_s)
+                value = self._edits.value(item, published, clock_s)
                 if item in self.rows:
                     self.rows[item].show_value(value, self._edits.is_waiting(item), not self.model.is_old)
 
@@ -239,7 +241,7 @@ class ScoringPanel(RefereePanel):
         details = self.model.zone_details
         not_attempted = value == NOT_ATTEMPTED
         request = (group, desc, 0 if not_attempted else value, not_attempted, note, self.client.referee.name)
-        self.client.calls.service(
+        self.client.calls.command(
             self, "/core/score", ScoreMark, (sheet[0], "" if details is None else details.identity, *request),
             lambda outcome: self._answered(sheet, item, value, outcome),
         )
@@ -275,7 +277,7 @@ class ScoringPanel(RefereePanel):
             self._edits.failed(item)
         else:
             self._answer.clear_answer()
-            following = self._edits.carried_out(item, self.model.box_time())
+            following = self._edits.carried_out(item, outcome.result)
             if following is not None:
                 self._send(item, following)
         self.show_model()
