@@ -29,6 +29,7 @@ from roah_rsbb.srv import (
 
 NOW = Now(12.5, 1447000000.25)
 RUN = RunName("Home", "HWV-1-2")
+TICKET = 7
 RECORD = RunRecord(RUN.identity, "Home", "HWV", "Alpha", 1, 2, 0.0, 0.0)
 
 
@@ -56,6 +57,7 @@ class _Box:
         self.happened = []
         self.refuses = False
         self.command = _Part(self, "").command
+        self.leave_run = _Part(self, "").leave_run
         self.scores = _Part(self, "scores.")
         self.modules = _Part(self, "modules.")
 
@@ -79,10 +81,14 @@ class TestServices(unittest.TestCase):
     def setUpClass(cls) -> None:
         cls.box, cls.loop = _Box(), _Loop()
 
-        def sync():
+        def why_not_saved(ticket):
+            assert ticket == TICKET
             cls.box.happened.append("blocks the loop" if cls.loop.inside else "on disk")
+            return cls.disk_trouble
 
-        CoreServices(cls.box, cls.loop, lambda method, *arguments: method(NOW, *arguments), sync)
+        cls.disk_trouble = ""
+        CoreServices(cls.box, cls.loop, lambda method, *arguments: method(NOW, *arguments), lambda: TICKET,
+                     why_not_saved)
 
     def setUp(self) -> None:
         self.node = rospy.get_name()
@@ -143,6 +149,12 @@ class TestServices(unittest.TestCase):
             with self.subTest(name), self.assertRaisesRegex(rospy.ServiceException, reasons):
                 self.call(name, kind, *request)
         self.assertEqual(self.box.happened, [])
+
+    def test_a_score_that_is_not_on_the_disk_is_not_confirmed(self) -> None:
+        type(self).disk_trouble = "the disk is full"
+        self.addCleanup(setattr, type(self), "disk_trouble", "")
+        with self.assertRaisesRegex(rospy.ServiceException, "not saved: the disk is full. It counts"):
+            self.call("sign_off", SignOff, *RUN, "Anna")
 
     def test_the_clock_is_that_of_the_loop(self) -> None:
         rospy.wait_for_service("/core/clock", 30)

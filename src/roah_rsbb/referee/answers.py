@@ -1,5 +1,6 @@
 """Manual operations during `referee run`: completed by itself, or as the referee types; else others do them."""
 
+import enum
 import queue
 import sys
 import threading
@@ -15,6 +16,14 @@ AGAIN_S = 1.0
 MAX_IN_A_ROW = 10
 
 Note = Callable[[str], None]
+
+
+class Operations(enum.Enum):
+    """Who does manual operations during the run."""
+
+    OTHERS = "others"  # at a panel, or with 'referee done'
+    AUTOMATIC = "automatic"
+    TYPED = "typed"
 
 
 class GivenUp(Exception):

@@ -4,7 +4,7 @@ import argparse
 import math
 from typing import Callable, List, TypeVar
 
-from roah_rsbb.referee.run import Operations
+from roah_rsbb.referee.answers import Operations
 from roah_rsbb.referee.words import BadWord, byte_of, event_wanted, score_wanted
 
 T = TypeVar("T")

@@ -1,6 +1,7 @@
-"""What happened between two snapshots of the box: one `Change` for each thing that a referee wants to know."""
+"""What happens in the box: one `Change` for each thing that a referee wants to know, between two snapshots."""
 
 import re
+import time
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.referee.state import Box, Operation, Zone, lines_of
@@ -9,6 +10,8 @@ from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 
 # Numbers in a warning (seconds, skews) change all the time: the warning stays the same one.
 _NUMBER = re.compile(r"[+-]?\d+(\.\d+)?")
+# The core publishes every 100 ms. After this long without a message, something is wrong.
+SILENT_S = 2.0
 NOTHING_ASKED = Operation(0, "", (), False)
 
 
@@ -124,3 +127,28 @@ def _warnings(utc_s: float, zone: str, old: Tuple[str, ...], new: Tuple[str, ...
         yield Change(utc_s, "warning", zone, {"text": text, "over": False})
     for text in news(new, old):
         yield Change(utc_s, "warning", zone, {"text": text, "over": True})
+
+
+class Follower:
+    """Follows the box through silences and restarts of the core. `link` is a `roah_rsbb.referee.link.Link`, or
+    behaves like one."""
+
+    def __init__(self, link, zone: Optional[str] = None) -> None:
+        self._link = link
+        self._zone = zone
+        self._silent = False
+        self.box = link.box
+
+    def step(self, limit_s: float) -> List[Change]:
+        """Return what happened until the next snapshot, or within `limit_s` if none comes."""
+        self._link.next(limit_s)
+        new = self._link.box
+        found: List[Change] = []
+        silent = self._link.silence_s > SILENT_S
+        if silent != self._silent:
+            self._silent = silent
+            found.append(Change(time.time(), "core", "", {"what": "silent" if silent else "back"}))
+        if new is not self.box:
+            found += changes(self.box, new, self._zone)
+            self.box = new
+        return found

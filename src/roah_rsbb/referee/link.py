@@ -14,6 +14,7 @@ import rospy
 
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunSheet, Score
+from roah_rsbb.referee.changes import SILENT_S
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.sheets import RunLine, run_of
 from roah_rsbb.referee.state import Box, Item, box_of
@@ -38,8 +39,8 @@ GUI_TOPIC, DETAILS_TOPIC, RESULTS_TOPIC = "/core/to_gui", "/core/details", "/cor
 
 # So often it is looked whether a message came. The core publishes every 100 ms.
 POLL_S = 0.02
-# The core publishes every 100 ms: after this long without a message something is wrong.
-SILENT_S = 2.0
+
+
 # Limits for answers: of the master, of the core with its first messages, of a service, at the end.
 MASTER_S, CORE_S, ANSWER_S, CLOSE_S = 2.0, 2.0, 6.0, 1.5
 # A master that is not there yet is asked again after this long.

@@ -7,16 +7,14 @@ identity. It never disconnects a running robot, and never a run that may be anot
 """
 
 import contextlib
-import enum
 import sys
 import time
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple, Union
 
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.referee.answers import Automatic, GivenUp, Keyboard, Note, Typed
-from roah_rsbb.referee.changes import Change, news
+from roah_rsbb.referee.answers import Automatic, GivenUp, Keyboard, Note, Operations, Typed
+from roah_rsbb.referee.changes import Change, Follower, news
 from roah_rsbb.referee.exits import Exit, NoCore
-from roah_rsbb.referee.follow import Follower
 from roah_rsbb.referee.state import COMPLETED, CONNECTED, ENDED, IDLE, RUNNING, STOPPED, Item, Zone
 from roah_rsbb.referee.words import BadWord, EventWanted, pick_item, value_of
 from roah_rsbb.wording.sheets import END_REASONS
@@ -24,14 +22,6 @@ from roah_rsbb.wording.sheets import END_REASONS
 # A core that crashed is restarted within seconds. After this long without it, the script gives up.
 GIVE_UP_S = 60.0
 STEP_S = 1.0
-
-
-class Operations(enum.Enum):
-    """Who does manual operations during the run."""
-
-    OTHERS = "others"  # at a panel, or with 'referee done'
-    AUTOMATIC = "automatic"
-    TYPED = "typed"
 
 
 _ANSWERS: Dict[Operations, Callable[[Any, Note], Union[Automatic, Typed, None]]] = {

@@ -1,20 +1,25 @@
-"""Runs and their score sheets, as plain values: what the terminal's referee shows of them, and what `--json` prints.
+"""Runs and their score sheets: plain values, as `--json` prints them, and their lines in the terminal.
 
-The names of the fields are the names in the JSON output (docs/referee.md): they are kept. Times are UTC in
-seconds since 1970; null: there was none.
+The names of the fields are the names in the JSON output (docs/referee.md) and never change. Times are UTC seconds since
+1970; null means that the time does not exist.
 """
 
+from functools import partial
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.referee.state import ITEM_TYPES, Item
+from roah_rsbb.referee.view import BOLD, YELLOW, Paint, item_text, plain
 from roah_rsbb.referee.words import BadWord
+from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.sheets import HistoryEntry, history_entry
+
+_IN = "    "
 
 LAST = "last"
 
 
 class RunLine(NamedTuple):
-    """A run in a line."""
+    """A run, without its score sheet."""
 
     identity: str
     zone: str
@@ -32,7 +37,7 @@ class RunLine(NamedTuple):
     started_utc_s: Optional[float] = None
 
 
-class End(NamedTuple):
+class RunEnd(NamedTuple):
     """One end of a run."""
 
     number: int
@@ -45,19 +50,19 @@ class End(NamedTuple):
 
 
 class Sheet(NamedTuple):
-    """All that there is of a run."""
+    """A run with its score sheet, its history and its ends."""
 
     run: RunLine
     robots: Tuple[str, ...]
     elapsed_s: float
     items: Tuple[Item, ...]
-    corrected: Tuple[int, ...]  # numbers of the items that stand otherwise than when the run was over
+    corrected: Tuple[int, ...]  # numbers of the items that were changed after the run was over
     history: Tuple[HistoryEntry, ...]
-    ends: Tuple[End, ...]
+    ends: Tuple[RunEnd, ...]
 
 
 def run_of(summary) -> RunLine:
-    """A RunSummary."""
+    """Read a RunSummary."""
     return RunLine(
         summary.identity, summary.zone, summary.code, summary.team, summary.round, summary.run,
         summary.opened.to_sec(), _moment(summary.closed), summary.end_reason, summary.score, summary.corrected,
@@ -66,7 +71,7 @@ def run_of(summary) -> RunLine:
 
 
 def sheet_of(sheet) -> Sheet:
-    """A RunSheet."""
+    """Read a RunSheet."""
     kinds = {(item.group, item.desc): ITEM_TYPES[item.type] for item in sheet.items}
     return Sheet(
         run_of(sheet.summary), tuple(sheet.robots), sheet.elapsed.to_sec(),
@@ -77,15 +82,17 @@ def sheet_of(sheet) -> Sheet:
         tuple(number for number, item in enumerate(sheet.items, 1) if item.corrected),
         tuple(history_entry(entry, kinds.get((entry.group, entry.desc)) == "bool") for entry in sheet.history),
         tuple(
-            End(number, stop.time.to_sec(), stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)
+            RunEnd(number, stop.time.to_sec(), stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)
             for number, stop in enumerate(sheet.stops, 1)
         ),
     )
 
 
 def pick_run(word: str, runs: Sequence[RunLine]) -> RunLine:
-    """The run that `word` names: `last` (that was left last), or a part of its identity that no other has; raises
-    `BadWord`. `runs`: the zone's, the one that was left last first."""
+    """Return the run that `word` names: `last`, or a part of its identity that no other run has; raises `BadWord`.
+
+    `runs`: those of the zone, the latest one first.
+    """
     over = [run for run in runs if run.closed_utc_s is not None]
     if word == LAST and over:
         return over[0]
@@ -101,3 +108,56 @@ def pick_run(word: str, runs: Sequence[RunLine]) -> RunLine:
 
 def _moment(time) -> Optional[float]:
     return time.to_sec() or None
+
+
+# -- lines ----------------------------------------------------------------------------------------
+
+
+def run_lines(runs: Sequence[RunLine], paint: Paint) -> List[str]:
+    """Return a line for each run of a zone."""
+    return [_run_line(run, paint) for run in runs] or ["no run is connected or over"]
+
+
+def _run_line(run: RunLine, paint: Paint) -> str:
+    when = "now      " if run.closed_utc_s is None else times.time_with_zone(run.closed_utc_s)
+    which = sheets.run_name(plain(run.code), plain(run.team), run.round, run.run)
+    score = f"  {plain(run.score)}" if run.score else ""
+    return f"{when}  {plain(run.identity)}  {which}: {_state(run, paint)}{score}"
+
+
+def _state(run: RunLine, paint: Paint) -> str:
+    parts = [plain(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason))]
+    if run.corrected:
+        parts.append(paint(YELLOW, sheets.CORRECTED))
+    if run.closed_utc_s is not None:
+        parts.append(sheets.signature(run.signed_utc_s, plain(run.signed_by), times.time_with_zone))
+    return ", ".join(parts)
+
+
+def sheet_lines(sheet: Sheet, paint: Paint) -> List[str]:
+    """Return the lines of a score sheet, its history and the run's ends."""
+    lines = [_run_line(sheet.run, paint)]
+    if sheet.run.end_reason:
+        lines.append(f"{_IN}time {times.elapsed(sheet.elapsed_s)}")
+    group = None
+    for item in sheet.items:
+        if item.group != group:
+            group = item.group
+            lines.append(f"{_IN}{plain(group)}")
+        mark = f"  {paint(YELLOW, f'({sheets.CORRECTED})')}" if item.number in sheet.corrected else ""
+        value = f"{item_text(item):>5}"
+        shown = paint(BOLD, value) if item.value or item.not_attempted else value
+        lines.append(f"{_IN}{item.number:4}  {shown}  {plain(item.item)}{mark}")
+    if sheet.history:
+        lines.append("History")
+    for entry in sheet.history:
+        words = sheets.EntryTexts(*map(plain, sheets.entry_texts(entry, times.time_with_zone)))
+        lines.append(f"{_IN}{words.number:>4}  {sheets.entry_line(words, partial(paint, YELLOW))}")
+    if sheet.ends:
+        lines.append("Ends")
+    for end in sheet.ends:
+        who = f" ({plain(end.who)})" if end.who else ""
+        reason = plain(sheets.stop_reason(end.reason, end.reason_by, end.who))
+        lines.append(f"{_IN}{end.number:4}  {times.time_with_zone(end.utc_s)} {plain(end.desc)}{who}"
+                     + (f": {paint(BOLD, reason)}" if reason else ""))
+    return lines

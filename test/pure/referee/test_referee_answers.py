@@ -4,9 +4,9 @@ import pytest
 
 from helpers.referee_box import FakeLink
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.referee.answers import MAX_IN_A_ROW, Automatic, GivenUp, Typed
+from roah_rsbb.referee.answers import MAX_IN_A_ROW, Automatic, GivenUp, Operations, Typed
 from roah_rsbb.referee.exits import Exit, NoCore
-from roah_rsbb.referee.run import Operations, Plan, RunScript
+from roah_rsbb.referee.run import Plan, RunScript
 from roah_rsbb.referee.state import Operation, Switches
 
 PLACE = Operation(1, "Place it", (), False)

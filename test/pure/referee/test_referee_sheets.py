@@ -4,8 +4,7 @@ import pytest
 
 from helpers.referee_box import ITEMS, UTC0
 from roah_rsbb.referee import view as view
-from roah_rsbb.referee.sheet_view import run_lines, sheet_lines
-from roah_rsbb.referee.sheets import LAST, End, RunLine, Sheet, pick_run
+from roah_rsbb.referee.sheets import LAST, RunEnd, RunLine, Sheet, pick_run, run_lines, sheet_lines
 from roah_rsbb.referee.words import BadWord
 from roah_rsbb.wording.sheets import HistoryEntry
 
@@ -54,8 +53,8 @@ def test_a_sheet_has_history_and_ends():
     withdrawn = entry._replace(number=2, old=1, value=0, not_attempted=True, note="", correction=True,
                                withdrawn_utc_s=UTC0 + 60, withdrawn_by="Ben", withdrawn_note="it did")
     sheet = Sheet(_run(1, corrected=True), ("mbot",), 12.0, (ITEMS[0]._replace(value=1), ITEMS[2]), (1,),
-                  (entry, withdrawn), (End(1, UTC0, "Anna", "stopped", "Stopped by the referee", "fire", "Ben"),
-                                       End(2, UTC0, "", "timeout", "Time is up", "")))
+                  (entry, withdrawn), (RunEnd(1, UTC0, "Anna", "stopped", "Stopped by the referee", "fire", "Ben"),
+                                       RunEnd(2, UTC0, "", "timeout", "Time is up", "")))
     assert sheet_lines(sheet, view.no_colour)[1:] == [
         "    time 0:12.0",
         "    Achievements",

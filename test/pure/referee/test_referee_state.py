@@ -131,6 +131,6 @@ def test_the_documentation_names_every_field():
     text = (pathlib.Path(__file__).resolve().parents[3] / "docs" / "referee.md").read_text(encoding="utf-8")
     kinds = (referee_state.Box, referee_state.Robot, referee_state.Zone, referee_state.Event, referee_state.Item,
              referee_state.Operation, referee_state.Switches, referee_state.ModuleScore, sheets.RunLine,
-             sheets.Sheet, sheets.HistoryEntry, sheets.End)
+             sheets.Sheet, sheets.HistoryEntry, sheets.RunEnd)
     missing = [f"{kind.__name__}.{field}" for kind in kinds for field in kind._fields if f"`{field}`" not in text]
     assert not missing

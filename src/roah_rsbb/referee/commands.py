@@ -1,0 +1,252 @@
+"""The commands of the terminal referee. Each takes the open link to the core, its options and the output."""
+
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.referee import sheets, view
+from roah_rsbb.referee.answers import Operations
+from roah_rsbb.referee.changes import Follower
+from roah_rsbb.referee.exits import Exit, NoCore
+from roah_rsbb.referee.link import Link
+from roah_rsbb.referee.output import Output
+from roah_rsbb.referee.run import Plan, RunOutcome, RunScript
+from roah_rsbb.referee.sheets import RunLine, Sheet, pick_run, sheet_of
+from roah_rsbb.referee.state import CONNECTED, IDLE, Item
+from roah_rsbb.referee.words import BadWord, answer_of, pick_item, pick_zone, value_of
+
+WATCH_STEP_S = 1.0
+# Words instead of a value.
+NOT_ATTEMPTED = ("not-attempted", "n/a")
+
+
+def _status(link: Link, options, output: Output) -> Exit:
+    box = link.box
+    if options.zone is None:
+        output.object(box) if output.json else output.lines(view.status(box, output.paint))
+        return Exit.OK
+    zone = box.zone(_zone_name(link, options.zone))
+    output.object(zone) if output.json else output.lines(view.zone_report(zone, box.clock_utc_s, output.paint))
+    return Exit.OK
+
+
+def _watch(link: Link, options, output: Output) -> Exit:
+    zone = None if options.zone is None else _zone_name(link, options.zone)
+    if output.json:
+        output.object({"utc_s": link.box.clock_utc_s, "kind": "start", "zone": zone or "", "box": link.box})
+    else:
+        box = link.box if zone is None else link.box._replace(zones=(link.box.zone(zone),))
+        output.lines([*view.status(box, output.paint), ""])
+    follower = Follower(link, zone)
+    while not output.closed:
+        for change in follower.step(WATCH_STEP_S):
+            output.change(change)
+    return Exit.OK
+
+
+def _command(link: Link, options, output: Output) -> Exit:
+    name = _zone_name(link, options.zone)
+    link.command(options.command, name)
+    return _say_done(link, name, output, options.command)
+
+
+def _say_done(link: Link, name: str, output: Output, command: str) -> Exit:
+    """Write how the zone is after a command."""
+    box = link.settle()
+    zone = box.zone(name)
+    if output.json:
+        output.object({"ok": True, "command": command, "zone": name, "state": zone})
+    else:
+        output.lines([f"{command}: done", *view.zone_lines(zone, box.clock_utc_s, output.paint)])
+    return Exit.OK
+
+
+def _score(link: Link, options, output: Output) -> Exit:
+    if options.item is not None and options.value is None:
+        raise BadWord(f"which value should '{options.item}' have? Give it behind the item")
+    with_words = options.note or options.referee or options.run is not None
+    if options.item is not None and (with_words or options.value.lower() in NOT_ATTEMPTED):
+        return _score_with_words(link, options, output)
+    if options.run is not None:
+        return _sheet(link, options, output)
+    name = _zone_name(link, options.zone)
+    zone = link.box.zone(name)
+    if zone.phase == IDLE:
+        raise Refused(["No run is connected: the score sheet begins with connect"])
+    if options.item is None:
+        output.object({"zone": name, "event": zone.event, "score": zone.score}) if output.json else output.lines(
+            view.score_sheet(zone, output.paint))
+        return Exit.OK
+    item = pick_item(options.item, zone.score)
+    link.set_score(name, item.group, item.item, value_of(options.value, item))
+    zone = link.settle().zone(name)
+    item = zone.score[item.number - 1]
+    output.object({"ok": True, "command": "score", "zone": name, **item._asdict()}) if output.json else output.lines(
+        [view.item_line(item)])
+    return Exit.OK
+
+
+def _done(link: Link, options, output: Output) -> Exit:
+    name = _zone_name(link, options.zone)
+    operation = link.box.zone(name).operation
+    if operation is None:
+        raise Refused(["nothing is asked of the referee now"])
+    if options.operation not in (None, operation.number):
+        raise Refused([f"operation {options.operation} is over; now the referee is asked to: {operation.text}"])
+    link.complete_operation(name, operation.number, answer_of(options.answer, operation))
+    return _say_done(link, name, output, "done")
+
+
+def _switches(link: Link, options, output: Output) -> Exit:
+    name = _zone_name(link, options.zone)
+    for switch in options.press:
+        link.press_switch(name, switch)
+    if options.damaged is not None:
+        link.set_damaged(name, options.damaged)
+    if options.confirm:
+        link.confirm_switches(name)
+    return _say_done(link, name, output, "switches")
+
+
+def _run(link: Link, options, output: Output) -> Exit:
+    plan = Plan(
+        _zone_name(link, options.zone), options.wait, options.event, tuple(options.score), options.keep,
+        Operations(options.operations),
+    )
+    outcome = RunScript(link, plan, output.change).run()
+    _show_outcome(plan.zone, outcome, output)
+    return outcome.status
+
+
+def _show_outcome(name: str, outcome: RunOutcome, output: Output) -> None:
+    zone = outcome.zone
+    if output.json:
+        run: Dict[str, Any] = {} if zone is None else {
+            "event": zone.event, "end_reason": zone.end_reason, "robot": zone.robot, "score": zone.score,
+            "module_score": zone.module_score, "log_file": zone.log_file,
+        }
+        output.object({"kind": "result", "ok": outcome.status is Exit.OK, "exit": int(outcome.status), "zone": name,
+                       "text": outcome.text, **run})
+        return
+    if zone is not None and zone.phase != CONNECTED:
+        log = [f"Log: {view.plain(zone.log_file)}"] if zone.log_file else []
+        output.lines(["", *view.score_sheet(zone, output.paint), *log])
+    colour = view.GREEN if outcome.status is Exit.OK else view.RED
+    lines = [view.plain(line) for line in f"{name}: {outcome.text}".split("\n")]
+    output.lines([output.paint(colour, lines[0]), *lines[1:]])
+
+
+def _zone_name(link: Link, word: str) -> str:
+    return pick_zone(word, [zone.zone for zone in link.box.zones])
+
+
+# -- runs and score sheets ------------------------------------------------------------------------
+
+
+def _runs(link: Link, options: Any, output: Any) -> Exit:
+    """All runs of a zone, or of all zones."""
+    zone = None if options.zone is None else _zone_name(link, options.zone)
+    found = [run for run in link.runs() if zone in (None, run.zone)]
+    if output.json:
+        output.object({"runs": found})
+        return Exit.OK
+    for name in [z.zone for z in link.box.zones if zone in (None, z.zone)]:
+        lines = sheets.run_lines([run for run in found if run.zone == name], output.paint)
+        output.lines(lines if zone else [f"{name}:", *(f"    {line}" for line in lines)])
+    return Exit.OK
+
+
+def _sheet(link: Link, options: Any, output: Any) -> Exit:
+    """A score sheet with its history."""
+    zone, run = _which(link, options)
+    return _show(link, zone, run, "sheet", output)
+
+
+def _score_with_words(link: Link, options: Any, output: Any) -> Exit:
+    """Set an item: with a note, as not attempted, or of a run that is over."""
+    zone, run = _which(link, options)
+    item = pick_item(options.item, _fetched(link, zone, run).items)
+    not_attempted = options.value.lower() in NOT_ATTEMPTED
+    value = 0 if not_attempted else value_of(options.value, item)
+    link.mark(zone, _identity(run), item, value, not_attempted, options.note, options.referee)
+    new: Item = _fetched(link, zone, run).items[item.number - 1]
+    if output.json:
+        output.object({"ok": True, "command": "score", "zone": zone, **new._asdict()})
+    else:
+        output.lines([view.item_line(new)])
+    return Exit.OK
+
+
+def _withdraw(link: Link, options: Any, output: Any) -> Exit:
+    """Let an entry of the history count no more."""
+    zone, run = _which(link, options)
+    link.withdraw(zone, _identity(run), options.entry, options.note, options.referee)
+    return _show(link, zone, run, "withdraw", output)
+
+
+def _reason(link: Link, options: Any, output: Any) -> Exit:
+    """Say why a run was stopped."""
+    zone, run = _which(link, options)
+    link.give_reason(zone, _identity(run), options.end, options.text, options.referee)
+    return _show(link, zone, run, "reason", output)
+
+
+def _sign_off(link: Link, options: Any, output: Any) -> Exit:
+    """The score sheet of a run that is over is final."""
+    zone, run = _which(link, options)
+    link.sign_off(zone, _identity(run), options.referee)
+    return _show(link, zone, run, "sign-off", output)
+
+
+def _show(link: Link, zone: str, run: Optional[RunLine], command: str, output: Any) -> Exit:
+    shown = _fetched(link, zone, run)
+    if output.json:
+        output.object({"ok": True, "command": command, "zone": zone, "sheet": shown})
+    else:
+        output.lines(sheets.sheet_lines(shown, output.paint))
+    return Exit.OK
+
+
+def _which(link: Link, options: Any) -> Tuple[str, Optional[RunLine]]:
+    """The zone, and the run that is meant; None: the one that is connected. Raises `Refused`, `BadWord`."""
+    zone = _zone_name(link, options.zone)
+    if options.run is not None:
+        known: List[RunLine] = [run for run in link.runs() if run.zone == zone]
+        return zone, pick_run(options.run, known)
+    if link.box.zone(zone).phase == IDLE:
+        raise Refused(["No run is connected. For one that is over give its name, such as '--run last' (see 'runs')"])
+    return zone, None
+
+
+def _identity(run: Optional[RunLine]) -> str:
+    return "" if run is None else run.identity
+
+
+def _fetched(link: Link, zone: str, run: Optional[RunLine]) -> Sheet:
+    return sheet_of(link.run_sheet(zone, _identity(run)))
+
+
+# -- all commands ---------------------------------------------------------------------------------
+
+COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
+    "status": _status, "watch": _watch, "connect": _command, "start": _command, "stop": _command,
+    "disconnect": _command, "previous": _command, "next": _command, "score": _score, "runs": _runs, "sheet": _sheet,
+    "withdraw": _withdraw, "reason": _reason, "sign-off": _sign_off, "done": _done, "switches": _switches, "run": _run,
+}
+
+
+def carry_out(options: Any, output: Output) -> Exit:
+    """Connect to the core and carry out the command."""
+    link = Link()
+    try:
+        link.open(options.wait if options.command == "run" else 0.0)
+        return COMMANDS[options.command](link, options, output)
+    except Refused as refused:
+        return output.failure(Exit.REFUSED, f"{options.command} was refused", refused.reasons)
+    except BadWord as bad:
+        return output.failure(Exit.USAGE, str(bad), [])
+    except NoCore as gone:
+        return output.failure(Exit.NO_CORE, str(gone), [])
+    except KeyboardInterrupt:
+        return Exit.OK if options.command == "watch" else Exit.INTERRUPTED
+    finally:
+        link.close()
