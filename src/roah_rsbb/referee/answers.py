@@ -1,4 +1,4 @@
-"""Manual operations during `referee run`: completed by itself, or as the referee types; else others do them."""
+"""Manual operations during `referee run`: completed automatically, or with what the referee types."""
 
 import enum
 import queue
@@ -11,7 +11,7 @@ from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.state import Operation, Zone
 from roah_rsbb.referee.words import BadWord, answer_of, switches_of
 
-# The same thing asked for again and again (a pose that cannot be had) is waited for a little, and not for ever.
+# A module may repeat a request, for example when no pose is available. Wait before each repetition, and give up.
 AGAIN_S = 1.0
 MAX_IN_A_ROW = 10
 
@@ -27,11 +27,11 @@ class Operations(enum.Enum):
 
 
 class GivenUp(Exception):
-    """What is asked for cannot be done without a human referee."""
+    """The operation needs a human referee."""
 
 
 class Automatic:
-    """Completes each manual operation with its usual answer, and confirms switches as they are."""
+    """Completes each manual operation with its first answer, and confirms switches as they are."""
 
     def __init__(self, link, note: Note) -> None:
         self._link = link
@@ -42,7 +42,7 @@ class Automatic:
         self._not_before = 0.0
 
     def look(self, zone: Zone) -> None:
-        """Do what is asked for in a running zone; raises `GivenUp`."""
+        """Complete what a running zone asks for; raises `GivenUp`."""
         operation = zone.operation
         if operation is not None and operation.number != self._done:
             self._complete(zone, operation)
@@ -63,9 +63,9 @@ class Automatic:
 
 
 class Typed:
-    """Asks in the terminal. `lines` gives what was typed since it was called last, without waiting.
+    """Asks in the terminal. `lines` returns what was typed since its last call, without waiting.
 
-    A script may write its answers ahead of the questions (`ahead`); what a human typed before a question is none.
+    `ahead`: lines that come before a question answer it. Scripts write so; what a human typed earlier is no answer.
     """
 
     def __init__(self, link, note: Note, lines: Callable[[], List[str]], ahead: bool) -> None:
@@ -74,11 +74,11 @@ class Typed:
         self._lines = lines
         self._ahead = ahead
         self._asked: Optional[object] = None
-        self._done: Optional[object] = None  # it is shown for a moment longer
+        self._done: Optional[object] = None  # the zone shows it for a moment longer
         self._typed: List[str] = []
 
     def look(self, zone: Zone) -> None:
-        """Ask what is asked for in a running zone, and pass on what was typed."""
+        """Show what a running zone asks for, and pass on what was typed."""
         self._typed += self._lines()
         asked = _asked(zone)
         if asked != self._done:
@@ -107,7 +107,7 @@ class Typed:
             self._asked = None  # ask again
 
     def _enter_switches(self, zone: Zone, line: str) -> bool:
-        """Whether that was all."""
+        """Returns whether the switches are confirmed."""
         entered = switches_of(line)
         for switch in entered.pressed:
             self._link.press_switch(zone.zone, switch)
@@ -119,7 +119,7 @@ class Typed:
 
 
 def _asked(zone: Zone) -> Optional[object]:
-    """What the referee is asked now, as something to know it by."""
+    """Return what the referee is asked now, in a form that can be compared."""
     if zone.operation is not None:
         return zone.operation
     return "switches" if zone.switches is not None and zone.switches.to_confirm else None
@@ -128,7 +128,7 @@ def _asked(zone: Zone) -> Optional[object]:
 def _prompt(operation: Optional[Operation]) -> str:
     if operation is None:
         return ("type the numbers of the switches that changed (2 3), or how many were damaged (damaged 1), "
-                "and an empty line when all is entered")
+                "and an empty line to confirm")
     if operation.choices:
         text = f"type {', '.join(operation.choices)}, or the beginning of one (Enter: {operation.choices[0]})"
         return f"{text}, or another answer" if operation.asks_text else text
@@ -136,7 +136,7 @@ def _prompt(operation: Optional[Operation]) -> str:
 
 
 def _ignoring_others(job: Callable[[], None]) -> bool:
-    """Whether it was done: another referee may be quicker, and a core that is gone comes back with its question."""
+    """Returns whether it was done. Another referee may be quicker, and a core that is gone asks again."""
     try:
         job()
     except (Refused, NoCore):
@@ -153,7 +153,7 @@ class Keyboard:
         threading.Thread(target=self._work, name="keyboard", daemon=True).start()
 
     def lines(self) -> List[str]:
-        """What was typed since the last call."""
+        """Return what was typed since the last call."""
         found: List[str] = []
         while True:
             try:
@@ -161,7 +161,7 @@ class Keyboard:
             except queue.Empty:
                 return found
             if line is None:
-                self._note("no more input: manual operations are left to other referees")
+                self._note("end of input: other referees must complete manual operations")
             else:
                 found.append(line)
 

@@ -8,7 +8,7 @@ from roah_rsbb.referee.state import Box, Operation, Zone, lines_of
 from roah_rsbb.ros import tail
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 
-# Numbers in a warning (seconds, skews) change all the time: the warning stays the same one.
+# Numbers in a warning, such as seconds and skews, change all the time; the warning is still the same.
 _NUMBER = re.compile(r"[+-]?\d+(\.\d+)?")
 # The core publishes every 100 ms. After this long without a message, something is wrong.
 SILENT_S = 2.0
@@ -25,7 +25,7 @@ class Change(NamedTuple):
 
 
 def changes(old: Box, new: Box, zone: Optional[str] = None) -> List[Change]:
-    """All changes from one snapshot to a later one; with `zone` only what concerns that zone."""
+    """Return all changes from one snapshot to a later one; with `zone`, only those that concern that zone."""
     found = list(_of_box(old, new, zone))
     for after in new.zones:
         before = old.zone(after.zone)
@@ -35,7 +35,7 @@ def changes(old: Box, new: Box, zone: Optional[str] = None) -> List[Change]:
 
 
 def news(old: Tuple[str, ...], new: Tuple[str, ...]) -> List[str]:
-    """Texts that are new, where a text that only has other numbers is the same."""
+    """Return the new texts. A text that differs in numbers only is not new."""
     known = {_NUMBER.sub("#", text) for text in old}
     return [text for text in new if _NUMBER.sub("#", text) not in known]
 
@@ -63,7 +63,7 @@ def _of_zone(old: Zone, new: Zone, utc_s: float) -> Iterator[Change]:
 
     scores = list(_scores(old, new))
     for text in _lines(old.log, new.log):
-        # What is told as a score need not be told as the core's line on it, too.
+        # The core's log has a line on each score, too.
         if not any(f"{score['group']}: {score['item']}" in text for score in scores):
             yield change("log", text=text)
     was, now = _state(old), _state(new)
@@ -97,7 +97,7 @@ def _state(zone: Zone) -> Dict[str, Any]:
 
 def _scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:
     if new.port != old.port:
-        return  # another run: its sheet begins anew
+        return  # another run with a new sheet
     before = {(item.group, item.item): item for item in old.score}
     for item in new.score:
         was = before.get((item.group, item.item), item)
@@ -108,7 +108,7 @@ def _scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:
 
 
 def _module_scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:
-    """The lines of a module's score that have another value."""
+    """Yield the lines of a module's score that have another value."""
     before = {(score.group, score.name): score.value for score in old.module_score}
     for score in new.module_score:
         was = before.get((score.group, score.name))
@@ -117,7 +117,7 @@ def _module_scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:
 
 
 def _lines(old: str, new: str) -> List[str]:
-    """The lines that came behind `old`."""
+    """Return the lines that were added to `old`."""
     added = tail.added(old, new)
     return lines_of(new if added is None else added)
 

@@ -1,10 +1,10 @@
-"""How the terminal's referee ends."""
+"""How the terminal referee ends."""
 
 import enum
 
 
 class Exit(enum.IntEnum):
-    """Exit statuses; `referee --help` tells them to the user, scripts rely on them."""
+    """Exit statuses. `referee --help` lists them, and scripts rely on them."""
 
     OK = 0
     REFUSED = 1
@@ -15,4 +15,4 @@ class Exit(enum.IntEnum):
 
 
 class NoCore(Exception):
-    """There is no ROS master, or no core, or it does not answer; the text names the remedy."""
+    """The ROS master or the core is missing or does not answer. The text names the remedy."""

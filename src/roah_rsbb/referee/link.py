@@ -1,7 +1,7 @@
-"""The terminal referee's connection to the core: what the core publishes comes in, commands go out.
+"""The terminal referee's connection to the core: receives what the core publishes, and sends commands.
 
-rospy waits for ever for a master, a service or a core that does not answer. Here whatever may wait runs in
-a thread of its own with a limit, and what does not answer is named with its remedy.
+rospy waits forever for a master, a service or a core that does not answer. Here every call that may wait runs in a
+thread of its own with a time limit, and the error names what does not answer and the remedy.
 """
 
 import queue
@@ -37,17 +37,17 @@ from roah_rsbb.srv import (
 
 GUI_TOPIC, DETAILS_TOPIC, RESULTS_TOPIC = "/core/to_gui", "/core/details", "/core/results"
 
-# So often it is looked whether a message came. The core publishes every 100 ms.
+# Interval of polling for messages. The core publishes every 100 ms.
 POLL_S = 0.02
 
 
-# Limits for answers: of the master, of the core with its first messages, of a service, at the end.
+# Time limits: for the master, for the core's first messages, for a service, for closing.
 MASTER_S, CORE_S, ANSWER_S, CLOSE_S = 2.0, 2.0, 6.0, 1.5
-# A master that is not there yet is asked again after this long.
+# A missing master is asked again after this long.
 AGAIN_S = 0.2
-# A first message older than this may be the latched one of a core that hangs: wait for a second one.
+# An older first message may be the latched one of a core that hangs: wait for a second one.
 FRESH_S = 1.0
-# So often a silent core is subscribed to anew: nothing else finds it again after the master was restarted.
+# Subscribe again to a silent core at this interval: nothing else finds it after a restart of the master.
 RENEW_S = 5.0
 # The core publishes details at least every second. After this long without newer ones, something is wrong.
 DETAILS_S = 10.0
@@ -57,7 +57,7 @@ START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
 
 
 class Link:
-    """One connection. Use it from the main thread; `open` it before anything else and `close` it at the end."""
+    """One connection. Use it from the main thread. Call `open` first and `close` at the end."""
 
     def __init__(self) -> None:
         self._feed: Optional[Feed] = None
@@ -68,7 +68,7 @@ class Link:
         self.box: Optional[Box] = None
 
     def open(self, wait_s: float = 0.0) -> Box:
-        """Connect; raises `NoCore` in 2 to 3 s, or after `wait_s` if master and core may have to start first."""
+        """Connect; raises `NoCore` in 2 to 3 s, or after `wait_s` if master and core may still be starting."""
         deadline = self.now() + wait_s
         while True:
             problem = _master_problem() or _core_problem()
@@ -76,12 +76,12 @@ class Link:
                 break
             if self.now() + AGAIN_S > deadline:
                 raise NoCore(problem)
-            time.sleep(AGAIN_S)  # nobody tells us when a master is there
+            time.sleep(AGAIN_S)  # there is no event for the start of a master
         deadline = max(deadline, self.now() + CORE_S)
         try:
             _limited(MASTER_S, _init_node)
         except _Late:
-            raise NoCore(f"the ROS master at {_master_uri()} does not answer any more") from None
+            raise NoCore(f"the ROS master at {_master_uri()} no longer answers") from None
         self._feed = Feed({GUI_TOPIC: CoreToGui, DETAILS_TOPIC: CoreDetails})
         self._feed.start()
         while not self._is_current():
@@ -93,10 +93,10 @@ class Link:
         return self.box
 
     def close(self) -> None:
-        """Leave the ROS network, without waiting for a master that is gone."""
+        """Leave the ROS network. Does not wait for a master that is gone."""
         if self._feed is None:
             return
-        # The hook is the last one: then all is unregistered, and only threads are waited for.
+        # This hook runs last: everything is unregistered then, and only threads remain.
         unregistered = threading.Event()
         rospy.core.add_shutdown_hook(lambda _reason: unregistered.set())
         threading.Thread(target=rospy.signal_shutdown, args=["the referee leaves"], daemon=True).start()
@@ -111,11 +111,11 @@ class Link:
 
     @property
     def silence_s(self) -> float:
-        """For how long the core was not heard."""
+        """Seconds since the core's last message."""
         return self.now() - self._heard
 
     def next(self, limit_s: float) -> Optional[Box]:
-        """The next snapshot; None if nothing came for `limit_s`."""
+        """Return the next snapshot; None if nothing came for `limit_s`."""
         deadline = self.now() + limit_s
         while True:
             if self._take():
@@ -140,10 +140,10 @@ class Link:
         return self.box
 
     def _take(self) -> bool:
-        """Take new messages; whether they gave a new snapshot."""
+        """Take new messages. Returns whether they gave a new snapshot."""
         now = self.now()
         gui, details = self._feed.take(GUI_TOPIC), self._feed.take(DETAILS_TOPIC)
-        # The same clock again is the latched message, sent anew to a new subscription by a core that may hang.
+        # The same clock again is the latched message, sent again to a new subscription by a core that may hang.
         is_news = gui is not None and (self._gui is None or gui.message.clock != self._gui.clock)
         if is_news:
             self._gui, self._heard, self._count = gui.message, gui.mono, self._count + 1
@@ -155,7 +155,7 @@ class Link:
         if self._gui is None or self._details is None or not (is_news or details):
             return False
         if self._gui.clock < self._details.clock:
-            return False  # the other half of the same moment is still under way
+            return False  # the other topic's message of the same moment is still on its way
         box = box_of(self._gui, self._details)
         self.box = box or self.box
         return box is not None
@@ -195,7 +195,7 @@ class Link:
     def mark(
         self, zone: str, identity: str, item: Item, value: int, not_attempted: bool, note: str, referee: str
     ) -> None:
-        """Set an item with words, of the run of that identity; empty: the connected one. Raises as `command` does."""
+        """Set an item with a note, in the run of that identity; empty: the connected one. Raises as `command` does."""
         self._call(
             "/core/score", ScoreMark, zone, identity, item.group, item.item, value, not_attempted, note, referee
         )
@@ -205,7 +205,7 @@ class Link:
         self._call("/core/score/withdraw", ScoreWithdraw, zone, identity, entry, note, referee)
 
     def give_reason(self, zone: str, identity: str, end: int, reason: str, referee: str) -> None:
-        """Say why the run was stopped; `end` counts from 1, 0: the last one. See `mark`."""
+        """Record why the run was stopped; `end` counts from 1, 0: the last one. See `mark`."""
         self._call("/core/stop_reason", StopReason, zone, identity, end, reason, referee)
 
     def sign_off(self, zone: str, identity: str, referee: str) -> None:
@@ -213,11 +213,11 @@ class Link:
         self._call("/core/sign_off", SignOff, zone, identity, referee)
 
     def run_sheet(self, zone: str, identity: str) -> RunSheet:
-        """A run's score sheet; see `mark`."""
+        """Return a run's score sheet; see `mark`."""
         return self._call("/core/run_sheet", GetRunSheet, zone, identity).sheet
 
     def runs(self) -> List[RunLine]:
-        """All runs that the core knows; raises `NoCore`."""
+        """Return all runs that the core knows; raises `NoCore`."""
         try:
             results = rospy.wait_for_message(RESULTS_TOPIC, Results, CORE_S)
         except rospy.ROSException as error:
@@ -233,11 +233,11 @@ class Link:
         self._call("/core/omf_switches/button", ZoneUInt8, zone, switch)
 
     def set_damaged(self, zone: str, damaged: int) -> None:
-        """HOMF: so many switches were damaged; raises as `command` does."""
+        """HOMF: set the number of damaged switches; raises as `command` does."""
         self._call("/core/omf_switches/damaged", ZoneUInt8, zone, damaged)
 
     def confirm_switches(self, zone: str) -> None:
-        """HOMF: all was entered; raises as `command` does."""
+        """HOMF: confirm what was entered; raises as `command` does."""
         self._call("/core/omf_switches/complete", Zone, zone)
 
     def _call(self, name: str, kind: type, *request: object) -> Any:
@@ -257,11 +257,11 @@ class Link:
 
 
 class _Late(Exception):
-    """A job took longer than it may."""
+    """A job took too long."""
 
 
 def _limited(limit_s: float, job: Callable[[], Any]) -> Any:
-    """What `job` returns or raises, or `_Late` after `limit_s`; the job is left alone then."""
+    """Return or raise what `job` does, or raise `_Late` after `limit_s`. A late job continues in its thread."""
     done: queue.Queue = queue.Queue()
 
     def work() -> None:
@@ -285,7 +285,7 @@ def _master_uri() -> str:
 
 
 def _master_problem() -> str:
-    """Why there is no ROS master to talk to; empty: there is one."""
+    """Return why the ROS master cannot be used; empty: it can."""
     try:
         _limited(MASTER_S, rosgraph.Master("/referee").getPid)
     except _Late:
@@ -298,15 +298,15 @@ def _master_problem() -> str:
 
 
 def _core_problem() -> str:
-    """Why there is no core to listen to; empty: the master knows one."""
+    """Return why there is no core; empty: the master knows one."""
     uri = _master_uri()
     try:
         publishers = dict(_limited(MASTER_S, rosgraph.Master("/referee").getSystemState)[0])
-    except Exception:  # whatever it is, the master cannot tell us more
-        return f"the ROS master at {uri} does not answer any more: {START}"
+    except Exception:  # any error means that the master cannot say more
+        return f"the ROS master at {uri} no longer answers: {START}"
     return "" if GUI_TOPIC in publishers else f"no core at the ROS master {uri}: {START}"
 
 
 def _init_node() -> None:
-    """No signal handlers (Ctrl-C stops a run first), no /rosout, no simulated time: as few traces as can be."""
+    """Start without signal handlers (Ctrl-C stops a run first), /rosout and simulated time."""
     connections.init_node("referee", anonymous=True, disable_rosout=True, disable_rostime=True, disable_signals=True)

@@ -13,7 +13,7 @@ from roah_rsbb.referee.state import as_json
 
 
 class Output:
-    """Standard output, as text or JSON. A reader that goes away is noticed, and is no error."""
+    """Standard output, as text or JSON. A reader that goes away sets `closed`; that is no error."""
 
     def __init__(self, as_json_lines: bool) -> None:
         self.json = as_json_lines
@@ -37,7 +37,7 @@ class Output:
         self.lines([json.dumps(as_json(value))])
 
     def change(self, change: Change) -> None:
-        """Write what happened."""
+        """Write a change."""
         if self.json:
             self.object({"utc_s": change.utc_s, "kind": change.kind, "zone": change.zone, **change.facts})
         else:
@@ -45,7 +45,7 @@ class Output:
             self.lines([line] if line else [])
 
     def failure(self, status: Exit, text: str, reasons: List[str]) -> Exit:
-        """Write why nothing was done: on standard error, or as JSON."""
+        """Write why the command failed, on standard error or as JSON."""
         if self.json:
             self.object({"ok": False, "exit": int(status), "error": text, "reasons": reasons})
         else:

@@ -1,4 +1,4 @@
-"""The command line of programs whose settings are ROS parameters: `--help`, and nothing else."""
+"""The command line of programs whose settings are ROS parameters: `--help` is the only option."""
 
 import os
 import sys
@@ -29,7 +29,7 @@ def explain(doc: str, settings: str = _SETTINGS) -> None:
 
 
 def explain_panel(doc: str) -> None:
-    """The same for a panel that is alone in its window."""
+    """The same for a panel in a window of its own."""
     explain(doc, _PANEL)
 
 

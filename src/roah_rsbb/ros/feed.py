@@ -1,4 +1,4 @@
-"""Subscriptions whose newest message waits until somebody takes it: a Qt timer, or a terminal.
+"""Subscriptions whose newest message is kept until a Qt timer or a terminal takes it.
 
 rospy calls back in threads of its own; a callback only puts the message down. Registering with the
 master blocks while the master cannot be reached, so a worker thread does that, too.
@@ -31,21 +31,21 @@ class Feed:
         self._topics = topics
         self._newest: Dict[str, Deque[Received]] = {name: collections.deque(maxlen=1) for name in topics}
         self._subscribers: Dict[str, rospy.Subscriber] = {}
-        self._wishes: queue.Queue[bool] = queue.Queue()  # True: subscribe (anew), False: end
+        self._wishes: queue.Queue[bool] = queue.Queue()  # True: subscribe (again), False: end
         self._worker = threading.Thread(target=self._work, name="feed", daemon=True)
 
     def start(self) -> None:
-        """Subscribe, in the background."""
+        """Subscribe in the background."""
         self._wishes.put(True)
         self._worker.start()
 
     def stop(self, timeout_s: float = 2.0) -> None:
-        """Unsubscribe; waits for it, but not for a master that is gone."""
+        """Unsubscribe. Does not wait for a master that is gone."""
         self._wishes.put(False)
         self._worker.join(timeout_s)
 
     def renew(self) -> None:
-        """Subscribe anew, in the background.
+        """Subscribe again, in the background.
 
         Nothing else finds a core again whose computer lost its power (its connections stay half open) or
         whose master was restarted (it knows nothing of us).
@@ -54,16 +54,16 @@ class Feed:
             self._wishes.put(True)
 
     def take(self, topic: str) -> Optional[Received]:
-        """The newest message since the last call, or None."""
+        """Return the newest message since the last call, or None."""
         try:
             return self._newest[topic].pop()
         except IndexError:
             return None
 
     def has_publisher(self, topic: str) -> bool:
-        """Whether somebody who publishes it is connected: nothing else tells, where messages come on change only."""
+        """Whether a publisher is connected. Where messages come on change only, nothing else shows it."""
         subscriber = self._subscribers.get(topic)
-        # A connection that broke stays in rospy's list, to be made anew: only one with a socket counts.
+        # rospy keeps broken connections in its list to connect again: only one with a socket counts.
         impl = None if subscriber is None else subscriber.impl
         return impl is not None and any(connection.socket is not None for connection in impl.connections)
 
@@ -75,7 +75,7 @@ class Feed:
                 for subscriber in self._subscribers.values():
                     subscriber.unregister()
                 self._subscribers = {name: self._subscribe(name) for name in self._topics} if wish else {}
-            except Exception as e:  # the master is gone: whoever misses news asks for a renewal again
+            except Exception as e:  # the master is gone: the user of this feed renews it when messages stay away
                 rospy.logdebug("subscribing to %s failed: %s", ", ".join(self._topics), e)
 
     def _subscribe(self, name: str) -> rospy.Subscriber:

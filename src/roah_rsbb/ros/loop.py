@@ -13,20 +13,20 @@ import rospy
 
 T = TypeVar("T")
 
-# A referee's command takes milliseconds; waiting longer would only hide that the core is stuck.
+# A referee's command takes milliseconds. A longer wait would only hide that the core is stuck.
 ANSWER_TIMEOUT_S = 5.0
 END_TASKS_S = 1.0
 
 
 def _tell(_loop: asyncio.AbstractEventLoop, context: Dict[str, Any]) -> None:
-    """A timer or reader that failed must not fail silently; the others go on."""
+    """Log a timer or reader that failed. The others continue."""
     error = context.get("exception")
     trace = (type(error), error, error.__traceback__) if error is not None else None
     rospy.logerr("internal error, please report it: %s", context["message"], exc_info=trace)
 
 
 class RosLoop:
-    """An asyncio loop that lives as long as the ROS node. Made after `rospy.init_node(disable_signals=True)`."""
+    """An asyncio loop that lives as long as the ROS node. Create it after `rospy.init_node(disable_signals=True)`."""
 
     def __init__(self) -> None:
         self.loop = asyncio.new_event_loop()
@@ -34,7 +34,7 @@ class RosLoop:
         self._why = "shutdown"
 
     def call(self, function: Callable[[], T]) -> T:
-        """From a thread of rospy: run a function in the loop's thread, and return or raise what it does."""
+        """From a thread of rospy: run a function in the loop's thread, and return its result or raise its exception."""
         done: concurrent.futures.Future[T] = concurrent.futures.Future()
 
         def run() -> None:
@@ -72,12 +72,12 @@ class RosLoop:
         self.loop.stop()
 
     def close(self) -> None:
-        """After `run`, once everything else is put away: end the ROS node too."""
+        """End the ROS node. Call it after `run`, when everything else is closed."""
         tasks = asyncio.all_tasks(self.loop)
         for task in tasks:
             task.cancel()
         if tasks:
-            # ROS may shut down at the same moment, and stop the loop: then they end as they are.
+            # ROS may shut down at the same moment and stop the loop: then the tasks are dropped.
             with contextlib.suppress(RuntimeError):
                 self.loop.run_until_complete(asyncio.wait(tasks, timeout=END_TASKS_S))
         rospy.signal_shutdown(self._why)

@@ -1,4 +1,4 @@
-"""Messages that say all there is to know: of those that come faster than they are taken, the newest is enough."""
+"""Passes on messages that carry a whole state, so that only the newest one of each sender matters."""
 
 import threading
 from typing import Callable, Dict, Generic, TypeVar
@@ -7,10 +7,10 @@ T = TypeVar("T")
 
 
 class Newest(Generic[T]):
-    """Between rospy's threads and the loop: the newest message of each sender, whatever the pace they come at."""
+    """Hands the newest message of each sender from rospy's threads to the loop. Older ones are dropped."""
 
     def __init__(self, post: Callable[[Callable[[], None]], None], take: Callable[[T], None], most: int) -> None:
-        """`post` has a function called in the loop's thread; `take` gets the messages there; of `most` senders."""
+        """`post` schedules a function in the loop's thread, where `take` gets the messages. `most`: senders at most."""
         self._post = post
         self._take = take
         self._most = most
@@ -18,7 +18,7 @@ class Newest(Generic[T]):
         self._waiting: Dict[str, T] = {}
 
     def put(self, sender: str, message: T) -> None:
-        """From any thread."""
+        """Take a message, from any thread."""
         with self._lock:
             is_first = not self._waiting
             if sender in self._waiting or len(self._waiting) < self._most:
