@@ -164,7 +164,7 @@ class TestCommands(WithCore):
 
     def test_a_manual_operation_is_done_and_answered(self) -> None:
         done = referee("done", "Home A")
-        self.assertEqual((done.returncode, done.stderr.count("nothing is asked of the referee now")), (1, 1))
+        self.assertEqual((done.returncode, done.stderr.count("no manual operation is requested now")), (1, 1))
         self.zone.asked = Asked(4, "No pose of the robot", ("try again", "skip"))
         self.assertIn("TO DO by the referee: No pose of the robot (try again / skip)", referee("status").stdout)
         self.assertEqual(referee("done", "Home A", "fly").returncode, 2)
@@ -250,7 +250,7 @@ class TestWatch(WithCore):
         self.zone.warnings.append("Robot is silent")
         watch.wait_printed("Z Home A: WARNING: Robot is silent")
         self.core.robots.pop(0)
-        watch.wait_printed("Z robot TestingTeam mbot is GONE: not heard any more")
+        watch.wait_printed("Z robot TestingTeam mbot is GONE: no longer heard")
         watch.signal(signal.SIGINT)
         self.assertEqual(watch.wait_ended(), 0)
         self.assertFalse([line for line in watch.lines if "Home B" in line])
@@ -321,7 +321,7 @@ class TestRun(WithCore):
         self.zone.phase, self.zone.end_reason = "ended", "completed"
         shown = run.communicate(timeout=LIMIT_S)[0].decode()
         for text in ("TO DO by the referee: Place the mug", "press Enter when it is done",
-                     "no more input: manual operations are left", "module's score: goal 1: Time: 1.25 s",
+                     "end of input: other referees must complete", "module's score: goal 1: Time: 1.25 s",
                      "Score of the benchmarking module\n    goal 1\n        1.25 s  Time"):
             self.assertIn(text, shown)
         self.assertEqual(run.returncode, 0)

@@ -8,7 +8,7 @@ from typing import Callable, List, Optional
 
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.exits import NoCore
-from roah_rsbb.referee.state import Operation, Zone
+from roah_rsbb.referee.state import ManualOperation, ZoneSnapshot
 from roah_rsbb.referee.words import BadWord, answer_of, switches_of
 
 # A module may repeat a request, for example when no pose is available. Wait before each repetition, and give up.
@@ -41,7 +41,7 @@ class Automatic:
         self._in_a_row = 0
         self._not_before = 0.0
 
-    def look(self, zone: Zone) -> None:
+    def look(self, zone: ZoneSnapshot) -> None:
         """Complete what a running zone asks for; raises `GivenUp`."""
         operation = zone.operation
         if operation is not None and operation.number != self._done:
@@ -49,7 +49,7 @@ class Automatic:
         if zone.switches is not None and zone.switches.to_confirm:
             _ignoring_others(lambda: self._link.confirm_switches(zone.zone))
 
-    def _complete(self, zone: Zone, operation: Operation) -> None:
+    def _complete(self, zone: ZoneSnapshot, operation: ManualOperation) -> None:
         again = operation.text == self._text
         if again and self._link.now() < self._not_before:
             return
@@ -77,7 +77,7 @@ class Typed:
         self._done: Optional[object] = None  # the zone shows it for a moment longer
         self._typed: List[str] = []
 
-    def look(self, zone: Zone) -> None:
+    def look(self, zone: ZoneSnapshot) -> None:
         """Show what a running zone asks for, and pass on what was typed."""
         self._typed += self._lines()
         asked = _asked(zone)
@@ -94,7 +94,7 @@ class Typed:
         if not self._ahead:
             self._typed.clear()
 
-    def _take(self, zone: Zone, asked: object, line: str) -> None:
+    def _take(self, zone: ZoneSnapshot, asked: object, line: str) -> None:
         try:
             if zone.operation is not None:
                 answer = answer_of(line, zone.operation)
@@ -106,7 +106,7 @@ class Typed:
             self._note(f"not done: {error}")
             self._asked = None  # ask again
 
-    def _enter_switches(self, zone: Zone, line: str) -> bool:
+    def _enter_switches(self, zone: ZoneSnapshot, line: str) -> bool:
         """Returns whether the switches are confirmed."""
         entered = switches_of(line)
         for switch in entered.pressed:
@@ -118,14 +118,14 @@ class Typed:
         return entered.confirmed
 
 
-def _asked(zone: Zone) -> Optional[object]:
+def _asked(zone: ZoneSnapshot) -> Optional[object]:
     """Return what the referee is asked now, in a form that can be compared."""
     if zone.operation is not None:
         return zone.operation
     return "switches" if zone.switches is not None and zone.switches.to_confirm else None
 
 
-def _prompt(operation: Optional[Operation]) -> str:
+def _prompt(operation: Optional[ManualOperation]) -> str:
     if operation is None:
         return ("type the numbers of the switches that changed (2 3), or how many were damaged (damaged 1), "
                 "and an empty line to confirm")

@@ -1,4 +1,4 @@
-"""The command line of the terminal's referee."""
+"""The command line of the terminal referee."""
 
 import argparse
 import math
@@ -23,15 +23,15 @@ _EXITS = """exit status:
   130  interrupted (Ctrl-C); 'run' stops its run first. A terminal that is closed
        (SIGHUP) leaves the run as it is
 """
-_ZONE = "name of the zone, or a beginning of it that no other zone has; in any case of letters"
+_ZONE = "name of the zone, or the beginning of one name only; case does not matter"
 
-_RUN = "a run that is over: 'last', or a part of its name ('runs' has them)"
+_RUN = "a run that is over: 'last', or a part of its name ('runs' lists them)"
 
 _COMMANDS = {
-    "connect": "connect the robot of the zone's event, and open the run",
-    "start": "start the run, or start it again after a stop",
+    "connect": "connect the robot of the zone's event",
+    "start": "start the run, also after a stop",
     "stop": "stop the run; it stays connected",
-    "disconnect": "end the connection to the robot; after a completed run the zone moves on",
+    "disconnect": "leave the run; after a completed run the zone moves to its next event",
     "previous": "go to the previous event of the zone's schedule",
     "next": "go to the next event of the zone's schedule",
 }
@@ -42,7 +42,7 @@ def _formatter(prog: str) -> argparse.HelpFormatter:
 
 
 def parser() -> argparse.ArgumentParser:
-    """All commands with their help."""
+    """Return the parser with all commands and their help."""
     top = argparse.ArgumentParser(
         prog=PROG, formatter_class=_formatter,
         description="The referee in a terminal: for ssh, for scripts, and beside the panels.\n"
@@ -71,14 +71,14 @@ def _add(commands, name: str, text: str, examples: List[str]) -> argparse.Argume
         formatter_class=_formatter,
         epilog="examples:\n" + "\n".join(f"  {example}" for example in examples) + "\n\n" + _EXITS,
     )
-    # SUPPRESS: where it is not given here, what was said before the command stays.
+    # SUPPRESS: without the option here, an option before the command stays in force.
     one.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
     return one
 
 
 def _status(commands) -> None:
     one = _add(
-        commands, "status", "all zones at a glance, active robots, warnings",
+        commands, "status", "show all zones at a glance, active robots and warnings",
         [f"{PROG} status", f"{PROG} status 'Home A'    (in full: reasons, score sheet, online data)",
          f"{PROG} status --json | jq '.zones[].phase'"],
     )
@@ -87,10 +87,11 @@ def _status(commands) -> None:
 
 def _watch(commands) -> None:
     one = _add(
-        commands, "watch", "follow what happens, a line each with its UTC time, until Ctrl-C",
+        commands, "watch", "print what happens, one line each with its UTC time, until Ctrl-C",
         [f"{PROG} watch", f"{PROG} watch --zone 'Home A'", f"{PROG} watch --json >> competition.jsonl"],
     )
-    one.add_argument("--zone", metavar="ZONE", help="only this zone, its team's robots and the whole box; " + _ZONE)
+    one.add_argument("--zone", metavar="ZONE",
+                     help="only this zone, the robots of its team, and the whole box; " + _ZONE)
 
 
 def _score(commands) -> None:
@@ -101,65 +102,67 @@ def _score(commands) -> None:
          f"{PROG} score 'Home A' 3 1 --run last    (a correction)"],
     )
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
-    one.add_argument("item", metavar="ITEM", nargs="?", help="an item's number, or a part of its text of its own")
+    one.add_argument("item", metavar="ITEM", nargs="?", help="an item's number, or a part of one item's text only")
     one.add_argument("value", metavar="VALUE", nargs="?",
-                     help="a number, yes or no, +N or -N to count on from now, or not-attempted")
+                     help="a number, yes or no, +N or -N to count, or not-attempted")
     _say(one, "beside the value")
     _of_run(one)
 
 
 def _say(one: argparse.ArgumentParser, where: str) -> None:
     one.add_argument("--note", metavar="TEXT", default="", help=f"stands {where} in the history")
-    one.add_argument("--referee", metavar="NAME", default="", help="who says so; without it: this program")
+    one.add_argument("--referee", metavar="NAME", default="", help="name of the referee (default: this program)")
 
 
 def _of_run(one: argparse.ArgumentParser) -> None:
-    one.add_argument("--run", metavar="RUN", help=_RUN + "; without it: the one that is connected")
+    one.add_argument("--run", metavar="RUN", help=_RUN + " (default: the connected run)")
 
 
 def _sheets(commands) -> None:
-    one = _add(commands, "runs", "list the runs that are connected or over, with their scores",
+    one = _add(commands, "runs", "list connected and finished runs with their scores",
                [f"{PROG} runs", f"{PROG} runs 'Home A'"])
-    one.add_argument("zone", metavar="ZONE", nargs="?", help="only those of this zone; " + _ZONE)
+    one.add_argument("zone", metavar="ZONE", nargs="?", help="only the runs of this zone; " + _ZONE)
     one = _add(commands, "sheet", "show a score sheet with its history, and why the run ended",
                [f"{PROG} sheet 'Home A'", f"{PROG} sheet 'Home A' --run last"])
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
     _of_run(one)
-    one = _add(commands, "withdraw", "let an entry of the history count no more",
+    one = _add(commands, "withdraw", "withdraw an entry of the history",
                [f"{PROG} withdraw 'Home A' 3 --note 'another robot'"])
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
-    one.add_argument("entry", metavar="ENTRY", type=_counted, help="its number ('sheet' has it)")
+    one.add_argument("entry", metavar="ENTRY", type=_counted, help="number of the entry ('sheet' shows it)")
     _say(one, "beside the withdrawal")
     _of_run(one)
-    one = _add(commands, "reason", "say why a run was stopped, at any time until it is signed off",
+    one = _add(commands, "reason", "record why a run was stopped, until it is signed off",
                [f"{PROG} reason 'Home A' 'fire alarm'", f"{PROG} reason 'Home A' 'hit the vase' --run last --end 1"])
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
     one.add_argument("text", metavar="TEXT", help="the reason; it replaces the one before")
-    one.add_argument("--end", metavar="N", type=_counted, default=0, help="which end ('sheet' has them); else the last")
-    one.add_argument("--referee", metavar="NAME", default="", help="who says so; without it: this program")
+    one.add_argument("--end", metavar="N", type=_counted, default=0,
+                     help="number of the end ('sheet' shows it; default: the last)")
+    one.add_argument("--referee", metavar="NAME", default="", help="name of the referee (default: this program)")
     _of_run(one)
-    one = _add(commands, "sign-off", "sign the score sheet of a run that is over off: it is final then",
+    one = _add(commands, "sign-off", "sign off the score sheet of a finished run, which makes it final",
                [f"{PROG} sign-off 'Home A' --run last --referee Anna"])
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
     one.add_argument("--run", metavar="RUN", required=True, help=_RUN)
-    one.add_argument("--referee", metavar="NAME", default="", help="who signs; without it: this program")
+    one.add_argument("--referee", metavar="NAME", default="", help="name of the referee (default: this program)")
 
 
 def _counted(word: str) -> int:
     if not word.isdecimal() or not 1 <= int(word) < 2**32:
-        raise argparse.ArgumentTypeError(f"'{word}' is no number from 1 on")
+        raise argparse.ArgumentTypeError(f"'{word}' is not a number of 1 or more")
     return int(word)
 
 
 def _done(commands) -> None:
     one = _add(
-        commands, "done", "say that a manual operation is done, and answer it",
+        commands, "done", "complete a manual operation, with an answer if it asks for one",
         [f"{PROG} done 'Home A'", f"{PROG} done 'Home A' skip", f"{PROG} done 'Home A' --operation 3"],
     )
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
     one.add_argument("answer", metavar="ANSWER", nargs="?", default="",
-                     help="one of those to choose from, or a beginning of it; without it: the first one")
-    one.add_argument("--operation", metavar="N", type=int, help="only if it is still this one ('status --json' has it)")
+                     help="one of the choices, or the beginning of one (default: the first choice)")
+    one.add_argument("--operation", metavar="N", type=int,
+                     help="only if this is still the number of the operation ('status --json' shows it)")
 
 
 def _switches(commands) -> None:
@@ -170,9 +173,9 @@ def _switches(commands) -> None:
     )
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
     one.add_argument("--press", metavar="N", action="append", default=[], type=_type("0 to 255", _byte),
-                     help="this switch changed; may be repeated, the order counts")
-    one.add_argument("--damaged", metavar="N", type=_type("0 to 255", _byte), help="so many were damaged")
-    one.add_argument("--confirm", action="store_true", help="all is entered: the run goes on")
+                     help="this switch changed; may be repeated, in the order of the changes")
+    one.add_argument("--damaged", metavar="N", type=_type("0 to 255", _byte), help="number of damaged switches")
+    one.add_argument("--confirm", action="store_true", help="confirm what was entered: the run continues")
 
 
 def _run(commands) -> None:
@@ -190,28 +193,28 @@ def _run(commands) -> None:
     one.add_argument(
         "--event", "--benchmark", metavar="CODE[/ROUND[/RUN]]",
         type=_type("CODE, CODE/ROUND or CODE/ROUND/RUN", event_wanted),
-        help="move the zone to this event first: the next such one, else the last one before",
+        help="move the zone to this event first: the next matching one, or else the last one before",
     )
     one.add_argument(
         "--score", metavar="ITEM=VALUE", action="append", default=[], type=_type("ITEM=VALUE", score_wanted),
-        help="set a scoring item once the run is started; may be repeated",
+        help="set a scoring item after the start; may be repeated",
     )
     one.add_argument("--keep", action="store_true", help="stay connected at the end")
     one.add_argument(
         "--operations", choices=[who.value for who in Operations], default=Operations.OTHERS.value,
         help="who does manual operations: others, at a panel or with 'done' (default); automatic: each is completed "
-             "at once, with its first answer; typed: asked for here, on standard input",
+             "at once with its first answer; typed: the answers come from standard input",
     )
 
 
 def _type(form: str, read: Callable[[str], T]) -> Callable[[str], T]:
-    """A converter for argparse that says what form was expected."""
+    """Return a converter for argparse whose error names the expected form."""
 
     def convert(text: str) -> T:
         try:
             return read(text)
         except ValueError:
-            raise argparse.ArgumentTypeError(f"'{text}' is not of the form {form}") from None
+            raise argparse.ArgumentTypeError(f"'{text}' does not have the form {form}") from None
 
     return convert
 
@@ -226,5 +229,5 @@ def _byte(text: str) -> int:
 def _seconds(text: str) -> float:
     seconds = float(text)
     if not math.isfinite(seconds) or seconds < 0:
-        raise argparse.ArgumentTypeError(f"'{text}' is no number of seconds")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of seconds")
     return seconds

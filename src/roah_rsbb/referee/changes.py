@@ -4,7 +4,7 @@ import re
 import time
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.referee.state import Box, Operation, Zone, lines_of
+from roah_rsbb.referee.state import BoxSnapshot, ManualOperation, ZoneSnapshot, lines_of
 from roah_rsbb.ros import tail
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 
@@ -12,7 +12,7 @@ from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 _NUMBER = re.compile(r"[+-]?\d+(\.\d+)?")
 # The core publishes every 100 ms. After this long without a message, something is wrong.
 SILENT_S = 2.0
-NOTHING_ASKED = Operation(0, "", (), False)
+NOTHING_ASKED = ManualOperation(0, "", (), False)
 
 
 class Change(NamedTuple):
@@ -24,7 +24,7 @@ class Change(NamedTuple):
     facts: Dict[str, Any]
 
 
-def changes(old: Box, new: Box, zone: Optional[str] = None) -> List[Change]:
+def changes(old: BoxSnapshot, new: BoxSnapshot, zone: Optional[str] = None) -> List[Change]:
     """Return all changes from one snapshot to a later one; with `zone`, only those that concern that zone."""
     found = list(_of_box(old, new, zone))
     for after in new.zones:
@@ -40,7 +40,7 @@ def news(old: Tuple[str, ...], new: Tuple[str, ...]) -> List[str]:
     return [text for text in new if _NUMBER.sub("#", text) not in known]
 
 
-def _of_box(old: Box, new: Box, zone: Optional[str]) -> Iterator[Change]:
+def _of_box(old: BoxSnapshot, new: BoxSnapshot, zone: Optional[str]) -> Iterator[Change]:
     def change(kind: str, **facts: Any) -> Change:
         return Change(new.clock_utc_s, kind, "", facts)
 
@@ -57,7 +57,7 @@ def _of_box(old: Box, new: Box, zone: Optional[str]) -> Iterator[Change]:
         yield change("robot", what="gone", team=key[0], robot=key[1], skew_s=before[key].skew_s)
 
 
-def _of_zone(old: Zone, new: Zone, utc_s: float) -> Iterator[Change]:
+def _of_zone(old: ZoneSnapshot, new: ZoneSnapshot, utc_s: float) -> Iterator[Change]:
     def change(kind: str, **facts: Any) -> Change:
         return Change(utc_s, kind, new.zone, facts)
 
@@ -88,14 +88,14 @@ def _of_zone(old: Zone, new: Zone, utc_s: float) -> Iterator[Change]:
     yield from _warnings(utc_s, new.zone, old.warnings, new.warnings)
 
 
-def _state(zone: Zone) -> Dict[str, Any]:
+def _state(zone: ZoneSnapshot) -> Dict[str, Any]:
     return {
         "phase": zone.phase, "end_reason": zone.end_reason, "robot": zone.robot, "port": zone.port,
         "box_state": zone.box_state, "robot_state": zone.robot_state, "log_file": zone.log_file,
     }
 
 
-def _scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:
+def _scores(old: ZoneSnapshot, new: ZoneSnapshot) -> Iterator[Dict[str, Any]]:
     if new.port != old.port:
         return  # another run with a new sheet
     before = {(item.group, item.item): item for item in old.score}
@@ -107,7 +107,7 @@ def _scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:
                    "not_attempted": item.not_attempted}
 
 
-def _module_scores(old: Zone, new: Zone) -> Iterator[Dict[str, Any]]:
+def _module_scores(old: ZoneSnapshot, new: ZoneSnapshot) -> Iterator[Dict[str, Any]]:
     """Yield the lines of a module's score that have another value."""
     before = {(score.group, score.name): score.value for score in old.module_score}
     for score in new.module_score:

@@ -11,7 +11,7 @@ from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.run import Plan, RunOutcome, RunScript
 from roah_rsbb.referee.sheets import RunLine, Sheet, pick_run, sheet_of
-from roah_rsbb.referee.state import CONNECTED, IDLE, Item
+from roah_rsbb.referee.state import CONNECTED, IDLE, SheetItem
 from roah_rsbb.referee.words import BadWord, answer_of, pick_item, pick_zone, value_of
 
 WATCH_STEP_S = 1.0
@@ -50,7 +50,7 @@ def _command(link: Link, options, output: Output) -> Exit:
 
 
 def _say_done(link: Link, name: str, output: Output, command: str) -> Exit:
-    """Write how the zone is after a command."""
+    """Print the zone after a command."""
     box = link.settle()
     zone = box.zone(name)
     if output.json:
@@ -62,7 +62,7 @@ def _say_done(link: Link, name: str, output: Output, command: str) -> Exit:
 
 def _score(link: Link, options, output: Output) -> Exit:
     if options.item is not None and options.value is None:
-        raise BadWord(f"which value should '{options.item}' have? Give it behind the item")
+        raise BadWord(f"the value of '{options.item}' is missing: give it after the item")
     with_words = options.note or options.referee or options.run is not None
     if options.item is not None and (with_words or options.value.lower() in NOT_ATTEMPTED):
         return _score_with_words(link, options, output)
@@ -71,7 +71,7 @@ def _score(link: Link, options, output: Output) -> Exit:
     name = _zone_name(link, options.zone)
     zone = link.box.zone(name)
     if zone.phase == IDLE:
-        raise Refused(["No run is connected: the score sheet begins with connect"])
+        raise Refused(["No run is connected: the score sheet starts with connect"])
     if options.item is None:
         output.object({"zone": name, "event": zone.event, "score": zone.score}) if output.json else output.lines(
             view.score_sheet(zone, output.paint))
@@ -89,7 +89,7 @@ def _done(link: Link, options, output: Output) -> Exit:
     name = _zone_name(link, options.zone)
     operation = link.box.zone(name).operation
     if operation is None:
-        raise Refused(["nothing is asked of the referee now"])
+        raise Refused(["no manual operation is requested now"])
     if options.operation not in (None, operation.number):
         raise Refused([f"operation {options.operation} is over; now the referee is asked to: {operation.text}"])
     link.complete_operation(name, operation.number, answer_of(options.answer, operation))
@@ -143,7 +143,7 @@ def _zone_name(link: Link, word: str) -> str:
 
 
 def _runs(link: Link, options: Any, output: Any) -> Exit:
-    """All runs of a zone, or of all zones."""
+    """Print the runs of a zone, or of all zones."""
     zone = None if options.zone is None else _zone_name(link, options.zone)
     found = [run for run in link.runs() if zone in (None, run.zone)]
     if output.json:
@@ -156,7 +156,7 @@ def _runs(link: Link, options: Any, output: Any) -> Exit:
 
 
 def _sheet(link: Link, options: Any, output: Any) -> Exit:
-    """A score sheet with its history."""
+    """Print a score sheet with its history."""
     zone, run = _which(link, options)
     return _show(link, zone, run, "sheet", output)
 
@@ -168,7 +168,7 @@ def _score_with_words(link: Link, options: Any, output: Any) -> Exit:
     not_attempted = options.value.lower() in NOT_ATTEMPTED
     value = 0 if not_attempted else value_of(options.value, item)
     link.mark(zone, _identity(run), item, value, not_attempted, options.note, options.referee)
-    new: Item = _fetched(link, zone, run).items[item.number - 1]
+    new: SheetItem = _fetched(link, zone, run).items[item.number - 1]
     if output.json:
         output.object({"ok": True, "command": "score", "zone": zone, **new._asdict()})
     else:
@@ -177,21 +177,21 @@ def _score_with_words(link: Link, options: Any, output: Any) -> Exit:
 
 
 def _withdraw(link: Link, options: Any, output: Any) -> Exit:
-    """Let an entry of the history count no more."""
+    """Withdraw an entry of the history."""
     zone, run = _which(link, options)
     link.withdraw(zone, _identity(run), options.entry, options.note, options.referee)
     return _show(link, zone, run, "withdraw", output)
 
 
 def _reason(link: Link, options: Any, output: Any) -> Exit:
-    """Say why a run was stopped."""
+    """Record why a run was stopped."""
     zone, run = _which(link, options)
     link.give_reason(zone, _identity(run), options.end, options.text, options.referee)
     return _show(link, zone, run, "reason", output)
 
 
 def _sign_off(link: Link, options: Any, output: Any) -> Exit:
-    """The score sheet of a run that is over is final."""
+    """Sign off the score sheet of a finished run."""
     zone, run = _which(link, options)
     link.sign_off(zone, _identity(run), options.referee)
     return _show(link, zone, run, "sign-off", output)
@@ -207,13 +207,13 @@ def _show(link: Link, zone: str, run: Optional[RunLine], command: str, output: A
 
 
 def _which(link: Link, options: Any) -> Tuple[str, Optional[RunLine]]:
-    """The zone, and the run that is meant; None: the one that is connected. Raises `Refused`, `BadWord`."""
+    """Return the zone and the run; None: the connected run. Raises `Refused`, `BadWord`."""
     zone = _zone_name(link, options.zone)
     if options.run is not None:
         known: List[RunLine] = [run for run in link.runs() if run.zone == zone]
         return zone, pick_run(options.run, known)
     if link.box.zone(zone).phase == IDLE:
-        raise Refused(["No run is connected. For one that is over give its name, such as '--run last' (see 'runs')"])
+        raise Refused(["No run is connected. For a finished run give its name, such as '--run last' (see 'runs')"])
     return zone, None
 
 

@@ -17,7 +17,7 @@ from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunSheet, Score
 from roah_rsbb.referee.changes import SILENT_S
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.sheets import RunLine, run_of
-from roah_rsbb.referee.state import Box, Item, box_of
+from roah_rsbb.referee.state import BoxSnapshot, SheetItem, box_of
 from roah_rsbb.ros import connections, refusals
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.srv import (
@@ -65,9 +65,9 @@ class Link:
         self._details: Optional[CoreDetails] = None
         self._heard = self._renewed = time.monotonic()
         self._count = 0  # CoreToGui messages so far
-        self.box: Optional[Box] = None
+        self.box: Optional[BoxSnapshot] = None
 
-    def open(self, wait_s: float = 0.0) -> Box:
+    def open(self, wait_s: float = 0.0) -> BoxSnapshot:
         """Connect; raises `NoCore` in 2 to 3 s, or after `wait_s` if master and core may still be starting."""
         deadline = self.now() + wait_s
         while True:
@@ -114,7 +114,7 @@ class Link:
         """Seconds since the core's last message."""
         return self.now() - self._heard
 
-    def next(self, limit_s: float) -> Optional[Box]:
+    def next(self, limit_s: float) -> Optional[BoxSnapshot]:
         """Return the next snapshot; None if nothing came for `limit_s`."""
         deadline = self.now() + limit_s
         while True:
@@ -125,7 +125,7 @@ class Link:
                 return None
             time.sleep(min(POLL_S, left))
 
-    def settle(self) -> Box:
+    def settle(self) -> BoxSnapshot:
         """A snapshot that shows the effect of every command so far; raises `NoCore` if none comes.
 
         Both topics of the snapshot must have been published after the last command. A message that was published
@@ -193,7 +193,7 @@ class Link:
         self._call("/core/set_score", ZoneScore, zone, Score(group, item, value))
 
     def mark(
-        self, zone: str, identity: str, item: Item, value: int, not_attempted: bool, note: str, referee: str
+        self, zone: str, identity: str, item: SheetItem, value: int, not_attempted: bool, note: str, referee: str
     ) -> None:
         """Set an item with a note, in the run of that identity; empty: the connected one. Raises as `command` does."""
         self._call(

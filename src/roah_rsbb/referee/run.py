@@ -15,7 +15,7 @@ from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.answers import Automatic, GivenUp, Keyboard, Note, Operations, Typed
 from roah_rsbb.referee.changes import Change, Follower, news
 from roah_rsbb.referee.exits import Exit, NoCore
-from roah_rsbb.referee.state import COMPLETED, CONNECTED, ENDED, IDLE, RUNNING, STOPPED, Item, Zone
+from roah_rsbb.referee.state import COMPLETED, CONNECTED, ENDED, IDLE, RUNNING, STOPPED, SheetItem, ZoneSnapshot
 from roah_rsbb.referee.words import BadWord, EventWanted, pick_item, value_of
 from roah_rsbb.wording.sheets import END_REASONS
 
@@ -47,7 +47,7 @@ class RunOutcome(NamedTuple):
 
     status: Exit
     text: str
-    zone: Optional[Zone] = None  # before the disconnect; None: there was no run
+    zone: Optional[ZoneSnapshot] = None  # before the disconnect; None: there was no run
 
 
 class _Failed(Exception):
@@ -72,7 +72,7 @@ class RunScript:
         self._unanswered = False  # a connect was sent, but the core did not answer it
         self._event = self._zone().event
         self._uuid = link.box.box_uuid  # of the core that has our run
-        self._scores: List[Tuple[Item, int]] = []
+        self._scores: List[Tuple[SheetItem, int]] = []
         self._unmarked = ""  # why a score could not be set
 
     def run(self) -> RunOutcome:
@@ -157,7 +157,7 @@ class RunScript:
             self._mark(item, value)
         return True
 
-    def _mark(self, item: Item, value: int) -> None:
+    def _mark(self, item: SheetItem, value: int) -> None:
         try:
             self._link.set_score(self._plan.zone, item.group, item.item, value)
         except (Refused, NoCore) as error:
@@ -324,7 +324,7 @@ class RunScript:
 
     # -- shared -------------------------------------------------------------------------------------
 
-    def _zone(self) -> Zone:
+    def _zone(self) -> ZoneSnapshot:
         zone = self._link.box.zone(self._plan.zone)
         if zone is None:
             raise _Failed(Exit.NOT_COMPLETED, f"zone '{self._plan.zone}' is no longer in the schedule")

@@ -7,7 +7,7 @@ The names of the fields are the names in the JSON output (docs/referee.md) and n
 from functools import partial
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.referee.state import ITEM_TYPES, Item
+from roah_rsbb.referee.state import ITEM_TYPES, SheetItem
 from roah_rsbb.referee.view import BOLD, YELLOW, Paint, item_text, plain
 from roah_rsbb.referee.words import BadWord
 from roah_rsbb.wording import sheets, times
@@ -55,7 +55,7 @@ class Sheet(NamedTuple):
     run: RunLine
     robots: Tuple[str, ...]
     elapsed_s: float
-    items: Tuple[Item, ...]
+    items: Tuple[SheetItem, ...]
     corrected: Tuple[int, ...]  # numbers of the items that were changed after the run was over
     history: Tuple[HistoryEntry, ...]
     ends: Tuple[RunEnd, ...]
@@ -76,7 +76,7 @@ def sheet_of(sheet) -> Sheet:
     return Sheet(
         run_of(sheet.summary), tuple(sheet.robots), sheet.elapsed.to_sec(),
         tuple(
-            Item(number, item.group, item.desc, ITEM_TYPES[item.type], item.value, item.not_attempted)
+            SheetItem(number, item.group, item.desc, ITEM_TYPES[item.type], item.value, item.not_attempted)
             for number, item in enumerate(sheet.items, 1)
         ),
         tuple(number for number, item in enumerate(sheet.items, 1) if item.corrected),

@@ -1,7 +1,7 @@
-"""What the core published, as plain values: what the terminal's referee shows, and what `--json` prints.
+"""What the core published, as plain values. The terminal referee shows them, and `--json` prints them.
 
-The names of the fields are the names in the JSON output (docs/referee.md): they are kept. Times are UTC
-in seconds since 1970, durations are seconds.
+The names of the fields are the names in the JSON output (docs/referee.md) and never change. Times are UTC seconds since
+1970, durations are seconds.
 """
 
 import json
@@ -17,7 +17,7 @@ COMPLETED, STOPPED = "completed", "stopped"  # ZoneDetails.end_reason
 ITEM_TYPES = ("bool", "uint")  # by the numbers in ZoneScoreGroup
 
 
-class Item(NamedTuple):
+class SheetItem(NamedTuple):
     """A scoring item. Its number counts from 1 through the whole sheet, in the order of the groups."""
 
     number: int
@@ -28,12 +28,12 @@ class Item(NamedTuple):
     not_attempted: bool = False  # the robot did not try
 
 
-class Operation(NamedTuple):
-    """A manual operation that a benchmarking module asks for."""
+class ManualOperation(NamedTuple):
+    """A manual operation that a benchmarking module requests."""
 
-    number: int  # in the attempt; it tells an operation from the one before with the same text
+    number: int  # in the attempt; an operation with the same text as the one before has another number
     text: str
-    choices: Tuple[str, ...]  # answers, the usual one first; empty: it is only done
+    choices: Tuple[str, ...]  # answers, the usual one first; empty: it is only confirmed
     asks_text: bool
 
 
@@ -48,15 +48,15 @@ class Switches(NamedTuple):
 class ModuleScore(NamedTuple):
     """A line of a benchmarking module's score."""
 
-    group: str  # of what it is one of several; empty: of the whole run
+    group: str  # such as "waypoint 2"; empty: of the whole run
     name: str
-    value: Any  # a number, a bool, a text, or None while there is none
+    value: Any  # a number, a bool, a text, or None if not known yet
     unit: str
     desc: str
 
 
 class AllRobots(NamedTuple):
-    """HSUF: how many robots do what, and each of them."""
+    """HSUF: how many robots prepare, execute and have stopped, and what each robot does."""
 
     preparing: int
     executing: int
@@ -64,8 +64,8 @@ class AllRobots(NamedTuple):
     robots: Tuple[str, ...]  # "<robot> of team <team>: <what it is doing>"
 
 
-class Event(NamedTuple):
-    """What the schedule says of a run."""
+class ScheduledEvent(NamedTuple):
+    """An event of the schedule."""
 
     code: str
     name: str
@@ -77,11 +77,11 @@ class Event(NamedTuple):
     timeout_s: float
 
 
-class Zone(NamedTuple):
-    """A zone, its event and the run in it; what is not known is None or empty."""
+class ZoneSnapshot(NamedTuple):
+    """A zone, its event and its run. Unknown values are None or empty."""
 
     zone: str
-    event: Event
+    event: ScheduledEvent
     phase: str
     identity: str  # of the run; empty: there is none
     end_reason: str
@@ -97,11 +97,11 @@ class Zone(NamedTuple):
     manual_operation: str
     warnings: Tuple[str, ...]
     off: Dict[str, List[str]]
-    score: Tuple[Item, ...]
+    score: Tuple[SheetItem, ...]
     log_file: str
     log: str
     online_data: str
-    operation: Optional[Operation] = None
+    operation: Optional[ManualOperation] = None
     switches: Optional[Switches] = None
     held: bool = False
     module_status: str = ""
@@ -119,8 +119,8 @@ class Robot(NamedTuple):
     age_s: float
 
 
-class Box(NamedTuple):
-    """Everything, at one moment of the box's clock."""
+class BoxSnapshot(NamedTuple):
+    """The whole box at one moment of its clock."""
 
     clock_utc_s: float
     status: str
@@ -129,15 +129,15 @@ class Box(NamedTuple):
     box_uuid: str
     warnings: Tuple[str, ...]
     robots: Tuple[Robot, ...]
-    zones: Tuple[Zone, ...]
+    zones: Tuple[ZoneSnapshot, ...]
 
-    def zone(self, name: str) -> Optional[Zone]:
-        """The zone of that name, if there is one."""
+    def zone(self, name: str) -> Optional[ZoneSnapshot]:
+        """Return the zone of that name, or None."""
         return next((zone for zone in self.zones if zone.zone == name), None)
 
 
-def box_of(gui, details) -> Optional[Box]:
-    """A CoreToGui and a CoreDetails together; None: they do not belong together."""
+def box_of(gui, details) -> Optional[BoxSnapshot]:
+    """Combine a CoreToGui and a CoreDetails; None: their zones differ."""
     details_of = {zone.zone: zone for zone in details.zones}
     if [zone.zone for zone in gui.zones] != list(details_of):
         return None
@@ -146,7 +146,7 @@ def box_of(gui, details) -> Optional[Box]:
         Robot(r.team, r.robot, r.skew.to_sec(), r.beacon.to_sec(), max(0.0, clock - r.beacon.to_sec()))
         for r in gui.active_robots
     ]
-    return Box(
+    return BoxSnapshot(
         clock_utc_s=clock,
         status=gui.status,
         host=gui.addr,
@@ -159,12 +159,12 @@ def box_of(gui, details) -> Optional[Box]:
 
 
 def lines_of(text: str) -> List[str]:
-    """The lines that the core made; other ends of lines are a robot's, and stay in its text."""
+    """Return the lines that the core wrote. Only \\n ends a line; a robot's text may contain other line ends."""
     return [line for line in text.split("\n") if line]
 
 
 def as_json(value: Any) -> Any:
-    """A value of this module as `json.dumps` takes it; of times and durations, whole microseconds are kept."""
+    """Return a value of this module for `json.dumps`. Times and durations are rounded to microseconds."""
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
         return {name: as_json(field) for name, field in value._asdict().items()}
     if isinstance(value, (list, tuple)):
@@ -174,11 +174,11 @@ def as_json(value: Any) -> Any:
     return round(value, 6) if isinstance(value, float) else value
 
 
-def _zone(zone, details) -> Zone:
+def _zone(zone, details) -> ZoneSnapshot:
     heard = details.last_message.to_sec()
-    return Zone(
+    return ZoneSnapshot(
         zone=zone.zone,
-        event=Event(
+        event=ScheduledEvent(
             zone.code, zone.name, zone.desc, zone.team, zone.round, zone.run, zone.schedule.to_sec(),
             zone.timeout.to_sec(),
         ),
@@ -220,10 +220,10 @@ def _all_robots(details) -> Optional[AllRobots]:
     )
 
 
-def _operation(zone, details) -> Optional[Operation]:
+def _operation(zone, details) -> Optional[ManualOperation]:
     if not details.operation or not zone.manual_operation:
         return None
-    return Operation(
+    return ManualOperation(
         details.operation, zone.manual_operation, tuple(details.operation_choices), details.operation_asks_text
     )
 
@@ -235,10 +235,10 @@ def _json_value(text: str) -> Any:
         return text
 
 
-def _items(groups, not_attempted) -> List[Item]:
-    found: List[Item] = []
+def _items(groups, not_attempted) -> List[SheetItem]:
+    found: List[SheetItem] = []
     marks = iter(not_attempted)
     for group in groups:
         for kind, desc, value in zip(group.types, group.descriptions, group.current_values):
-            found.append(Item(len(found) + 1, group.group_name, desc, ITEM_TYPES[kind], value, next(marks, False)))
+            found.append(SheetItem(len(found) + 1, group.group_name, desc, ITEM_TYPES[kind], value, next(marks, False)))
     return found

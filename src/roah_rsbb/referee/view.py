@@ -1,7 +1,7 @@
-"""How the terminal's referee writes things. Pure text: no ROS, no terminal.
+"""The lines that the terminal referee prints. Pure text: no ROS, no terminal.
 
-Colour is never the only sign: whatever is coloured also says it in words. What came from robots or from
-configuration files is made harmless (`plain`), so that it cannot send commands to the terminal.
+Colour is never the only sign: words say the same. Text from robots and configuration files is escaped (`plain`), so
+that it cannot send commands to the terminal.
 """
 
 import json
@@ -14,13 +14,13 @@ from roah_rsbb.referee.state import (
     ENDED,
     IDLE,
     RUNNING,
-    Box,
-    Event,
-    Item,
+    BoxSnapshot,
+    ManualOperation,
     ModuleScore,
-    Operation,
+    ScheduledEvent,
+    SheetItem,
     Switches,
-    Zone,
+    ZoneSnapshot,
     lines_of,
 )
 from roah_rsbb.wording import module_scores, sheets, times
@@ -28,36 +28,36 @@ from roah_rsbb.wording import module_scores, sheets, times
 # SGR codes (ECMA-48).
 BOLD, RED, GREEN, YELLOW, CYAN = "1", "1;31", "1;32", "1;33", "1;36"
 _PHASE_COLOURS = {RUNNING: GREEN, CONNECTED: CYAN, ENDED: YELLOW}
-# The core's lines in a log begin with their own time, which is truer than that of their publication.
+# The core's log lines begin with their own time, which is more exact than the time of publication.
 _CLOCK = re.compile(r"(\d\d:\d\d:\d\dZ )?(.*)", re.DOTALL)
-# A longer text as a module's score sets the others' column no further in, characters.
+# Largest width of the column of module scores, characters.
 _WIDEST = 20
-# A zone's lines are set in from its name.
+# Indentation below a title.
 _IN = "    "
 
 Paint = Callable[[str, str], str]
 
 
 def plain(text: str) -> str:
-    """Text of others with everything that is not printable written out, e.g. ``\\x1b``."""
+    """Return text with every unprintable character escaped, e.g. ``\\x1b``."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
 def no_colour(_code: str, text: str) -> str:
-    """Text as it is."""
+    """Return text without colour."""
     return text
 
 
 def colour(code: str, text: str) -> str:
-    """Text in a colour of the terminal's."""
+    """Return text in a colour of the terminal."""
     return f"\x1b[{code}m{text}\x1b[0m"
 
 
 # -- snapshots ------------------------------------------------------------------------------------
 
 
-def status(box: Box, paint: Paint) -> List[str]:
-    """All zones at a glance, the active robots, and what is the matter with the box."""
+def status(box: BoxSnapshot, paint: Paint) -> List[str]:
+    """Return all zones at a glance, the active robots and the box's warnings."""
     lines = [
         f"{paint(BOLD, 'RSBB')} at {plain(box.host)}:{plain(box.port)}, {times.time_with_zone(box.clock_utc_s)}: "
         + plain(box.status)
@@ -73,8 +73,8 @@ def status(box: Box, paint: Paint) -> List[str]:
     return lines
 
 
-def zone_lines(zone: Zone, clock_utc_s: float, paint: Paint) -> List[str]:
-    """A zone in a few lines."""
+def zone_lines(zone: ZoneSnapshot, clock_utc_s: float, paint: Paint) -> List[str]:
+    """Return a zone in a few lines."""
     event = zone.event
     lines = [
         f"{paint(BOLD, plain(zone.zone))}: {_phase(zone, paint)}",
@@ -94,8 +94,8 @@ def zone_lines(zone: Zone, clock_utc_s: float, paint: Paint) -> List[str]:
     return [*lines, f"{_IN}allowed now: {', '.join(allowed) or 'nothing'}"]
 
 
-def zone_report(zone: Zone, clock_utc_s: float, paint: Paint) -> List[str]:
-    """A zone in full: also why each command is refused, its score sheet and its online data."""
+def zone_report(zone: ZoneSnapshot, clock_utc_s: float, paint: Paint) -> List[str]:
+    """Return a zone in full: also why each command is refused, its score sheet and its online data."""
     lines = zone_lines(zone, clock_utc_s, paint)
     for command, reasons in zone.off.items():
         lines += [f"{_IN}no {command}: {plain(reason)}" for reason in reasons]
@@ -110,8 +110,8 @@ def zone_report(zone: Zone, clock_utc_s: float, paint: Paint) -> List[str]:
     return lines
 
 
-def to_do(operation: Operation) -> str:
-    """What the referee is asked to do, and how it is answered."""
+def to_do(operation: ManualOperation) -> str:
+    """Return what the referee is asked to do, and the possible answers."""
     text = f"TO DO by the referee: {plain(operation.text)}"
     if operation.choices:
         text += f" ({' / '.join(plain(choice) for choice in operation.choices)})"
@@ -119,15 +119,15 @@ def to_do(operation: Operation) -> str:
 
 
 def switches_line(switches: Switches, paint: Paint) -> str:
-    """HOMF: what was entered, and whether it is to be confirmed."""
+    """HOMF: return what was entered, and whether the referee must confirm it."""
     on = ", ".join(map(str, switches.on)) or "none"
     text = f"switches that are on: {on}; damaged: {switches.damaged}"
     return f"{text}; {paint(YELLOW, 'TO DO by the referee: enter what changed, and confirm')}" if switches.to_confirm \
         else text
 
 
-def score_sheet(zone: Zone, paint: Paint) -> List[str]:
-    """All scoring items with their numbers and values, group by group; then what a benchmarking module scored."""
+def score_sheet(zone: ZoneSnapshot, paint: Paint) -> List[str]:
+    """Return all scoring items with their numbers and values by group, then the benchmarking module's score."""
     lines = [f"Score sheet: {_which(zone.event)}"]
     group = None
     for item in zone.score:
@@ -142,7 +142,7 @@ def score_sheet(zone: Zone, paint: Paint) -> List[str]:
     return lines + _module_sheet(zone, paint)
 
 
-def _module_sheet(zone: Zone, paint: Paint) -> List[str]:
+def _module_sheet(zone: ZoneSnapshot, paint: Paint) -> List[str]:
     lines = ["Score of the benchmarking module"] if zone.module_score else []
     for title, group in module_scores.by_group(map(_score_in_json, zone.module_score)):
         lines.append(f"{_IN}{plain(title)}")
@@ -156,28 +156,28 @@ def _score_in_json(score: ModuleScore) -> ModuleScore:
     return score._replace(value=json.dumps(score.value))
 
 
-def item_text(item: Item) -> str:
+def item_text(item: SheetItem) -> str:
     """The value of a scoring item."""
     return sheets.item_value(item.type == "bool", item.value, item.not_attempted)
 
 
-def item_line(item: Item) -> str:
-    """A scoring item and its value in one line."""
+def item_line(item: SheetItem) -> str:
+    """Return a scoring item and its value in one line."""
     return f"{plain(item.group)}: {plain(item.item)}: {item_text(item)}"
 
 
-def _which(event: Event) -> str:
+def _which(event: ScheduledEvent) -> str:
     return sheets.run_name(plain(event.code), plain(event.team), event.round, event.run)
 
 
-def _phase(zone: Zone, paint: Paint) -> str:
+def _phase(zone: ZoneSnapshot, paint: Paint) -> str:
     word = zone.phase.upper() + (f" ({plain(sheets.end_reason(zone.end_reason))})" if zone.end_reason else "")
     left = times.countdown(zone.timer_s)
     after = {IDLE: f"{left} to run", RUNNING: f"{left} left", ENDED: f"{left} left after the end"}
     return f"{paint(_PHASE_COLOURS.get(zone.phase, BOLD), word)}, {after.get(zone.phase, f'{left} to run')}"
 
 
-def _robot(zone: Zone, clock_utc_s: float) -> str:
+def _robot(zone: ZoneSnapshot, clock_utc_s: float) -> str:
     skew = "not known" if zone.skew_s is None else times.skew(zone.skew_s)
     heard = "never heard on its private channel"
     if zone.last_message_utc_s is not None:
@@ -190,7 +190,7 @@ def _robot(zone: Zone, clock_utc_s: float) -> str:
 
 
 def change_line(change: Change, paint: Paint) -> str:
-    """A change in one line, with its time; empty where the core's log says it already."""
+    """Return a change in one line with its time; empty if the core's log has it already."""
     text = _WRITERS[change.kind](change.facts, paint)
     if not text:
         return ""
@@ -201,7 +201,7 @@ def change_line(change: Change, paint: Paint) -> str:
 
 def _core(facts: Dict, paint: Paint) -> str:
     return {
-        "silent": paint(RED, "core SILENT: what was shown is old; waiting for it"),
+        "silent": paint(RED, "core SILENT: the state above is old; waiting for the core"),
         "back": paint(GREEN, "core is back"),
         "restarted": paint(YELLOW, "core was RESTARTED"),
     }[facts["what"]]
@@ -216,11 +216,11 @@ def _robot_change(facts: Dict, paint: Paint) -> str:
     name = f"robot {plain(facts['team'])} {plain(facts['robot'])}"
     if facts["what"] == "came":
         return f"{name} is active, skew {times.skew(facts['skew_s'])}"
-    return paint(YELLOW, f"{name} is GONE: not heard any more")
+    return paint(YELLOW, f"{name} is GONE: no longer heard")
 
 
 def _event(facts: Dict, paint: Paint) -> str:
-    return f"now at {_which(Event(**facts))}"
+    return f"now at {_which(ScheduledEvent(**facts))}"
 
 
 def _state(facts: Dict, paint: Paint) -> str:
@@ -250,11 +250,12 @@ def _online_data(facts: Dict, paint: Paint) -> str:
 def _manual_operation(facts: Dict, paint: Paint) -> str:
     if not facts["operation"]:
         return "manual operation over"
-    return paint(YELLOW, to_do(Operation(facts["operation"], facts["text"], facts["choices"], facts["asks_text"])))
+    asked = ManualOperation(facts["operation"], facts["text"], facts["choices"], facts["asks_text"])
+    return paint(YELLOW, to_do(asked))
 
 
 def _module_score(facts: Dict, paint: Paint) -> str:
-    """Only its first value is told: some change twice a second, and the sheet has the last one."""
+    """Only the first value gets a line: some change twice a second, and the sheet has the last one."""
     if facts["value"] is None or not (facts["old"] is None or isinstance(facts["old"], (bool, str))):
         return ""
     score = ModuleScore(*(facts[name] for name in ModuleScore._fields))

@@ -1,10 +1,10 @@
-"""What a referee types: names of zones, scoring items, values, events of the schedule."""
+"""Words that a referee types: names of zones, scoring items, values, events of the schedule."""
 
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from roah_rsbb.core.runs.requests import MAX_DAMAGED
 from roah_rsbb.core.scoring.sheet import MAX_VALUE, ScoreSheet
-from roah_rsbb.referee.state import Event, Item, Operation
+from roah_rsbb.referee.state import ManualOperation, ScheduledEvent, SheetItem
 from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
 from roah_rsbb.wording.suggestions import did_you_mean
 
@@ -15,11 +15,11 @@ WORDS = {"yes": 1, "true": 1, "no": 0, "false": 0}
 
 
 class BadWord(Exception):
-    """A word that means nothing here, or more than one thing; the text lists what there is."""
+    """An unknown or ambiguous word. The text lists the possible words."""
 
 
 class SwitchesEntered(NamedTuple):
-    """HOMF: what the referee says of the switches."""
+    """HOMF: what the referee enters about the switches."""
 
     pressed: Tuple[int, ...] = ()  # numbers of those that changed, in order
     damaged: Optional[int] = None
@@ -33,8 +33,8 @@ class EventWanted(NamedTuple):
     round: Optional[int] = None
     run: Optional[int] = None
 
-    def fits(self, event: Event) -> bool:
-        """Whether this event is meant."""
+    def fits(self, event: ScheduledEvent) -> bool:
+        """Returns whether this event is meant."""
         return event.code.lower() == self.code.lower() and all(
             wanted in (None, number) for wanted, number in ((self.round, event.round), (self.run, event.run))
         )
@@ -44,7 +44,7 @@ class EventWanted(NamedTuple):
 
 
 def pick_zone(word: str, names: Sequence[str]) -> str:
-    """The zone meant by `word`: its name or a beginning of it that no other has, in any case of letters."""
+    """Return the zone meant by `word`: its name, or the beginning of one name only. Case does not matter."""
     found = _found(word, names, str, str.startswith)
     if len(found) == 1:
         return found[0]
@@ -55,10 +55,10 @@ def pick_zone(word: str, names: Sequence[str]) -> str:
     raise BadWord(f"'{word}' is the beginning of {len(found)} zones: {_quoted(found)}")
 
 
-def pick_item(word: str, items: Sequence[Item]) -> Item:
-    """The scoring item meant by `word`: its number, or a part of its description that no other has."""
+def pick_item(word: str, items: Sequence[SheetItem]) -> SheetItem:
+    """Return the scoring item meant by `word`: its number, or a part of one description only."""
     if not items:
-        raise BadWord("there are no scoring items: the benchmark has none for the referee")
+        raise BadWord("this benchmark has no scoring items for the referee")
     if word.isdecimal() and 1 <= int(word) <= len(items):
         return items[int(word) - 1]
     found = _found(word, items, lambda item: item.item, str.__contains__)
@@ -70,10 +70,10 @@ def pick_item(word: str, items: Sequence[Item]) -> Item:
     raise BadWord(f"'{word}' is in {len(found)} scoring items: give the number, or more of the text\n{listed}")
 
 
-def value_of(text: str, item: Item) -> int:
-    """The value that `text` gives an item: a number, yes or no, or +N and -N from its present value.
+def value_of(text: str, item: SheetItem) -> int:
+    """Return the value that `text` gives an item: a number, yes or no, or +N and -N from its present value.
 
-    Raises `BadWord`, or as the core itself would, `Refused`.
+    Raises `BadWord`, or `Refused` as the core itself does.
     """
     value = WORDS.get(text.lower()) if item.type == "bool" else None
     if value is None:
@@ -81,18 +81,18 @@ def value_of(text: str, item: Item) -> int:
             value = int(text)
         except ValueError:
             kind = "0, 1, yes or no" if item.type == "bool" else "a whole number such as 2, +1 or -1"
-            raise BadWord(f"'{text}' is no value for '{item.item}': give {kind}") from None
+            raise BadWord(f"'{text}' is not a value for '{item.item}': give {kind}") from None
         if text.startswith(("+", "-")):
             value += item.value
     if value > MAX_VALUE:
-        raise BadWord(f"'{text}' is too much for '{item.item}': the most is {MAX_VALUE}")
+        raise BadWord(f"'{text}' is too large for '{item.item}': the maximum is {MAX_VALUE}")
     sheet = ScoreSheet((ScoringItem(item.group, item.item, ScoreKind[item.type.upper()]),))
     sheet.check(item.group, item.item, value)
     return value
 
 
-def answer_of(text: str, operation: Operation) -> str:
-    """The answer meant by `text`: one of the choices or a beginning of it, or what was typed where that is asked for.
+def answer_of(text: str, operation: ManualOperation) -> str:
+    """Return the answer meant by `text`: a choice, the beginning of one, or any text if the operation asks for it.
 
     Empty: the usual answer. Raises `BadWord`.
     """
@@ -103,8 +103,8 @@ def answer_of(text: str, operation: Operation) -> str:
     if operation.asks_text:
         return text
     if not operation.choices:
-        raise BadWord(f"'{operation.text}' takes no answer: complete it without one")
-    raise BadWord(f"'{text}' is no answer to '{operation.text}': there are {_quoted(operation.choices)}")
+        raise BadWord(f"'{operation.text}' takes no answer: complete it without an answer")
+    raise BadWord(f"'{text}' is not an answer to '{operation.text}': choose one of {_quoted(operation.choices)}")
 
 
 def switches_of(text: str) -> SwitchesEntered:
@@ -118,14 +118,14 @@ def switches_of(text: str) -> SwitchesEntered:
 
 
 def byte_of(word: str) -> int:
-    """A number that fits the core's services for switches; raises `BadWord`."""
+    """Return a number in the range of the core's services for switches; raises `BadWord`."""
     if not word.isdecimal() or int(word) > MAX_DAMAGED:
-        raise BadWord(f"'{word}' is no number from 0 to {MAX_DAMAGED}")
+        raise BadWord(f"'{word}' is not a number from 0 to {MAX_DAMAGED}")
     return int(word)
 
 
 def event_wanted(text: str) -> EventWanted:
-    """`CODE`, `CODE/ROUND` or `CODE/ROUND/RUN`; ValueError if it is none of these."""
+    """Parse `CODE`, `CODE/ROUND` or `CODE/ROUND/RUN`; raises ValueError."""
     code, *numbers = text.split("/")
     if not code or len(numbers) > 2:
         raise ValueError(text)
@@ -133,7 +133,7 @@ def event_wanted(text: str) -> EventWanted:
 
 
 def score_wanted(text: str) -> Tuple[str, str]:
-    """`ITEM=VALUE` as its two words; ValueError if one is missing."""
+    """Split `ITEM=VALUE`; raises ValueError if one of them is missing."""
     item, equals, value = text.rpartition("=")
     if not equals or not item.strip() or not value.strip():
         raise ValueError(text)
@@ -141,7 +141,7 @@ def score_wanted(text: str) -> Tuple[str, str]:
 
 
 def _found(word: str, things: Sequence[T], name: Callable[[T], str], fits: Callable[[str, str], bool]) -> List[T]:
-    """Things whose name is `word`, else those whose name fits it; letters of any case are the same."""
+    """Return the things whose name is `word`, or else those whose name fits it. Case does not matter."""
     exact = [thing for thing in things if name(thing) == word]
     if exact:
         return exact

@@ -10,30 +10,30 @@ from roah_rsbb.referee.state import (
     ENDED,
     IDLE,
     RUNNING,
-    Box,
-    Event,
-    Item,
+    BoxSnapshot,
     Robot,
-    Zone,
+    ScheduledEvent,
+    SheetItem,
+    ZoneSnapshot,
 )
 
 UTC0 = 1447000000.0  # 2015-11-08 16:26:40Z
 TICK_S = 0.1
 LONG_S = 300.0  # simulated; no test plans anything after that
 ITEMS = (
-    Item(1, "Achievements", "Detects the door", "bool", 0),
-    Item(2, "Achievements", "Moved furniture", "uint", 0),
-    Item(3, "Penalized", "Bumps into the furniture", "uint", 0),
+    SheetItem(1, "Achievements", "Detects the door", "bool", 0),
+    SheetItem(2, "Achievements", "Moved furniture", "uint", 0),
+    SheetItem(3, "Penalized", "Bumps into the furniture", "uint", 0),
 )
 EVENTS = tuple(
-    Event(code, f"Name of {code}", f"What {code} is", "TestingTeam", 1, run, UTC0 + 600 * run, 600.0)
+    ScheduledEvent(code, f"Name of {code}", f"What {code} is", "TestingTeam", 1, run, UTC0 + 600 * run, 600.0)
     for run, code in enumerate(("HGTKMH", "HWV", "HGTKMH", "HCFGAC"), 1)
 )
 
 
-def zone(**fields) -> Zone:
+def zone(**fields) -> ZoneSnapshot:
     """A zone without a run."""
-    default = Zone(
+    default = ZoneSnapshot(
         zone="Home A", event=EVENTS[0], phase=IDLE, identity="", end_reason="", timer_s=600.0,
         state=("Robot ready",), robot="", port=0, box_state="", robot_state="", skew_s=None,
         last_message_utc_s=None, messages_saved=0, manual_operation="", warnings=(),
@@ -42,7 +42,7 @@ def zone(**fields) -> Zone:
     return default._replace(**fields)
 
 
-def running_zone(**fields) -> Zone:
+def running_zone(**fields) -> ZoneSnapshot:
     """A zone with a run that was started."""
     return zone(**{
         "phase": RUNNING, "identity": "HGTKMH-6667-1", "robot": "mbot", "port": 6667,
@@ -57,9 +57,9 @@ def robot(name: str = "mbot", team: str = "TestingTeam", skew_s: float = 0.0123)
     return Robot(team, name, skew_s, UTC0 - 0.5, 0.5)
 
 
-def box(*zones: Zone, **fields) -> Box:
+def box(*zones: ZoneSnapshot, **fields) -> BoxSnapshot:
     """A box with these zones, or one zone without a run."""
-    default = Box(UTC0, "OK", "127.255.255.255", "6666", "uuid-1", (), (robot(),), zones or (zone(),))
+    default = BoxSnapshot(UTC0, "OK", "127.255.255.255", "6666", "uuid-1", (), (robot(),), zones or (zone(),))
     return default._replace(**fields)
 
 
@@ -128,7 +128,7 @@ class FakeLink:
         self.change()
 
     @property
-    def zone(self) -> Zone:
+    def zone(self) -> ZoneSnapshot:
         """The zone as the core has it now."""
         return self.true_box.zones[0]
 
@@ -149,7 +149,7 @@ class FakeLink:
         """For how long nothing was published."""
         return self.time - self.heard
 
-    def next(self, limit_s: float) -> Optional[Box]:
+    def next(self, limit_s: float) -> Optional[BoxSnapshot]:
         """The next tick, or None after `limit_s` of silence."""
         deadline = self.time + limit_s
         while self.time < deadline:
@@ -181,7 +181,7 @@ class FakeLink:
             zones = (zones[0]._replace(**{name: getattr(old, name) for name in DETAILS}),)
         self.box = self.true_box._replace(zones=zones, box_uuid=self._details[1].box_uuid)
 
-    def settle(self) -> Box:
+    def settle(self) -> BoxSnapshot:
         """As the real one: by the core's clock."""
         if self.dead:
             raise NoCore("gone")
@@ -268,7 +268,7 @@ class FakeLink:
         self.index += by
         self.change(event=EVENTS[self.index])
 
-    def _with_off(self, fresh: Zone) -> Zone:
+    def _with_off(self, fresh: ZoneSnapshot) -> ZoneSnapshot:
         index = EVENTS.index(fresh.event)
         idle, extra = fresh.phase == IDLE, self.extra_off
         own = {

@@ -7,10 +7,10 @@ from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.answers import MAX_IN_A_ROW, Automatic, GivenUp, Operations, Typed
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.run import Plan, RunScript
-from roah_rsbb.referee.state import Operation, Switches
+from roah_rsbb.referee.state import ManualOperation, Switches
 
-PLACE = Operation(1, "Place it", (), False)
-AGAIN = Operation(2, "No pose", ("try again", "skip"), False)
+PLACE = ManualOperation(1, "Place it", (), False)
+AGAIN = ManualOperation(2, "No pose", ("try again", "skip"), False)
 TO_CONFIRM = Switches((1,), 0, True)
 
 
@@ -137,7 +137,7 @@ def test_what_is_no_answer_is_told_and_asked_again():
     table.asks(AGAIN)
     table.types("what")
     assert table.link.given == []
-    assert table.notes[1] == "not done: 'what' is no answer to 'No pose': there are 'try again', 'skip'"
+    assert table.notes[1] == "not done: 'what' is not an answer to 'No pose': choose one of 'try again', 'skip'"
     table.looks()
     assert table.notes[2] == table.notes[0]
     table.types("skip")
@@ -145,9 +145,9 @@ def test_what_is_no_answer_is_told_and_asked_again():
 
 
 @pytest.mark.parametrize(("operation", "prompt", "line", "answer"), [
-    (Operation(1, "Whom?", (), True), "type the answer (Enter: none)", "Annie", "Annie"),
-    (Operation(1, "Whom?", (), True), "type the answer (Enter: none)", "", ""),
-    (Operation(1, "Whom?", ("Annie", "Tom"), True), "type Annie, Tom, or the beginning of one (Enter: Annie), or "
+    (ManualOperation(1, "Whom?", (), True), "type the answer (Enter: none)", "Annie", "Annie"),
+    (ManualOperation(1, "Whom?", (), True), "type the answer (Enter: none)", "", ""),
+    (ManualOperation(1, "Whom?", ("Annie", "Tom"), True), "type Annie, Tom, or the beginning of one (Enter: Annie), or "
                                                     "another answer", "Bob", "Bob"),
 ])
 def test_an_answer_may_be_typed(operation, prompt, line, answer):
@@ -165,7 +165,7 @@ def test_switches_are_entered_and_confirmed():
     table.types("2 3 2", "damaged 1")
     assert table.link.given == [("press", 2), ("press", 3), ("press", 2), ("damaged", 1)]
     table.types("two")
-    assert table.notes[1] == "not done: 'two' is no number from 0 to 255"
+    assert table.notes[1] == "not done: 'two' is not a number from 0 to 255"
     table.looks()
     table.types("", "2")
     assert table.link.given[4:] == [("confirm",)]

@@ -54,7 +54,7 @@ def test_a_run_takes_all_its_options():
     (["run", "A", "--wait", "nan"], "seconds"),
     (["run", "A", "--wait", "soon"], "soon"),
     (["run"], "ZONE"),
-    (["withdraw", "A", "0"], "no number from 1 on"),
+    (["withdraw", "A", "0"], "is not a number of 1 or more"),
     (["withdraw", "A", "-1"], "1"),
     (["sign-off", "A"], "--run"),
     (["dance", "A"], "dance"),

@@ -4,7 +4,7 @@ import pytest
 
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
 from roah_rsbb.referee.changes import changes, news
-from roah_rsbb.referee.state import ModuleScore, Operation, Switches
+from roah_rsbb.referee.state import ManualOperation, ModuleScore, Switches
 
 
 def _facts(old, new, **options):
@@ -82,7 +82,7 @@ def test_the_zone_moves_to_another_event():
 
 
 def test_manual_operations_come_and_go():
-    asked = running_zone(operation=Operation(3, "Place the mug", ("done", "skip"), False))
+    asked = running_zone(operation=ManualOperation(3, "Place the mug", ("done", "skip"), False))
     facts = {"operation": 3, "text": "Place the mug", "choices": ["done", "skip"], "asks_text": False}
     assert _facts(box(running_zone()), box(asked)) == [("manual_operation", "Home A", facts)]
     over = {"operation": 0, "text": "", "choices": [], "asks_text": False}

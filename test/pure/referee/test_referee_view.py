@@ -7,7 +7,7 @@ import pytest
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
 from roah_rsbb.referee import view as view
 from roah_rsbb.referee.changes import Change, changes
-from roah_rsbb.referee.state import AllRobots, ModuleScore, Operation, Switches
+from roah_rsbb.referee.state import AllRobots, ManualOperation, ModuleScore, Switches
 
 
 def _status(*zones, **fields):
@@ -61,7 +61,7 @@ def test_the_end_of_a_run_says_why():
 
 
 def test_what_the_referee_has_to_do():
-    asked = Operation(1, "Place the mug", (), False)
+    asked = ManualOperation(1, "Place the mug", (), False)
     assert "TO DO by the referee: Place the mug" in _status(running_zone(operation=asked))
     asked = asked._replace(choices=("again", "skip"), asks_text=True)
     assert "TO DO by the referee: Place the mug (again / skip) (an answer may be typed)" in _status(
@@ -99,7 +99,7 @@ def test_a_score_that_changes_all_the_time_is_told_once(old, new, told):
 
 
 def test_what_happens_by_hand():
-    asked = running_zone(operation=Operation(1, "Place the mug", ("ok",), False), module_status="Goal 1")
+    asked = running_zone(operation=ManualOperation(1, "Place the mug", ("ok",), False), module_status="Goal 1")
     lines = _lines(box(running_zone()), box(asked))
     assert lines[0].endswith("Home A: TO DO by the referee: Place the mug (ok)")
     assert lines[1].endswith("Home A: module: Goal 1")
@@ -206,7 +206,7 @@ def test_colour_only_adds_to_the_words():
 def test_what_robots_say_cannot_command_the_terminal():
     evil = "\x1b[2Jgone\r\u202e"
     loud = running_zone(
-        robot=evil, robot_state=evil, operation=Operation(1, evil, (evil,), False), state=(evil,),
+        robot=evil, robot_state=evil, operation=ManualOperation(1, evil, (evil,), False), state=(evil,),
         online_data=evil, log=evil, log_file=evil,
         event=EVENTS[0]._replace(team=evil, name=evil, code=evil), warnings=(evil,), zone=evil,
         score=(ITEMS[0]._replace(item=evil, group=evil),), off={"connect": [evil]},
