@@ -58,9 +58,9 @@ def ros_args(launch_file: str) -> Dict[str, str]:
     return {name: doc for name, (doc, _) in arg_dump.get_args([path]).items()}
 
 
-def arguments(launch_file: str) -> Set[str]:
+def arguments(launch_file: str, folder: str = "launch") -> Set[str]:
     """The arguments that a launch file takes."""
-    root = ElementTree.parse(str(ROOT / "launch" / launch_file)).getroot()
+    root = ElementTree.parse(str(ROOT / folder / launch_file)).getroot()
     return {arg.get("name") for arg in root.findall("arg")}
 
 

@@ -68,7 +68,10 @@ def check_options(said, given):
 
 def check_roslaunch(*given):
     given = [each for each in given if not each.startswith("-")]
-    if given[0] == "roah_rsbb":
+    folder = "launch"
+    if given[0] == "roah_rsbb_comm_ros":
+        folder, name, settings = "roah_rsbb_comm_ros/launch", given[1], given[2:]
+    elif given[0] == "roah_rsbb":
         name, settings = given[1], given[2:]
         assert name in programs.LAUNCH_FILES, f"no launch file {name}"
     else:
@@ -77,7 +80,7 @@ def check_roslaunch(*given):
         name, settings = "roah_rsbb.launch", given[1:]
     for setting in settings:
         argument = setting.partition(":=")[0]
-        assert argument in programs.arguments(name) or setting == "…", f"{name} has no argument {argument}"
+        assert argument in programs.arguments(name, folder) or setting == "…", f"{name} has no argument {argument}"
 
 
 def check_python(*given):
