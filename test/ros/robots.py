@@ -107,7 +107,7 @@ class Robot:
         self.did: List[str] = []  # "prepare HWV", "execute HWV", "stop"
         self.goals: List[Any] = []  # of each execution; None: it was no explicit one
         self.result: Any = None  # that it will send
-        self.reports: List[fx.Trouble] = []
+        self.reports: List[fx.Problem] = []
         self.devices: Optional[fx.Devices] = None
         self.tablet: Optional[fx.Tablet] = None
         self._network = network

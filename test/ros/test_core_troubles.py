@@ -8,7 +8,7 @@ from robots import BOX, RSBB_PORT, host_of, listed
 from waiting import wait_until
 
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.robot.effects import Trouble
+from roah_rsbb.robot.effects import Problem
 
 STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT
 
@@ -68,7 +68,8 @@ class TestTime(BoxCase):
         box.command("stop", "Restart")
         box.wait_phase("Restart", "ended")
         path = box.zone_details("Restart").log_file
-        box.command("stop", "Restart")  # the second press leaves
+        box.command("stop", "Restart")  # the second press changes nothing
+        box.command("disconnect", "Restart")
         box.wait_phase("Restart", "idle")
         log = self.read_log(path)
         run = [PREPARE, WAITING_RESULT, STOP]
@@ -166,7 +167,7 @@ class TestRobots(BoxCase):
     def test_a_wrong_password(self) -> None:
         box, robot = self.box, self.robot("Theta", password="guessed")
         port = box.connect("Stranger")
-        wait_until(lambda: Trouble.WRONG_PASSWORD in robot.reports, lambda: f"the robot notices: {robot.reports}")
+        wait_until(lambda: Problem.WRONG_PASSWORD in robot.reports, lambda: f"the robot notices: {robot.reports}")
         box.wait_details(
             "Stranger", lambda d: any("password" in reason for reason in d.start_off), "the referee is told why"
         )
