@@ -48,7 +48,7 @@ class FunctionalityCase(BoxCase):
         return self.to_the_end(zone, switches=switches)
 
     def to_the_end(
-        self, zone: str, after: int = 0, switches: Callable[[], None] = lambda: None
+        self, zone: str, after: int = 0, switches: Callable[[], None] = lambda: None, end_reason: str = "completed"
     ) -> Tuple[Scores, RunLog]:
         """The rest of a run: its scores, in the details and in the log, and the log."""
         def something(details) -> bool:
@@ -64,7 +64,7 @@ class FunctionalityCase(BoxCase):
                 after = self.answer(zone, after)
             else:
                 switches()
-        self.assertEqual(details.end_reason, "completed", self.box.zone(zone).state)
+        self.assertEqual(details.end_reason, end_reason, self.box.zone(zone).state)
         scores = {(s.group, s.name): json.loads(s.value) for s in details.module_scores}
         log = self.leave(zone)
         logged = json.loads(log.values("/rsbb_log/bmbox/score")[-1])

@@ -66,8 +66,7 @@ class TestTroubles(ChannelCase):
         """Of a newer box: the robot's programs would not know what it is either."""
         self.begin("HWV")
         self.box.send("HNEW", BoxState.PREPARE)
-        self.wait_logged(Log.ERROR, "the box runs benchmark 'HNEW', which this node does not know",
-                         "its version of this package")
+        self.wait_logged(Log.ERROR, "the box runs the unknown benchmark 'HNEW': update this package")
         self.wait_benchmark(0)
         self.assertEqual((self.services, self.published), (set(), ALWAYS))
         self.box.beacon()  # the run is over

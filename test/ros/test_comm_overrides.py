@@ -220,7 +220,7 @@ class TestWhatWouldBeSent(OverrideCase):
         for state, name in ((GOAL_TX, "GOAL_TX"), (WAITING_RESULT, "WAITING_RESULT")):
             before = len(self.log)
             self.override(NUMBERS["HWV"], state)
-            self.wait_logged(Log.WARN, f"the box sent {name} to a robot in STOP", "starts again with PREPARE",
+            self.wait_logged(Log.WARN, f"the box sent {name} while this robot is in STOP", "starts again with PREPARE",
                              since=before)
             self.wait_services(*OWN["HWV"])
         self.wait_said(SAYS_STOP)
@@ -343,7 +343,7 @@ class TestBadOverrides(OverrideCase):
         self.override(number, PREPARE)
         self.call("end_prepare")
         self.override(number, GOAL_TX)
-        for name, pose, why in (("Annie", Pose2D(float("nan"), 0, 0), "nan is no place"),
+        for name, pose, why in (("Annie", Pose2D(float("nan"), 0, 0), "nan is not valid in a pose"),
                                 ("A" * 500, Pose2D(), "at most 400 fit")):
             with self.assertRaisesRegex(CommRefusal, re.escape(why)):
                 self.call("end_execute", ResultHPPF, name, pose)

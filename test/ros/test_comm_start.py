@@ -48,7 +48,7 @@ class TestParameters(NetworkCase):
     def test_without_a_key_it_asks_for_it_and_goes_on(self) -> None:
         node = self.node("comm", "keyless", team_name="KeylessTeam")
         node.wait_printed("[ERROR]")
-        node.wait_printed("Set the parameter rsbb_key to the team's password, as the organisers gave it")
+        node.wait_printed("Set the parameter rsbb_key to the team's password from the organisers")
         node.wait_printed("Robot Robot of team KeylessTeam looks for the RSBB on 127.255.255.255")
         wait_until(lambda: "/keyless" in str(rosgraph.Master("/test").getSystemState()[0]), "it publishes its topics")
 

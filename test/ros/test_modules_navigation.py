@@ -20,7 +20,8 @@ class TestNavigation(FunctionalityCase):
 
     def test_hnf_with_a_robot_that_never_arrives(self) -> None:
         self.dummy_robot("Theta", "--never-end")
-        scores, _ = self.conduct("HNF 2")
+        self.begin("HNF 2")
+        scores, _ = self.to_the_end("HNF 2", end_reason="goals_timed_out")
         self.assertEqual((scores["", "reached"], scores["", "timed_out"]), (0, 2))
         self.assertEqual((scores["", "position_accuracy"], scores["", "orientation_accuracy"]), (None, None))
         self.assertEqual(self.of_each(scores, "timed_out"), [True, True])

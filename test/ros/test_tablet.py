@@ -58,7 +58,9 @@ class TestTablet(BoxCase):
         for number in range(2000):
             tablet.send(pb.TabletBeacon(last_call=wire(first + number / 1e3), last_pos=NEVER, x=0.0, y=0.0))
         last = wire(first + 1999 / 1e3)
-        listener.wait_beacon(lambda b: b.tablet_call_time == last, "the beacon carries the last call")
+        # A tablet says its last word again each second; of so many at once some are lost or not accepted.
+        wait_until(lambda: tablet.send(pb.TabletBeacon(last_call=last, last_pos=NEVER, x=0.0, y=0.0))
+                   or listener.beacon.tablet_call_time == last, "the beacon carries the last call")
         beacons, seconds = self.count_beacons(listener) - before, time.monotonic() - began
         self.assertLessEqual(beacons, MOST_BEACONS_A_SECOND * (seconds + 1))
 

@@ -21,7 +21,7 @@ from std_msgs.msg import String as StringMsg
 from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
-from roah_rsbb.nodes.team.comm_interface import GOAL_TYPES, NUMBERS
+from roah_rsbb.nodes.team.comm_interface import NUMBERS
 from roah_rsbb.nodes.team.dummy_robots import log_to_ros
 from roah_rsbb.robot.dummy import PHASES, DummyOptions, DummyRobot
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
@@ -35,6 +35,8 @@ from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
 # Time limit for a service to appear: the comm node may be starting, and advertises services with a delay.
 SERVICE_S = 5.0
 LOOK_S = 0.2
+# Of the topic with the goals of a benchmark; the other benchmarks have none.
+GOAL_TYPES = {"HNF": Pose2D, "HGMF": GoalHGMF, "HOMF": GoalOMF, "STB": StringMsg}
 
 
 class Services:
