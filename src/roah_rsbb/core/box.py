@@ -262,7 +262,7 @@ class Box:
             self._outbox.notice(Level.ERROR, text)
 
     def on_tablet(self, now: Now, host: str, beacon: TabletState) -> None:
-        """A TabletBeacon arrived from `host`; which view it shows is not its to say."""
+        """A TabletBeacon arrived from `host`. The box, not the tablet, decides which view is shown."""
         self.tick(now)
         before = self.tablet.state
         heard = self.tablet.hear(now, host, beacon)
@@ -291,7 +291,7 @@ class Box:
         run = self.zones[zone_name].run
         if isinstance(run, Run) and run.event.benchmark.code == CATERING:
             run.warn(now, text)
-        else:  # the run that it came from was left since
+        else:  # the run that it came from has been left
             self._outbox.notice(Level.WARNING, text, zone_name)
 
     def on_notice(self, now: Now, text: str) -> None:

@@ -21,7 +21,7 @@ class How(enum.Enum):
 
 
 class PortTaken(NamedTuple):
-    """Keep on record that this private port is used up, for the whole competition."""
+    """Record that this private port is used, for the whole competition."""
 
     port: int
 
@@ -57,7 +57,7 @@ class SendState(NamedTuple):
 
 
 class SendBeacon(NamedTuple):
-    """Something in the beacon changed: send it at once, not only at the next full second."""
+    """Something in the beacon changed: send it at once."""
 
 
 class TimeoutRung(NamedTuple):
@@ -105,13 +105,13 @@ class RunClosed(NamedTuple):
 
 
 class RecordChanged(NamedTuple):
-    """What remains of a run changed, also of one that is over: keep this record of it."""
+    """The record of a run changed, perhaps of a finished one: keep this record."""
 
     record: RunRecord
 
 
 class Recorded(NamedTuple):
-    """Somebody did something to a zone, or tried to: keep it, also if it was refused."""
+    """Somebody gave a command to a zone: record it, even if it was refused."""
 
     zone: str
     identity: str  # of the run; empty: none
@@ -142,7 +142,7 @@ class Notice(NamedTuple):
 
 
 class GiveUp(NamedTuple):
-    """This box must not run: say why and end the process for good."""
+    """This box must not run: report why, and end the process."""
 
     reason: str
 

@@ -45,7 +45,7 @@ def device_topic(device: str) -> str:
     return f"/rsbb_log/devices/{device}"
 
 
-# What a robot said, or what follows from it alone.
+# What a robot said, and what follows directly from it.
 FROM_ROBOT = frozenset((
     CLIENT_STATE, CLIENT_PAYLOAD, NOTIFICATION, ACTIVATION_EVENT, VISITOR, COMMAND, HOPF_RESULT, RESULT, DISPLAY_MAP,
     *(device_topic(device) for device in DEVICES),

@@ -31,7 +31,7 @@ KINDS: Dict[str, BenchmarkKind] = {
     "STB": BenchmarkKind.FUNCTIONALITY,
 }
 
-# In the schedule this stands for every active robot. No team may be called so.
+# In the schedule this means every active robot. No team may have this name.
 ALL_TEAMS = "ALL"
 
 

@@ -35,12 +35,12 @@ class Countdown:
             self.state.deadline = now.mono + self._seconds
 
     def pause(self, now: Now) -> None:
-        """Time does not count until `resume`."""
+        """Stop counting until `resume`."""
         if self.state.deadline is not None and self.state.paused_at is None:
             self.state.paused_at = now.mono
 
     def resume(self, now: Now) -> None:
-        """Time counts again."""
+        """Count again."""
         if self.state.paused_at is not None:
             self.state.deadline += now.mono - self.state.paused_at
             self.state.paused_at = None
@@ -87,7 +87,7 @@ class RunClock(Countdown):
         self.state.stopped_at = None
 
     def stop(self, now: Now) -> None:
-        """The run was stopped; the deadline stays, and no pause outlasts the run."""
+        """The run was stopped. The deadline stays, and a pause ends with the run."""
         self.resume(now)
         self.state.stopped_at = now.mono
 

@@ -32,7 +32,7 @@ from roah_rsbb.core.scoring.book import Marked
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.protocol import BoxState
 
-# More steps than that are no benchmark, but a module that went wild.
+# No benchmark has more steps. The module is out of control.
 MAX_STEPS = 2000
 
 HOPF = "HOPF"
@@ -195,9 +195,9 @@ class FunctionalityRun(Run):
             self._set_pauses(now)
 
     def _take(self, now: Now, progress: Progress) -> None:
-        """Do what the module asks for. What it scored counts, also when the attempt is over."""
+        """Do what the module asks for. Its scores count even after the attempt."""
         if _number(progress) < len(self.steps) and not progress.failed:
-            return  # it was started again, and has not arrived yet where it was
+            return  # it was restarted, and has not caught up yet
         before, self._progress = self._progress, progress
         if progress.scores != self.scores:
             self.of_module.scores = progress.scores
@@ -250,7 +250,7 @@ class FunctionalityRun(Run):
         self._changed()
 
     def _problem(self, request: Request) -> str:
-        """What is wrong with a request; the module is at fault, not the robot."""
+        """What is wrong with a request. The module is at fault, not the robot."""
         if len(self.steps) >= MAX_STEPS:
             return f"it asked for more than {MAX_STEPS} things"
         size = len(request.goal.encode()) + len(request.initial_state) * 2 + len(request.switches) * 6
@@ -302,7 +302,7 @@ class FunctionalityRun(Run):
         self._set_state(now, BoxState.PREPARE, "Requested the robot to prepare for a new goal")
 
     def _step(self, now: Now, report: RobotReport) -> None:
-        """Only a goal moves the machine: between goals the robot waits as it is."""
+        """Only a goal moves the machine. Between goals the robot waits."""
         goal = self._goal
         if goal is None:
             return
@@ -348,7 +348,7 @@ class FunctionalityRun(Run):
     # -- time ---------------------------------------------------------------------------------------
 
     def _set_pauses(self, now: Now) -> None:
-        """The referee's work and the module's absence are not at the team's cost."""
+        """Time does not count while the referee works or the module is absent."""
         self.clock.set_paused(now, self.held or self.asked is not None)
         if self._goal is not None:
             self._goal.clock.set_paused(now, self.held)
@@ -359,7 +359,7 @@ class FunctionalityRun(Run):
         return min((t for t in (super().deadline(), goal) if t is not None), default=None)
 
     def tick(self, now: Now) -> None:
-        """See `Run.tick`; a goal that ends before or with the run is over first."""
+        """See `Run.tick`. A goal that ends before or with the run ends first."""
         goal = self._goal
         if goal is not None and self.phase is Phase.RUNNING and goal.clock.is_over(now):
             due = goal.clock.deadline()
@@ -382,7 +382,7 @@ class FunctionalityRun(Run):
     # -- for the referee's eyes ---------------------------------------------------------------------
 
     def timer(self, now: Now) -> float:
-        """Seconds left of the goal, while there is one; of the run else."""
+        """Seconds left of the present goal, or of the run if there is none."""
         left = super().timer(now)
         return left if self._goal is None else min(left, self._goal.clock.left(now))
 
@@ -391,7 +391,7 @@ class FunctionalityRun(Run):
         return self._modules.start_off(now, self.event.benchmark.code) + super().start_off(now)
 
     def warnings(self, now: Now) -> List[str]:
-        """What the referee should look at: the module first, if it is the matter."""
+        """What the referee should check now, the module first."""
         found: List[str] = []
         if self.held:
             found.append("Benchmarking module not connected: the run is held until it is back. Its time does not count")

@@ -18,7 +18,7 @@ GOAL_OVERHEAD = 140
 MAX_ANSWER = 1000
 # `uint8` on the ROS interface.
 MAX_DAMAGED = 255
-# A referee who presses more often than that has something on the keyboard.
+# No referee presses more often; something lies on the keyboard.
 MAX_CHANGES = 1000
 
 

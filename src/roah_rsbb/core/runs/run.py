@@ -74,7 +74,7 @@ class RunState:
     opened_utc: float  # UTC seconds of *connect*
     phase: Phase
     end_reason: Optional[EndReason]
-    desc: str  # what is the matter, in one line
+    desc: str  # the state of the run, in one line
     message: BoxMessage  # that the box sends
     link: LinkState
     clock: CountdownState
@@ -160,7 +160,7 @@ class ZoneRun(abc.ABC):
 
     @property
     def desc(self) -> str:
-        """What is the matter, in one line."""
+        """The state of the run, in one line."""
         return self.state.desc
 
     @property
@@ -192,11 +192,11 @@ class ZoneRun(abc.ABC):
 
     @abc.abstractmethod
     def warnings(self, now: Now) -> List[str]:
-        """What the referee should look at now."""
+        """What the referee should check now."""
 
     @abc.abstractmethod
     def status_lines(self, now: Now) -> List[str]:
-        """What the referee should know of the run, besides what is the matter and the warnings."""
+        """What the referee should know of the run besides `desc` and the warnings."""
 
     def timer(self, now: Now) -> float:
         """Seconds left: until the timeout; once ended, of the time after the stop."""
@@ -349,7 +349,7 @@ class Run(ZoneRun):
         return (self,)
 
     def without(self, member: "Run") -> None:
-        """See `ZoneRun`: nothing is left of a run without its robot."""
+        """See `ZoneRun`: without its robot the run ends."""
 
     # -- the referee's commands; whether they are allowed was checked before -----------------------
 
@@ -505,8 +505,7 @@ class Run(ZoneRun):
         self._emit(effects.SendState(self.port, self.message, How.CHANGE))
 
     def _log_report(self, report: RobotReport) -> None:
-        """Log what the robot says whenever it says something else than before, or its times mean
-        something no longer, or again."""
+        """Log what the robot says whenever it changes, and when its times become valid or invalid."""
         said = (report._replace(time=(0, 0)), self.link.times_valid)
         if said == self._last_logged:
             return
@@ -530,7 +529,7 @@ class Run(ZoneRun):
         return self.link.not_ready(now)
 
     def warnings(self, now: Now) -> List[str]:
-        """What the referee should look at now."""
+        """What the referee should check now."""
         return self.link.warnings(now) + self._stuck(now)
 
     def _stuck(self, now: Now) -> List[str]:
@@ -546,5 +545,5 @@ class Run(ZoneRun):
                 f"{code}: check the robot's own log"]
 
     def status_lines(self, now: Now) -> List[str]:
-        """What the referee should know of the run, besides what is the matter and the warnings."""
+        """What the referee should know of the run besides `desc` and the warnings."""
         return [] if self.robot_state is None else [f"Messages saved: {self.link.messages_saved}"]

@@ -43,7 +43,7 @@ class BookState:
 class Marked(NamedTuple):
     """What came of a change of the score sheet."""
 
-    item: Optional[ItemRecord]  # as it stands now; None: the benchmarks file has it no more
+    item: Optional[ItemRecord]  # as it is now; None: no longer in the benchmarks file
     text: str  # for the referee
 
 
@@ -132,7 +132,7 @@ class FinishedResult(NamedTuple):
 
 
 class FinishedRun:
-    """A run that is over. Its score sheet has the items that it had then, whatever the benchmarks file says since."""
+    """A finished run. Its score sheet keeps its items, even if the benchmarks file has changed since."""
 
     def __init__(self, record: RunRecord, benchmark: Benchmark) -> None:
         self.record = record
@@ -150,7 +150,7 @@ class FinishedRun:
         return self._changed(self._book.mark(now, who, mark).text)
 
     def withdraw_score(self, now: Now, by: By, number: int) -> str:
-        """An entry of the score sheet counts no more; raises `Refused`."""
+        """Withdraw an entry of the score sheet; raises `Refused`."""
         self._check_open()
         return self._changed(self._book.withdraw(now, by, number).text)
 
@@ -204,7 +204,7 @@ class FinishedRuns:
         self._runs: Dict[str, FinishedRun] = {}  # by identity, the oldest first
 
     def add(self, record: RunRecord) -> None:
-        """Keep a run that was left just now, unless it was never started; the oldest one goes if need be."""
+        """Keep a run that was just left, unless it was never started. Drop the oldest one if there are too many."""
         if not record.end_reason:
             return
         benchmark = self._benchmarks.get(record.benchmark)
@@ -236,7 +236,7 @@ class FinishedRuns:
         return [run.record for run in reversed(self._runs.values())]
 
     def newest(self, count: int = MAX_KEPT) -> Tuple[FinishedResult, ...]:
-        """So many results, the one that was left last first; of a run that was repeated, the last one alone."""
+        """The newest results first. Of a repeated run only the last one."""
         results: Dict[Tuple[str, ScheduledEvent], FinishedResult] = {}
         for run in reversed(self._runs.values()):
             results.setdefault((run.result.zone, run.result.event), run.result)

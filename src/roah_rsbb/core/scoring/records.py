@@ -47,8 +47,8 @@ class ItemRecord(NamedTuple):
     desc: str
     kind: str  # "bool" or "uint"
     value: int
-    not_attempted: bool = False  # the robot did not try: other than a 0 that it earned
-    corrected: bool = False  # it stands otherwise than when the run was over
+    not_attempted: bool = False  # the robot did not try, which is not the same as a 0 that it earned
+    corrected: bool = False  # its value has changed since the run was over
 
 
 def grouped(items: Iterable[ItemRecord]) -> Dict[str, List[ItemRecord]]:
@@ -127,5 +127,5 @@ class By(NamedTuple):
     reason: str = ""
 
 
-# The command of nobody known: an end that came by itself.
+# Nobody gave the command: the run ended by itself.
 NOBODY = By()
