@@ -47,6 +47,11 @@ def usable_protoc():
 class BuildWithProtobuf(build_py):
     """Also generates roah_rsbb.pb."""
 
+    def find_package_modules(self, package, package_dir):
+        """Of the tools, only the capture program needs no ROS."""
+        modules = super().find_package_modules(package, package_dir)
+        return [module for module in modules if package != "roah_rsbb.tools" or module[1] == "__init__"]
+
     def run(self):
         super().run()
         package = pathlib.Path(self.build_lib, "roah_rsbb", "pb")
