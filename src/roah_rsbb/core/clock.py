@@ -4,7 +4,6 @@ Durations use the monotonic clock; what is shown, logged or sent is UTC (docs/ar
 core never asks a clock: every method that needs the time takes a `Now`.
 """
 
-import time
 from typing import NamedTuple, Optional
 
 # The offset between both clocks moves by this much in one look only if UTC was set by somebody:
@@ -21,11 +20,6 @@ class Now(NamedTuple):
     def later(self, seconds: float) -> "Now":
         """The moment `seconds` after this one, if nobody sets a clock in between."""
         return Now(self.mono + seconds, self.utc + seconds)
-
-
-def clock_text(utc: float) -> str:
-    """A UTC time for the referee's eyes, e.g. ``14:03:59Z``."""
-    return time.strftime("%H:%M:%SZ", time.gmtime(utc))
 
 
 class ClockWatch:

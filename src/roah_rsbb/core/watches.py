@@ -3,9 +3,9 @@
 from typing import Dict, List, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.link.skew import skew_text
 from roah_rsbb.core.robots import ActiveRobot, Squatter
 from roah_rsbb.core.tablet import HeardTablet
+from roah_rsbb.wording import times
 
 # A warning is shown for this long after its last cause.
 REMEMBER_S = 10.0
@@ -54,7 +54,7 @@ class Watches:
                 "robot_name")
         mine, theirs = robot.skew.seconds or 0.0, robot.rival_skew
         if abs(mine - theirs) >= TWO_CLOCKS_S:
-            text += f". Their clocks differ: {skew_text(mine)} and {skew_text(theirs)}"
+            text += f". Their clocks differ: {times.skew(mine)} and {times.skew(theirs)}"
         return self._keep(now, ("rival", robot.id), text, REMEMBER_S)
 
     def squatter(self, now: Now, squatter: Squatter) -> Optional[str]:

@@ -2,8 +2,9 @@
 
 import pytest
 
-from roah_rsbb.core.clock import ClockWatch, Now, clock_text
+from roah_rsbb.core.clock import ClockWatch, Now
 from roah_rsbb.protocol import wire_ns, wire_seconds
+from roah_rsbb.wording import times
 
 MIN, MAX = -(2**63), 2**63 - 1
 
@@ -27,7 +28,7 @@ def test_wire_times_of_any_size_are_exact(wire_time, ns):
 
 
 def test_a_time_for_the_referee():
-    assert clock_text(1_800_000_000.9) == "08:00:00Z"
+    assert times.time_with_zone(1_800_000_000.9) == "08:00:00Z"
 
 
 def test_a_step_of_the_clock_is_told_once_and_with_its_sign():

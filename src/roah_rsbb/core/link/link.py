@@ -9,10 +9,11 @@ from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.link.record import LinkRecorder, LinkSample
-from roah_rsbb.core.link.skew import SkewEstimate, SkewSample, skew_off, skew_text, within
+from roah_rsbb.core.link.skew import SkewEstimate, SkewSample, skew_off, within
 from roah_rsbb.core.link.timeline import Timeline, TimelineState, Verdict
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.protocol import RobotState, WireTime, wire_ns, wire_seconds
+from roah_rsbb.wording import times
 
 # A robot sends every second. After this long without a message something is wrong.
 SILENT_S = 3.0
@@ -189,7 +190,7 @@ class RobotLink:
             found.append(self._bad)
         if self.last is not None and not self.times_valid and self.skew is not None:
             found.append(
-                f"Robot's times are INVALID: clock skew {skew_text(self.skew)}, "
+                f"Robot's times are INVALID: clock skew {times.skew(self.skew)}, "
                 f"allowed are {self._allowed_skew:.3f} s: synchronise the robot's clock"
             )
         if self._step is not None and now.mono - self._step_mono <= REMEMBER_S:
@@ -267,5 +268,5 @@ class RobotLink:
             return []
         self.state.told_invalid = not self.times_valid
         if self.state.told_invalid:
-            return [f"Robot's times are invalid from here on: clock skew {skew_text(self.skew or 0.0)}"]
-        return [f"Robot's times are valid again: clock skew {skew_text(self.skew or 0.0)}"]
+            return [f"Robot's times are invalid from here on: clock skew {times.skew(self.skew or 0.0)}"]
+        return [f"Robot's times are valid again: clock skew {times.skew(self.skew or 0.0)}"]

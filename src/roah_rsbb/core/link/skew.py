@@ -10,6 +10,7 @@ from collections import deque
 from typing import Deque, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.restart.saved import Mono
+from roah_rsbb.wording import times
 
 # Three beacons: a clock that was put right is believed after this long.
 WINDOW_S = 2.5
@@ -69,12 +70,5 @@ def skew_off(whose: str, skew: Optional[float], allowed: float) -> List[str]:
         return []
     if skew is None:
         return [f"Clock skew of {whose} is not known yet"]
-    return [f"Clock skew of {whose} is {skew_text(skew)}, it must be below {allowed:.3f} s: "
+    return [f"Clock skew of {whose} is {times.skew(skew)}, it must be below {allowed:.3f} s: "
             "synchronise the robot's clock"]
-
-
-def skew_text(skew: float) -> str:
-    """A skew for the referee's eyes, e.g. ``+0.150 s``."""
-    if abs(skew) < 100:
-        return f"{skew:+.3f} s"
-    return f"{skew:+.3g} s"

@@ -11,7 +11,7 @@ Active robots and nodes of benchmarking modules are not saved: both repeat every
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects
-from roah_rsbb.core.clock import Now, clock_text
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.connections import Connections
 from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.messages import DevicesState, TabletState
@@ -20,6 +20,7 @@ from roah_rsbb.core.scoring.book import FinishedRuns, left_behind
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones, ZoneState
+from roah_rsbb.wording import times
 
 # A run that continued after a restart is marked for this long.
 MARK_S = 60.0
@@ -70,7 +71,7 @@ class Restart:
                 self._give_up(record, saved.utc)
         if runs:
             down = max(0.0, now.utc - saved.utc)
-            text = f"The core was restarted at {clock_text(now.utc)}, {down:.0f} s after its last record"
+            text = f"The core was restarted at {times.time_with_zone(now.utc)}, {down:.0f} s after its last record"
             for run in runs:
                 run.warn(now, f"{text}: the run continues")
             self._restarted = (now.mono, text)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.core import effects, run_log
-from roah_rsbb.core.clock import Now, clock_text
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Effect, How, Level
 from roah_rsbb.core.link.link import LinkState, RobotLink
 from roah_rsbb.core.messages import NO_GOAL, BoxMessage, GoalMessage, RobotReport
@@ -28,6 +28,7 @@ from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, ScheduledEvent
+from roah_rsbb.wording import times
 
 # The referee is warned this often that messages of a robot are dropped.
 DROPPED_PERIOD_S = 10.0
@@ -256,12 +257,12 @@ class ZoneRun(abc.ABC):
     def say(self, now: Now, level: Level, text: str) -> None:
         """Tell the referee, in the log of the run and in that of the node."""
         mark = "" if level is Level.INFO else f"{level.name}: "
-        self.state.log = with_line(self.state.log, f"{clock_text(now.utc)} {mark}{text}", self._display_size)
+        self.state.log = with_line(self.state.log, f"{times.time_with_zone(now.utc)} {mark}{text}", self._display_size)
         self._emit(effects.Notice(level, text, self.zone))
 
     def tell_online(self, now: Now, text: str) -> None:
         """Show online data to the referee."""
-        line = f"{clock_text(now.utc)} {text}"
+        line = f"{times.time_with_zone(now.utc)} {text}"
         self.state.online_data = with_line(self.state.online_data, line, self._display_size)
 
     # -- the record ---------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ score may change. The referee may correct a finished run until it is signed off.
 from dataclasses import dataclass, field
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.core.clock import Now, clock_text
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.records import (
     By,
@@ -21,6 +21,7 @@ from roah_rsbb.core.scoring.records import (
 )
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, standing_text
 from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent, ScoreKind, ScoringItem
+from roah_rsbb.wording import times
 
 # No referee stops a run more often. Then the oldest stop without a typed reason is dropped.
 MAX_STOPS = 100
@@ -170,7 +171,7 @@ class FinishedRun:
         if signed is not None:
             raise Refused([
                 f"the score sheet of run {self.record.identity} was signed off by {signed.who or 'somebody'} at "
-                f"{clock_text(signed.utc)}: it is final, an objection goes to the technical committee"
+                f"{times.time_with_zone(signed.utc)}: it is final, an objection goes to the technical committee"
             ])
 
     def _changed(self, text: str) -> str:

@@ -1,1 +1,1 @@
-"""What the panels of a process share: the core's messages, the zone, calls. No widgets."""
+"""What the panels of a process share: the core's messages, the zone, calls, the client."""

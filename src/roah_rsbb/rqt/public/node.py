@@ -29,9 +29,9 @@ class ScreenChoice:
     def __init__(self, window: QWidget, chosen: int) -> None:
         self._window = window
         self._chosen = chosen
-        self._told = -1  # the missing screen that was logged
+        self._logged = -1  # the missing screen that was logged
         self._count = len(QGuiApplication.screens())
-        self._look_anew = True
+        self._must_move = True
         self._service = rospy.Service(SERVICE, UInt8, self._choose)
         if self._count > 1:
             for number, screen in enumerate(QGuiApplication.screens()):
@@ -50,8 +50,8 @@ class ScreenChoice:
             return
         screen = self._screen(screens)
         handle = self._window.windowHandle()
-        if self._look_anew or handle is None or handle.screen() is not screen:
-            self._look_anew = False
+        if self._must_move or handle is None or handle.screen() is not screen:
+            self._must_move = False
             self._show_on(screen)
             rospy.loginfo("On screen %d (%s)", screens.index(screen), _describe(screen))
         elif self._window.geometry() != screen.geometry():
@@ -59,10 +59,10 @@ class ScreenChoice:
 
     def _screen(self, screens: List[QScreen]) -> QScreen:
         if self._chosen < len(screens):
-            self._told = -1
+            self._logged = -1
             return screens[self._chosen]
-        if self._told != self._chosen:
-            self._told = self._chosen
+        if self._logged != self._chosen:
+            self._logged = self._chosen
             rospy.logwarn("%s", _missing(self._chosen, len(screens)) + ". Until then screen 0 is used")
         return screens[0]
 
@@ -77,7 +77,7 @@ class ScreenChoice:
     def _choose(self, request) -> UInt8Response:
         if request.data >= self._count:
             raise rospy.ServiceException(_missing(request.data, self._count))
-        self._chosen, self._look_anew = request.data, True
+        self._chosen, self._must_move = request.data, True
         return UInt8Response()
 
 

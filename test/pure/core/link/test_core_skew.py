@@ -4,7 +4,8 @@ import random
 
 import pytest
 
-from roah_rsbb.core.link.skew import MAX_SAMPLES, WINDOW_S, SkewEstimate, skew_text, within
+from roah_rsbb.core.link.skew import MAX_SAMPLES, WINDOW_S, SkewEstimate, within
+from roah_rsbb.wording import times
 
 
 def test_nothing_is_known_before_the_first_sample():
@@ -79,4 +80,4 @@ def test_only_a_skew_below_the_allowed_one_will_do_in_both_directions(skew, is_w
     (0.15, "+0.150 s"), (-0.0456, "-0.046 s"), (99.9, "+99.900 s"), (-1e18, "-1e+18 s"), (3600.0, "+3.6e+03 s"),
 ])
 def test_a_skew_for_the_referee(skew, text):
-    assert skew_text(skew) == text
+    assert times.skew(skew) == text

@@ -4,12 +4,13 @@ import pytest
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import BUMPS, DOOR, OBJECTS, UTC0, competition, event, run_record
-from roah_rsbb.core.clock import Now, clock_text
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.scoring.book import MAX_KEPT, FinishedRuns, left_behind
 from roah_rsbb.core.scoring.records import By, SignOff
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.wording import times
 
 BENCHMARKS = competition(tbm=["HGTKMH"]).benchmarks
 NOW = Now(5000.0, UTC0 + 4000.0)
@@ -193,7 +194,7 @@ def test_what_is_signed_off_is_final():
             lambda run: run.give_stop_reason(NOW, By("Ben", "x"), 0),
             lambda run: run.sign_off(NOW, "Ben"),
         ):
-            with pytest.raises(Refused, match=f"signed off by Cleo at {clock_text(NOW.utc)}: it is final"):
+            with pytest.raises(Refused, match=f"signed off by Cleo at {times.time_with_zone(NOW.utc)}: it is final"):
                 change(finished)
         assert finished.record == signed
 
