@@ -69,7 +69,7 @@ class TestThatCannotBe(NetworkCase):
     def test_more_than_there_are_teams(self) -> None:
         teams = len(PASSWORDS)
         node = self.node(50, robots=teams + 1)
-        node.wait_printed(f"{teams} dummy robots instead of {teams + 1}: there are no more teams in {CONFIG}")
+        node.wait_printed(f"{teams} dummy robots instead of {teams + 1}: {CONFIG}")
         node.wait_printed("A dummy robot of team", times=teams)
 
     def test_wrong_parameters(self) -> None:
