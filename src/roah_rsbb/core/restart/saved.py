@@ -8,7 +8,8 @@ version wrote can still be read, as long as new fields have defaults.
 A moment on the monotonic clock means nothing after a restart of the computer. Fields of that kind are declared as
 `Mono`, and `thaw` moves all of them by the same amount (see `Anchor`).
 
-Why no library: cattrs is packaged for Debian 12 but not for Ubuntu 20.04.
+Why no library: each rule of the journal's format (enumerations by name, defaults left out, moments moved, exact types)
+would need a hook of its own, and the library would have to be packaged for every system that the box runs on.
 """
 
 import dataclasses
