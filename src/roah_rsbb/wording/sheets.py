@@ -10,6 +10,7 @@ NOT_ATTEMPTED = "not attempted"
 # For a narrow column whose tooltip has the whole wording.
 NOT_ATTEMPTED_SHORT = "n/a"
 CORRECTED = "corrected"
+NOT_SAVED = "not saved yet"
 CORRECTION = "correction"
 OPEN = "open"
 SIGNED_OFF = "signed off"

@@ -10,6 +10,8 @@ from roah_rsbb.msg import (
     DevicesStatus,
     Results,
     RunSummary,
+    Unsaved,
+    UnsavedParts,
     ZoneDetails,
     ZoneState,
 )
@@ -19,12 +21,14 @@ from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 GUI_TOPIC = "/core/to_gui"
 DETAILS_TOPIC = "/core/details"
 RESULTS_TOPIC = "/core/results"
+UNSAVED_TOPIC = "/core/unsaved"
 DEVICES_TOPIC = "/devices/state"
 DEVICES_STATUS_TOPIC = "/devices/status"
 TOPICS = {
     GUI_TOPIC: CoreToGui,
     DETAILS_TOPIC: CoreDetails,
     RESULTS_TOPIC: Results,
+    UNSAVED_TOPIC: Unsaved,
     DEVICES_TOPIC: DevicesState,
     DEVICES_STATUS_TOPIC: DevicesStatus,
 }
@@ -62,6 +66,7 @@ class Model(QObject):
         self.gui: Optional[CoreToGui] = None
         self.details: Optional[CoreDetails] = None
         self.results: Optional[Results] = None
+        self._unsaved: Optional[Unsaved] = None
         self.devices: Optional[DevicesState] = None
         self.devices_status: Optional[DevicesStatus] = None
         self.box_clock = BoxClock()
@@ -152,6 +157,11 @@ class Model(QObject):
             return None
         return next((z for z in self.details.zones if z.zone == zone_name), None)
 
+    def unsaved_of(self, identity: str) -> UnsavedParts:
+        """What of a run's record the core could not bring onto the disk yet."""
+        runs = () if self._unsaved is None else self._unsaved.runs
+        return next((run for run in runs if run.identity == identity), UnsavedParts())
+
     def runs_of(self, zone_name: str) -> List[RunSummary]:
         """Returns the runs of a zone: the connected one, then those that are over, the latest first."""
         runs = () if self.results is None else self.results.runs
@@ -172,6 +182,7 @@ class Model(QObject):
     def _tick(self) -> None:
         now = time.monotonic()
         news = self._take_gui() | self._take_details() | self._take_results() | self._take_devices()
+        news = self._take_unsaved() or news
         old = self.is_old
         if old and now - max(self._heard or self._started, self._renewed) > RENEW_S:
             self._renewed = now
@@ -198,6 +209,13 @@ class Model(QObject):
             return False
         self.details = received.message
         self._details_heard = received.mono
+        return True
+
+    def _take_unsaved(self) -> bool:
+        received = self._feed.take(UNSAVED_TOPIC)
+        if received is None:
+            return False
+        self._unsaved = received.message
         return True
 
     def _take_results(self) -> bool:

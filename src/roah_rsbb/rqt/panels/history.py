@@ -1,7 +1,7 @@
 """The history of a run's score sheet: who changed what and when. An entry can be withdrawn."""
 
 import time
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, Collection, Dict, List, Optional, Tuple
 
 from roah_rsbb.msg import RunSheet, RunSummary, ScoreChange, ZoneScoreGroup
 from roah_rsbb.rqt.model.calls import CallOutcome, Calls
@@ -96,7 +96,8 @@ class History(QWidget):
     def show_sheet(self, summary: Optional[RunSummary], sheet: Optional[RunSheet], why_off: str) -> None:
         """Show the history of a run. `why_off`: why nothing can be withdrawn; empty: it can."""
         self._summary, self._sheet, self._why_off = summary, sheet, why_off
-        self.rows.show_rows([] if sheet is None else _history_rows(sheet))
+        unsaved = () if summary is None else self._client.model.unsaved_of(summary.identity).entries
+        self.rows.show_rows([] if sheet is None else _history_rows(sheet, unsaved))
         self._show_button()
 
     def _chosen(self) -> Optional[ScoreChange]:
@@ -132,14 +133,15 @@ class History(QWidget):
         basic.show_dialog(NoteDialog(self, f"{what}?", text, "Why", "Withdraw", send))
 
 
-def _history_rows(sheet: RunSheet) -> List[Row]:
+def _history_rows(sheet: RunSheet, unsaved: Collection[int]) -> List[Row]:
     bools = {(item.group, item.desc) for item in sheet.items if item.type == ZoneScoreGroup.SCORING_BOOL}
     rows = []
     for change in reversed(sheet.history):
         entry = sheets.history_entry(change, (change.group, change.desc) in bools)
         words = sheets.entry_texts(entry, times.time_of_day)
         notes = "; ".join(mark + text for mark, text in (
-            ("✎ ", words.correction), ("", words.note), ("✘ ", words.withdrawn)) if text)
+            ("⚠ ", sheets.NOT_SAVED if entry.number in unsaved else ""), ("✎ ", words.correction), ("", words.note),
+            ("✘ ", words.withdrawn)) if text)
         rows.append(Row(
             entry.number, (words.number, words.when, words.who, words.item, words.change, notes),
             bold=entry.correction, off=bool(entry.withdrawn_utc_s),

@@ -123,7 +123,8 @@ class ResultsPanel(RefereePanel):
             return self._sheets.error or FETCHING
         took = f"  ·  {times.elapsed(sheet.elapsed.to_sec())} min" if summary.end_reason else ""
         return (f"{_name(summary)}  ·  {_state(summary)}{took}  ·  {', '.join(sheet.robots)}\n"
-                f"{_sheet_state(summary, times.time_with_zone)}")
+                f"{_sheet_state(summary, times.time_with_zone)}"
+                + (f"  ·  ⚠ {sheets.NOT_SAVED}" if self.model.unsaved_of(summary.identity).sign_off else ""))
 
     # -- what may be done ---------------------------------------------------------------------------
 
