@@ -8,6 +8,7 @@ from gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, que
 from panels_test import BUMPS, DOOR, PanelCase
 
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.msg import Unsaved, UnsavedParts
 from roah_rsbb.rqt.panels import benchmark_control, scoring
 from roah_rsbb.rqt.panels.history import HistoryDialog
 from roah_rsbb.rqt.panels.results import ResultsPanel
@@ -122,6 +123,21 @@ class TestScoringWithWords(WordsCase):
         self.assertEqual([rows.item(0, column).font().strikeOut() for column in (3, 5)], [True, False])
         wait_until(lambda: not withdraw.isEnabled(), "once is enough")
         wait_until(lambda: self.bumps.number.text() == "1", "the entry before counts")
+        dialog.close()
+
+
+    def test_an_entry_that_is_not_saved_is_marked(self) -> None:
+        publisher = rospy.Publisher("/core/unsaved", Unsaved, queue_size=1, latch=True)
+        self.addCleanup(publisher.unregister)
+        self.zone.mark(Mark(*BUMPS, 1), "Ben")
+        self.zone.mark(Mark(*BUMPS, 2), "Cleo")
+        click(self.panel.history)
+        dialog = opened(HistoryDialog)
+        rows = dialog.history.rows
+        publisher.publish(Unsaved("", [UnsavedParts(self.zone.identity, "Home A", [2], [], False)]))
+        wait_until(lambda: [row[-1] for row in rows.texts()] == ["⚠ not saved yet", ""], "only the newer one is marked")
+        publisher.publish(Unsaved("", []))
+        wait_until(lambda: [row[-1] for row in rows.texts()] == ["", ""], "it is saved")
         dialog.close()
 
 
