@@ -74,6 +74,11 @@ def check_roslaunch(*given):
     elif given[0] == "roah_rsbb":
         name, settings = given[1], given[2:]
         assert name in programs.LAUNCH_FILES, f"no launch file {name}"
+    elif given[0] == "roah_rsbb_comm_ros":
+        name, settings = given[1], given[2:]
+        known = programs.arguments(f"../roah_rsbb_comm_ros/launch/{name}")
+        assert {setting.partition(":=")[0] for setting in settings} <= known, f"{name} has the arguments {known}"
+        return
     else:
         # A competition's own: it takes what roah_rsbb.launch takes.
         assert given[0].endswith("competition.launch"), f"roslaunch {given[0]}"
