@@ -92,8 +92,15 @@ class ScoreDesk:
         self._tick(now)
         with self._record.of(name, who, "stop"):
             run = self._named(name)
-            if not isinstance(run, FinishedRun) and run.phase is Phase.RUNNING:
-                run.stop(now, By(checked_who(who)))
+            if not isinstance(run, FinishedRun):
+                if run.phase is Phase.RUNNING:
+                    run.stop(now, By(checked_who(who)))
+                return
+            zone = self._zones.get(name.zone)
+            if zone is not None and zone.run is not None and zone.run.phase is Phase.RUNNING:
+                # A panel with late details names the run before: its referee must not believe that this one stopped.
+                raise Refused([f"run {name.identity} is over, but run {zone.run.identity} is running in zone "
+                               f"'{name.zone}': stop again"])
 
     def _named(self, name: RunName) -> Union[ZoneRun, FinishedRun]:
         """The run of that name; raises `Refused`."""
