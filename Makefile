@@ -11,6 +11,8 @@ ROS_SETUP := if [ -e /opt/ros/noetic/setup.bash ]; then source /opt/ros/noetic/s
 BUILT := source build/devel/setup.bash
 # `make test LINT=no` skips lint.
 LINT := yes
+# Without its cached bytecode Python compiles all modules again in each of the hundreds of programs of the tests.
+unexport PYTHONDONTWRITEBYTECODE
 # Options of the bench.
 BENCH :=
 # Options of the tests on a bad network.

@@ -76,7 +76,7 @@ class TestModuleConvert(unittest.TestCase):
     def test_what_another_version_asks_for(self) -> None:
         message = state_message(ModulesState("n", (), (PROGRESS,)))
         message.progress[0].request.kind = 77
-        self.assertIn("something of kind 77, which this core does not know", state_of(sent(message)).progress[0].failed)
+        self.assertIn("its request has the unknown kind 77", state_of(sent(message)).progress[0].failed)
         message.progress[0].request.pose = [1.0]
         message.progress[0].request.kind = ModuleRequest.GOAL
         self.assertIn("its goal's pose is (1.0,)", state_of(sent(message)).progress[0].failed)

@@ -8,12 +8,15 @@ from roah_rsbb.comm.seen import BITS_PER_ENTRY, Seen
 def test_what_was_added_is_known_and_nothing_else():
     seen = Seen(2**16)
     texts = [os.urandom(32) for _ in range(2**16 // BITS_PER_ENTRY)]
+    mistaken = 0
     for text in texts:
-        assert text not in seen
+        mistaken += text in seen
         seen.add(text)
         assert text in seen
     assert all(text in seen for text in texts)
-    assert sum(os.urandom(32) in seen for _ in range(2000)) <= 20  # one in 2,000 is expected
+    # One in 2,000 is expected of the full filter, and fewer while it fills.
+    assert mistaken <= 20
+    assert sum(os.urandom(32) in seen for _ in range(2000)) <= 20
 
 
 def test_a_full_filter_is_kept_while_the_next_one_fills():

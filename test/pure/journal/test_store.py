@@ -319,7 +319,8 @@ def test_a_journal_of_version_1_is_brought_up_to_date(journals):
 def test_a_core_that_hangs_is_named(journals):
     program = (
         "import fcntl, os, signal, sys; fd = os.open(sys.argv[1], os.O_RDWR); fcntl.flock(fd, fcntl.LOCK_EX);"
-        "os.pwrite(fd, str(os.getpid()).encode(), 0); print(flush=True); os.kill(os.getpid(), signal.SIGSTOP)")
+        "os.ftruncate(fd, 0); os.pwrite(fd, str(os.getpid()).encode(), 0); print(flush=True);"
+        "os.kill(os.getpid(), signal.SIGSTOP)")
     journal = journals()
     journal.close()
     hung = subprocess.Popen([sys.executable, "-c", program, f"{journal.path}.lock"], stdout=subprocess.PIPE)

@@ -103,7 +103,7 @@ def test_the_example_follows_a_person_until_it_is_stopped(run_program, monkeypat
 
 
 @pytest.mark.parametrize("password, host, told", [
-    (None, BROADCAST, "password is empty"), (PASSWORD, "no such host", "no known host"),
+    (None, BROADCAST, "password is empty"), (PASSWORD, "no such host", "nor a known host"),
 ])
 def test_the_example_says_why_it_cannot_begin(example, monkeypatch, capsys, password, host, told):
     monkeypatch.delenv("ROAH_RSBB_KEY", raising=False)
