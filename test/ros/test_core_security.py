@@ -124,12 +124,12 @@ class TestAttacks(BoxCase):
         self.assertEqual(log.values("/rsbb_log/rsbb_state"), [STOP, PREPARE, WAITING_RESULT, STOP])
         self.assertNotIn("forged", log.values("/rsbb_log/notification"))
 
-
     def test_a_name_commands_no_terminal_and_forges_no_line(self) -> None:
         attacker = self._leaving(Attacker())
+        # No other case has this team: the box would still list this robot beside that of the case.
         name = "\x1b[2Jred\n[ERROR] forged"
-        attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Alpha", robot_name=name, time=wire(time.time())))
-        self.told("Robot \\u001b[2Jred\\u000a[ERROR] forged of team Alpha is active")
+        attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Eta", robot_name=name, time=wire(time.time())))
+        self.told("Robot \\u001b[2Jred\\u000a[ERROR] forged of team Eta is active")
         self.assertFalse([said for said in self.said if "\x1b" in said or "\n[ERROR]" in said])
 
     def test_a_recording_moves_no_run_while_its_robot_is_silent(self) -> None:
