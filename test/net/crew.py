@@ -26,6 +26,9 @@ PREPARE_S = 0.5
 EXECUTE_S = {"HNF": 2.0, "HGMF": 3.0, "HCFGAC": 6.0}
 USUAL_EXECUTE_S = 3.0
 
+# By this a robot's first sight of our home differs from that of another box's.
+FOREIGN_BLINDS = 97
+
 
 def password_of(team: str) -> str:
     """The password of a team."""
@@ -65,7 +68,7 @@ class _Noting(DummyRobot):
         self._note("call")
 
     def on_devices(self, devices: fx.Devices) -> None:
-        self._note("home")
+        self._note("foreign home" if devices.blinds == FOREIGN_BLINDS else "home")
 
 
 class Robot:
@@ -220,7 +223,7 @@ def foreign_beacon(*listed: pb.BenchmarkingTeam) -> pb.RoahRsbbBeacon:
     never = wire(0)
     return pb.RoahRsbbBeacon(
         benchmarking_teams=listed, devices_bell=never, devices_switch_1=True, devices_switch_2=True,
-        devices_switch_3=True, devices_dimmer=1, devices_blinds=1, devices_door_win_detect=True,
+        devices_switch_3=True, devices_dimmer=1, devices_blinds=FOREIGN_BLINDS, devices_door_win_detect=True,
         tablet_display_map=True, tablet_call_time=never, tablet_position_time=never, tablet_position_x=9.0,
         tablet_position_y=9.0,
     )
