@@ -115,6 +115,8 @@ class Round:
         referee = Referee(self.box, code, self.number)
         try:
             referee.connect()
+            # A robot without a run follows any box that lists it, as the other box does.
+            self.box.wait_zone(code, lambda z: z.start_enabled, "its robot answers", LIMIT_S)
             connected.wait(LIMIT_S)
             referee.start()
             return referee.finish()
