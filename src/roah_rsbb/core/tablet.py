@@ -15,6 +15,7 @@ otherwise fill the disk and the network.
 import math
 from typing import Generic, List, NamedTuple, Optional, TypeVar
 
+from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import NEVER, TabletState
 from roah_rsbb.protocol import WireTime, wire_ns
@@ -70,23 +71,6 @@ class _Newest(Generic[T]):
             self.said, self._older = said, None
 
 
-class _Allowance:
-    """How many changes are accepted: some at once, then a few a second."""
-
-    def __init__(self) -> None:
-        self._left = float(CHANGES_AT_ONCE)
-        self._mono = 0.0
-
-    def take(self, now: Now) -> bool:
-        """Whether one more change is accepted now."""
-        self._left = min(CHANGES_AT_ONCE, self._left + (now.mono - self._mono) * CHANGES_PER_S)
-        self._mono = now.mono
-        if self._left < 1.0:
-            return False
-        self._left -= 1.0
-        return True
-
-
 class Tablet:
     """The tablet as the box knows it."""
 
@@ -94,7 +78,7 @@ class Tablet:
         self.display_map = False  # the view it is to show: True: map, False: call button
         self.heard: Optional[Now] = None
         self._host = ""
-        self._allowance = _Allowance()
+        self._changes = Budget(CHANGES_AT_ONCE, CHANGES_PER_S)
         self._call = _Newest(None)
         self._position = _Newest((0.0, 0.0))
 
@@ -124,7 +108,7 @@ class Tablet:
         self._call.take(now, _Said(beacon.call_time, None), is_certain)
         place = (beacon.position_x, beacon.position_y)
         self._position.take(now, _Said(beacon.position_time, place), is_certain)
-        if before != (self._call.said, self._position.said) and not self._allowance.take(now):
+        if before != (self._call.said, self._position.said) and not self._changes.take(now.mono, 1):
             self._call.said, self._position.said = before  # the tablet repeats it
         return HeardTablet()
 

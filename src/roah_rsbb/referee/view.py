@@ -23,7 +23,7 @@ from roah_rsbb.referee.state import (
     ZoneSnapshot,
     lines_of,
 )
-from roah_rsbb.wording import module_scores, sheets, times
+from roah_rsbb.wording import module_scores, sheets, texts, times
 
 # SGR codes (ECMA-48).
 BOLD, RED, GREEN, YELLOW, CYAN = "1", "1;31", "1;32", "1;33", "1;36"
@@ -40,7 +40,7 @@ Paint = Callable[[str, str], str]
 
 def plain(text: str) -> str:
     """Return text with every unprintable character escaped, e.g. ``\\x1b``."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+    return texts.visible(text).replace("\n", "\\n")
 
 
 def no_colour(_code: str, text: str) -> str:
