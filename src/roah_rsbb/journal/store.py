@@ -99,11 +99,6 @@ class Journal:
         """The newest ticket that is on the disk."""
         return self._disk.synced if self._disk is not None else 0
 
-    @property
-    def is_in_trouble(self) -> bool:
-        """Whether there is a problem with saving."""
-        return bool(self._trouble or self._disk_trouble)
-
     def why_not_saved(self, ticket: int) -> str:
         """Wait for some time until this ticket is on the disk; returns "", or why it is not. For any thread."""
         disk = self._disk

@@ -7,8 +7,6 @@ are shown in the format that the caller passes (`When`): panels and terminal sho
 from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence
 
 NOT_ATTEMPTED = "not attempted"
-# For a narrow column whose tooltip has the whole wording.
-NOT_ATTEMPTED_SHORT = "n/a"
 CORRECTED = "corrected"
 NOT_SAVED = "not saved yet"
 CORRECTION = "correction"
