@@ -86,12 +86,12 @@ def setup_for_pip():
     with tempfile.TemporaryDirectory() as build_base:
         setup(
             packages=find_packages("src", include=[
-                "roah_rsbb", "roah_rsbb.comm*", "roah_rsbb.robot*", "roah_rsbb.wording*", "roah_rsbb.tools",
-                "roah_rsbb.tools.capture*",
+                "roah_rsbb", "roah_rsbb.comm*", "roah_rsbb.robot*", "roah_rsbb.rulebook*", "roah_rsbb.wording*",
+                "roah_rsbb.tools", "roah_rsbb.tools.capture*",
             ]),
             cmdclass={"build_py": BuildWithProtobuf},
             options={"build": {"build_base": build_base}},
-            install_requires=[RUNTIME, "cryptography>=2.8"],
+            install_requires=[RUNTIME, "cryptography>=2.8", "PyYAML>=5.3.1"],
             setup_requires=[] if usable_protoc() else [COMPILER],
             entry_points={
                 "console_scripts": [

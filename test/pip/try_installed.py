@@ -1,6 +1,6 @@
 """Run by tools/test_pip_install with the Python of a venv that has roah_rsbb from pip; its argument is the source tree.
 
-Everything of the wheel imports, with protobuf and cryptography alone, and the documented example completes a
+Everything of the wheel imports, with protobuf, cryptography and PyYAML alone, and the documented example completes a
 benchmark against a box, both of them from the wheel.
 """
 
@@ -25,7 +25,7 @@ SOURCE = pathlib.Path(sys.argv[1])
 EXAMPLE = SOURCE / "docs" / "examples" / "my_robot.py"
 BIN = pathlib.Path(sys.executable).parent
 PROGRAMS = ("roah_rsbb_capture", "roah_rsbb_dummy_robot")
-FOREIGN = ("rospy", "genpy", "rospkg", "catkin_pkg", "yaml", "numpy", "tornado")
+FOREIGN = ("rospy", "genpy", "rospkg", "catkin_pkg", "numpy", "tornado")
 LEFT_OUT = ("core", "nodes", "bmbox", "journal", "devices", "tablet", "client", "rqt")
 
 
@@ -78,5 +78,5 @@ async def complete_a_benchmark():
 check_imports()
 check_programs()
 asyncio.run(complete_a_benchmark())
-packages = " and ".join(f"{name} {importlib.metadata.version(name)}" for name in ("protobuf", "cryptography"))
+packages = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in ("protobuf", "cryptography", "PyYAML"))
 print(f"pip test: Python {sys.version.split()[0]}, {packages}: the example completed a benchmark")

@@ -6,14 +6,13 @@ import shutil
 import tempfile
 
 import rospy
+import yaml
 from box_case import NetworkCase, main
 from box_client import BoxClient
 from programs import Program, own
 from robots import BOX, BROADCAST, RSBB_PORT
 from std_srvs.srv import Empty
 from waiting import LIMIT_S
-
-from roah_rsbb.comm.passwords import read_passwords
 
 ZONES = ["Task Benchmarks", "Functionality Benchmarks"]
 # A team that has an address in the tests; its password is a new one.
@@ -46,7 +45,8 @@ class TestNewCompetition(NetworkCase):
         box.wait_heard()
         self.assertEqual([zone.zone for zone in box.gui.zones], ZONES)
         self.assertEqual((box.gui.addr, box.gui.port), (BROADCAST, str(RSBB_PORT)))
-        password = read_passwords(os.path.join(self.directory, "passwords.yaml"))[TEAM]
+        with open(os.path.join(self.directory, "passwords.yaml"), encoding="utf-8") as file:
+            password = yaml.safe_load(file)[TEAM]
         robot = self.robot(TEAM, password=password)
         box.wait_details(ZONES[0], lambda details: not details.connect_off, "connect is possible")
         self.assertEqual(box.zone(ZONES[0]).team, TEAM)

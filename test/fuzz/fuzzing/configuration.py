@@ -12,7 +12,6 @@ from fuzzing.target import Step, Target
 from roah_rsbb.bmbox.framework import ground_truth_config
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.hopf import HOPF
-from roah_rsbb.comm.passwords import BadPasswords, parse_passwords
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.errors import MAX_ERRORS, ConfigErrors, Report
 from roah_rsbb.tablet import maps
@@ -87,29 +86,6 @@ def _load_parameters(data: bytes) -> None:
         assert loaded.items
 
 
-def _load_passwords(data: bytes) -> None:
-    """What programs without YAML read in a passwords file is what the box reads in it."""
-    try:
-        text = data.decode("utf-8")
-        ours = parse_passwords(text, "passwords.yaml")
-    except UnicodeDecodeError:
-        return
-    except BadPasswords as bad:
-        assert str(bad).startswith("passwords.yaml:")
-        return
-    paths = [_FOLDER.file(name, _SMALL[name]) for name in _NAMES[:2]]
-    # The schedule's team must have a password.
-    added = b"" if "Alpha" in ours else b"\nAlpha: secret1234\n"
-    try:
-        loaded, _ = config.load(*paths, _FOLDER.file("passwords", data + added))
-    except ConfigErrors as errors:
-        # The box has rules for names besides.
-        rules = ("100 bytes", "ALL", "a colon in a team's name")
-        assert all(any(rule in str(error) for rule in rules) for error in errors.errors), str(errors)
-        return
-    assert {**loaded.passwords, "Alpha": ""} == {**ours, "Alpha": ""}
-
-
 def _load_sheet(data: bytes) -> None:
     report = Report()
     try:
@@ -148,6 +124,14 @@ def _joined(*parts: bytes) -> bytes:
     return _CUT.join(parts)
 
 
+_PASSWORDS = (
+    b"Alpha: secret1234\nBeta: 'it''s'\nGamma: \"a\\\"b\"\n", b"--- \nAlpha: x # y\n", b"# c\n\nAlpha: a:b\n",
+    b"a b : c d\n", "Ä: ö\n".encode(), b"Alpha: x\nAlpha: y\n", b"Alpha: 12\n", b"Alpha: 0x_\n", b"Alpha: 1:2\n",
+    b"Alpha: =\n", b"Alpha: <<\n", b"'<<': x\n", b"ALL: x\n", b"\xef\xbb\xbfAlpha: x\n", b"A: " + b"b:" * 500,
+    b"A: b\x85c\n", "A: b\u2028c\n".encode(), b"A: \x07\n", b"x" * 101 + b": y\n", b"A: y\n", b"y: n\n",
+)
+
+
 def _config_seeds() -> List[bytes]:
     small = _joined(*(_SMALL[name] for name in _NAMES))
     bad = (
@@ -158,22 +142,13 @@ def _config_seeds() -> List[bytes]:
     files = [(_ROOT / "config" / f"{name}.yaml").read_bytes()[:1500] for name in _NAMES]
     return [small, _joined(*files)] + [
         _joined(*(wrong if name == at else _SMALL[name] for name in _NAMES)) for wrong in bad for at in _NAMES
-    ]
+    ] + [_joined(_SMALL["benchmarks"], _SMALL["schedule"], passwords) for passwords in _PASSWORDS]
 
 
 def _shipped(*names: str) -> List[bytes]:
     found = [path for name in names for path in sorted((_ROOT / "config").rglob(name))]
     assert found, names
     return [path.read_bytes()[:3000] for path in found] + [b"", b"[" * 100, b"a: 1\na: 2\n", b"&a [*a]", b"!!int 1"]
-
-
-def _password_seeds() -> List[bytes]:
-    return [
-        b"Alpha: secret1234\nBeta: 'it''s'\nGamma: \"a\\\"b\"\n", b"--- \nAlpha: x # y\n", b"# c\n\nAlpha: a:b\n",
-        b"a b : c d\n", "Ä: ö\n".encode(), b"Alpha: x\nAlpha: y\n", b"Alpha: 12\n", b"Alpha: 0x_\n", b"Alpha: 1:2\n",
-        b"Alpha: =\n", b"Alpha: <<\n", b"'<<': x\n", b"ALL: x\n", b"\xef\xbb\xbfAlpha: x\n", b"A: " + b"b:" * 500,
-        b"A: b\x85c\n", "A: b\u2028c\n".encode(), b"A: \x07\n", b"x" * 101 + b": y\n", b"A: y\n", b"y: n\n",
-    ]
 
 
 def _sheet_seeds() -> List[bytes]:
@@ -222,7 +197,6 @@ CONFIGURATION = Target("configuration", _steps(_load_all), _config_seeds, _YAML,
 GROUND_TRUTH = Target(
     "ground_truth", _steps(_load_ground_truth), lambda: _shipped("ground_truth.yaml"), _YAML, is_timed=False)
 PARAMETERS = Target("parameters", _steps(_load_parameters), lambda: _shipped("HOPF.yaml"), _YAML, is_timed=False)
-PASSWORDS = Target("passwords", _steps(_load_passwords), _password_seeds, _YAML, is_timed=False)
 SHEET = Target("sheet", _steps(_load_sheet), _sheet_seeds, (
     b",", b";", b"\t", b'"', b"\n", b"\r", b"2026-11-28", b"0001-01-01", b"9999-12-31", b"23:59", b"HWV", b"ALL",
     b"round", b"run", b"zone", b"team", b"\0", "\u2028".encode(),

@@ -9,13 +9,15 @@ import signal
 import sys
 import time
 from collections import Counter
-from typing import Callable, Iterator, List, Optional, Set, TextIO, Union
+from typing import Callable, Dict, Iterator, List, Optional, Set, TextIO, Union
 
 from roah_rsbb.arguments import Parser, number
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.frame import PRIVATE_TYPES, PUBLIC_TYPES
-from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, BadPasswords, own_password, read_passwords
+from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.replaced import warn_if_replaced
+from roah_rsbb.rulebook.config import PasswordsFile
+from roah_rsbb.rulebook.errors import ConfigErrors, Report
 from roah_rsbb.tools.capture import recording
 from roah_rsbb.tools.capture.decoding import DatagramKind, Decoder, HeardDatagram
 from roah_rsbb.tools.capture.listening import PlainListener, RawListener
@@ -124,9 +126,17 @@ class _Screen:
                 f"without a known password, {count[DatagramKind.ERROR]} errors")
 
 
+def _passwords_by_team(path: str) -> Dict[str, str]:
+    """Read the box's passwords file; raises ConfigErrors."""
+    report = Report()
+    passwords = PasswordsFile(path, report).by_team
+    report.raise_errors()
+    return passwords
+
+
 def _decoder(options: argparse.Namespace, rsbb_port: int) -> Decoder:
-    """Raises ValueError or BadPasswords, which name the remedy."""
-    passwords = read_passwords(options.passwords) if options.passwords is not None else {}
+    """Raises ValueError or ConfigErrors, which name the remedy."""
+    passwords = _passwords_by_team(options.passwords) if options.passwords is not None else {}
     password = own_password(options.password, options.password_file)
     if password is not None and options.team is not None:
         passwords[options.team], password = password, None
@@ -207,6 +217,6 @@ def main(arguments: Optional[List[str]] = None) -> None:
         except BrokenPipeError:  # the reader has closed the pipe
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return
-        except (OSError, ValueError, BadPasswords, recording.BadRecording) as error:
+        except (OSError, ValueError, ConfigErrors, recording.BadRecording) as error:
             sys.exit(f"{PROGRAM}: {error}")
     print(f"{PROGRAM}: {screen.summary()}", file=sys.stderr)

@@ -203,7 +203,7 @@ def test_a_terminal_gets_colours_unless_it_does_not_want_them(network, monkeypat
     (["--host", "no such host"], "--host 'no such host' is neither an IPv4 address"),
     (["--write", "/nonexistent/run.jsonl"], "cannot open /nonexistent/run.jsonl: No such file"),
     (["--read", "/nonexistent/run.jsonl"], "cannot open /nonexistent/run.jsonl: No such file"),
-    (["--passwords", "/nonexistent/passwords.yaml"], "cannot read /nonexistent/passwords.yaml"),
+    (["--passwords", "/nonexistent/passwords.yaml"], "passwords.yaml: found no file"),
     (["--password-file", "/nonexistent/key"], "cannot read --password-file /nonexistent/key"),
     (["--password", ""], "the password is empty"),
     (["--team", "Team", "--password", ""], "the password is empty"),
@@ -212,6 +212,15 @@ def test_what_it_cannot_begin_with_is_told_in_a_line(arguments, told):
     given = [*([] if "--host" in arguments else ["--host", BROADCAST]), "--plain", "--duration", "0"]
     with pytest.raises(SystemExit, match=told):
         main([*given, "--port", str(free_ports()), *arguments])
+
+
+def test_an_error_in_the_passwords_file_is_told_with_its_line_and_without_the_password(tmp_path, capsys):
+    file = tmp_path / "passwords.yaml"
+    file.write_text("Team: secret1\nTeam: secret2\n", encoding="utf-8")
+    with pytest.raises(SystemExit) as ended:
+        main(["--host", BROADCAST, "--plain", "--duration", "0", "--passwords", str(file)])
+    assert f"{file}:2: found" in str(ended.value)
+    assert "secret" not in str(ended.value) + capsys.readouterr().err
 
 
 @pytest.mark.parametrize("arguments, told", [

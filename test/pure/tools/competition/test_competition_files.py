@@ -11,7 +11,6 @@ import pytest
 import yaml
 
 from helpers.config_files import SHIPPED, TEXTS
-from roah_rsbb.comm.passwords import read_passwords
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import KINDS
 from roah_rsbb.tools.competition import files
@@ -54,7 +53,6 @@ def test_the_box_reads_what_was_planned(tmp_path):
     assert zone.name == "Home: 'A', {b}"
     assert [(e.benchmark.code, e.team, e.round, e.run, e.scheduled) for e in zone.events] == [
         (*r[:4], r.begins.timestamp()) for r in made.zones[0].runs]
-    assert read_passwords(str(tmp_path / files.PASSWORDS)) == loaded.passwords
 
 
 def test_each_time_of_the_venue_stands_behind_its_run():
