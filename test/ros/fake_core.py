@@ -23,6 +23,8 @@ from roah_rsbb.msg import (
     ModuleScore,
     Results,
     RobotInfo,
+    RunClock,
+    RunClocks,
     ScheduleInfo,
     ZoneDetails,
     ZoneScoreGroup,
@@ -72,6 +74,9 @@ class FakeZone:
         self.end_reason = ""
         self.started = 0.0
         self.left_s = EVENTS[0][4]
+        self.elapsed_s = 0.0  # before a pause, and at the end of the run
+        self.paused = ""  # why the time does not count
+        self.goal = RunClock()  # its fields of the goal
         self.log = ""
         self.online_data = ""
         self.scores: Dict[tuple, int] = {}
@@ -135,11 +140,29 @@ class FakeZone:
         """Seconds left."""
         return self.left_s - (time.monotonic() - self.started if self.phase == "running" else 0.0)
 
+    def elapsed(self) -> float:
+        """Seconds that counted."""
+        counting = self.phase == "running" and not self.paused
+        return self.elapsed_s + (time.monotonic() - self.started if counting else 0.0)
+
+    def pause(self, why: str) -> None:
+        """The time of the run does not count; empty: it counts again."""
+        self.elapsed_s, self.started, self.paused = self.elapsed(), time.monotonic(), why
+
+    def clock(self) -> RunClock:
+        """The times of the run."""
+        goal, seconds = self.goal, rospy.Duration.from_sec
+        return RunClock(
+            self.name, self.identity, self.phase, seconds(EVENTS[self.index][4]), seconds(self.elapsed()),
+            self.phase == "running" and not self.paused, self.paused, goal.goal_limit, goal.goal, goal.goal_elapsed,
+            goal.goal_counting, seconds(120.0 if self.phase == "ended" else 0.0),
+        )
+
     def _to(self, phase: str) -> None:
         if phase == "idle" and self.identity:
             self.finished.add(self.record()._replace(closed_utc=time.time()))
             self.identity = ""
-        self.phase, self.end_reason = phase, ""
+        self.phase, self.end_reason, self.elapsed_s, self.paused = phase, "", 0.0, ""
         self.left_s = EVENTS[self.index][4]
         if phase == "connected":
             self.scores, self.book, self.opened = {}, RunBook(ITEMS), time.time()
@@ -152,9 +175,9 @@ class FakeZone:
 
     def _stop(self) -> None:
         if self.phase == "running":
+            self.elapsed_s = self.elapsed()
             self.phase, self.end_reason, self.left_s = "ended", "stopped", 120.0
-            elapsed_s = time.monotonic() - self.started
-            self.book.ended(present(), "stopped", "Benchmark stopped by the referee", By("/referee"), elapsed_s)
+            self.book.ended(present(), "stopped", "Benchmark stopped by the referee", By("/referee"), self.elapsed_s)
         else:
             self._to("idle")
 
@@ -182,6 +205,7 @@ class FakeCore(FakeScores):
         self._gui = rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True)
         self._details = rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True)
         self._public = rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True)
+        self._clocks = rospy.Publisher("/core/clocks", RunClocks, queue_size=1, latch=True)
         self._results = rospy.Publisher("/core/results", Results, queue_size=1, latch=True)
         self._last_results: Optional[Results] = None
         self._services = [
@@ -205,7 +229,7 @@ class FakeCore(FakeScores):
         self.answer_gate.set()
         if self._timer is not None:
             self._timer.shutdown()
-        for thing in (*self._services, self._gui, self._details, self._public, self._results):
+        for thing in (*self._services, self._gui, self._details, self._public, self._results, self._clocks):
             thing.shutdown() if isinstance(thing, rospy.Service) else thing.unregister()
 
     # -- topics -------------------------------------------------------------------------------------
@@ -218,6 +242,7 @@ class FakeCore(FakeScores):
             gui.zones[0].scoring = _scoring(scores)
         self._gui.publish(gui)
         self._details.publish(self.details_message(now))
+        self._clocks.publish(RunClocks(now, "fake", [zone.clock() for zone in self.zones.values()]))
         self._public.publish(self.public_message(now))
         results = Results("fake", [summary_message(record) for record in self.records()])
         if results != self._last_results:

@@ -76,7 +76,8 @@ class TestCommands(WithCore):
         done = subprocess.run(["rosrun", "roah_rsbb", "referee", "status"], capture_output=True, text=True,
                               timeout=LIMIT_S)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
-        for text in ("RSBB at 127.255.255.255:6666", "TestingTeam mbot: skew +0.012 s", "Home A: IDLE", "Home B: IDLE"):
+        for text in ("RSBB at 127.255.255.255:6666", "TestingTeam mbot: skew +0.012 s", "Home A: NOT CONNECTED",
+                     "Home B: NOT CONNECTED"):
             self.assertIn(text, done.stdout)
         self.assertNotIn("\x1b", done.stdout)
 
@@ -88,8 +89,8 @@ class TestCommands(WithCore):
         self.assertEqual(json.loads(referee("status", "home b", "--json").stdout)["zone"], "Home B")
 
     def test_each_command_reaches_its_zone(self) -> None:
-        for command, phase in (("connect", "CONNECTED"), ("start", "RUNNING"), ("stop", "ENDED (stopped)"),
-                               ("disconnect", "IDLE"), ("next", "HWV"), ("previous", "HGTKMH")):
+        for command, phase in (("connect", "CONNECTED"), ("start", "RUNNING"), ("stop", "ENDED: stopped"),
+                               ("disconnect", "NOT CONNECTED"), ("next", "HWV"), ("previous", "HGTKMH")):
             done = referee(command, "home a")
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertIn(phase, done.stdout)
@@ -144,6 +145,8 @@ class TestCommands(WithCore):
         refused = referee("withdraw", "Home A", "1")
         self.assertEqual((refused.returncode, refused.stderr.count("'--run last'")), (1, 1))
         self.assertEqual(referee("sign-off", "Home A", "--run", "last").returncode, 2)
+        unasked = referee("sign-off", "Home A", "--run", "last", "--by", "Cleo")
+        self.assertEqual((unasked.returncode, unasked.stderr.count("no run")), (2, 1))
         self.zone.command("connect")
         self.zone.command("start")
         identity = self.zone.identity
@@ -156,7 +159,9 @@ class TestCommands(WithCore):
         self.assertIn(": yes", referee("score", "Home A", "door", "yes", "--run", identity[:11]).stdout)
         (run,) = json.loads(referee("runs", "--json").stdout)["runs"]
         self.assertEqual((run["identity"], run["corrected"], run["signed_utc_s"]), (identity, True, None))
-        done = referee("sign-off", "Home A", "--run", "last", "--referee", "Cleo")
+        unasked = referee("sign-off", "Home A", "--run", "last", "--by", "Cleo")
+        self.assertEqual((unasked.returncode, unasked.stderr.count("give --yes")), (2, 1))
+        done = referee("sign-off", "Home A", "--run", "last", "--by", "Cleo", "--yes")
         self.assertIn("corrected, signed off by Cleo at", done.stdout)
         self.assertIn("fire alarm", done.stdout)
         final = referee("score", "Home A", "door", "no", "--run", "last")

@@ -139,6 +139,11 @@ class TestServices(unittest.TestCase):
                 self.box.happened = []
                 self.assertEqual(self.call(name, kind, *request), [event, "on disk"])
 
+    def test_a_name_in_the_header_goes_with_requests_that_have_no_field_for_it(self) -> None:
+        rospy.wait_for_service("/core/stop_run", 30)
+        rospy.ServiceProxy("/core/stop_run", StopRun, headers={"referee": " Jürgen = J. "})(*RUN)
+        self.assertEqual(self.box.happened, [("scores.stop", NOW, RUN, f"Jürgen = J. ({self.node})")])
+
     def test_a_refusal_has_all_reasons_and_waits_for_no_disk(self) -> None:
         self.box.refuses = True
         reasons = r'\["first reason", "second reason"\]'

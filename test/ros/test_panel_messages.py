@@ -10,7 +10,7 @@ from typing import Optional
 from case_results import rosrun
 
 from roah_rsbb.core.commands import COMMANDS
-from roah_rsbb.msg import CoreDetails, CoreToGui
+from roah_rsbb.msg import CoreDetails, CoreToGui, RunClocks
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "pure"))
@@ -122,6 +122,27 @@ class TestPanelMessages(unittest.TestCase):
         zone = self.details().zones[0]
         self.assertEqual((zone.phase, zone.box_state), ("running", "PREPARE"))
         self.assertEqual(zone.last_message.to_sec(), self.driver.now.utc)
+
+    def test_clocks_come_on_change_and_once_a_second(self) -> None:
+        def clocks() -> Optional[RunClocks]:
+            self.driver.run(0.1)
+            self.tick()
+            return self.messages.clocks(self.driver.now)
+
+        self.assertIsNotNone(clocks())
+        self.assertEqual([clocks() is not None for _ in range(30)], ([False] * 9 + [True]) * 3)
+        self.driver.connected()
+        self.assertEqual(clocks().zones[0].phase, "connected")
+        self.driver.command("start")
+        zone = clocks().zones[0]
+        self.assertEqual((zone.phase, zone.counting, zone.limit.to_sec()), ("running", True, 60.0))
+        self.assertAlmostEqual(zone.elapsed.to_sec(), 0.1, 6)
+        self.assertIsNone(clocks())
+        self.driver.command("stop")
+        zone = clocks().zones[0]
+        self.assertEqual((zone.phase, zone.counting), ("ended", False))
+        self.assertAlmostEqual(zone.elapsed.to_sec(), 0.2, 6)
+        self.assertAlmostEqual(zone.after_stop.to_sec(), 119.9, 6)
 
     def test_a_log_that_is_written_elsewhere_now_is_told(self) -> None:
         robot = self.driver.connected()

@@ -98,7 +98,7 @@ def _score(commands) -> None:
     one = _add(
         commands, "score", "show the score sheet of the run in a zone, or set an item",
         [f"{PROG} score 'Home A'", f"{PROG} score 'Home A' 3 +1", f"{PROG} score 'Home A' 'door' yes",
-         f"{PROG} score 'Home A' 4 not-attempted", f"{PROG} score 'Home A' 3 2 --note 'the vase, twice' --referee Anna",
+         f"{PROG} score 'Home A' 4 not-attempted", f"{PROG} score 'Home A' 3 2 --note 'the vase, twice' --by Anna",
          f"{PROG} score 'Home A' 3 1 --run last    (a correction)"],
     )
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
@@ -111,7 +111,12 @@ def _score(commands) -> None:
 
 def _say(one: argparse.ArgumentParser, where: str) -> None:
     one.add_argument("--note", metavar="TEXT", default="", help=f"stands {where} in the history")
-    one.add_argument("--referee", metavar="NAME", default="", help="name of the referee (default: this program)")
+    _by(one)
+
+
+def _by(one: argparse.ArgumentParser, required: bool = False) -> None:
+    one.add_argument("--by", "--referee", metavar="NAME", dest="referee", default="", required=required,
+                     help="name of the referee" + ("" if required else " (default: no name)"))
 
 
 def _of_run(one: argparse.ArgumentParser) -> None:
@@ -138,13 +143,14 @@ def _sheets(commands) -> None:
     one.add_argument("text", metavar="TEXT", help="the reason; it replaces the one before")
     one.add_argument("--end", metavar="N", type=_counted, default=0,
                      help="number of the end ('sheet' shows it; default: the last)")
-    one.add_argument("--referee", metavar="NAME", default="", help="name of the referee (default: this program)")
+    _by(one)
     _of_run(one)
     one = _add(commands, "sign-off", "sign off the score sheet of a finished run, which makes it final",
-               [f"{PROG} sign-off 'Home A' --run last --referee Anna"])
+               [f"{PROG} sign-off 'Home A' --run last --by Anna"])
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
     one.add_argument("--run", metavar="RUN", required=True, help=_RUN)
-    one.add_argument("--referee", metavar="NAME", default="", help="name of the referee (default: this program)")
+    _by(one, required=True)
+    one.add_argument("--yes", action="store_true", help="sign off without asking")
 
 
 def _counted(word: str) -> int:

@@ -1,5 +1,6 @@
 """The commands of the terminal referee. Each takes the open link to the core, its options and the output."""
 
+import sys
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from roah_rsbb.core.referee import Refused
@@ -193,6 +194,13 @@ def _reason(link: Link, options: Any, output: Any) -> Exit:
 def _sign_off(link: Link, options: Any, output: Any) -> Exit:
     """Sign off the score sheet of a finished run."""
     zone, run = _which(link, options)
+    if not options.yes:
+        if output.json or not sys.stdin.isatty():
+            raise BadWord("the sheet becomes final: give --yes, or use a terminal, where you are asked")
+        output.lines(sheets.sheet_lines(_fetched(link, zone, run), output.paint))
+        answered = input(f"Sign off as {options.referee}? The sheet becomes final. [y/N] ")
+        if answered.strip().lower() not in ("y", "yes"):
+            raise Refused(["not signed off: the question was not answered with yes"])
     link.sign_off(zone, _identity(run), options.referee)
     return _show(link, zone, run, "sign-off", output)
 

@@ -156,7 +156,7 @@ def sheet_lines(sheet: Sheet, paint: Paint) -> List[str]:
     if sheet.ends:
         lines.append("Ends")
     for end in sheet.ends:
-        who = f" ({plain(end.who)})" if end.who else ""
+        who = f" ({plain(sheets.person(end.who))})" if end.who else ""
         reason = plain(sheets.stop_reason(end.reason, end.reason_by, end.who))
         lines.append(f"{_IN}{end.number:4}  {times.time_with_zone(end.utc_s)} {plain(end.desc)}{who}"
                      + (f": {paint(BOLD, reason)}" if reason else ""))

@@ -171,7 +171,7 @@ def _which(event: ScheduledEvent) -> str:
 
 
 def _phase(zone: ZoneSnapshot, paint: Paint) -> str:
-    word = zone.phase.upper() + (f" ({plain(sheets.end_reason(zone.end_reason))})" if zone.end_reason else "")
+    word = plain(sheets.phase(zone.phase, zone.end_reason))
     left = times.countdown(zone.timer_s)
     after = {IDLE: f"{left} to run", RUNNING: f"{left} left", ENDED: f"{left} left after the end"}
     return f"{paint(_PHASE_COLOURS.get(zone.phase, BOLD), word)}, {after.get(zone.phase, f'{left} to run')}"
@@ -227,9 +227,8 @@ def _state(facts: Dict, paint: Paint) -> str:
     parts = []
     if "phase" in facts["changed"]:
         phase = facts["phase"]
-        why = f" ({plain(sheets.end_reason(facts['end_reason']))})" if facts["end_reason"] else ""
         whom = f" to {plain(facts['robot'])} on UDP port {facts['port']}" if phase == CONNECTED else ""
-        parts.append(paint(_PHASE_COLOURS.get(phase, BOLD), phase.upper() + why) + whom)
+        parts.append(paint(_PHASE_COLOURS.get(phase, BOLD), plain(sheets.phase(phase, facts["end_reason"]))) + whom)
     if "robot_state" in facts["changed"] and facts["robot_state"]:
         parts.append(f"robot is in {plain(facts['robot_state'])}")
     return ", ".join(parts)

@@ -28,6 +28,9 @@ import rosgraph.xmlrpc
 import rospy
 from rospy.impl import tcpros_base
 
+# The field of a service call's handshake with the name that the referee typed: most requests have no field for it.
+REFEREE_HEADER = "referee"
+
 # A client on the same network sends its handshake within milliseconds.
 DEADLINE_S = 5.0
 # Seconds. ROS programs keep a connection for their next call.

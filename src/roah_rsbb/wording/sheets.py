@@ -4,6 +4,7 @@ Panels, terminal, pages and exports decorate these words (colour, marks, columns
 are shown in the format that the caller passes (`When`): panels and terminal show UTC, printed sheets local time.
 """
 
+import re
 from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence
 
 NOT_ATTEMPTED = "not attempted"
@@ -13,6 +14,12 @@ CORRECTION = "correction"
 OPEN = "open"
 SIGNED_OFF = "signed off"
 NOT_SIGNED_OFF = "not signed off"
+PHASES = {
+    "idle": "NOT CONNECTED",
+    "connected": "CONNECTED",
+    "running": "RUNNING",
+    "ended": "ENDED",
+}
 END_REASONS = {
     "stopped": "stopped",
     "completed": "completed",
@@ -43,6 +50,12 @@ def end_reason(name: str) -> str:
     return END_REASONS.get(name, name)
 
 
+def phase(name: str, end: str = "") -> str:
+    """Returns the phase of a zone; `end`: name of the reason for which the run has ended."""
+    word = PHASES.get(name, name.upper())
+    return f"{word}: {end_reason(end)}" if end else word
+
+
 def run_state(started: object, closed: object, end: str) -> str:
     """Returns how a run ended, or how far it is. `started`, `closed`: false until then; `end`: name of its end."""
     if end:
@@ -54,7 +67,31 @@ def run_state(started: object, closed: object, end: str) -> str:
 
 def stop_reason(reason: str, reason_by: str, stopped_by: str) -> str:
     """Returns why somebody stopped a run, and who wrote that down if it was somebody else."""
-    return f"{reason} ({reason_by})" if reason and reason_by and reason_by != stopped_by else reason
+    by = person(reason_by)
+    return f"{reason} ({by})" if reason and reason_by and reason_by != stopped_by else reason
+
+
+# -- people -----------------------------------------------------------------------------------------
+
+NO_NAME = "no name"
+# The core writes the name that was typed, if any, and the node that called (docs/ros_interface.md).
+_WITH_NODE = re.compile(r"(.*) \((/[^\s()]*)\)")
+
+
+def person(who: str) -> str:
+    """Returns the name of the referee in `who`, such as "Anna" of "Anna (/roah_rsbb_window)"; empty: nobody."""
+    match = _WITH_NODE.fullmatch(who)
+    if match is not None:
+        return match.group(1)
+    return NO_NAME if who.startswith("/") else who
+
+
+def node_of(who: str) -> str:
+    """Returns the ROS node in `who`; empty: there is none."""
+    match = _WITH_NODE.fullmatch(who)
+    if match is not None:
+        return match.group(2)
+    return who if who.startswith("/") else ""
 
 
 # -- items and sums ---------------------------------------------------------------------------------
@@ -160,7 +197,7 @@ def entry_texts(entry: HistoryEntry, when: When) -> EntryTexts:
         why = f": {entry.withdrawn_note}" if entry.withdrawn_note else ""
         withdrawn = f"withdrawn{_by(entry.withdrawn_by)} at {when(entry.withdrawn_utc_s)}{corrects}{why}"
     return EntryTexts(
-        str(entry.number), when(entry.utc_s), entry.who, f"{entry.group}: {entry.item}",
+        str(entry.number), when(entry.utc_s), person(entry.who), f"{entry.group}: {entry.item}",
         f"{old} → {item_value(is_bool, entry.value, entry.not_attempted)}", entry.note,
         CORRECTION if entry.correction else "", withdrawn,
     )
@@ -175,4 +212,4 @@ def entry_line(texts: EntryTexts, mark: Callable[[str], str] = str) -> str:
 
 
 def _by(who: str) -> str:
-    return f" by {who}" if who else ""
+    return f" by {person(who)}" if who else ""

@@ -7,8 +7,9 @@ result: it shows tenths of a second, in panels, in the terminal and on score she
 import contextlib
 import datetime
 import math
+import re
 import time
-from typing import Optional
+from typing import NamedTuple, Optional
 
 # Stands for a value that does not exist.
 NOTHING = "–"
@@ -57,7 +58,7 @@ def silence(seconds: Optional[float]) -> str:
     return f"OLD: nothing heard from the core for {max(1.0, seconds):.0f} s"
 
 
-# -- moments in UTC, for referees -------------------------------------------------------------------
+# -- moments in UTC, for the terminal and for logs --------------------------------------------------
 
 
 def time_of_day(utc_s: float) -> str:
@@ -72,23 +73,74 @@ def time_with_zone(utc_s: float) -> str:
 
 def scheduled(utc_s: float, today_utc_s: float) -> str:
     """Returns HH:MM of an event (UTC), after its date if it is not today."""
-    date = _format("%Y-%m-%d", utc_s)
-    hours = _format("%H:%M", utc_s)
-    return hours if date == _format("%Y-%m-%d", today_utc_s) else f"{date} {hours}"
+    return Moments(in_utc=True).scheduled(utc_s, today_utc_s)
 
 
-def time_and_age(utc_s: float, now_utc_s: float) -> str:
-    """Returns a time of day and how long ago it was; on the ROS interface zero means never."""
-    if utc_s == 0:
-        return "never"
-    return f"{time_of_day(utc_s)} UTC ({ago(now_utc_s - utc_s)})"
-
-
-def _format(pattern: str, utc_s: float) -> str:
+def _format(pattern: str, utc_s: float, in_utc: bool = True) -> str:
     try:
-        return time.strftime(pattern, time.gmtime(utc_s))
+        return time.strftime(pattern, time.gmtime(utc_s) if in_utc else time.localtime(utc_s))
     except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop a panel
         return "?"
+
+
+# -- moments for panels, in one time zone -----------------------------------------------------------
+
+# The core writes this time at the beginning of each line of a run's log.
+_OF_LINE = re.compile(r"^(\d\d):(\d\d):(\d\d)Z", re.MULTILINE)
+_DAY_S = 86400
+
+
+class Moments(NamedTuple):
+    """How the panels of a client show moments: all in the local time of this computer, or all in UTC."""
+
+    in_utc: bool = False
+
+    def time_of_day(self, utc_s: float) -> str:
+        """Returns HH:MM:SS, where the name of the time zone is shown elsewhere."""
+        return _format("%H:%M:%S", utc_s, self.in_utc)
+
+    def short(self, utc_s: float) -> str:
+        """Returns HH:MM."""
+        return _format("%H:%M", utc_s, self.in_utc)
+
+    def with_zone(self, utc_s: float) -> str:
+        """Returns the time of day with the time zone, such as ``14:03:59 CET``."""
+        return f"{self.time_of_day(utc_s)} {'UTC' if self.in_utc else _format('%Z', utc_s, in_utc=False)}"
+
+    def scheduled(self, utc_s: float, today_utc_s: float) -> str:
+        """Returns HH:MM of an event, after its date if it is not today."""
+        day, today = (_format("%Y-%m-%d", moment, self.in_utc) for moment in (utc_s, today_utc_s))
+        return self.short(utc_s) if day == today else f"{day} {self.short(utc_s)}"
+
+    def and_age(self, utc_s: float, now_utc_s: float) -> str:
+        """Returns a time of day and how long ago it was; on the ROS interface zero means never."""
+        return f"{self.time_of_day(utc_s)} ({ago(now_utc_s - utc_s)})" if utc_s else "never"
+
+    def lines(self, text: str, now_utc_s: float) -> str:
+        """Returns the lines of a log with the times at their beginnings in this time zone."""
+        if self.in_utc:
+            return text
+        shift_s = _offset_s(now_utc_s)
+
+        def shifted(match) -> str:
+            hours, minutes, seconds = map(int, match.groups())
+            day_s = (3600 * hours + 60 * minutes + seconds + shift_s) % _DAY_S
+            return f"{day_s // 3600:02d}:{day_s // 60 % 60:02d}:{day_s % 60:02d}"
+
+        return _OF_LINE.sub(shifted, text)
+
+    @staticmethod
+    def tip(utc_s: float) -> str:
+        """Returns the moment in UTC with its date, for a tooltip."""
+        return f"{_format('%Y-%m-%d %H:%M:%S', utc_s)} UTC"
+
+
+def _offset_s(utc_s: float) -> int:
+    """Seconds that local time is ahead of UTC."""
+    try:
+        return time.localtime(utc_s).tm_gmtoff
+    except (OverflowError, OSError, ValueError):
+        return 0
 
 
 # -- moments for the public and for results, local or UTC -------------------------------------------

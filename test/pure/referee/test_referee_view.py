@@ -23,7 +23,7 @@ def test_all_zones_at_a_glance():
     assert "RSBB at 127.255.255.255:6666, 16:26:40Z: OK" in text
     assert "Home A: RUNNING, 8:33 left" in text
     assert "robot mbot: PREPARING, skew +0.012 s, heard just now (UDP port 6667)" in text
-    assert "Home B: IDLE, 10:00 to run" in text
+    assert "Home B: NOT CONNECTED, 10:00 to run" in text
     assert "HGTKMH, team TestingTeam, round 1, run 1, scheduled 16:36 UTC" in text
     assert "allowed now: next" in text
 
@@ -56,7 +56,7 @@ def test_all_robots_at_once_are_listed_in_the_zones_report():
 
 
 def test_the_end_of_a_run_says_why():
-    assert "ENDED (no data saved), 8:33 left after the end" in _status(
+    assert "ENDED: no data saved, 8:33 left after the end" in _status(
         running_zone(phase="ended", end_reason="no_messages_saved"))
 
 
@@ -175,8 +175,8 @@ def test_a_state_that_the_core_logs_itself_is_not_told_twice():
 
 @pytest.mark.parametrize("facts, text", [
     ({"phase": "connected", "end_reason": "", "robot": "mbot", "port": 6667}, "CONNECTED to mbot on UDP port 6667"),
-    ({"phase": "ended", "end_reason": "no_messages_saved"}, "ENDED (no data saved)"),
-    ({"phase": "idle", "end_reason": ""}, "IDLE"),
+    ({"phase": "ended", "end_reason": "no_messages_saved"}, "ENDED: no data saved"),
+    ({"phase": "idle", "end_reason": ""}, "NOT CONNECTED"),
 ])
 def test_phases(facts, text):
     change = Change(UTC0, "state", "Home A", {**facts, "changed": ["phase"]})

@@ -105,3 +105,28 @@ def test_an_entry_of_a_message():
 ])
 def test_why_a_run_was_stopped(reason, by, stopped_by, text):
     assert sheets.stop_reason(reason, by, stopped_by) == text
+
+
+@pytest.mark.parametrize(("who", "person", "node"), [
+    ("Anna (/roah_rsbb_window_1_2)", "Anna", "/roah_rsbb_window_1_2"), ("Anna", "Anna", ""), ("", "", ""),
+    ("/roah_rsbb_window", "no name", "/roah_rsbb_window"), ("Anna (Lisbon)", "Anna (Lisbon)", ""),
+    ("Anna (Lisbon) (/a/b)", "Anna (Lisbon)", "/a/b"), ("and/or", "and/or", ""),
+])
+def test_people_are_shown_and_their_nodes_are_kept_apart(who, person, node):
+    assert (sheets.person(who), sheets.node_of(who)) == (person, node)
+
+
+def test_no_node_is_shown_in_texts_for_people():
+    texts = _texts(who="Anna (/rqt)", withdrawn_utc_s=3605.0, withdrawn_by="Ben (/rqt)")
+    assert texts.who == "Anna"
+    assert texts.withdrawn == "withdrawn by Ben at 01:00:05Z"
+    assert sheets.signature(3600.0, "Cleo (/rqt)", times.time_with_zone) == "signed off by Cleo at 01:00:00Z"
+    assert sheets.stop_reason("fire", "Ben (/rqt)", "Anna (/rqt)") == "fire (Ben)"
+
+
+@pytest.mark.parametrize(("name", "end", "text"), [
+    ("idle", "", "NOT CONNECTED"), ("running", "", "RUNNING"), ("ended", "stopped", "ENDED: stopped"),
+    ("dreaming", "", "DREAMING"),
+])
+def test_the_phase_of_a_zone_has_the_same_words_everywhere(name, end, text):
+    assert sheets.phase(name, end) == text

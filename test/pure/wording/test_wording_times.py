@@ -1,5 +1,7 @@
 """The wording of times, durations and skews."""
 
+import time
+
 import pytest
 
 from roah_rsbb.wording import times
@@ -52,12 +54,38 @@ def test_how_long_ago(seconds, shown):
 
 
 def test_zero_on_the_ros_interface_means_never():
-    assert times.time_and_age(0.0, NOON) == "never"
-    assert times.time_and_age(NOON - 4, NOON) == "11:59:56 UTC (4 s ago)"
+    assert times.Moments().and_age(0.0, NOON) == "never"
+    assert times.Moments(in_utc=True).and_age(NOON - 4, NOON) == "11:59:56 (4 s ago)"
+
+
+@pytest.fixture
+def in_lisbon_summer(monkeypatch):
+    """A local time one hour ahead of UTC."""
+    monkeypatch.setenv("TZ", "WEST-1")
+    time.tzset()
+    yield
+    monkeypatch.undo()
+    time.tzset()
+
+
+def test_panels_show_local_time_or_utc_and_say_which(in_lisbon_summer):
+    local, utc = times.Moments(), times.Moments(in_utc=True)
+    assert (local.with_zone(NOON), utc.with_zone(NOON)) == ("13:00:00 WEST", "12:00:00 UTC")
+    assert (local.short(NOON), utc.short(NOON)) == ("13:00", "12:00")
+    assert local.tip(NOON) == utc.tip(NOON) == "2015-11-01 12:00:00 UTC"
+    late = NOON + 11.5 * 3600
+    assert (local.scheduled(late, NOON), utc.scheduled(late, NOON)) == ("2015-11-02 00:30", "23:30")
+
+
+def test_the_times_of_log_lines_are_local_and_nothing_else_in_them_changes(in_lisbon_summer):
+    text = "23:30:59Z WARNING: signed at 10:00:00Z\nno time\n00:00:00Z end"
+    assert times.Moments().lines(text, NOON) == "00:30:59 WARNING: signed at 10:00:00Z\nno time\n01:00:00 end"
+    assert times.Moments(in_utc=True).lines(text, NOON) == text
 
 
 def test_a_clock_that_is_far_off_is_no_error():
-    assert times.time_of_day(1e30) == "?"
+    assert times.time_of_day(1e30) == times.Moments().short(1e30) == "?"
+    assert times.Moments().lines("10:00:00Z a", 1e30) == "10:00:00 a"
 
 
 def test_silence_names_its_length():

@@ -50,6 +50,16 @@ class Countdown:
         (self.pause if paused else self.resume)(now)
 
     @property
+    def limit(self) -> float:
+        """Seconds from its start to its end, without pauses."""
+        return self._seconds
+
+    @property
+    def counting(self) -> bool:
+        """Whether it was started and is not paused."""
+        return self.state.deadline is not None and not self.paused
+
+    @property
     def paused(self) -> bool:
         """Whether time does not count at the moment."""
         return self.state.paused_at is not None
@@ -91,11 +101,13 @@ class RunClock(Countdown):
         self.resume(now)
         self.state.stopped_at = now.mono
 
+    def after_stop(self, now: Now) -> float:
+        """Seconds left of the time after the stop, at least 0."""
+        return 0.0 if self.state.stopped_at is None else max(0.0, self.state.stopped_at + self._after_stop - now.mono)
+
     def shown(self, now: Now, ended: bool) -> float:
         """Seconds left until the timeout or, in a run that ended, of the time after the stop; at least 0."""
-        if ended and self.state.stopped_at is not None:
-            return max(0.0, self.state.stopped_at + self._after_stop - now.mono)
-        return self.left(now)
+        return self.after_stop(now) if ended and self.state.stopped_at is not None else self.left(now)
 
 
 class SavingWatch:

@@ -386,6 +386,18 @@ class FunctionalityRun(Run):
         left = super().timer(now)
         return left if self._goal is None else min(left, self._goal.clock.left(now))
 
+    @property
+    def goal(self) -> Optional[Goal]:
+        """See `ZoneRun`."""
+        return self._goal if self._goal is not None and self._goal.request.timeout else None
+
+    @property
+    def why_paused(self) -> str:
+        """See `ZoneRun`."""
+        if not self.clock.paused:
+            return ""
+        return "the benchmarking module is missing" if self.held else "manual operation"
+
     def start_off(self, now: Now) -> List[str]:
         """Why the run cannot be started: the module first."""
         return self._modules.start_off(now, self.event.benchmark.code) + super().start_off(now)

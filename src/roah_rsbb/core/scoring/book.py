@@ -21,7 +21,7 @@ from roah_rsbb.core.scoring.records import (
 )
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, standing_text
 from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent, ScoreKind, ScoringItem
-from roah_rsbb.wording import times
+from roah_rsbb.wording import sheets, times
 
 # No referee stops a run more often. Then the oldest stop without a typed reason is dropped.
 MAX_STOPS = 100
@@ -161,8 +161,10 @@ class FinishedRun:
         return self._changed(self._book.give_reason(number, by))
 
     def sign_off(self, now: Now, who: str) -> str:
-        """The score sheet is final from now on; raises `Refused` if it was already."""
+        """The score sheet is final from now on; raises `Refused` if it was already, or if `who` has no name."""
         self._check_open()
+        if sheets.person(who) in ("", sheets.NO_NAME):
+            raise Refused(["a sign-off needs the name of the referee: enter it, in the terminal with --by"])
         self.record = self.record._replace(sign_off=SignOff(now.utc, who))
         return f"Score sheet signed off by {who}"
 

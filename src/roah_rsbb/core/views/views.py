@@ -10,11 +10,11 @@ from roah_rsbb.core.robots import ActiveRobot
 from roah_rsbb.core.runs.all_robots import AllRobotsRun, Counts
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.requests import Switches
-from roah_rsbb.core.runs.run import Run
+from roah_rsbb.core.runs.run import Run, ZoneRun
 from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.core.zones import Zone
-from roah_rsbb.rulebook.benchmarks import ScheduledEvent
+from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent
 
 # A zone without a run has no phase of a run.
 IDLE = "idle"
@@ -43,6 +43,26 @@ class ModuleView(NamedTuple):
 
 
 NO_MODULE = ModuleView()
+
+
+class ClockView(NamedTuple):
+    """The times of the run in a zone, in seconds. A pause counts in none of them."""
+
+    limit: float  # from the start to the timeout
+    elapsed: float = 0.0  # after the end: the final time
+    counting: bool = False
+    paused: str = ""  # why the time of a run in progress does not count
+    goal_limit: float = 0.0  # of the present goal, or of each goal to come; 0.0: the benchmark has no goals
+    goal: int = 0  # number of the present goal; 0: none with a timeout
+    goal_elapsed: float = 0.0
+    goal_counting: bool = False
+    after_stop: float = 0.0  # after the end: left
+
+    def without_time(self) -> "ClockView":
+        """The same, but for the time that passes."""
+        elapsed = 0.0 if self.counting else self.elapsed
+        goal_elapsed = 0.0 if self.goal_counting else self.goal_elapsed
+        return self._replace(elapsed=elapsed, goal_elapsed=goal_elapsed, after_stop=0.0)
 
 
 class RobotInRunView(NamedTuple):
@@ -88,6 +108,7 @@ class ZoneView(NamedTuple):
     identity: str  # of the run; empty: there is none
     end_reason: str  # empty: it has not ended
     module: ModuleView
+    clock: ClockView
     robot: Optional[RobotInRunView]  # where one runs
     all_robots: Optional[AllRobotsView]  # where all run at once
 
@@ -97,7 +118,8 @@ class ZoneView(NamedTuple):
 
     def without_time(self) -> "ZoneView":
         """The same, but for values that change all the time although nothing happens."""
-        return self._replace(timer=0.0, robot=None if self.robot is None else self.robot.without_time())
+        robot = None if self.robot is None else self.robot.without_time()
+        return self._replace(timer=0.0, clock=self.clock.without_time(), robot=robot)
 
 
 class ScheduleLine(NamedTuple):
@@ -157,6 +179,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         identity="" if run is None else run.identity,
         end_reason="" if run is None or run.end_reason is None else run.end_reason.name.lower(),
         module=_module(run) if isinstance(run, FunctionalityRun) else NO_MODULE,
+        clock=_clock(run, zone.event.benchmark, now),
         robot=_robot(run) if isinstance(run, Run) else None,
         all_robots=_all_robots(run, now) if isinstance(run, AllRobotsRun) else None,
     )
@@ -180,6 +203,22 @@ def _module(run: FunctionalityRun) -> ModuleView:
         held=run.held,
         status=run.module_status,
         scores=run.scores,
+    )
+
+
+def _clock(run: Optional[ZoneRun], benchmark: Benchmark, now: Now) -> ClockView:
+    limits = ClockView(
+        benchmark.total_timeout, goal_limit=0.0 if benchmark.timeout == benchmark.total_timeout else benchmark.timeout
+    )
+    if run is None or run.phase is Phase.CONNECTED:
+        return limits
+    if run.phase is Phase.ENDED:
+        return limits._replace(elapsed=run.book.state.elapsed_s, after_stop=run.clock.after_stop(now))
+    clock = limits._replace(elapsed=run.clock.elapsed(now), counting=run.clock.counting, paused=run.why_paused)
+    goal = run.goal
+    return clock if goal is None else clock._replace(
+        goal_limit=goal.clock.limit, goal=goal.request.number, goal_elapsed=goal.clock.elapsed(now),
+        goal_counting=goal.clock.counting,
     )
 
 

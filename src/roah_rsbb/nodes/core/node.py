@@ -41,6 +41,7 @@ from roah_rsbb.msg import (
     ModulesState,
     PublicDetails,
     Results,
+    RunClocks,
     Unsaved,
     UnsavedParts,
 )
@@ -175,6 +176,7 @@ class CoreNode:
             "public": rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True),
             "public_details": rospy.Publisher("/core/public_details", PublicDetails, queue_size=1, latch=True),
             "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
+            "clocks": rospy.Publisher("/core/clocks", RunClocks, queue_size=1, latch=True),
             "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
             "unsaved": rospy.Publisher("/core/unsaved", Unsaved, queue_size=1, latch=True),
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
@@ -270,6 +272,9 @@ class CoreNode:
         details = self._panels.details(now)
         if details is not None:
             self._publish("details", details)
+        clocks = self._panels.clocks(now)
+        if clocks is not None:
+            self._publish("clocks", clocks)
         if self._ticks % PUBLIC_EVERY == 0:
             self._publish("public", public_convert.to_public(self._box, now))
         self._publish_public_details(now)

@@ -8,7 +8,7 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.views import views
-from roah_rsbb.msg import CoreDetails, CoreToGui, RobotInfo, ZoneDetails, ZoneState
+from roah_rsbb.msg import CoreDetails, CoreToGui, RobotInfo, RunClock, RunClocks, ZoneDetails, ZoneState
 from roah_rsbb.nodes.core.score_convert import group_message, score_message
 from roah_rsbb.nodes.core.serialised import SerialisedToGui, SerialisedZone
 from roah_rsbb.ros.times import ros_duration, ros_time, ros_wire_time
@@ -38,13 +38,17 @@ class PanelMessages:
         self._zones: Dict[str, _Zone] = {}
         self._warnings: List[str] = []
         self._details_due_in = 0  # ticks
+        self._views: List[views.ZoneView] = []  # of this tick
+        self._timeless: Tuple[object, ...] = ()  # the published clocks
+        self._clocks_due_in = 0  # ticks
 
     def to_gui(self, now: Now, log_files: Mapping[int, str]) -> CoreToGui:
         """The message of this tick. `log_files`: path of each run's log by its port."""
         box = self._box
         tablet = box.tablet.state
+        self._views = views.zones(box, now)
         return SerialisedToGui(
-            [self._zone(view, log_files) for view in views.zones(box, now)],
+            [self._zone(view, log_files) for view in self._views],
             clock=ros_time(now.utc),
             status=views.status(box, now),
             addr=self._addr,
@@ -77,6 +81,15 @@ class PanelMessages:
             zones=[zone.details for zone in self._zones.values()],
         )
 
+    def clocks(self, now: Now) -> Optional[RunClocks]:
+        """The times of all runs at `now`, for which `to_gui` was called before; None: the last message still holds."""
+        timeless = tuple((view.zone, view.identity, view.phase, view.clock.without_time()) for view in self._views)
+        self._clocks_due_in -= 1
+        if timeless == self._timeless and self._clocks_due_in > 0:
+            return None
+        self._timeless, self._clocks_due_in = timeless, self.DETAILS_EVERY
+        return RunClocks(ros_time(now.utc), self._box_uuid, [_run_clock(view) for view in self._views])
+
     def _robot_infos(self, now: Now) -> List[RobotInfo]:
         robots = views.robots(self._box, now)
         self._robots = {robot: self._robots.get(robot) or _robot_info(robot) for robot in robots}
@@ -94,6 +107,24 @@ class PanelMessages:
 
 def _robot_info(view: views.RobotView) -> RobotInfo:
     return RobotInfo(view.team, view.robot, ros_duration(view.skew), ros_time(view.last_heard))
+
+
+def _run_clock(view: views.ZoneView) -> RunClock:
+    clock = view.clock
+    return RunClock(
+        zone=view.zone,
+        identity=view.identity,
+        phase=view.phase,
+        limit=ros_duration(clock.limit),
+        elapsed=ros_duration(clock.elapsed),
+        counting=clock.counting,
+        paused=clock.paused,
+        goal_limit=ros_duration(clock.goal_limit),
+        goal=clock.goal,
+        goal_elapsed=ros_duration(clock.goal_elapsed),
+        goal_counting=clock.goal_counting,
+        after_stop=ros_duration(clock.after_stop),
+    )
 
 
 def _zone_state(view: views.ZoneView) -> ZoneState:

@@ -12,6 +12,7 @@ from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.nodes.core.results_convert import sheet_message
 from roah_rsbb.ros import refusals, texts
+from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.times import ros_time
 from roah_rsbb.srv import (
@@ -145,10 +146,13 @@ def _check_texts(request: Any) -> None:
 
 
 def who_of(request: Any, referee: str = "") -> str:
-    """Who calls: the name that the referee typed, if any, and the ROS node."""
+    """Who calls: the name that the referee typed, if any, and the ROS node.
+
+    Requests without a field for the name have it in the header of their connection.
+    """
     header = getattr(request, "_connection_header", None) or {}
     node = header.get("callerid", "")
-    name = referee.strip()
+    name = referee.strip() or header.get(REFEREE_HEADER, "").strip()
     return f"{name} ({node})" if name and node else name or node
 
 

@@ -7,6 +7,7 @@ from typing import Any, Callable, Dict, NamedTuple, Optional
 import rospy
 
 from roah_rsbb.ros import refusals
+from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.srv import GetClock
 
@@ -14,6 +15,22 @@ from roah_rsbb.srv import GetClock
 TIMEOUT_S = 5.0
 # Limit of calls that wait at the same time: a core that hangs must not fill this process with threads.
 MAX_WAITING = 16
+
+
+class RefereeName(QObject):
+    """The name of the referee at this client. It is recorded with everything that the referee does."""
+
+    changed = Signal(str)
+
+    def __init__(self, parent: Optional[QObject] = None) -> None:
+        super().__init__(parent)
+        self.name = ""
+
+    def set(self, name: str) -> None:
+        """Set the name, in all panels."""
+        if name != self.name:
+            self.name = name
+            self.changed.emit(name)
 
 
 class CallOutcome(NamedTuple):
@@ -34,8 +51,10 @@ class Calls(QObject):
 
     _answered = Signal(int, object)
 
-    def __init__(self, parent: Optional[QObject] = None) -> None:
+    def __init__(self, referee: RefereeName, parent: Optional[QObject] = None) -> None:
+        """`referee`: their name goes with each call."""
         super().__init__(parent)
+        self._referee = referee
         self._waiting: Dict[int, _Waiting] = {}
         self._threads = 0
         self._next = 0
@@ -45,15 +64,18 @@ class Calls(QObject):
         self, owner: object, name: str, kind: type, request: tuple, done: Callable[[CallOutcome], None]
     ) -> None:
         """Call the service `name` of type `kind` with the request's fields; `done` receives the outcome."""
-        self.run(owner, name, lambda: rospy.ServiceProxy(name, kind)(*request), done)
+        headers = self._headers()
+        self.run(owner, name, lambda: rospy.ServiceProxy(name, kind, headers=headers)(*request), done)
 
     def command(
         self, owner: object, name: str, kind: type, request: tuple, done: Callable[[CallOutcome], None]
     ) -> None:
         """Call a service that changes something in the box. The result is the box's clock after the change, UTC
         seconds: only later messages surely contain the change."""
+        headers = self._headers()
+
         def job() -> float:
-            rospy.ServiceProxy(name, kind)(*request)
+            rospy.ServiceProxy(name, kind, headers=headers)(*request)
             return rospy.ServiceProxy("/core/clock", GetClock)().clock.to_sec()
 
         self.run(owner, name, job, done)
@@ -69,6 +91,9 @@ class Calls(QObject):
         self._waiting[token] = _Waiting(owner, what, done)
         QTimer.singleShot(int(TIMEOUT_S * 1000), lambda: self._on_late(token))
         threading.Thread(target=self._work, args=(token, job), name=what, daemon=True).start()
+
+    def _headers(self) -> Dict[str, str]:
+        return {REFEREE_HEADER: self._referee.name} if self._referee.name else {}
 
     def forget(self, owner: object) -> None:
         """Deliver nothing more to `owner`, which is closing."""

@@ -2,29 +2,18 @@
 
 from typing import Optional
 
+import rospy
+
 from roah_rsbb.ros.feed import Feed
-from roah_rsbb.rqt.model.calls import Calls
+from roah_rsbb.rqt.model.calls import Calls, RefereeName
 from roah_rsbb.rqt.model.model import TOPICS, Model
 from roah_rsbb.rqt.model.presses import DoublePress
 from roah_rsbb.rqt.model.zone_parameter import ZoneParameter
-from roah_rsbb.rqt.qt import QObject, Signal
 from roah_rsbb.rqt.widgets.stop_keys import StopKeys
+from roah_rsbb.wording.times import Moments
 
-
-class RefereeName(QObject):
-    """The name of the referee at this client. It is recorded with every score, note and sign-off."""
-
-    changed = Signal(str)
-
-    def __init__(self, parent: Optional[QObject] = None) -> None:
-        super().__init__(parent)
-        self.name = ""
-
-    def set(self, name: str) -> None:
-        """Set the name, in all panels."""
-        if name != self.name:
-            self.name = name
-            self.changed.emit(name)
+# A parameter in the client's namespace (launch/roah_rsbb_client.launch).
+TIMES_IN_UTC = "times_in_utc"
 
 
 class Client:
@@ -35,10 +24,11 @@ class Client:
 
     def __init__(self) -> None:
         self.model = Model(Feed(TOPICS), ZoneParameter())
-        self.calls = Calls()
+        self.referee = RefereeName()
+        self.calls = Calls(self.referee)
         self.presses = DoublePress()
         self.stop_keys = StopKeys(self.model, self.calls)
-        self.referee = RefereeName()
+        self.moments = Moments(bool(rospy.get_param(TIMES_IN_UTC, False)))
 
     @classmethod
     def acquire(cls) -> "Client":

@@ -9,6 +9,8 @@ from roah_rsbb.msg import (
     DevicesState,
     DevicesStatus,
     Results,
+    RunClock,
+    RunClocks,
     RunSummary,
     Unsaved,
     UnsavedParts,
@@ -17,11 +19,13 @@ from roah_rsbb.msg import (
 )
 from roah_rsbb.rqt.model.box_clock import BoxClock
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
+from roah_rsbb.wording.clock import Clock, clock_of
 
 GUI_TOPIC = "/core/to_gui"
 DETAILS_TOPIC = "/core/details"
 RESULTS_TOPIC = "/core/results"
 UNSAVED_TOPIC = "/core/unsaved"
+CLOCKS_TOPIC = "/core/clocks"
 DEVICES_TOPIC = "/devices/state"
 DEVICES_STATUS_TOPIC = "/devices/status"
 TOPICS = {
@@ -29,6 +33,7 @@ TOPICS = {
     DETAILS_TOPIC: CoreDetails,
     RESULTS_TOPIC: Results,
     UNSAVED_TOPIC: Unsaved,
+    CLOCKS_TOPIC: RunClocks,
     DEVICES_TOPIC: DevicesState,
     DEVICES_STATUS_TOPIC: DevicesStatus,
 }
@@ -67,6 +72,8 @@ class Model(QObject):
         self.details: Optional[CoreDetails] = None
         self.results: Optional[Results] = None
         self._unsaved: Optional[Unsaved] = None
+        self._clocks: Optional[RunClocks] = None
+        self._clocks_heard = 0.0
         self.devices: Optional[DevicesState] = None
         self.devices_status: Optional[DevicesStatus] = None
         self.box_clock = BoxClock()
@@ -157,6 +164,16 @@ class Model(QObject):
             return None
         return next((z for z in self.details.zones if z.zone == zone_name), None)
 
+    def clock_of(self, zone_name: str) -> Optional[Clock]:
+        """Returns the times of the run in a zone, as of the newest CoreToGui; None: not known, or much older."""
+        details = self.details_of(zone_name)
+        if details is None or self._clocks is None or (self._heard or 0.0) - self._clocks_heard > DETAILS_SILENT_S:
+            return None
+        message = next((clock for clock in self._clocks.zones if clock.zone == zone_name), RunClock(zone=""))
+        if message.identity != details.identity:
+            return None  # of the run before: the topics are not of the same moment
+        return clock_of(message, self.clock_s - self._clocks.clock.to_sec())
+
     def unsaved_of(self, identity: str) -> UnsavedParts:
         """What of a run's record the core could not bring onto the disk yet."""
         runs = () if self._unsaved is None else self._unsaved.runs
@@ -182,7 +199,7 @@ class Model(QObject):
     def _tick(self) -> None:
         now = time.monotonic()
         news = self._take_gui() | self._take_details() | self._take_results() | self._take_devices()
-        news = self._take_unsaved() or news
+        news = news | self._take_unsaved() | self._take_clocks()
         old = self.is_old
         if old and now - max(self._heard or self._started, self._renewed) > RENEW_S:
             self._renewed = now
@@ -217,6 +234,12 @@ class Model(QObject):
             return False
         self._unsaved = received.message
         return True
+
+    def _take_clocks(self) -> bool:
+        received = self._feed.take(CLOCKS_TOPIC)
+        if received is not None:
+            self._clocks, self._clocks_heard = received.message, received.mono
+        return received is not None
 
     def _take_results(self) -> bool:
         received = self._feed.take(RESULTS_TOPIC)

@@ -13,9 +13,9 @@ from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
 from roah_rsbb.rqt.qt import QComboBox, QGridLayout, QLabel, QLineEdit, QSizePolicy, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.run_times import RunTimes
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
 from roah_rsbb.srv import StopReason, Zone
-from roah_rsbb.wording import times
 from roah_rsbb.wording.todo import WARNING
 
 ASK_REASON = "Why was the run stopped? Press Enter to save"
@@ -116,8 +116,7 @@ class BenchmarkControlPanel(Panel):
         self._highlight.timeout.connect(lambda: basic.set_style(self._zones, ""))
         self._event: Dict[str, QLabel] = {}
         self._phase = basic.Badge(1.8)
-        self._what_counts = QLabel(alignment=Qt.AlignCenter)
-        self._countdown = basic.FittedText(lines_high=3.0)
+        self.times = RunTimes()
         self.state = basic.Notices(1.3)
         self._answer = Answer()
         self.reason = StopReasonLine(self, self._answer)
@@ -134,8 +133,7 @@ class BenchmarkControlPanel(Panel):
         self.body.addWidget(self._zones)
         self.body.addLayout(self._event_grid())
         self.body.addWidget(self._phase)
-        self.body.addWidget(self._what_counts)
-        self.body.addWidget(self._countdown, 3)
+        self.body.addWidget(self.times, 3)
         self.state.setMinimumHeight(round(3.5 * basic.em()))
         self.body.addWidget(self.state, 2)
         commands = QGridLayout()
@@ -195,7 +193,10 @@ class BenchmarkControlPanel(Panel):
         self._start_key.forget()
 
     def where(self) -> str:
-        return f"{times.time_of_day(self.model.clock_s)} UTC" if self.model.gui else ""
+        return self.client.moments.with_zone(self.model.clock_s) if self.model.gui else ""
+
+    def where_tip(self) -> str:
+        return self.client.moments.tip(self.model.clock_s) if self.model.gui else ""
 
     def _show_zones(self) -> None:
         names = [z.zone for z in self.model.gui.zones] if self.model.gui else []
@@ -221,28 +222,25 @@ class BenchmarkControlPanel(Panel):
             label.setText("")
         heard = self.model.gui is not None
         self._phase.show_text("NO SUCH ZONE" if heard else "NO CORE", basic.IDLE)
-        self._what_counts.setText("")
-        self._countdown.setText("–:––")
+        self.times.show_clock(None, self.model.is_old)
         self._show_state(f"{NO_ZONE} ({self.model.zone_name})" if heard else "Waiting for the core")
 
     def _show_event(self, zone: ZoneState) -> None:
         self._event["name"].setText(f"{zone.code}  {zone.desc}")
         self._event["team"].setText(zone.team)
-        when = times.scheduled(zone.schedule.to_sec(), self.model.clock_s)
+        scheduled_s = zone.schedule.to_sec()
+        when = self.client.moments.scheduled(scheduled_s, self.model.clock_s)
         self._event["facts"].setText(
-            f"{zone.name} · round {zone.round}, run {zone.run} · scheduled {when} UTC · "
-            f"limit {times.countdown(zone.timeout.to_sec())}"
+            f"{zone.name} · round {zone.round}, run {zone.run} · scheduled {when}"
         )
+        self._event["facts"].setToolTip(f"Scheduled: {self.client.moments.tip(scheduled_s)}")
 
     def _show_run(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
-        phase = phases.shown(details)
+        clock = self.model.clock_of(zone.zone)
+        phase = phases.shown(details, clock)
         text = f"{phase.text}  ·  {details.robot}" if details and details.robot else phase.text
         self._phase.show_text(text, basic.IDLE if self.model.is_old else phase.tone)
-        self._what_counts.setText(phase.counts)
-        left = times.countdown(zone.timer.to_sec())
-        # Brackets and grey show that the countdown is old.
-        self._countdown.setText(f"({left})" if self.model.is_old else left)
-        self._countdown.setEnabled(not self.model.is_old)
+        self.times.show_clock(clock, self.model.is_old)
         self._show_state(zone.state)
 
     def _show_state(self, state: str) -> None:

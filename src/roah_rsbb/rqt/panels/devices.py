@@ -26,7 +26,6 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import Bool, Percentage
-from roah_rsbb.wording import times
 
 # Marks a value that the devices node has not confirmed.
 WAITING = " …"
@@ -268,7 +267,8 @@ class DevicesPanel(Panel):
     def _show_bell(self, rang_s: float) -> None:
         now = self.model.box_time() or time.time()
         rings = rang_s and now - rang_s < RINGS_S
-        text = f"Last ring: {times.time_and_age(rang_s, now)}"
+        text = f"Last ring: {self.client.moments.and_age(rang_s, now)}"
+        self.bell.setToolTip(self.client.moments.tip(rang_s) if rang_s else "")
         self.bell.show_text(f"♪ RINGS  ·  {text}" if rings else text, basic.OLD if rings else basic.OFF)
 
     # -- operating ----------------------------------------------------------------------------------

@@ -12,7 +12,8 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog
 from roah_rsbb.srv import GetRunSheet, ScoreWithdraw
-from roah_rsbb.wording import sheets, times
+from roah_rsbb.wording import sheets
+from roah_rsbb.wording.times import Moments
 
 # After a failure a sheet is requested again after this long.
 AGAIN_S = 2.0
@@ -83,7 +84,7 @@ class History(QWidget):
         self._summary: Optional[RunSummary] = None
         self._sheet: Optional[RunSheet] = None
         self._why_off = ""
-        self.rows = Rows(("#", "UTC", "Who", "Item", "Change", "Notes"), stretched=(3, 5))
+        self.rows = Rows(("#", "Time", "Who", "Item", "Change", "Notes"), stretched=(3, 5))
         self.withdraw = basic.enlarged(QPushButton("Withdraw entry …"), 1.1, bold=True)
         self.withdraw.setFocusPolicy(Qt.TabFocus)
         self.withdraw.clicked.connect(self._ask)
@@ -97,7 +98,7 @@ class History(QWidget):
         """Show the history of a run. `why_off`: why nothing can be withdrawn; empty: it can."""
         self._summary, self._sheet, self._why_off = summary, sheet, why_off
         unsaved = () if summary is None else self._client.model.unsaved_of(summary.identity).entries
-        self.rows.show_rows([] if sheet is None else _history_rows(sheet, unsaved))
+        self.rows.show_rows([] if sheet is None else _history_rows(sheet, unsaved, self._client.moments))
         self._show_button()
 
     def _chosen(self) -> Optional[ScoreChange]:
@@ -118,7 +119,7 @@ class History(QWidget):
         if summary is None or entry is None:
             return
         what = f"Withdraw entry {entry.number}"
-        text = f"{entry.desc}\n{entry.who}, {times.time_of_day(entry.time.to_sec())} UTC"
+        text = f"{entry.desc}\n{sheets.person(entry.who)}, {self._client.moments.time_of_day(entry.time.to_sec())}"
 
         def send(note: str) -> None:
             self._answer.say(f"{what} …")
@@ -133,18 +134,19 @@ class History(QWidget):
         basic.show_dialog(NoteDialog(self, f"{what}?", text, "Why", "Withdraw", send))
 
 
-def _history_rows(sheet: RunSheet, unsaved: Collection[int]) -> List[Row]:
+def _history_rows(sheet: RunSheet, unsaved: Collection[int], moments: Moments) -> List[Row]:
     bools = {(item.group, item.desc) for item in sheet.items if item.type == ZoneScoreGroup.SCORING_BOOL}
     rows = []
     for change in reversed(sheet.history):
         entry = sheets.history_entry(change, (change.group, change.desc) in bools)
-        words = sheets.entry_texts(entry, times.time_of_day)
+        words = sheets.entry_texts(entry, moments.time_of_day)
         notes = "; ".join(mark + text for mark, text in (
             ("⚠ ", sheets.NOT_SAVED if entry.number in unsaved else ""), ("✎ ", words.correction), ("", words.note),
             ("✘ ", words.withdrawn)) if text)
         rows.append(Row(
             entry.number, (words.number, words.when, words.who, words.item, words.change, notes),
             bold=entry.correction, off=bool(entry.withdrawn_utc_s),
+            tips=("", moments.tip(entry.utc_s), sheets.node_of(entry.who), "", "", sheets.node_of(entry.withdrawn_by)),
         ))
     return rows
 

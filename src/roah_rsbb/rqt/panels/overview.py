@@ -24,8 +24,9 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.basic import HoldButton
+from roah_rsbb.rqt.widgets.run_times import UNKNOWN, marked, tone_of
 from roah_rsbb.rqt.widgets.stop_keys import DONE_S
-from roah_rsbb.wording import times
+from roah_rsbb.wording.clock import Clock, lines
 from roah_rsbb.wording.todo import Todo, Urgency, todo
 
 # Size of a tile at scale 1, in units of the desktop's font. A compact tile is lower.
@@ -129,13 +130,17 @@ class ZoneTile(QFrame):
         self.todo.settle()
         self.setMinimumHeight(round((COMPACT_EMS if compact else HIGH_EMS) * factor * basic.em()))
 
-    def show_zone(self, zone: ZoneState, details: Optional[ZoneDetails], todo: Todo, chosen: bool, old: bool) -> None:
+    def show_zone(self, zone: ZoneState, details: Optional[ZoneDetails], clock: Optional[Clock], todo: Todo,
+                  chosen: bool, old: bool) -> None:
         """Show the zone. `chosen`: the other panels show it; `old`: the core is silent."""
         self._texts = (f"{CHOSEN if chosen else ''}{zone.zone}", zone.team,
                        f"{zone.team}  ·  {zone.code}  ·  round {zone.round}, run {zone.run}")
-        left = times.countdown(zone.timer.to_sec())
-        self.countdown.setText(f"({left})" if old else left)
-        phase = phases.shown(details)
+        figure = (clock or UNKNOWN).main
+        self.countdown.setText(f"({figure.text})" if old else marked(figure))
+        self.countdown.setToolTip(basic.tip("\n".join(lines(clock or UNKNOWN))))
+        tone = None if old else tone_of(figure)
+        basic.set_style(self.countdown, f"background: {tone.background}; color: {tone.text};" if tone else "")
+        phase = phases.shown(details, clock)
         self._phase_text = phase.text
         self.phase.show_text(phase.text, basic.IDLE if old else phase.tone)
         self._fit()
@@ -246,7 +251,10 @@ class OverviewPanel(Panel):
     # -- showing ------------------------------------------------------------------------------------
 
     def where(self) -> str:
-        return f"All zones  ·  {times.time_of_day(self.model.clock_s)} UTC" if self.model.gui else "All zones"
+        return f"All zones  ·  {self.client.moments.with_zone(self.model.clock_s)}" if self.model.gui else "All zones"
+
+    def where_tip(self) -> str:
+        return self.client.moments.tip(self.model.clock_s) if self.model.gui else ""
 
     def show_model(self) -> None:
         zones = list(self.model.gui.zones) if self.model.gui else []
@@ -261,7 +269,8 @@ class OverviewPanel(Panel):
                 self._beep(zone, details)
             elif self._calls.get(zone.zone, NO_CALL)[1] == 0:  # switches have no number: the next request is new
                 del self._calls[zone.zone]
-            self.tiles[zone.zone].show_zone(zone, details, what, zone.zone == self.model.zone_name, old)
+            self.tiles[zone.zone].show_zone(
+                zone, details, self.model.clock_of(zone.zone), what, zone.zone == self.model.zone_name, old)
         running = self.model.running_zones()
         self._show_head(running, calling)
         self.stop.allow(bool(running), [NONE_RUNS if self.model.gui else NOT_HEARD], basic.ALARM)

@@ -3,8 +3,8 @@
 from typing import Callable, Optional
 
 from roah_rsbb.msg import ZoneDetails
-from roah_rsbb.rqt.model.calls import CallOutcome
-from roah_rsbb.rqt.model.client import Client, RefereeName
+from roah_rsbb.rqt.model.calls import CallOutcome, RefereeName
+from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QLineEdit, QMessageBox, QSizePolicy, Qt, QTimer, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import StopRun
@@ -50,6 +50,10 @@ class Panel(QWidget):
             return self.model.zone_name
         return f"{zone.zone}  ·  {zone.code}  ·  {zone.team}  ·  round {zone.round}, run {zone.run}"
 
+    def where_tip(self) -> str:
+        """Returns the tooltip of the heading."""
+        return ""
+
     def stop_run(self, zone: str, details: Optional[ZoneDetails], done: Callable[[CallOutcome], None]) -> None:
         """Stop the run that the referee sees.
 
@@ -77,6 +81,7 @@ class Panel(QWidget):
         if not self.isVisible():
             return
         self._where.setText(self.where())
+        self._where.setToolTip(self.where_tip())
         if self.model.is_old:
             self._news.show_text(f"⚠ {times.silence(self.model.silence_s)}", basic.OLD)
         else:

@@ -1,9 +1,10 @@
 """The phases of a run as panels show them: with words and a mark, never with colour alone."""
 
-from typing import Dict, NamedTuple, Optional
+from typing import Dict, NamedTuple, Optional, Tuple
 
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import sheets
+from roah_rsbb.wording.clock import Clock
 
 
 class PhaseLook(NamedTuple):
@@ -11,22 +12,23 @@ class PhaseLook(NamedTuple):
 
     text: str
     tone: basic.Tone
-    counts: str  # label of the countdown
 
 
-# By the phase in ZoneDetails.
-PHASES: Dict[str, PhaseLook] = {
-    "idle": PhaseLook("○ NOT CONNECTED", basic.IDLE, "Time limit"),
-    "connected": PhaseLook("● CONNECTED", basic.READY, "Time limit"),
-    "running": PhaseLook("▶ RUNNING", basic.RUNNING, "Time left"),
-    "ended": PhaseLook("■ ENDED", basic.ENDED, "Time left after the stop"),
+# By the phase in ZoneDetails: its mark and its colours.
+_LOOKS: Dict[str, Tuple[str, basic.Tone]] = {
+    "idle": ("○", basic.IDLE),
+    "connected": ("●", basic.READY),
+    "running": ("▶", basic.RUNNING),
+    "ended": ("■", basic.ENDED),
 }
-UNKNOWN = PhaseLook("–", basic.IDLE, "Time")
+UNKNOWN = PhaseLook("–", basic.IDLE)
 
 
-def shown(details: Optional[object]) -> PhaseLook:
-    """Returns the phase of these ZoneDetails, with the reason if the run has ended."""
-    phase = PHASES.get(details.phase, UNKNOWN) if details else UNKNOWN
-    if details and details.end_reason:
-        return phase._replace(text=f"{phase.text}: {sheets.end_reason(details.end_reason)}")
-    return phase
+def shown(details: Optional[object], clock: Optional[Clock] = None) -> PhaseLook:
+    """Returns the phase of these ZoneDetails, with the reason if the run has ended or its `clock` is paused."""
+    if details is None or details.phase not in _LOOKS:
+        return UNKNOWN
+    if clock is not None and clock.pause:
+        return PhaseLook(f"‖ {clock.pause}", basic.OLD)
+    mark, tone = _LOOKS[details.phase]
+    return PhaseLook(f"{mark} {sheets.phase(details.phase, details.end_reason)}", tone)

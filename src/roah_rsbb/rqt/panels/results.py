@@ -12,6 +12,7 @@ from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog
 from roah_rsbb.srv import ScoreMark, SignOff, StopReason
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.module_scores import by_group
+from roah_rsbb.wording.times import Moments
 
 NO_RUNS = "This zone has no run yet."
 CHOOSE = "Choose a run above"
@@ -28,9 +29,9 @@ class ResultsPanel(RefereePanel):
         super().__init__(client, parent)
         self._sheets = RunSheets(self, client.calls, self._on_update)
         self._zone = ""
-        self.runs = Rows(("UTC", "Team", "Run", "End", "Score", "Sheet"), stretched=(4,), wrapped=False)
+        self.runs = Rows(("Time", "Team", "Run", "End", "Score", "Sheet"), stretched=(4,), wrapped=False)
         self.items = Rows(("Group", "Item", "Value", ""), stretched=(1,))
-        self.stops = Rows(("#", "UTC", "Who", "End", "Reason"), stretched=(3, 4))
+        self.stops = Rows(("#", "Time", "Who", "End", "Reason"), stretched=(3, 4))
         self.what = basic.enlarged(QLabel(wordWrap=True), 1.2, bold=True)
         self.what.setTextFormat(Qt.PlainText)
         self.correct = self._button("Change …", self._ask_score)
@@ -81,7 +82,8 @@ class ResultsPanel(RefereePanel):
         if zone != self._zone:
             self._zone = zone
             self._answer.clear_answer()
-        self.runs.show_rows([_run_row(run) for run in runs] or [Row(None, ("", NO_RUNS, "", "", "", ""))])
+        rows = [_run_row(run, self.client.moments) for run in runs]
+        self.runs.show_rows(rows or [Row(None, ("", NO_RUNS, "", "", "", ""))])
         if self.runs.chosen is None and runs:
             self.runs.blockSignals(True)
             self.runs.choose(runs[0].identity)
@@ -103,14 +105,15 @@ class ResultsPanel(RefereePanel):
         return None if summary is None else self._sheets.sheet(summary)
 
     def _show_sheet(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> None:
+        moments = self.client.moments
         self.what.setText(self._what(summary, sheet))
         self.items.show_rows([] if sheet is None else _item_rows(sheet))
         self.history.show_sheet(summary, sheet, self._why_off(summary, sheet))
         self.stops.show_rows([] if sheet is None else [
             Row(number, (
-                str(number), times.time_of_day(stop.time.to_sec()), stop.who or "–", stop.desc,
+                str(number), moments.time_of_day(stop.time.to_sec()), sheets.person(stop.who) or "–", stop.desc,
                 sheets.stop_reason(stop.reason, stop.reason_by, stop.who),
-            ))
+            ), tips=("", moments.tip(stop.time.to_sec()), sheets.node_of(stop.who), "", sheets.node_of(stop.reason_by)))
             for number, stop in enumerate(sheet.stops, 1)
         ])
         for index, (name, rows) in enumerate((("History", self.history.rows), ("Ends", self.stops)), 1):
@@ -123,7 +126,7 @@ class ResultsPanel(RefereePanel):
             return self._sheets.error or FETCHING
         took = f"  ·  {times.elapsed(sheet.elapsed.to_sec())} min" if summary.end_reason else ""
         return (f"{_name(summary)}  ·  {_state(summary)}{took}  ·  {', '.join(sheet.robots)}\n"
-                f"{_sheet_state(summary, times.time_with_zone)}"
+                f"{_sheet_state(summary, self.client.moments.with_zone)}"
                 + (f"  ·  ⚠ {sheets.NOT_SAVED}" if self.model.unsaved_of(summary.identity).sign_off else ""))
 
     # -- what may be done ---------------------------------------------------------------------------
@@ -167,7 +170,7 @@ class ResultsPanel(RefereePanel):
         number = self.stops.chosen or len(sheet.stops)
         stop = sheet.stops[number - 1]
         dialog = NoteDialog(
-            self, "Reason", f"{times.time_of_day(stop.time.to_sec())}: {stop.desc}", "Why", "Save",
+            self, "Reason", f"{self.client.moments.time_of_day(stop.time.to_sec())}: {stop.desc}", "Why", "Save",
             lambda reason: self._send(
                 summary, f"Reason of end {number}", "stop_reason", StopReason, (number, reason)
             ),
@@ -226,12 +229,14 @@ def _sheet_state(run: RunSummary, when: Optional[sheets.When] = None) -> str:
     return f"✎ {sheets.CORRECTED}, {state}" if run.corrected else state
 
 
-def _run_row(run: RunSummary) -> Row:
+def _run_row(run: RunSummary, moments: Moments) -> Row:
     closed = run.closed.to_sec()
     return Row(run.identity, (
-        times.time_of_day(closed)[:5] if closed else "now", run.team,
+        moments.short(closed) if closed else "now", run.team,
         f"{run.code}, {sheets.turn(run.round, run.run)}", _state(run), run.score, _sheet_state(run),
-    ), bold=not run.signed.to_sec())
+    ), bold=not run.signed.to_sec(), tips=(
+        moments.tip(closed) if closed else "", "", "", "", "", sheets.node_of(run.signed_by),
+    ))
 
 
 def _item_rows(sheet: RunSheet) -> List[Row]:

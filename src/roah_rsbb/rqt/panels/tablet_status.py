@@ -5,7 +5,6 @@ from typing import Dict
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QFormLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.wording import times
 
 # The tablet sends a beacon every second; after this long without one it is marked as silent.
 TABLET_SILENT_S = 5.0
@@ -47,14 +46,18 @@ class TabletStatusPanel(Panel):
             return
         now, beacon = self.model.clock_s, gui.tablet_last_beacon.to_sec()
         silent = "  ⚠ silent" if beacon and now - beacon > TABLET_SILENT_S else ""
+        called = gui.tablet_call_time.to_sec()
         placed = gui.tablet_position_time.to_sec()
+        moments = self.client.moments
         values = {
-            "heard": f"{times.time_and_age(beacon, now)}{silent}",
+            "heard": f"{moments.and_age(beacon, now)}{silent}",
             "display": "Map" if gui.tablet_display_map else "Call button",
-            "call": times.time_and_age(gui.tablet_call_time.to_sec(), now),
+            "call": moments.and_age(called, now),
             "position": f"x {gui.tablet_position_x:.2f} m, y {gui.tablet_position_y:.2f} m" if placed else "none",
-            "position_time": times.time_and_age(placed, now),
+            "position_time": moments.and_age(placed, now),
         }
+        utc_s = {"heard": beacon, "call": called, "position_time": placed}
         for name, value in values.items():
             self._values[name].setText(value)
+            self._values[name].setToolTip(moments.tip(utc_s[name]) if utc_s.get(name) else "")
             self._values[name].setEnabled(not self.model.is_old)

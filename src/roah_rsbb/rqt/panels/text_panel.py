@@ -41,7 +41,7 @@ class TextPanel(Panel):
     def show_model(self) -> None:
         zone = self.model.zone
         source = () if zone is None else (zone.zone, zone.code, zone.team, zone.round, zone.run)
-        published = "" if zone is None else self.text_of(zone)
+        published = "" if zone is None else self.client.moments.lines(self.text_of(zone), self.model.clock_s)
         more = added(self._published, published) if source == self._source else None
         self._source, self._published = source, published
         if more is None:

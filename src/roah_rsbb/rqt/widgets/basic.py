@@ -6,6 +6,7 @@ from typing import Iterable, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.rqt.qt import (
     QApplication,
+    QColor,
     QDialog,
     QFont,
     QFontMetricsF,
@@ -138,6 +139,7 @@ class FittedText(QWidget):
         """`lines_high`: minimum height, in lines of the desktop's font."""
         super().__init__(parent)
         self._text = ""
+        self._tone: Optional[Tone] = None
         self._lines_high = lines_high
         self.setSizePolicy(QSizePolicy.Expanding, QSizePolicy.Expanding)
 
@@ -151,6 +153,12 @@ class FittedText(QWidget):
             self._text = text
             self.update()
 
+    def set_tone(self, tone: Optional[Tone]) -> None:
+        """Show the text in these colours; None: in the usual ones."""
+        if tone != self._tone:
+            self._tone = tone
+            self.update()
+
     def sizeHint(self) -> QSize:
         return QSize(round(10 * em()), round(2 * self._lines_high * em()))
 
@@ -161,6 +169,9 @@ class FittedText(QWidget):
         painter = QPainter(self)
         painter.setFont(self.fitted_font())
         painter.setPen(self.palette().color(QPalette.WindowText))
+        if self._tone is not None:
+            painter.fillRect(self.rect(), QColor(self._tone.background))
+            painter.setPen(QColor(self._tone.text))
         painter.drawText(self.rect(), Qt.AlignCenter, self._text)
 
     def fitted_font(self) -> QFont:

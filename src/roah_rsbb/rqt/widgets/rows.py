@@ -13,6 +13,7 @@ class Row(NamedTuple):
     texts: Tuple[str, ...]
     bold: bool = False
     off: bool = False  # struck through, except for the last column, which says why
+    tips: Tuple[str, ...] = ()  # tooltips of the columns, where they say more than the texts
 
 
 class Rows(QTableWidget):
@@ -80,7 +81,8 @@ class Rows(QTableWidget):
         font.setBold(row.bold)
         for column, text in enumerate(row.texts):
             item = QTableWidgetItem(text)
-            item.setToolTip(basic.tip(text))
+            more = row.tips[column] if column < len(row.tips) else ""
+            item.setToolTip(basic.tip("\n".join(filter(None, (text, more)))))
             font.setStrikeOut(row.off and column < len(row.texts) - 1)
             item.setFont(font)
             item.setTextAlignment(Qt.AlignTop | Qt.AlignLeft)

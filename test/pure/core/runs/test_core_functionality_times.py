@@ -188,3 +188,34 @@ def test_a_run_of_goals_that_timed_out_is_not_completed_by_the_robot(completed, 
     run = driver.run_in()
     assert (run.phase, run.end_reason, run.desc) == (Phase.ENDED, reason, desc)
     assert run.record(driver.now).end_reason == reason.name.lower()
+
+
+def test_run_time_goal_time_and_pause_are_shown_side_by_side():
+    driver, modules, robot = started()
+    modules.asks(RequestKind.REFEREE, text="Place it")
+    modules.lives(100.0, robot)
+    clock = driver.view().clock
+    assert (clock.limit, clock.elapsed, clock.counting, clock.paused) == (600.0, 0.0, False, "manual operation")
+    assert (clock.goal, clock.goal_limit) == (0, 120.0)
+    driver.event(driver.box.modules.complete_operation, "tbm")
+    modules.asks(timeout=60.0, **WAYPOINT)
+    modules.lives(10.0, robot)
+    clock = driver.view().clock
+    assert (clock.elapsed, clock.counting, clock.paused) == (pytest.approx(10.0), True, "")
+    assert (clock.goal, clock.goal_limit, clock.goal_elapsed) == (2, 60.0, pytest.approx(10.0))
+    driver.command("stop")
+    driver.run(30.0)
+    clock = driver.view().clock
+    assert (clock.elapsed, clock.counting, clock.goal) == (pytest.approx(10.0), False, 0)
+    assert clock.after_stop == pytest.approx(90.0)
+
+
+def test_a_run_without_its_module_is_paused_and_so_is_its_goal():
+    driver, modules, robot = started()
+    modules.asks(timeout=60.0, **WAYPOINT)
+    modules.lives(10.0, robot)
+    driver.run(50.0)
+    clock = driver.view().clock
+    assert (clock.counting, clock.goal_counting, clock.paused) == (False, False, "the benchmarking module is missing")
+    assert clock.elapsed == pytest.approx(clock.goal_elapsed) == pytest.approx(12.0)
+    assert clock.without_time() == clock

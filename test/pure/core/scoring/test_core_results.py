@@ -182,6 +182,10 @@ def test_what_is_signed_off_is_final():
     runs = _runs(run_record(1))
     run = runs.find(run_record(1).identity)
     run.mark(NOW, "Ben", Mark(BUMPS.group, BUMPS.desc, 2))
+    for nameless in ("", "/roah_rsbb_window"):
+        with pytest.raises(Refused, match="needs the name of the referee"):
+            run.sign_off(NOW, nameless)
+    assert run.record.sign_off is None
     run.sign_off(NOW, "Cleo")
     signed = run.record
     assert signed.sign_off == SignOff(NOW.utc, "Cleo")

@@ -122,3 +122,28 @@ def test_the_log_shows_times_levels_and_what_happened():
         "WARNING: Robot commands devices or tablet in HGTKMH: ignored, only HCFGAC has that",
         "Score: Penalized: bumps 0 -> 2",
     ]
+
+
+def test_the_final_time_of_a_run_is_that_of_its_record():
+    driver = BoxDriver(competition(tbm=[event(timeout=60.0)]))
+    assert driver.view().clock == views.ClockView(60.0)
+    driver.executing()
+    driver.run(12.5)
+    during = driver.view().clock
+    assert during.counting
+    driver.command("stop")
+    driver.run(5.0)
+    clock = driver.view().clock
+    assert (clock.elapsed, clock.counting) == (pytest.approx(during.elapsed), False)
+    assert clock.elapsed == driver.run_in().record(driver.now).elapsed_s
+    assert clock.after_stop == pytest.approx(driver.view().timer)
+
+
+def test_time_that_passes_alone_changes_no_clock():
+    driver = BoxDriver(competition(tbm=[event(timeout=60.0)]))
+    driver.executing()
+    before = driver.view().clock
+    driver.run(1.0)
+    after = driver.view().clock
+    assert after != before
+    assert after.without_time() == before.without_time()

@@ -1,0 +1,66 @@
+"""The times of a run: one label never stands for two times."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from roah_rsbb.wording.clock import Clock, Figure, Hurry, clock_of, lines
+
+
+class Seconds(float):
+    def to_sec(self):
+        return float(self)
+
+
+def message(phase, **fields):
+    known = {"phase": phase, "limit": 600.0, "elapsed": 0.0, "counting": False, "paused": "",
+             "goal_limit": 0.0, "goal": 0, "goal_elapsed": 0.0, "goal_counting": False, "after_stop": 0.0, **fields}
+    return SimpleNamespace(**{
+        name: Seconds(value) if isinstance(value, float) else value for name, value in known.items()
+    })
+
+
+def test_before_the_start_the_limits_are_shown():
+    for phase in ("idle", "connected"):
+        assert clock_of(message(phase), 5.0) == Clock(Figure("Time limit of the run", "10:00"))
+    assert clock_of(message("idle", goal_limit=120.0), 0.0).goal == Figure("Time limit of a goal", "2:00")
+
+
+def test_run_and_goal_are_two_figures_and_neither_takes_the_others_label():
+    before = clock_of(message("running", elapsed=10.0, counting=True, goal_limit=120.0), 0.0)
+    assert (before.main, before.goal) == (Figure("Run: time left", "9:50"), None)
+    goal = {"goal": 1, "goal_limit": 120.0, "goal_elapsed": 0.0, "goal_counting": True}
+    during = clock_of(message("running", elapsed=10.0, counting=True, **goal), 1.0)
+    assert (during.main, during.goal) == (Figure("Run: time left", "9:49"), Figure("Goal: time left", "1:59"))
+    assert during.aside == "Used: 0:11 of 10:00"
+
+
+def test_what_does_not_count_stays_where_it_is():
+    shown = clock_of(message("running", elapsed=10.0, paused="manual operation"), 60.0)
+    assert shown == Clock(Figure("Run: time left", "9:50"), None, "PAUSED: manual operation", "Used: 0:10 of 10:00")
+
+
+@pytest.mark.parametrize(("elapsed", "hurry"), [
+    (569.9, Hurry.NO), (570.0, Hurry.SOON), (589.9, Hurry.SOON), (590.0, Hurry.LAST), (700.0, Hurry.LAST),
+])
+def test_the_last_seconds(elapsed, hurry):
+    assert clock_of(message("running", elapsed=elapsed, counting=True), 0.0).main.hurry is hurry
+    assert clock_of(message("running", elapsed=elapsed - 7.0, counting=True), 7.0).main.hurry is hurry
+    assert clock_of(message("running", elapsed=elapsed, paused="manual operation"), 0.0).main.hurry is Hurry.NO
+
+
+def test_a_time_that_is_up_does_not_become_negative():
+    assert clock_of(message("running", elapsed=599.0, counting=True), 9.0).main.text == "0:00"
+
+
+def test_after_the_end_the_final_time_is_the_figure_and_the_time_after_the_stop_stands_aside():
+    ended = message("ended", elapsed=492.33, after_stop=120.0)
+    assert clock_of(ended, 1.0) == Clock(
+        Figure("Final time of the run", "8:12.3"), aside="Time left after the stop: 1:59")
+    assert clock_of(ended, 200.0).aside == ""
+
+
+def test_the_times_in_words():
+    goal = {"goal": 1, "goal_limit": 120.0, "goal_elapsed": 20.0}
+    assert lines(clock_of(message("running", elapsed=30.0, paused="manual operation", **goal), 0.0)) == [
+        "PAUSED: manual operation", "Run: time left 9:30", "Goal: time left 1:40", "Used: 0:30 of 10:00"]
