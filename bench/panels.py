@@ -8,12 +8,12 @@ import sys
 import time
 from typing import List
 
-import gui_testing
 import rospy
 from fleet import Fleet, Robot
-from gui_testing import Qt, QTest
 from processes import ROOT, Measured
 from python_qt_binding.QtCore import QSettings
+from support import gui_testing
+from support.gui_testing import Qt, QTest
 
 from roah_rsbb.protocol import BoxState
 from roah_rsbb.rqt.app.window import Window

@@ -14,7 +14,7 @@ from typing import Dict, List
 import rosgraph
 import rospy
 from addresses import BOX_HOST, BROADCAST
-from programs import Program
+from support.programs import Program
 
 from roah_rsbb.srv import Zone
 

@@ -11,10 +11,10 @@ from typing import List, NamedTuple
 import rosgraph
 import rospy
 import yaml
-from box_client import BoxClient
 from crew import ROBOT, password_of
 from namespaces import BROADCAST
-from programs import Program
+from support.box_client import BoxClient
+from support.programs import Program
 
 HERE = pathlib.Path(__file__).resolve().parent
 # Whatever a robot misses in an outage, it has time for its goal afterwards.

@@ -6,7 +6,7 @@ import time
 from typing import Any, Callable, List, NamedTuple, Optional
 
 from namespaces import BROADCAST, LIMIT_S, Station
-from waiting import happened, wait_until
+from support.waiting import happened, wait_until
 
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Key

@@ -12,7 +12,7 @@ import wire
 from box import SPEECH, TEAMS, Box
 from crew import EXECUTE_S, USUAL_EXECUTE_S, Robot, Tablet
 from namespaces import Lan
-from waiting import happened, wait_until
+from support.waiting import happened, wait_until
 
 from referee import Referee, Result
 

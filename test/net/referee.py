@@ -6,12 +6,12 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import rosbag
 from box import SPEECH, Box
-from box_client import Refusal
-from waiting import wait_until
+from support.box_client import Refusal
+from support.run_logs import RunLog
+from support.waiting import wait_until
 
 from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneUInt8
-from run_logs import RunLog
 
 # Seconds, on a machine that does much else, with an outage in between.
 LIMIT_S = 120.0

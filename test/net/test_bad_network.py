@@ -12,8 +12,8 @@ import wire
 from box import SPEECH, TEAMS
 from crew import RSBB_PORT
 from net import FLOODER, STRANGER, Net, Round
-from programs import Program
 from rounds import Plan
+from support.programs import Program
 
 from referee import Result
 from roah_rsbb.protocol import BoxState

@@ -1,0 +1,311 @@
+"""The comm node and a box whose every datagram is the test's: topics, goals, results, order."""
+
+import itertools
+
+import rospy
+from geometry_msgs.msg import Pose2D
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import Empty
+from std_srvs.srv import Empty as EmptySrv
+from support.comm_case import (
+    ALWAYS,
+    GOALS,
+    NUMBERS,
+    SAYS_EXECUTE,
+    SAYS_PREPARE,
+    SAYS_STOP,
+    ChannelCase,
+    Heard,
+    told_with,
+)
+from support.raw_box import now
+from support.waiting import wait_until
+
+from roah_rsbb.msg import BenchmarkState, DevicesState, GoalHGMF, TabletState
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.srv import ResultHOPF, ResultHPPF, String
+
+STOP, PREPARE, GOAL_TX, WAITING_RESULT = (
+    BoxState.STOP, BoxState.PREPARE, BoxState.GOAL_TX, BoxState.WAITING_RESULT
+)
+BURST = 10  # docs/protocol.md, "Timing"
+
+class TestHome(ChannelCase):
+    """Devices and tablet, as the box's beacons tell."""
+
+    def test_devices(self) -> None:
+        bells = self.heard("devices/bell", Empty)
+        bells.wait_connected()
+        ring = now()
+        self.box.beacon(devices_bell=ring, devices_switch_1=True, devices_dimmer=70, devices_blinds=20)
+        devices = self.heard("devices/state", DevicesState)
+        first = devices.wait_last(lambda m: m.dimmer == 70, "the devices' state")
+        self.assertEqual(
+            (first.switch_1, first.switch_2, first.switch_3, first.blinds, first.door_win_detect),
+            (True, False, False, 20, False),
+        )
+        self.assertEqual((first.bell.secs, first.bell.nsecs), (ring.sec, ring.nsec))
+        bells.wait_count(1)
+        count, rings = len(devices.messages), len(bells.messages)
+        # The same again is no change; another beacon's change comes after it.
+        self.box.beacon()
+        self.box.beacon(devices_switch_3=True, devices_door_win_detect=True)
+        last = devices.wait_last(lambda m: m.switch_3, "the change")
+        self.assertTrue(last.door_win_detect)
+        self.assertEqual((len(devices.messages), len(bells.messages)), (count + 1, rings))
+
+        self.box.beacon(devices_bell=now())
+        bells.wait_count(rings + 1)
+        late_bell, late_state = self.heard("devices/bell", Empty), self.heard("devices/state", DevicesState)
+        self.assertTrue(late_state.wait_count(1).switch_3)
+        late_bell.wait_connected()
+        self.box.beacon(devices_bell=now())
+        bells.wait_count(rings + 2)
+        late_bell.wait_count(1)
+        self.assertEqual(len(late_bell.messages), 1, "a ring is not latched")
+        self.assertEqual(len(bells.messages), rings + 2, "nothing else is a ring")
+        self.box.beacon(devices_switch_1=False, devices_switch_3=False, devices_door_win_detect=False)
+
+    def test_tablet(self) -> None:
+        calls, positions = self.heard("tablet/call", Empty), self.heard("tablet/position", Pose2D)
+        for heard in (calls, positions):
+            heard.wait_connected()
+        self.box.beacon(tablet_display_map=True, tablet_position_x=0.5, tablet_position_y=-0.5)
+        tablet = self.heard("tablet/state", TabletState)
+        tablet.wait_last(lambda m: m.display_map and (m.position_x, m.position_y) == (0.5, -0.5), "the tablet's state")
+        self.box.beacon(tablet_call_time=now())
+        calls.wait_count(1)
+        self.box.beacon(tablet_position_time=now(), tablet_position_x=1.5, tablet_position_y=-2.5)
+        selected = positions.wait_count(1)
+        self.assertEqual((selected.x, selected.y, selected.theta), (1.5, -2.5, 0.0))
+        tablet.wait_count(3)  # a topic of its own: it may come later
+        count = len(tablet.messages)
+        self.assertEqual(count, 3)
+        self.box.beacon()
+        called, placed = now(), self.box.beacon_message.tablet_position_time
+        self.box.beacon(tablet_display_map=False, tablet_call_time=called)
+        calls.wait_count(2)
+        last = tablet.wait_count(count + 1)
+        self.assertEqual((last.call_time.secs, last.call_time.nsecs), (called.sec, called.nsec))
+        self.assertEqual((last.position_time.secs, last.position_time.nsecs), (placed.sec, placed.nsec))
+
+        late = [self.heard("tablet/call", Empty), self.heard("tablet/position", Pose2D)]
+        self.assertFalse(self.heard("tablet/state", TabletState).wait_count(1).display_map)
+        for heard in late:
+            heard.wait_connected()
+        self.box.beacon(tablet_call_time=now(), tablet_position_time=now())
+        calls.wait_count(3)
+        positions.wait_count(2)
+        for heard in late:
+            heard.wait_count(1)
+        self.assertEqual([len(heard.messages) for heard in (*late, calls, positions)], [1, 1, 3, 2],
+                         "neither call nor position is latched, nor published without news")
+
+
+class TestGoals(ChannelCase):
+    """/roah_rsbb/goal, whose type changes in one node."""
+
+    def test_a_type_for_each_benchmark(self) -> None:
+        pose = {"target_pose_x": 1.5, "target_pose_y": -2.0, "target_pose_theta": 3.0}
+        for code, fields, expected in (
+            ("HNF", pose, Pose2D(1.5, -2.0, 3.0)),
+            ("HGMF", {"generic_goal": "[0.25, 1.5, 7]"}, GoalHGMF(7, Pose2D(0.25, 1.5, 0.0))),
+            ("HOMF", {"initial_state": [True, False], "switches": [2, 1]}, GOALS["HOMF"]([True, False], [2, 1])),
+            ("STB", {"generic_goal": "goal: GOAL 1\ndetails: 4\n"}, GOALS["STB"]("goal: GOAL 1\ndetails: 4\n")),
+            ("HNF", {"generic_goal": "- 1\n- 2.5\n- -0.5\n"}, Pose2D(1.0, 2.5, -0.5)),
+        ):
+            with told_with(code):
+                self.begin(code)
+                early = self.heard("goal", GOALS[code])
+                early.wait_connected()
+                self.prepare(code)
+                self.assertEqual(early.messages, [])
+                self.box.send(code, GOAL_TX, **fields)
+                self.box.wait_state(RobotState.EXECUTING)
+                self.assertEqual(early.wait_count(1), expected)
+                self.box.send(code, GOAL_TX, **fields)  # the box had not heard yet
+                late = self.heard("goal", GOALS[code])
+                self.assertEqual(late.wait_count(1), expected)
+                self.call("end_execute")
+                self.box.wait_state(RobotState.RESULT_TX)
+                self.assertEqual(len(early.messages), 1)
+                early.close()
+                late.close()
+                self.box.beacon()
+                self.wait_benchmark(0)
+                self.assertEqual(self.published, ALWAYS)
+
+    def test_the_next_waypoint_after_a_timeout(self) -> None:
+        goals = self.waypoint(Pose2D(1.0, 0.0, 0.0))
+        self.box.send("HNF", PREPARE)  # the first one timed out
+        self.box.wait_state(RobotState.PREPARING)
+        self.wait_said(SAYS_PREPARE)
+        self.wait_services("end_prepare", "notifications")
+        self.assertEqual([m.benchmark_state for m in self.states.messages],
+                         [SAYS_STOP, SAYS_PREPARE, SAYS_EXECUTE, SAYS_PREPARE])
+        self.call("end_prepare")
+        self.box.wait_state(RobotState.WAITING_GOAL)
+        self.box.send("HNF", GOAL_TX, target_pose_x=2.0, target_pose_y=0.0, target_pose_theta=0.0)
+        self.assertEqual(goals.wait_count(2), Pose2D(2.0, 0.0, 0.0))
+
+    def waypoint(self, pose: Pose2D) -> Heard:
+        self.begin("HNF")
+        goals = self.heard("goal", Pose2D)
+        goals.wait_connected()
+        self.prepare("HNF")
+        self.box.send("HNF", GOAL_TX, target_pose_x=pose.x, target_pose_y=pose.y, target_pose_theta=pose.theta)
+        self.box.wait_state(RobotState.EXECUTING)
+        goals.wait_count(1)
+        self.wait_said(SAYS_EXECUTE)
+        return goals
+
+    def test_a_goal_that_cannot_be_read(self) -> None:
+        self.begin("HGMF")
+        goals = self.heard("goal", GoalHGMF)
+        self.prepare("HGMF")
+        self.box.send("HGMF", GOAL_TX, generic_goal="[here, there, 7]")
+        self.wait_logged(Log.WARN, "the goal is '[here, there, 7]': expected [x, y, object_id], in numbers")
+        self.box.send("HGMF", GOAL_TX, generic_goal="[1, 2, 3]")
+        self.assertEqual(goals.wait_count(1), GoalHGMF(3, Pose2D(1.0, 2.0, 0.0)))
+        self.wait_said(SAYS_EXECUTE)
+
+
+class TestResults(ChannelCase):
+    """A result goes out in the forms of all generations."""
+
+    def execute(self, code: str) -> None:
+        self.begin(code)
+        self.prepare(code)
+        self.box.send(code, WAITING_RESULT)
+        self.box.wait_state(RobotState.EXECUTING)
+
+    def test_object(self) -> None:
+        self.execute("HOPF")
+        self.call("end_execute", ResultHOPF, "cups", "red_cup", Pose2D(0.1, 0.2, 1.23))
+        said = self.box.wait_state(RobotState.RESULT_TX)
+        self.assertEqual((said.object_class, said.object_name), ("cups", "red_cup"))
+        self.assertEqual((said.object_pose_x, said.object_pose_y, said.object_pose_theta), (0.1, 0.2, 1.23))
+        self.assertEqual(said.generic_result, '{class: "cups", instance: "red_cup", x: 0.1, y: 0.2, theta: 1.23}')
+
+    def test_person(self) -> None:
+        self.execute("HPPF")
+        self.call("end_execute", ResultHPPF, "Annie", Pose2D(1.0, 2.0, -0.5))
+        said = self.box.wait_state(RobotState.RESULT_TX)
+        self.assertEqual(said.generic_result, '{person_name: "Annie", x: 1.0, y: 2.0, theta: -0.5}')
+
+
+class TestOrder(ChannelCase):
+    """What the box hears, and when."""
+
+    def test_a_call_needs_no_box_and_is_told_at_once(self) -> None:
+        self.begin("HGTKMH")
+        for service, state, after, said in (
+            ("end_prepare", RobotState.WAITING_GOAL, PREPARE, SAYS_PREPARE),
+            ("end_execute", RobotState.RESULT_TX, WAITING_RESULT, SAYS_EXECUTE),
+        ):
+            self.box.send("HGTKMH", after)
+            self.wait_said(said)
+            rospy.wait_for_service(f"/roah_rsbb/{service}")
+            before = len(self.box.received)
+            # The burst for the state before is over, and nothing is due for most of a second.
+            wait_until(lambda before=before: len(self.box.received) >= before + BURST + 1, "the burst is over")
+            before = len(self.box.received)
+            # The box says nothing meanwhile: the call does not wait for it.
+            rospy.ServiceProxy(f"/roah_rsbb/{service}", EmptySrv)()
+            wait_until(lambda before=before: len(self.box.received) > before + BURST + 1, "the burst")
+            heard = self.box.received[before:before + BURST + 2]
+            # At most one datagram of the state before: it may have been on its way.
+            new = [m for m in heard if m.robot_state == state]
+            self.assertEqual([m.robot_state for m in heard[-len(new):]], [state] * len(new))
+            self.assertGreaterEqual(len(new), BURST + 1)
+            # A burst of 0.5 s; without it they were 10 s apart.
+            self.assertLess(seconds(new[BURST].time) - seconds(new[0].time), 5.0)
+
+    def test_what_is_asked_for_is_sent_before_the_next_call(self) -> None:
+        self.begin("HWV")
+        before = len(self.box.received)
+        wait_until(lambda: len(self.box.received) >= before + BURST + 1, "nothing is due for most of a second")
+        self.box.received.clear()
+        texts = ["one", "two", "three"]
+        for text in texts:
+            self.call("notifications", String, text)
+        self.box.wait_received(lambda m: list(m.notifications) == texts, "all are sent")
+        sent = [list(m.notifications) for m in self.box.received]
+        self.assertEqual([known for known, _ in itertools.groupby(known for known in sent if known)],
+                         [texts[:count] for count in (1, 2, 3)])
+
+    def test_one_round_trip_then_the_burst(self) -> None:
+        """The box answers the first datagram of the new state, and the robot goes on before its burst is over."""
+        self.begin("HGTKMH")
+        self.box.send("HGTKMH", PREPARE)
+        self.wait_said(SAYS_PREPARE)
+        self.box.answers[RobotState.WAITING_GOAL] = lambda: self.box.state("HGTKMH", WAITING_RESULT)
+        self.call("end_prepare")
+        self.box.wait_state(RobotState.EXECUTING)
+        self.wait_said(SAYS_EXECUTE)
+        self.box.answers[RobotState.RESULT_TX] = lambda: self.box.state("HGTKMH", STOP)
+        self.call("end_execute")
+        self.wait_said(SAYS_STOP)
+        before = len(self.box.received)
+        wait_until(lambda: len(self.box.received) >= before + BURST + 1, "the last burst is over")
+        runs = [(state, len(list(same))) for state, same in
+                itertools.groupby(self.box.received, key=lambda m: RobotState(m.robot_state))]
+        self.assertEqual([state for state, _ in runs], [
+            RobotState.STOP, RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING,
+            RobotState.RESULT_TX, RobotState.STOP,
+        ])
+        for state, count in runs:
+            if state in (RobotState.WAITING_GOAL, RobotState.RESULT_TX):
+                self.assertLess(count, BURST + 1, f"{state.name}: the answer was heard, and told, within the burst")
+        self.assertGreaterEqual(runs[-1][1], BURST + 1)
+        self.assertEqual([m.benchmark_state for m in self.states.messages],
+                         [SAYS_STOP, SAYS_PREPARE, SAYS_EXECUTE, SAYS_STOP])
+        times = [seconds(m.time) for m in self.box.received]
+        self.assertEqual(times, sorted(times))
+
+
+def seconds(time: pb.Time) -> float:
+    return time.sec + time.nsec * 1e-9
+
+
+class TestRun(ChannelCase):
+    """The beginning of a run, and its end."""
+
+    def test_a_stop_in_the_middle(self) -> None:
+        self.begin("HWV")
+        self.prepare("HWV")
+        self.box.send("HWV", WAITING_RESULT)
+        self.wait_said(SAYS_EXECUTE)
+        self.box.send("HWV", STOP)
+        self.wait_said(SAYS_STOP)
+        self.wait_services("notifications", "activation_event", "visitor")
+        self.assertTrue(self.logged(Log.INFO)[-1].startswith("Stop: "), self.logged(Log.INFO))
+
+    def test_the_box_lists_the_robot_no_more(self) -> None:
+        self.begin("STB")
+        self.prepare("STB")
+        self.box.send("STB", GOAL_TX, generic_goal="go")
+        self.wait_said(SAYS_EXECUTE)
+        self.box.beacon()
+        self.wait_benchmark(0)
+        self.assertEqual((self.services, self.published), (set(), ALWAYS))
+        late = self.heard("benchmark/state", BenchmarkState)
+        # The next run, on another port, begins anew.
+        self.begin("HGTKMH")
+        self.assertEqual(late.wait_count(1).benchmark_state, SAYS_STOP)
+        self.assertEqual([m.benchmark for m in self.benchmarks.messages][-4:], [0, NUMBERS["STB"], 0, 1])
+
+    def test_a_call_at_the_wrong_moment(self) -> None:
+        """The phase ended while the call was under way: it fails with the reason."""
+        self.begin("HGTKMH")
+        self.box.send("HGTKMH", PREPARE)
+        self.wait_said(SAYS_PREPARE)
+        prepared = rospy.ServiceProxy("/roah_rsbb/end_prepare", EmptySrv, persistent=True)
+        prepared.wait_for_service()
+        self.addCleanup(prepared.close)
+        prepared()
+        self.box.wait_state(RobotState.WAITING_GOAL)
+        with self.assertRaises(rospy.ServiceException):
+            prepared()
+        self.assertEqual(self.box.received[-1].robot_state, RobotState.WAITING_GOAL)

@@ -1,0 +1,58 @@
+"""How the comm node begins, or says why it cannot."""
+
+from typing import Dict
+
+import rosgraph
+from support.box_case import NetworkCase
+from support.comm_case import told_with
+from support.programs import Program, own
+from support.robots import BROADCAST, RSBB_PORT
+from support.waiting import wait_until
+
+
+class TestParameters(NetworkCase):
+    """A node that cannot begin says all that is wrong with its parameters, and ends."""
+
+    def node(self, program: str, name: str, **params: str) -> Program:
+        """A node under a name of its own."""
+        usual = {"rsbb_host": BROADCAST, "rsbb_port": str(RSBB_PORT), "bind_host": "127.0.1.1"}
+        chosen: Dict[str, str] = {**(usual if program == "comm" else {}), **params}
+        return self._leaving(Program(own(program), f"__name:={name}",
+                                     *(f"_{key}:={value}" for key, value in chosen.items())))
+
+    def test_what_is_wrong_is_told_at_once(self) -> None:
+        nodes = {
+            self.node("comm", "nameless", rsbb_key="key"): ["/nameless/team_name: found nothing, expected a text"],
+            self.node("comm", "empty", team_name="''", rsbb_key="key"): ["/empty/team_name: found '', expected a text"],
+            self.node("comm", "wrong", team_name="A", rsbb_key="key", rsbb_port="70000", rsbb_cypher="des", loss="2"): [
+                "/wrong/rsbb_port: found 70000, expected a whole number from 1 to 65535",
+                "/wrong/rsbb_cypher: found 'des', expected one of aes-128-ecb, aes-128-cbc, aes-256-ecb, aes-256-cbc",
+                "/wrong/loss: found 2, expected a number from 0 to 1",
+            ],
+            self.node("comm", "nowhere", team_name="A", rsbb_key="key", bind_host="127.0.0.300"): ["127.0.0.300"],
+            self.node("comm", "whereto", team_name="A", rsbb_key="key", rsbb_host="the box"): ["the box"],
+            self.node("dummy_glue", "dummy", crash_in="stop", never_end="2"): [
+                "/dummy/crash_in: found 'stop', expected one of , prepare, execute",
+                "/dummy/never_end: found 2, expected true or false",
+            ],
+        }
+        for node, texts in nodes.items():
+            with told_with(texts[0]):
+                self.assertEqual(node.wait_ended(), 1, node.text)
+                for text in texts:
+                    self.assertIn(text, node.text)
+                self.assertEqual(node.text.count("[FATAL]"), len(texts), node.text)
+                self.assertNotIn("Traceback", node.text)
+
+    def test_without_a_key_it_asks_for_it_and_goes_on(self) -> None:
+        node = self.node("comm", "keyless", team_name="KeylessTeam")
+        node.wait_printed("[ERROR]")
+        node.wait_printed("Set the parameter rsbb_key to the team's password from the organisers")
+        node.wait_printed("Robot Robot of team KeylessTeam looks for the RSBB on 127.255.255.255")
+        wait_until(lambda: "/keyless" in str(rosgraph.Master("/test").getSystemState()[0]), "it publishes its topics")
+
+    def test_numbers_are_names_too(self) -> None:
+        """rosrun and roslaunch make a number of 1234."""
+        node = self.node("comm", "numbers", team_name="1234", robot_name="56", rsbb_key="789")
+        node.wait_printed("Robot 56 of team 1234 looks for the RSBB")
+        self.assertNotIn("[ERROR]", node.text)

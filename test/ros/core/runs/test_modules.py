@@ -1,0 +1,119 @@
+"""Modules that come and go, that are late, that are two, that talk nonsense: what they may do to the core."""
+
+import math
+
+import rospy
+from support.fakes.modules import FakeModules, ModulesCase
+
+from roah_rsbb.core.modules.messages import Progress, Request, RequestKind
+from roah_rsbb.msg import ModulesState
+from roah_rsbb.protocol import RobotState
+from roah_rsbb.robot.goals import Pose
+
+REFEREE = RequestKind.REFEREE
+
+
+class TestModulesThatComeAndGo(ModulesCase):
+    def test_a_run_without_its_module(self) -> None:
+        robot = self.robot("Zeta")
+        self.box.connect("Gone")
+        off = self.box.wait_details("Gone", lambda d: d.robot_state == "STOP" and d.start_off, "the robot is heard")
+        self.assertEqual(len(off), 1)
+        self.assertIn("Benchmarking module not connected: no node drives HGMF", off[0])
+        self.assertIn("no node drives HGMF", self.box.refusal("start", "Gone"))
+        problem = "HGMF.yaml:7: found x; expected y"
+        wrong = self.modules("HGMF", problems=(problem,))
+        self.box.wait_details("Gone", lambda d: list(d.start_off) == [problem], "start is off for what is wrong")
+        wrong.infos = self.modules("HGMF").infos
+        self.fbm = wrong
+        self.box.start("Gone")
+        self.fbm.wait_attempt("Gone")
+
+        self.fbm.asks("Gone", goal="[0.1, 0.2, 3]", timeout=100.0)
+        robot.wait_did("execute HGMF")
+        self.assertEqual((robot.goals[0].object_id, robot.goals[0].pose), (3, Pose(0.1, 0.2, 0.0)))
+        for modules in list(self._made):
+            modules.close()
+        details = self.box.wait_details("Gone", lambda d: d.held and d, "the run is held")
+        self.assertIn("Benchmarking module not connected: the run is held", details.warnings[0])
+        left = self.box.zone("Gone").timer
+        robot.let("execute")
+        self.box.wait_zone("Gone", lambda z: "Goal completed by the robot" in z.log, "the robot's result is taken")
+        robot.wait_state(RobotState.RESULT_TX)
+        self.assertLess(abs((self.box.zone("Gone").timer - left).to_sec()), 600 - 90, "of the run, no more of the goal")
+
+        self.fbm = self.modules("HGMF", node="another process")
+        run = self.fbm.wait_run("Gone", lambda run: run.steps[-1].outcome, "all is told again")
+        self.assertEqual(len(run.steps), 1)
+        self.box.wait_details("Gone", lambda d: not d.held, "the run goes on")
+        self.fbm.says("Gone", request=run.steps[0].request)
+        self.fbm.asks("Gone", REFEREE, text="next")
+        self.wait_asked("Gone", "next")
+
+    def modules(self, *codes: str, **how) -> FakeModules:
+        made = super().modules(*codes, **how)
+        self._made = [*getattr(self, "_made", ()), made]
+        return made
+
+    def test_what_is_late_or_of_another_run_never_acts(self) -> None:
+        self.fbm = self.modules("STB")
+        self.robot("Eta")
+        self.started("Late")
+        self.fbm.asks("Late", REFEREE, text="first")
+        self.wait_asked("Late", "first")
+        first = self.fbm.progress[self.fbm.runs["Late"].run]
+        self.box.command("manual_operation_complete", "Late")
+        self.fbm.wait_outcome("Late")
+        self.fbm.asks("Late", REFEREE, text="second")
+        self.wait_asked("Late", "second")
+        run = self.fbm.runs["Late"]
+        last = self.fbm.progress[run.run]
+        steps = run.steps
+        for progress in (
+            first, last, last._replace(attempt=2, failed="another attempt"), last._replace(attempt=0, finished=True),
+            last._replace(run="STB-1-1", failed="another run"), last._replace(request=None, finished=True),
+            last._replace(request=last.request._replace(number=4)), last._replace(finished=True),
+        ):
+            mark = self.fbm.send(progress)
+            self.box.wait_details("Late", lambda d, mark=mark: mark in d.warnings, "the core heard it")
+        self.assertEqual(self.box.zone_details("Late").phase, "running")
+        self.assertEqual(self.fbm.runs["Late"].steps, steps)
+        self.leave("Late")
+        self.started("Late", 1)
+        self.fbm.send(last._replace(failed="the run before"))
+        self.fbm.asks("Late", REFEREE, text="of the new run")
+        self.wait_asked("Late", "of the new run")
+        self.assertNotEqual(self.fbm.runs["Late"].run, run.run)
+
+    def test_of_two_nodes_the_first_is_listened_to(self) -> None:
+        self.fbm = self.modules("STB")
+        self.robot("Eta")
+        self.started("Late")
+        self.fbm.asks("Late", REFEREE, text="of the first")
+        other = self.modules("STB", node="second")
+        two = "2 nodes drive STB: end all but one, only the first is listened to"
+        self.box.wait_details("Late", lambda d: two in d.warnings, "the referee is told")
+        other.wait_run("Late", lambda run: run.steps, "the second one knows all")
+        other.says("Late", request=Request(2, REFEREE, "of the second"), failed="wrong rules")
+        self.box.command("manual_operation_complete", "Late")
+        self.fbm.wait_outcome("Late")
+        self.fbm.asks("Late", REFEREE, text="of the first again")
+        self.wait_asked("Late", "of the first again")
+        self.fbm.close()
+        self.wait_phase("Late", "ended", "module_failed")  # the second one takes over, with its own failure
+        self.box.wait_text("Late", "wrong rules")
+
+    def test_nonsense_on_the_topic(self) -> None:
+        self.fbm = self.modules("STB")
+        self.robot("Eta")
+        self.started("Late")
+        good = Progress(self.fbm.runs["Late"].run, 1, Request(1, RequestKind.GOAL, "go", pose=(1.0, 2.0, 3.0)))
+        publisher = rospy.Publisher("/modules/state", ModulesState, queue_size=10)
+        publisher.publish(ModulesState(node="empty"))
+        self.fbm.send(good._replace(request=good.request._replace(pose=(math.nan, 0.0, 0.0))))
+        self.box.wait_text("Late", "x, y and theta must be finite numbers")
+        self.wait_phase("Late", "ended", "module_failed")
+        self.box.start("Late")
+        self.fbm.wait_attempt("Late", 2)
+        self.fbm.send(good._replace(attempt=2, request=good.request._replace(pose=None, goal="x" * 900)))
+        self.box.wait_text("Late", "its goal takes 900 bytes")

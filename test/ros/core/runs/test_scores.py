@@ -1,0 +1,138 @@
+"""A score sheet from the first mark to the sign-off, through a restart of the core."""
+
+import os
+import signal
+import xmlrpc.client
+
+import rosgraph
+import rospy
+from support.box_case import BoxCase
+from support.box_client import Refusal
+from support.waiting import happened, wait_until
+
+from roah_rsbb.msg import Results
+from roah_rsbb.srv import GetRunSheet, ScoreMark, ScoreWithdraw, SignOff, StopReason
+
+ZONE = "Home"
+DOOR = ("Achievements", "Detects the door whose state has changed")
+FURNITURE = ("Achievements", "Detects a piece of moved furniture")
+BUMPS = ("Penalized Behaviors", "Bumps into the furniture")
+
+
+class TestScores(BoxCase):
+    def setUp(self) -> None:
+        self.results = []
+        self.node = rospy.get_name()
+        subscriber = rospy.Subscriber("/core/results", Results, self._on_results)
+        self.addCleanup(subscriber.unregister)
+        super().setUp()
+
+    def _on_results(self, message: Results) -> None:
+        self.results.append(message)
+        happened()
+
+    def sheet(self, identity: str = ""):
+        """The sheet of a run; of the connected one without an identity."""
+        return rospy.ServiceProxy("/core/run_sheet", GetRunSheet)(ZONE, identity).sheet
+
+    def summary(self, identity: str):
+        """The run in the newest results; None: it is not there."""
+        runs = self.results[-1].runs if self.results else []
+        return next((run for run in runs if run.identity == identity), None)
+
+    def values(self, identity: str):
+        """What the items that were scored stand at."""
+        return {
+            item.desc: "-" if item.not_attempted else item.value
+            for item in self.sheet(identity).items if item.value or item.not_attempted
+        }
+
+    def restart_core(self) -> None:
+        uuid = self.box.details.box_uuid
+        node = xmlrpc.client.ServerProxy(rosgraph.Master(self.node).lookupNode("/roah_rsbb_core"))
+        os.kill(node.getPid(self.node)[2], signal.SIGKILL)
+        wait_until(lambda: self.box.details.box_uuid != uuid, "another core runs")
+        wait_until(lambda: self.results[-1].box_uuid == self.box.details.box_uuid, "and tells the results")
+
+    def test_from_the_first_mark_to_the_sign_off(self) -> None:
+        self.robot("Alpha")
+        self.box.connect(ZONE)
+        self.box.start(ZONE)
+        identity = self.box.wait_details(ZONE, lambda d: d.identity, "the run has a name")
+        wait_until(lambda: self.summary(identity), "the results name the run")
+
+        for step in (self.marks, self.refusals, self.stop, self.corrections, self.sign_off):
+            step(identity)
+
+    def marks(self, identity: str) -> None:
+        self.box.set_score(ZONE, *DOOR, 1)
+        self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 2, False, "the vase", "Anna")
+        self.box.call("score", ScoreMark, ZONE, "", *FURNITURE, 0, True, "", "")
+        self.assertEqual(self.values(identity), {DOOR[1]: 1, BUMPS[1]: 2, FURNITURE[1]: "-"})
+        history = self.sheet().history
+        self.assertEqual([(e.number, e.who, e.desc, e.note) for e in history], [
+            (1, self.node, DOOR[1], ""),
+            (2, f"Anna ({self.node})", BUMPS[1], "the vase"),
+            (3, self.node, FURNITURE[1], ""),
+        ])
+        self.box.call("score/withdraw", ScoreWithdraw, ZONE, identity, 2, "another robot", "Ben")
+        self.assertEqual(self.values(identity), {DOOR[1]: 1, FURNITURE[1]: "-"})
+        withdrawn = self.sheet().history[1]
+        self.assertEqual((withdrawn.withdrawn_by, withdrawn.withdrawn_note), (f"Ben ({self.node})", "another robot"))
+        self.assertGreaterEqual(withdrawn.withdrawn, withdrawn.time)
+        wait_until(lambda: (*BUMPS, 1, 0) in self.box.scores(ZONE), "panels see the withdrawal")
+        wait_until(lambda: "not attempted)" in self.summary(identity).score, "and what was not attempted")
+
+    def refusals(self, identity: str) -> None:
+        for service, kind, request, why in (
+            ("score/withdraw", ScoreWithdraw, (identity, 9, "", ""), "no entry 9: there is 1, 3"),
+            ("score", ScoreMark, (identity, *DOOR, 2, False, "", ""), "0 or 1"),
+            ("score", ScoreMark, ("HWV-1-2", *DOOR, 1, False, "", ""), "no run 'HWV-1-2'"),
+            ("stop_reason", StopReason, (identity, 0, "why", ""), "was not stopped yet"),
+            ("sign_off", SignOff, (identity, "Anna"), "still connected: disconnect it first"),
+        ):
+            with self.assertRaisesRegex(Refusal, why):
+                self.box.call(service, kind, ZONE, *request)
+
+    def stop(self, identity: str) -> None:
+        self.box.command("stop", ZONE)
+        self.box.call("stop_reason", StopReason, ZONE, identity, 0, "fire alarm", "Anna")
+        (stop,) = self.sheet().stops
+        self.assertEqual((stop.who, stop.end_reason, stop.reason, stop.reason_by),
+                         (self.node, "stopped", "fire alarm", f"Anna ({self.node})"))
+        log = self.leave(ZONE)
+        self.assertEqual([(s.desc, s.value) for s in log.messages("/rsbb_log/score")],
+                         [(DOOR[1], 1), (BUMPS[1], 2), (FURNITURE[1], 0), (BUMPS[1], 0)])
+
+    def corrections(self, identity: str) -> None:
+        wait_until(lambda: self.summary(identity).closed.to_sec(), "the results say that the run is over")
+        self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 4, False, "seen on video", "Anna")
+        wait_until(lambda: self.summary(identity).corrected, "the correction is marked")
+        before = self.sheet(identity)
+        self.restart_core()
+        self.assertEqual(self.sheet(identity), before)
+        self.box.call("score/withdraw", ScoreWithdraw, ZONE, identity, 1, "", "Anna")
+        self.assertEqual(self.values(identity), {FURNITURE[1]: "-", BUMPS[1]: 4})
+        self.assertEqual({i.desc for i in self.sheet(identity).items if i.corrected}, {DOOR[1], BUMPS[1]})
+
+    def sign_off(self, identity: str) -> None:
+        self.box.call("sign_off", SignOff, ZONE, identity, "Cleo")
+        wait_until(lambda: self.summary(identity).signed.to_sec(), "the run is signed off")
+        self.assertEqual(self.summary(identity).signed_by, f"Cleo ({self.node})")
+        self.restart_core()
+        self.assertEqual(self.summary(identity).signed_by, f"Cleo ({self.node})")
+        with self.assertRaisesRegex(Refusal, r"signed off by Cleo \(.*\) at .*: it is final"):
+            self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 5, False, "", "Anna")
+
+    def test_results_come_on_change_only(self) -> None:
+        wait_until(lambda: self.results, "the results are latched")
+        self.box.wait_phase(ZONE, "idle")
+        self.wait_clock(1.0)
+        count = len(self.results)
+        self.wait_clock(2.5)
+        self.assertEqual(len(self.results), count)
+
+    def wait_clock(self, seconds: float) -> None:
+        """Let so much time of the core pass."""
+        end = self.box.gui.clock.to_sec() + seconds
+        wait_until(lambda: self.box.gui.clock.to_sec() > end, "time passes")

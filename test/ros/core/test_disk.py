@@ -1,0 +1,188 @@
+"""A core whose disk is full, read-only, removed or broken: referees are told, runs go on, nothing is lost."""
+
+import os
+import pathlib
+import shutil
+import tempfile
+from typing import List
+
+import rospy
+from support.box_client import Refusal
+from support.own_core import OwnCoreCase
+from support.robots import Robot
+from support.waiting import happened, wait_until
+
+from helpers.small_disk import CannotMount, SmallDisk
+from roah_rsbb.msg import Unsaved
+
+ZONE = "Home"
+GROUP, DOOR = "Achievements", "Detects the door whose state has changed"
+JOURNAL, LOG = "The journal", "The run log"
+# What a robot says that no disk has room for by chance.
+MUCH = tuple(f"{number} {'x' * 400}" for number in range(30))
+
+
+
+class DiskCase(OwnCoreCase):
+    def use_disk(self, kilobytes: int = 1024, breaks: bool = False) -> SmallDisk:
+        """A disk that is there as long as the test; skips the test where there can be none."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        try:
+            self.disk = self._leaving(SmallDisk(pathlib.Path(folder.name) / "disk", kilobytes, breaks))
+        except (CannotMount, OSError) as error:
+            self.skipTest(f"no file system can be mounted here: {error}")
+        self.log_dir = self.disk.path / "logs"
+        subscriber = rospy.Subscriber("/core/unsaved", Unsaved, self.on_unsaved)
+        self.addCleanup(subscriber.unregister)
+        return self.disk
+
+    def start(self) -> None:
+        """Start the core, with its log_dir on the disk."""
+        self.unsaved = None
+        self.start_core(pathlib.Path(self.disk.mount_point) / "logs", self.disk.inside)
+
+    def running(self) -> Robot:
+        """Connect and start; returns the robot, which executes. Its run's port and log are kept."""
+        robot = self.robot("Alpha")
+        self.port = self.box.connect(ZONE)
+        self.box.start(ZONE)
+        robot.wait_did("execute HGTKMH")
+        log_file = self.box.wait_details(ZONE, lambda d: d.log_file, "the run has a log")
+        self.path = self.log_dir / os.path.basename(log_file)
+        return robot
+
+    def score_without_disk(self) -> str:
+        """A score that counts, although it cannot be saved; returns what the referee reads."""
+        with self.assertRaises(Refusal) as refused:
+            self.box.set_score(ZONE, GROUP, DOOR, 1)
+        wait_until(lambda: any((desc, value) == (DOOR, 1) for _, desc, _, value in self.box.scores(ZONE)),
+                   "the score counts")
+        self.wait_unsaved([1])
+        return str(refused.exception)
+
+    def wait_unsaved(self, entries: List[int]) -> None:
+        """Wait until panels are told that these entries of the run's history are not saved."""
+        wait_until(lambda: self.unsaved and [n for run in self.unsaved.runs for n in run.entries] == entries,
+                   lambda: f"{entries} are not saved; told was\n{self.unsaved}")
+
+    def on_unsaved(self, unsaved: Unsaved) -> None:
+        self.unsaved = unsaved
+        happened()
+
+    def say(self, robot: Robot, *sayings: str) -> None:
+        """The robot says something, and the box has it."""
+        for saying in sayings:
+            robot.tell("notify", saying)
+        robot.wait_said()
+
+    def to_the_end(self, robot: Robot, saying: str) -> None:
+        """The rest of the run, in which the robot says something."""
+        self.say(robot, saying)
+        robot.let("execute")
+        self.box.wait_text(ZONE, "Benchmark completed by the robot")
+        self.assertIn(saying, self.box.zone(ZONE).online_data)
+        self.box.command("disconnect", ZONE)
+        self.box.wait_phase(ZONE, "idle")
+
+    def assert_all_is_written(self, *sayings: str) -> None:
+        """Bag and journal hold the whole run, and no warning is left."""
+        self.wait_no_warning(JOURNAL)
+        self.wait_no_warning(LOG)
+        log = self.complete_log(self.path)
+        self.assert_log_is_the_journals(self.log_dir, self.port, log)
+        self.assertEqual(log.values("/rsbb_log/rsbb_state_str"), ["STOP", "PREPARE", "WAITING_RESULT", "STOP"])
+        self.assertEqual(log.values("/notification"), list(sayings))
+        self.assertEqual([(score.desc, score.value) for score in log.messages("/rsbb_log/score")], [(DOOR, 1)])
+        run = self.journal(self.log_dir).runs()[-1]
+        self.assertEqual((run.outcome["end_reason"], run.closed_utc is not None), ("completed", True))
+        self.assertEqual([(entry["desc"], entry["value"]) for entry in run.outcome["history"]], [(DOOR, 1)])
+
+
+class TestDisk(DiskCase):
+    def test_a_disk_that_is_full(self) -> None:
+        disk = self.use_disk()
+        self.start()
+        robot = self.running()
+        self.say(robot, "there is room")
+        disk.fill()
+        self.assertIn("not saved: the disk is full", self.score_without_disk())
+        self.assertIn("Free or repair the disk", self.wait_warned(JOURNAL))
+        self.wait_unsaved([1])
+        self.say(robot, *MUCH)
+        self.assertIn("free space on the disk", self.wait_warned(LOG))
+        self.to_the_end(robot, "there is none")
+        disk.free()
+        self.wait_unsaved([])
+        self.assert_all_is_written("there is room", *MUCH, "there is none")
+
+    def test_a_disk_that_is_read_only_at_first(self) -> None:
+        disk = self.use_disk()
+        disk.make_read_only()
+        self.start()
+        self.wait_warned("Read-only")
+        robot = self.running()
+        self.wait_warned(JOURNAL)
+        self.wait_warned(LOG)
+        self.assertIn("not saved: ", self.score_without_disk())
+        self.to_the_end(robot, "nowhere")
+        disk.make_writable()
+        self.assert_all_is_written("nowhere")
+
+    def test_a_directory_that_is_removed(self) -> None:
+        self.use_disk()
+        self.start()
+        robot = self.running()
+        self.say(robot, "before")
+        self.box.set_score(ZONE, GROUP, DOOR, 1)
+        shutil.rmtree(str(self.log_dir))
+        self.assertIn("was removed", self.wait_warned(LOG))
+        self.to_the_end(robot, "after")
+        self.assert_all_is_written("before", "after")
+
+    def test_a_disk_that_breaks(self) -> None:
+        disk = self.use_disk(4096, breaks=True)
+        self.start()
+        robot = self.running()
+        disk.fail()
+        self.wait_warned(JOURNAL)
+        self.assertIn("not saved: ", self.score_without_disk())
+        self.wait_warned(LOG)
+        self.to_the_end(robot, "into the void")
+        self.box.wait_zone(ZONE, lambda z: z.connect_enabled, "the zone can go on")
+        self.assertIsNone(self.core.ended_mono)
+
+    def test_a_core_that_is_killed_while_its_disk_is_full(self) -> None:
+        disk = self.use_disk()
+        self.start()
+        robot = self.running()
+        self.box.set_score(ZONE, GROUP, DOOR, 1)
+        disk.fill()
+        self.say(robot, *MUCH)
+        self.wait_warned(JOURNAL)
+        self.core.kill()
+        self.start()
+        self.assertEqual(self.box.zone_details(ZONE).port, self.port, "the run goes on from what was written")
+        self.wait_warned(JOURNAL)
+        disk.free()
+        self.to_the_end(robot, "there is room again")
+        self.wait_no_warning(JOURNAL)
+        log = self.complete_log(self.path)
+        self.assert_log_has_all_of_the_journal(self.log_dir, self.port, log)
+        self.assertEqual([score.value for score in log.messages("/rsbb_log/score")], [1])
+        sessions = self.journal(self.log_dir).sessions()
+        self.assertEqual(len(sessions), 2)
+
+    def test_a_core_that_is_killed_and_finds_its_disk_read_only(self) -> None:
+        disk = self.use_disk()
+        self.start()
+        robot = self.running()
+        self.box.set_score(ZONE, GROUP, DOOR, 1)
+        self.core.kill()
+        disk.make_read_only()
+        self.start()
+        self.assertEqual(self.box.zone_details(ZONE).port, self.port, "the run goes on from what was written")
+        self.wait_warned(JOURNAL)
+        self.to_the_end(robot, "nowhere")
+        disk.make_writable()
+        self.assert_all_is_written("nowhere")

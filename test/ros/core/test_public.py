@@ -1,0 +1,90 @@
+"""What the core tells the public display: /core/public_details."""
+
+import calendar
+import time
+from typing import List, Optional
+
+import rospy
+from support.box_case import BoxCase
+from support.waiting import happened, wait_until
+
+from roah_rsbb.msg import PublicDetails
+
+DOOR = ("Achievements", "Detects the door whose state has changed")
+FIRST = calendar.timegm((2015, 12, 31, 9, 0, 0))
+
+
+class TestPublicDetails(BoxCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.heard: List[PublicDetails] = []
+        subscriber = rospy.Subscriber("/core/public_details", PublicDetails, self.on_details)
+        self.addCleanup(subscriber.unregister)
+        wait_until(lambda: self.heard, "it is latched")
+
+    def on_details(self, message: PublicDetails) -> None:
+        self.heard.append(message)
+        happened()
+
+    @property
+    def newest(self) -> PublicDetails:
+        return self.heard[-1]
+
+    def run_in(self, zone: str) -> Optional[object]:
+        return next((run for run in self.newest.runs if run.event.zone == zone), None)
+
+    def wait_phase(self, phase: str) -> object:
+        return wait_until(lambda: self.run_in("Home") and self.run_in("Home").phase == phase and self.run_in("Home"),
+                          lambda: f"the public sees phase {phase} in:\n{self.newest}")
+
+    def follow(self) -> List[tuple]:
+        return [(event.zone, event.team, event.run) for event in self.newest.following]
+
+    def test_a_whole_run(self) -> None:
+        robot = self.robot("Alpha")
+        self.before()
+        self.box.connect("Home")
+        run = self.wait_phase("connected")
+        self.assertEqual((run.event.team, run.teams, run.counting, run.ends.to_sec()), ("Alpha", ["Alpha"], False, 0.0))
+        self.assertEqual(run.left.to_sec(), 600.0)
+        self.assertNotIn(("Home", "Alpha", 3), self.follow())
+        self.box.start("Home")
+        run = self.wait_phase("running")
+        self.counts(run)
+        self.box.set_score("Home", *DOOR, 1)
+        robot.let("execute")
+        run = self.wait_phase("ended")
+        self.assertEqual((run.end_reason, run.counting), ("completed", False))
+        self.assertEqual(self.newest.finished, [])
+        self.box.command("disconnect", "Home")
+        self.finished()
+
+    def before(self) -> None:
+        first = self.newest.following[0]
+        self.assertEqual((first.zone, first.team, first.benchmark), ("Home", "Alpha", "Getting to know my home"))
+        self.assertEqual((first.round, first.run, first.scheduled.to_sec()), (2, 3, FIRST))
+        self.assertEqual(len(self.newest.following), 8)
+        self.assertEqual((self.newest.results, self.newest.runs), ("scores", []))
+        self.assertEqual(self.newest._connection_header["latching"], "1")
+        self.assertEqual(self.newest.box_uuid, self.box.details.box_uuid)
+
+    def counts(self, run: object) -> None:
+        """One time at which it is up, in all messages; they come twice a second, not ten times."""
+        self.assertTrue(run.counting)
+        clock = self.newest.clock.to_sec()
+        self.assertLess(abs(clock - time.time()), 5.0)
+        self.assertLess(abs(run.ends.to_sec() - clock - run.left.to_sec()), 0.01)
+        before = len(self.heard)
+        wait_until(lambda: self.newest.clock.to_sec() > clock + 3.0, "time passes")
+        self.assertLess(len(self.heard) - before, 15)
+        self.assertLess(abs(self.run_in("Home").ends.to_sec() - run.ends.to_sec()), 0.05)
+        self.assertLess(abs(run.ends.to_sec() - clock - 600.0), 10.0)
+
+    def finished(self) -> None:
+        (result,) = wait_until(lambda: self.newest.finished, "the result is told")
+        self.assertEqual((result.event.team, result.event.run, result.end_reason), ("Alpha", 3, "completed"))
+        self.assertLess(abs(result.disconnected.to_sec() - self.newest.clock.to_sec()), 30.0)
+        scores = {(group.group_name, desc): value for group in result.scoring
+                  for desc, value in zip(group.descriptions, group.current_values)}
+        self.assertEqual({item for item, value in scores.items() if value}, {DOOR})
+        wait_until(lambda: not self.newest.runs and ("Home", "Alpha", 4) in self.follow(), "the next event follows")

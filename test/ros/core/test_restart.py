@@ -1,0 +1,78 @@
+"""A core that dies in the middle of a run comes back, and the run goes on; no port is given twice."""
+
+import contextlib
+import os
+import signal
+import socket
+import xmlrpc.client
+
+import rosgraph
+from support.box_case import LISTENER, BoxCase
+from support.robots import BOX, listed
+from support.waiting import wait_until
+
+CORE = "/roah_rsbb_core"
+DOOR = ("Achievements", "Detects the door whose state has changed")
+
+
+class TestRestart(BoxCase):
+    def kill_core(self, number: signal.Signals) -> None:
+        """Kill the core's process, and wait until another one runs."""
+        uuid = self.box.details.box_uuid
+        node = xmlrpc.client.ServerProxy(rosgraph.Master("/test_core_restart").lookupNode(CORE))
+        os.kill(node.getPid("/test_core_restart")[2], number)
+        wait_until(lambda: self.box.details.box_uuid != uuid, "another core runs")
+
+    def test_a_core_that_is_killed_in_a_run(self) -> None:
+        robot, listener = self.robot("Alpha"), self.participant(LISTENER)
+        port = self.box.connect("Home")
+        self.box.start("Home")
+        robot.wait_did("execute HGTKMH")
+        robot.tell("notify", "at the door")
+        robot.wait_said()
+        self.box.set_score("Home", *DOOR, 1)
+        left = self.box.zone("Home").timer
+        self.kill_core(signal.SIGKILL)
+
+        self.box.wait_text("Home", "no explicit goal")
+        self.box.wait_text("Home", "The core was restarted")
+        details = self.box.zone_details("Home")
+        self.assertEqual((details.phase, details.port), ("running", port))
+        self.assertIn((*DOOR, 0, 1), self.box.scores("Home"))
+        self.assertLess(self.box.zone("Home").timer, left)
+        listener.wait_beacon(lambda b: [entry[-1] for entry in listed(b)] == [port], "the beacon lists the robot")
+        robot.tell("notify", "at the bed")
+        robot.wait_said()
+        robot.let("execute")
+        self.box.wait_text("Home", "Benchmark completed by the robot")
+        robot.wait_did("stop")
+        self.assertEqual(robot.did, ["prepare HGTKMH", "execute HGTKMH", "stop"])
+        log = self.leave("Home")
+        self.assertEqual(log.values("/rsbb_log/rsbb_state_str"), ["STOP", "PREPARE", "WAITING_RESULT", "STOP"])
+        self.assertEqual(log.values("/notification"), ["at the door", "at the bed"])
+        self.assertEqual([(score.group, score.desc, score.value) for score in log.messages("/rsbb_log/score")],
+                         [(*DOOR, 1)])
+        self.kill_core(signal.SIGKILL)
+        self.box.wait_zone("Home", lambda z: z.code == "HWV", "the zone is at its next event")
+        self.box.command("previous", "Home")
+        self.assertGreater(self.box.connect("Home"), port)
+
+    def test_a_core_that_is_ended_in_a_run(self) -> None:
+        self.robot("Alpha")
+        port = self.box.connect("Home")
+        path = self.box.wait_details("Home", lambda d: d.log_file, "the run has a log")
+        self.kill_core(signal.SIGTERM)
+        details = self.box.zone_details("Home")
+        self.assertEqual((details.phase, details.port, details.log_file), ("connected", port, path))
+        self.assertEqual(self.leave("Home").values("/rsbb_log/rsbb_state_str"), ["STOP"])
+
+    def test_a_private_port_that_another_program_uses(self) -> None:
+        robot = self.robot("Alpha")
+        port = self.box.connect("Home")
+        self.box.command("disconnect", "Home")
+        with contextlib.ExitStack() as stack:
+            for taken in (port + 1, port + 2):
+                stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)).bind((BOX, taken))
+            self.assertEqual(self.box.connect("Home"), port + 3)
+        self.box.start("Home")
+        robot.wait_did("execute HGTKMH")

@@ -1,0 +1,250 @@
+"""What the box makes of attacks and mistakes, as docs/security.md says it, with real datagrams and processes."""
+
+import os
+import pathlib
+import socket
+import time
+from typing import Dict, List, Optional
+from urllib.parse import urlparse
+
+import rosgraph
+import rospy
+from rosgraph_msgs.msg import Log
+from support.box_case import BoxCase
+from support.robots import BOX, PASSWORDS, RSBB_PORT, Network, PublicParticipant, empty_beacon, host_of, wire
+from support.waiting import happened, wait_until
+
+from roah_rsbb.comm.ciphers import Cipher, Key
+from roah_rsbb.comm.frame import encode
+from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.protocol import BoxState, RobotState
+
+ATTACKER = "127.0.0.9"
+STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT
+
+
+class Attacker:
+    """Sends whatever to the box, from an address of its own."""
+
+    def __init__(self) -> None:
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind((ATTACKER, 0))
+
+    def close(self) -> None:
+        """Be gone."""
+        self._socket.close()
+
+    def send(self, port: int, message: object, team: Optional[str] = None) -> None:
+        """Send a message plain, or as who knows that team's password."""
+        sealed = (Cipher.NONE,) if team is None else (Cipher.AES_128_CBC, Key(PASSWORDS[team]))
+        self.replay(port, encode(message, *sealed))
+
+    def replay(self, port: int, datagram: bytes) -> None:
+        """Send a datagram as it was recorded."""
+        self._socket.sendto(datagram, (BOX, port))
+
+
+class RecordedRobot:
+    """A robot whose datagrams somebody records."""
+
+    def __init__(self, network: Network, team: str) -> None:
+        self.recorded: List[bytes] = []
+        self._team = team
+        self._public = PublicParticipant(network, host_of(team))
+        self._key = Key(PASSWORDS[team])
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind((host_of(team), 0))
+
+    def close(self) -> None:
+        """Be gone."""
+        self._socket.close()
+        self._public.close()
+
+    def beacon(self) -> None:
+        """Say that it is there."""
+        self._public.send(pb.RobotBeacon(team_name=self._team, robot_name="Robot", time=wire(time.time())))
+
+    def send(self, port: int, state: RobotState) -> None:
+        """Say what it does."""
+        message = pb.RobotState(time=wire(time.time()), messages_saved=1, robot_state=int(state))
+        self.recorded.append(encode(message, Cipher.AES_128_CBC, self._key))
+        self._socket.sendto(self.recorded[-1], (BOX, port))
+
+
+def result_of(time_s: float) -> pb.RobotState:
+    """What would end a run: the robot has finished."""
+    return pb.RobotState(
+        time=wire(time_s), messages_saved=9, robot_state=int(RobotState.RESULT_TX), notifications=["forged"],
+    )
+
+
+class TestAttacks(BoxCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.said: List[str] = []  # in the nodes' logs
+        subscriber = rospy.Subscriber("/rosout", Log, self._on_log)
+        self.addCleanup(subscriber.unregister)
+
+    def _on_log(self, log: Log) -> None:
+        self.said.append(log.msg)
+        happened()
+
+    def told(self, text: str) -> None:
+        """Wait until the box tells of it; then it has read the datagram."""
+        wait_until(lambda: any(text in said for said in self.said), lambda: f"the box tells '{text}': {self.said}")
+
+    def test_nobody_else_moves_a_run(self) -> None:
+        box, robot = self.box, self.robot("Alpha")
+        attacker = self._leaving(Attacker())
+        port = box.connect("Home")
+        box.start("Home")
+        robot.wait_did("execute HGTKMH")
+        box.wait_details("Home", lambda d: d.box_state == "WAITING_RESULT", "the robot executes")
+
+        attacker.send(port, result_of(time.time() + 10.0))
+        self.told("not encrypted")
+        attacker.send(port, result_of(time.time() + 10.0), team="Beta")
+        self.told("does not decrypt")
+        attacker.send(port, result_of(time.time() - 3600.0), team="Alpha")  # recorded an hour ago
+        attacker.send(port, result_of(time.time() + 10.0), team="Alpha")
+        self.told(f"come from {ATTACKER}, too: they do not count, the robot is at {host_of('Alpha')}")
+        attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Alpha", robot_name="Robot", time=wire(time.time() + 9.0)))
+        # A robot that is in a run is known by what it says there.
+        self.told("Two robots call themselves Robot of team Alpha")
+        attacker.send(RSBB_PORT, empty_beacon())
+        self.told(f"ANOTHER RSBB is transmitting from {ATTACKER}")
+        attacker.send(port, pb.BenchmarkState(benchmark_type="HGTKMH", benchmark_state=0), team="Alpha")
+
+        details = box.zone_details("Home")
+        self.assertEqual((details.phase, details.box_state), ("running", "WAITING_RESULT"))
+        robot.let("execute")
+        box.wait_text("Home", "Benchmark completed by the robot")
+        log = self.leave("Home")
+        self.assertEqual(log.values("/rsbb_log/rsbb_state"), [STOP, PREPARE, WAITING_RESULT, STOP])
+        self.assertNotIn("forged", log.values("/rsbb_log/notification"))
+
+    def test_a_name_commands_no_terminal_and_forges_no_line(self) -> None:
+        attacker = self._leaving(Attacker())
+        # No other case has this team: the box would still list this robot beside that of the case.
+        name = "\x1b[2Jred\n[ERROR] forged"
+        attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Eta", robot_name=name, time=wire(time.time())))
+        self.told("Robot \\u001b[2Jred\\u000a[ERROR] forged of team Eta is active")
+        self.assertFalse([said for said in self.said if "\x1b" in said or "\n[ERROR]" in said])
+
+    def test_a_recording_moves_no_run_while_its_robot_is_silent(self) -> None:
+        box, robot = self.box, self._leaving(RecordedRobot(self.network, "Alpha"))
+        attacker = self._leaving(Attacker())
+        for _ in range(2):  # all of the first run is recorded
+            robot.beacon()
+            port = box.connect("Home")
+            robot.send(port, RobotState.STOP)
+            box.start("Home")
+            for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
+                robot.send(port, state)
+            box.wait_details("Home", lambda d: d.box_state == "WAITING_RESULT", "the robot executes")
+            if len(robot.recorded) < 5:
+                robot.send(port, RobotState.RESULT_TX)
+                box.wait_text("Home", "Benchmark completed by the robot")
+                self.leave("Home")
+        box.wait_details("Home", lambda d: any("No message from the robot" in w for w in d.warnings), "it is silent")
+
+        for datagram in robot.recorded:
+            attacker.replay(port, datagram)
+        attacker.send(port, result_of(time.time()))
+        self.told("not encrypted")  # so the box has read all before it, too
+        details = box.zone_details("Home")
+        self.assertEqual((details.phase, details.box_state), ("running", "WAITING_RESULT"))
+        self.told(f"come from {ATTACKER}, too")
+
+
+class TestConnections(BoxCase):
+    """Connections that say nothing, as a port scan or a browser makes them."""
+
+    def test_200_silent_connections_do_not_hold_up_a_stop(self) -> None:
+        master = rosgraph.Master(rospy.get_name())
+        uris = [master.lookupService("/core/stop"), master.lookupNode("/roah_rsbb_core")]
+        box, robot = self.box, self.robot("Alpha")
+        box.connect("Home")
+        box.start("Home")
+        robot.wait_did("execute HGTKMH")
+        for uri in uris:
+            for _ in range(200):
+                self._leaving(socket.create_connection((urlparse(uri).hostname, urlparse(uri).port)))
+
+        box.command("stop", "Home")
+        box.wait_phase("Home", "ended")
+        robot.wait_did("stop")
+
+
+    def test_a_text_of_megabytes_is_refused_before_anything_is_done_with_it(self) -> None:
+        for size in (5_001, 10_000_000):
+            reason = self.box.refusal("stop", "H" * size)
+            self.assertEqual(reason, f"zone has {size} characters: at most 5000 are accepted")
+
+
+class TestPasswords(BoxCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.published: Dict[str, bytes] = {}  # by topic
+        subscribers = [
+            rospy.Subscriber(topic, rospy.AnyMsg, self._on_message, topic)
+            for topic, _ in rospy.get_published_topics()
+        ]
+        for subscriber in subscribers:
+            self.addCleanup(subscriber.unregister)
+
+    def _on_message(self, message: object, topic: str) -> None:
+        # Where this process follows a topic already, rospy hands its message over read.
+        raw = isinstance(message, rospy.AnyMsg)
+        data = message._buff if raw else str(message).encode()
+        self.published[topic] = self.published.get(topic, b"") + data
+        happened()
+
+    def test_passwords_are_in_their_file_and_nowhere_else(self) -> None:
+        box, robot = self.box, self.robot("Gamma")
+        guessing = self.robot("Delta", password="no password of Delta")
+        box.connect("Secrets")
+        box.start("Secrets")
+        robot.wait_did("execute HWV")
+        robot.tell("notify", "all is well")
+        robot.wait_said()
+        box.connect("Guessed")
+        box.wait_details("Guessed", lambda d: any("password" in r for r in d.start_off), "the referee is told why")
+        robot.let("execute")
+        box.wait_text("Secrets", "Benchmark completed by the robot")
+        log_dir = pathlib.Path(rospy.get_param("/roah_rsbb_core/log_dir"))
+        self.leave("Secrets")
+        self.leave("Guessed")
+        guessing.close()
+
+        wait_until(lambda: b"all is well" in self.published.get("/core/to_gui", b""), "the topics are heard")
+        places = {f"topic {topic}": data for topic, data in self.published.items()}
+        places["parameters"] = str(rospy.get_param("/")).encode()
+        places.update(_files(log_dir))
+        places.update(_files(pathlib.Path(os.environ["ROS_LOG_DIR"])))
+        places.update(_processes())
+        self.assertTrue(any(b"roah_rsbb_core" in data for place, data in places.items() if "process" in place))
+        self.assertTrue(any(b"all is well" in data for place, data in places.items() if ".sqlite3" in place))
+        for password in PASSWORDS.values():
+            for place, data in places.items():
+                self.assertNotIn(password.encode(), data, place)
+
+
+def _files(folder: pathlib.Path) -> Dict[str, bytes]:
+    """All files in a folder and below."""
+    return {f"file {path}": path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def _processes() -> Dict[str, bytes]:
+    """Command lines and environments of all processes that belong to this ROS master: what lists of processes show."""
+    ours = f"ROS_MASTER_URI={os.environ['ROS_MASTER_URI']}".encode()
+    found: Dict[str, bytes] = {}
+    candidates: List[pathlib.Path] = [path for path in pathlib.Path("/proc").iterdir() if path.name.isdigit()]
+    for path in candidates:
+        try:
+            environment = (path / "environ").read_bytes()
+            if ours in environment.split(b"\0"):
+                found[f"process {path.name}"] = (path / "cmdline").read_bytes() + environment
+        except OSError:
+            continue  # it is gone, or somebody else's
+    return found

@@ -1,0 +1,173 @@
+"""What the services of the core make of a call: an event with the name of who called, and a reliable answer."""
+
+import unittest
+
+import rospy
+
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.referee import Refused, RunName
+from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.msg import Score
+from roah_rsbb.nodes.core.services import CoreServices
+from roah_rsbb.srv import (
+    GetClock,
+    GetRunSheet,
+    LeaveRun,
+    ManualOperationAnswer,
+    ScoreMark,
+    ScoreWithdraw,
+    SignOff,
+    StopReason,
+    StopRun,
+    Zone,
+    ZoneScore,
+    ZoneUInt8,
+)
+
+NOW = Now(12.5, 1447000000.25)
+RUN = RunName("Home", "HWV-1-2")
+TICKET = 7
+RECORD = RunRecord(RUN.identity, "Home", "HWV", "Alpha", 1, 2, 0.0, 0.0)
+
+
+class _Part:
+    """Takes events for the box or a part of it, and puts down which."""
+
+    def __init__(self, box, name) -> None:
+        self._box = box
+        self._name = name
+
+    def __getattr__(self, method):
+        def event(*arguments):
+            if self._box.refuses:
+                raise Refused(["no such run"] if method == "record_of" else ["first reason", "second reason"])
+            self._box.happened.append((self._name + method, *arguments))
+            return RECORD
+
+        return event
+
+
+class _Box:
+    """Its parts put down what the services call."""
+
+    def __init__(self) -> None:
+        self.happened = []
+        self.refuses = False
+        self.command = _Part(self, "").command
+        self.leave_run = _Part(self, "").leave_run
+        self.scores = _Part(self, "scores.")
+        self.modules = _Part(self, "modules.")
+
+
+class _Loop:
+    """As RosLoop, but the thread that calls is the loop's."""
+
+    def __init__(self) -> None:
+        self.inside = False
+
+    def call(self, function):
+        self.inside = True
+        try:
+            return function()
+        finally:
+            self.inside = False
+
+
+class TestServices(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.box, cls.loop = _Box(), _Loop()
+
+        def why_not_saved(ticket):
+            assert ticket == TICKET
+            cls.box.happened.append("blocks the loop" if cls.loop.inside else "on disk")
+            return cls.disk_trouble
+
+        cls.disk_trouble = ""
+        CoreServices(cls.box, cls.loop, lambda method, *arguments: method(NOW, *arguments), lambda: TICKET,
+                     why_not_saved)
+
+    def setUp(self) -> None:
+        self.node = rospy.get_name()
+        self.box.happened, self.box.refuses = [], False
+
+    def call(self, name, kind, *request):
+        """Call /core/NAME; returns what happened by then."""
+        rospy.wait_for_service(f"/core/{name}", 30)
+        rospy.ServiceProxy(f"/core/{name}", kind)(*request)
+        return list(self.box.happened)
+
+    def test_commands_have_the_name_of_the_calling_node(self) -> None:
+        for name in ("connect", "disconnect", "start", "stop", "previous", "next"):
+            with self.subTest(name):
+                self.box.happened = []
+                self.assertEqual(self.call(name, Zone, "Home"), [("command", NOW, "Home", name, self.node)])
+        for name, kind, request, event in (
+            ("stop_run", StopRun, (RUN.identity,), ("scores.stop", NOW, RUN, self.node)),
+            ("leave_run", LeaveRun, (RUN.identity,), ("leave_run", NOW, RUN, self.node)),
+            ("stop_run", StopRun, ("",), ("scores.stop", NOW, RunName("Home"), self.node)),
+            ("manual_operation_complete", Zone, (), ("modules.complete_operation", NOW, "Home", 0, "", self.node)),
+            ("manual_operation_answer", ManualOperationAnswer, (3, "yes"),
+             ("modules.complete_operation", NOW, "Home", 3, "yes", self.node)),
+            ("omf_switches/button", ZoneUInt8, (4,), ("modules.press_switch", NOW, "Home", 4, self.node)),
+            ("omf_switches/damaged", ZoneUInt8, (2,), ("modules.damage_switches", NOW, "Home", 2, self.node)),
+            ("omf_switches/complete", Zone, (), ("modules.complete_switches", NOW, "Home", self.node)),
+        ):
+            with self.subTest(name):
+                self.box.happened = []
+                self.assertEqual(self.call(name, kind, "Home", *request), [event])
+
+    def test_what_a_referee_writes_down_is_on_the_disk_when_the_call_returns(self) -> None:
+        named = f"Anna ({self.node})"
+        for name, kind, request, event in (
+            ("set_score", ZoneScore, ("Home", Score("G", "d", 2)),
+             ("scores.mark", NOW, RunName("Home"), Mark("G", "d", 2), self.node)),
+            ("score", ScoreMark, (*RUN, "G", "d", 2, False, "note", " Anna "),
+             ("scores.mark", NOW, RUN, Mark("G", "d", 2, False, "note"), named)),
+            ("score", ScoreMark, ("Home", "", "G", "d", 0, True, "", ""),
+             ("scores.mark", NOW, RunName("Home"), Mark("G", "d", 0, True), self.node)),
+            ("score/withdraw", ScoreWithdraw, (*RUN, 7, "why", "Anna"),
+             ("scores.withdraw", NOW, RUN, 7, named, "why")),
+            ("stop_reason", StopReason, (*RUN, 2, "fire", "Anna"),
+             ("scores.give_stop_reason", NOW, RUN, "fire", named, 2)),
+            ("sign_off", SignOff, (*RUN, "Anna"), ("scores.sign_off", NOW, RUN, named)),
+        ):
+            with self.subTest(name):
+                self.box.happened = []
+                self.assertEqual(self.call(name, kind, *request), [event, "on disk"])
+
+    def test_a_name_in_the_header_goes_with_requests_that_have_no_field_for_it(self) -> None:
+        rospy.wait_for_service("/core/stop_run", 30)
+        rospy.ServiceProxy("/core/stop_run", StopRun, headers={"referee": " Jürgen = J. "})(*RUN)
+        self.assertEqual(self.box.happened, [("scores.stop", NOW, RUN, f"Jürgen = J. ({self.node})")])
+
+    def test_a_refusal_has_all_reasons_and_waits_for_no_disk(self) -> None:
+        self.box.refuses = True
+        reasons = r'\["first reason", "second reason"\]'
+        for name, kind, request in (
+            ("stop", Zone, ("Home",)), ("sign_off", SignOff, (*RUN, "Anna")),
+            ("score/withdraw", ScoreWithdraw, (*RUN, 7, "", "")),
+        ):
+            with self.subTest(name), self.assertRaisesRegex(rospy.ServiceException, reasons):
+                self.call(name, kind, *request)
+        self.assertEqual(self.box.happened, [])
+
+    def test_a_score_that_is_not_on_the_disk_is_not_confirmed(self) -> None:
+        type(self).disk_trouble = "the disk is full"
+        self.addCleanup(setattr, type(self), "disk_trouble", "")
+        with self.assertRaisesRegex(rospy.ServiceException, "not saved: the disk is full. It counts"):
+            self.call("sign_off", SignOff, *RUN, "Anna")
+
+    def test_the_clock_is_that_of_the_loop(self) -> None:
+        rospy.wait_for_service("/core/clock", 30)
+        self.assertEqual(rospy.ServiceProxy("/core/clock", GetClock)().clock.to_sec(), NOW.utc)
+
+    def test_the_sheet_of_a_run(self) -> None:
+        rospy.wait_for_service("/core/run_sheet", 30)
+        sheet = rospy.ServiceProxy("/core/run_sheet", GetRunSheet)(*RUN).sheet
+        self.assertEqual((sheet.summary.identity, sheet.summary.run), (RUN.identity, 2))
+        self.assertEqual(self.box.happened, [("scores.record_of", NOW, RUN)])
+        self.box.refuses = True
+        with self.assertRaisesRegex(rospy.ServiceException, "no such run"):
+            self.call("run_sheet", GetRunSheet, *RUN)

@@ -1,0 +1,222 @@
+"""The home devices, whole: names and types, robots in HCFGAC and HWV, a referee, nodes that are killed."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import xmlrpc.client
+
+import rosgraph
+import rosnode
+import rospy
+import rosservice
+from std_msgs.msg import Empty
+from std_srvs.srv import Empty as EmptySrv
+from support.box_case import BoxCase
+from support.box_client import Refusal
+from support.programs import own
+from support.waiting import LIMIT_S, happened, wait_until
+
+from roah_rsbb.msg import DevicesState, DevicesStatus
+from roah_rsbb.ros import refusals
+from roah_rsbb.srv import Bool, Percentage
+
+PLAYED = pathlib.Path(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros"))) / "played"
+SWITCHES, PERCENTAGES = ("switch_1", "switch_2", "switch_3"), ("dimmer", "blinds")
+# docs/ros_interface.md, "Devices node".
+SERVICES = {
+    **{f"/devices/{switch}/{word}": "std_srvs/Empty" for switch in SWITCHES for word in ("on", "off")},
+    **{f"/devices/{switch}/set": "roah_rsbb/Bool" for switch in SWITCHES},
+    **{f"/devices/{device}/{word}": "std_srvs/Empty" for device in PERCENTAGES for word in ("max", "min")},
+    **{f"/devices/{device}/set": "roah_rsbb/Percentage" for device in PERCENTAGES},
+    "/devices/bell/mock": "std_srvs/Empty",
+    "/devices/door_win_detect/mock": "roah_rsbb/Bool",
+}
+
+
+def call(name, kind=EmptySrv, *request):
+    """Call a service; raises `Refusal` if it fails with a reason."""
+    rospy.wait_for_service(name, LIMIT_S)
+    try:
+        rospy.ServiceProxy(name, kind)(*request)
+    except rospy.ServiceException as error:
+        assert refusals.was_answered(str(error)), str(error)
+        raise Refusal(refusals.reason(str(error))) from None
+
+
+def kill(node):
+    """End a node without a word; roslaunch starts it again."""
+    uri = rosnode.get_api_uri(rosgraph.Master("/test"), node)
+    os.kill(xmlrpc.client.ServerProxy(uri).getPid("/test")[2], signal.SIGKILL)
+
+
+class DevicesCase(BoxCase):
+    def setUp(self):
+        super().setUp()
+        self.state, self.status, self.rings = None, None, 0
+        for topic, kind, hear in (
+            ("/devices/state", DevicesState, lambda m: setattr(self, "state", m)),
+            ("/devices/status", DevicesStatus, lambda m: setattr(self, "status", m)),
+            ("/devices/bell", Empty, lambda _: setattr(self, "rings", self.rings + 1)),
+        ):
+            subscriber = rospy.Subscriber(topic, kind, lambda m, hear=hear: (hear(m), happened()), queue_size=10)
+            self.addCleanup(subscriber.unregister)
+        # Both are latched: a late listener has them.
+        self.wait_connected()
+        for device in SWITCHES:
+            call(f"/devices/{device}/off")
+        for device in PERCENTAGES:
+            call(f"/devices/{device}/min")
+        self.wait_state(switch_1=False, switch_2=False, switch_3=False, dimmer=0, blinds=0)
+
+    def wait_connected(self, connected=True):
+        wait_until(lambda: self.state and self.status and self.status.connected is connected,
+                   lambda: f"connected: {connected}; {self.status}")
+
+    def wait_state(self, **values):
+        wait_until(lambda: self.state and all(getattr(self.state, k) == v for k, v in values.items()),
+                   lambda: f"{values}; it is\n{self.state}")
+
+    def wait_robot(self, robot, **values):
+        """Until the beacon has told the robot."""
+        wait_until(lambda: robot.devices and all(getattr(robot.devices, k) == v for k, v in values.items()),
+                   lambda: f"the robot is told {values}; it knows {robot.devices}")
+
+
+class TestInterface(DevicesCase):
+    def test_names_and_types(self):
+        for name in SERVICES:
+            rospy.wait_for_service(name, LIMIT_S)
+        offered = {name: rosservice.get_service_type(name) for name in rosservice.get_service_list("/roah_devices")
+                   if name.startswith("/devices/")}
+        self.assertEqual(offered, SERVICES)
+
+    def test_each_service(self):
+        for switch in SWITCHES:
+            for word, request, value in (("on", (), True), ("off", (), False), ("set", (Bool, True), True)):
+                call(f"/devices/{switch}/{word}", *request)
+                self.wait_state(**{switch: value})
+        for device in PERCENTAGES:
+            for word, request, value in (("max", (), 100), ("min", (), 0), ("set", (Percentage, 35), 35)):
+                call(f"/devices/{device}/{word}", *request)
+                self.wait_state(**{device: value})
+        for opened in (True, False):
+            call("/devices/door_win_detect/mock", Bool, opened)
+            self.wait_state(door_win_detect=opened)
+
+    def test_more_than_100_per_cent_fails_with_the_reason(self):
+        for device in PERCENTAGES:
+            with self.subTest(device), self.assertRaisesRegex(Refusal, f"{device} .* 101: it takes 0 to 100 per "
+                                                                       f"cent"):
+                call(f"/devices/{device}/set", Percentage, 101)
+        call("/devices/dimmer/max")
+        self.wait_state(dimmer=100, blinds=0)
+
+
+class TestBell(DevicesCase):
+    def played(self, what):
+        return PLAYED.read_text(encoding="utf-8").split().count(what) if PLAYED.exists() else 0
+
+    def test_rings_are_told_shown_and_heard(self):
+        self.ring_and_check(lambda: call("/devices/bell/mock"))
+
+    def test_rings_of_the_dummy_server(self):
+        self.ring_and_check(lambda: call("/roah_devices_dummy/ring"))
+
+    def test_the_door_and_the_bell_from_the_command_line(self):
+        def command(word):
+            subprocess.run([own("roah_devices_dummy"), word], check=True, timeout=LIMIT_S)
+        command("open")
+        self.wait_state(door_win_detect=True)
+        command("close")
+        self.wait_state(door_win_detect=False)
+        self.ring_and_check(lambda: command("ring"))
+
+    def ring_and_check(self, ring):
+        heard, before, rings = self.played("bell"), self.state.bell, self.rings
+        ring()
+        wait_until(lambda: self.state.bell > before and self.rings == rings + 1 and self.played("bell") > heard,
+                   lambda: f"a ring; state:\n{self.state}\nrings {self.rings}, played {self.played('bell')}")
+
+    def test_the_end_of_the_time_is_heard(self):
+        heard = self.played("timeout")
+        publisher = rospy.Publisher("/timeout", Empty, queue_size=1)
+        self.addCleanup(publisher.unregister)
+        # Two listeners: this test's client of the box, and the sounds.
+        wait_until(lambda: publisher.get_num_connections() >= 2, "the sounds node listens")
+        publisher.publish(Empty())
+        wait_until(lambda: self.played("timeout") > heard, "the sound is played")
+
+
+class TestCatering(DevicesCase):
+    def run_of(self, team, zone):
+        robot = self.robot(team)
+        self.box.connect(zone)
+        self.box.start(zone)
+        robot.wait_did(f"execute {self.box.zone(zone).code}")
+        return robot
+
+    def log(self, zone):
+        return self.box.zone(zone).log
+
+    def wait_log(self, zone, text):
+        wait_until(lambda: text in self.log(zone), lambda: f"'{text}' in the log:\n{self.log(zone)}")
+
+    def test_a_robot_operates_each_device_and_the_referee_has_the_last_word(self):
+        robot = self.run_of("Alpha", "Catering")
+        for device, value in (("switch_1", True), ("switch_2", True), ("switch_3", True), ("dimmer", 70),
+                              ("blinds", 100), ("switch_3", False), ("blinds", 5)):
+            robot.tell("set_device", device, value)
+            self.wait_robot(robot, **{device: value})
+            self.wait_state(**{device: value})
+            self.wait_log("Catering", f"Robot sets {device} to {int(value)}")
+        call("/devices/dimmer/set", Percentage, 20)
+        self.wait_robot(robot, dimmer=20)
+        robot.tell("set_device", "dimmer", 70)  # as before: no change
+        robot.tell("set_device", "switch_2", False)  # this one comes after it
+        self.wait_robot(robot, switch_2=False)
+        self.assertEqual((robot.devices.dimmer, self.state.dimmer), (20, 20))
+        log = self.leave("Catering")
+        self.assertEqual(log.values("/rsbb_log/devices/dimmer"), [70])
+        self.assertEqual(log.values("/rsbb_log/devices/blinds"), [100, 5])
+
+    def test_in_another_benchmark_they_are_ignored_with_one_warning(self):
+        robot = self.run_of("Beta", "Visitors")
+        robot.tell("set_device", "switch_1", True)
+        self.wait_log("Visitors", "ignored, only HCFGAC has that")
+        robot.tell("set_device", "dimmer", 50)
+        robot.tell("notify", "after the dimmer")
+        robot.wait_said()
+        self.wait_state(switch_1=False, dimmer=0)
+        self.assertEqual(self.log("Visitors").count("ignored"), 1)
+
+    def test_a_killed_devices_node_goes_on_and_a_missing_one_is_told(self):
+        robot = self.run_of("Alpha", "Catering")
+        robot.tell("set_device", "dimmer", 33)
+        self.wait_robot(robot, dimmer=33)
+        before = self.state.bell
+        call("/devices/bell/mock")
+        bell = wait_until(lambda: self.state.bell > before and self.state.bell, "the bell")
+        wait_until(lambda: rospy.get_param("/roah_devices/held", {}).get("bell") == [str(bell.secs), str(bell.nsecs)],
+                   "it is kept")
+        self.state = self.status = None
+        kill("/roah_devices")
+        robot.tell("set_device", "blinds", 44)  # nobody is there to take it
+        self.wait_log("Catering", "WARNING: blinds was not set to 44 as the robot commanded: no devices node answers")
+        wait_until(lambda: any("blinds was not set to 44" in w for w in self.box.details.warnings), "it is a warning")
+        self.wait_connected()
+        self.assertEqual((self.state.dimmer, self.state.bell, self.state.blinds), (33, bell, 0))
+        robot.tell("set_device", "blinds", 45)
+        self.wait_robot(robot, blinds=45, dimmer=33)
+
+    def test_a_controller_that_is_gone_is_told_and_gets_all_when_it_is_back(self):
+        def warned():
+            return any("Home devices" in warning for warning in self.box.details.warnings)
+        wait_until(lambda: not warned(), "no warning")
+        kill("/roah_devices_dummy")
+        self.wait_connected(False)
+        wait_until(warned, "the referee is warned")
+        call("/devices/blinds/max")
+        self.wait_state(blinds=100)
+        self.wait_connected()
+        wait_until(lambda: not warned(), "no warning any more")

@@ -1,0 +1,66 @@
+"""A competition as new_competition makes it starts without an edit, and its teams' robots take part."""
+
+import os
+import shutil
+import tempfile
+
+import rospy
+import yaml
+from std_srvs.srv import Empty
+from support.box_case import NetworkCase
+from support.box_client import BoxClient
+from support.programs import Program, own
+from support.robots import BOX, BROADCAST, RSBB_PORT
+from support.waiting import LIMIT_S
+
+ZONES = ["Task Benchmarks", "Functionality Benchmarks"]
+# A team that has an address in the tests; its password is a new one.
+TEAM = "Alpha"
+NETWORK = {"rsbb_port": RSBB_PORT, "bind_host": BOX, "devices": "false", "gui": "none", "tablet_port": 0}
+MADE = ("--teams", f"{TEAM}, Copper Kettle", "--benchmarks", "HCFGAC,HNF,HSUF", "--days", "2026-11-28",
+        "--rsbb-host", BROADCAST)
+
+
+class TestNewCompetition(NetworkCase):
+    def setUp(self) -> None:
+        super().setUp()
+        # A blank is what a path on somebody's desktop has.
+        self.directory = os.path.join(tempfile.mkdtemp(), "the competition")
+        self.addCleanup(shutil.rmtree, os.path.dirname(self.directory))
+
+    def new_competition(self, *arguments: str) -> Program:
+        made = self._leaving(Program(own("new_competition"), self.directory, *arguments))
+        made.status = made.wait_ended()
+        return made
+
+    def test_from_nothing_to_a_robot_in_a_run(self) -> None:
+        made = self.new_competition(*MADE)
+        self.assertEqual(made.status, 0, made.text)
+        launched = self._leaving(Program(
+            "roslaunch", os.path.join(self.directory, "competition.launch"),
+            *(f"{name}:={value}" for name, value in NETWORK.items())))
+        box = BoxClient()
+        self.addCleanup(box.close)
+        box.wait_heard()
+        self.assertEqual([zone.zone for zone in box.gui.zones], ZONES)
+        self.assertEqual((box.gui.addr, box.gui.port), (BROADCAST, str(RSBB_PORT)))
+        with open(os.path.join(self.directory, "passwords.yaml"), encoding="utf-8") as file:
+            password = yaml.safe_load(file)[TEAM]
+        robot = self.robot(TEAM, password=password)
+        box.wait_details(ZONES[0], lambda details: not details.connect_off, "connect is possible")
+        self.assertEqual(box.zone(ZONES[0]).team, TEAM)
+        box.connect(ZONES[0])
+        robot.wait_said()
+        self.assertEqual(os.path.dirname(box.zone_details(ZONES[0]).log_file), os.path.join(self.directory, "log"))
+
+        rospy.wait_for_service("/roah_rsbb_shutdown", LIMIT_S)
+        rospy.ServiceProxy("/roah_rsbb_shutdown", Empty)()
+        self.assertEqual(launched.wait_ended(), 0)
+        self.assertNotIn("Traceback", launched.text)
+        self.assertNotIn("WARN", launched.text.replace("WARNING: ", ""))
+
+    def test_nobody_is_asked_where_nobody_can_answer(self) -> None:
+        made = self.new_competition()
+        self.assertEqual(made.status, 2)
+        self.assertIn("not given: --teams, --benchmarks, --days", made.text)
+        self.assertFalse(os.path.exists(self.directory))

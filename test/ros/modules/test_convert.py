@@ -1,0 +1,123 @@
+"""What core and modules say to each other comes out of the ROS messages as it went in, or as something harmless."""
+
+import io
+import math
+import random
+import unittest
+
+from roah_rsbb.core.modules.messages import (
+    ModuleInfo,
+    ModulesState,
+    Outcome,
+    OutcomeKind,
+    Progress,
+    Request,
+    RequestKind,
+    RunForModule,
+    ScoreValue,
+    Step,
+)
+from roah_rsbb.core.scoring.sheet import ScoreGroup
+from roah_rsbb.msg import ModuleOutcome, ModuleRequest, ModuleRuns
+from roah_rsbb.msg import ModulesState as ModulesStateMsg
+from roah_rsbb.nodes.modules.convert import runs_message, runs_of, state_message, state_of
+from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
+
+GOAL = Request(
+    2, RequestKind.GOAL, "Waypoint 1", ("again", "skip"), True, "[1, 2, 3]", (1.0, -2.0, 3.0), (True, False), (2, 1),
+    15.5, '{"ä": 1}',
+)
+PROGRESS = Progress(
+    "HNF-1", 2, GOAL, (ScoreValue("waypoint 1", "time", "1.5", "s", "Time"),), "under way", ("old",), '{"sum": 1}',
+    True, "",
+)
+RUN = RunForModule(
+    "HNF-1", 2, "Home", "HNF", "Alpha", 3, 4, True, "stopped", 12.5, 120.0, 600.0, 1.25e9,
+    (ScoreGroup("Penalized", ((ScoringItem("Penalized", "Bumps", ScoreKind.UINT), 3),
+                              (ScoringItem("Penalized", "Sings", ScoreKind.BOOL), 1))),),
+    (
+        Step(Request(1, RequestKind.REFEREE, "Place it"), Outcome(OutcomeKind.DONE, "yes", ended_utc=1.5e9)),
+        Step(GOAL, Outcome(OutcomeKind.TIMED_OUT, "", "{x: 1}", 14.25, 1.5e9, (1, 2, 1), 3)),
+        Step(Request(3, RequestKind.NOTE)),
+    ),
+    '{"sum": 1}',
+)
+
+
+def sent(message):
+    """A message as it arrives on the other side."""
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    return type(message)().deserialize(buffer.getvalue())
+
+
+class TestModuleConvert(unittest.TestCase):
+    def test_what_a_module_says(self) -> None:
+        state = ModulesState("node", (ModuleInfo("HNF", ("wrong",), ("old",)),), (PROGRESS, Progress("STB-1", 1)))
+        self.assertEqual(state_of(sent(state_message(state))), state)
+
+    def test_what_the_core_says(self) -> None:
+        runs = (RUN, RunForModule("STB-2", 0, "Door", "STB", "Beta", 1, 1, False))
+        message = sent(runs_message("box", runs))
+        self.assertEqual((message.box_uuid, runs_of(message)), ("box", runs))
+
+    def test_what_is_too_much_for_a_message_is_made_fit_before_it_is_sent(self) -> None:
+        wild = PROGRESS._replace(
+            attempt=10**9, status="a\ud800", request=GOAL._replace(pose=(math.nan,) * 5, switches=(-1, 2**40))
+        )
+        progress = state_of(sent(state_message(ModulesState("n", (), (wild, PROGRESS))))).progress
+        self.assertEqual(progress[1], PROGRESS)
+        self.assertEqual((progress[0].request, progress[0].status), (None, "a?"))
+        self.assertIn("x, y and theta must be finite numbers", progress[0].failed)
+
+    def test_what_another_version_asks_for(self) -> None:
+        message = state_message(ModulesState("n", (), (PROGRESS,)))
+        message.progress[0].request.kind = 77
+        self.assertIn("its request has the unknown kind 77", state_of(sent(message)).progress[0].failed)
+        message.progress[0].request.pose = [1.0]
+        message.progress[0].request.kind = ModuleRequest.GOAL
+        self.assertIn("its goal's pose is (1.0,)", state_of(sent(message)).progress[0].failed)
+
+    def test_a_run_that_cannot_be_read_is_left_out(self) -> None:
+        for field, kind in (("request", 77), ("request", 0), ("outcome", 77)):
+            message = runs_message("box", (RUN, RUN._replace(run="STB-9")))
+            getattr(message.runs[0].steps[0], field).kind = kind
+            self.assertEqual([run.run for run in runs_of(sent(message))], ["STB-9"])
+
+    def test_arrays_that_do_not_fit_each_other(self) -> None:
+        message = runs_message("box", (RUN,))
+        message.runs[0].sheet[0].types = bytes([9])
+        group = runs_of(sent(message))[0].sheet[0]
+        self.assertEqual(group.items, ((ScoringItem("Penalized", "Bumps", ScoreKind.UINT), 3),))
+
+    def test_noise_never_raises(self) -> None:
+        """Every byte of good messages changed at random: those that ROS can read, we can convert."""
+        rng = random.Random(4)
+        read = 0
+        for good, convert in (
+            (state_message(ModulesState("node", (ModuleInfo("HNF"),), (PROGRESS,))), state_of),
+            (runs_message("box", (RUN,)), runs_of),
+        ):
+            buffer = io.BytesIO()
+            good.serialize(buffer)
+            for _ in range(3000):
+                noisy = bytearray(buffer.getvalue())
+                for _ in range(rng.randint(1, 5)):
+                    noisy[rng.randrange(len(noisy))] = rng.randrange(256)
+                try:
+                    message = type(good)().deserialize(bytes(noisy))
+                except Exception:  # whatever ROS itself refuses never reaches us
+                    continue
+                read += 1
+                made = convert(message)
+                if isinstance(made, ModulesState):
+                    sent(state_message(made))
+        self.assertGreater(read, 1000)
+
+    def test_the_numbers_are_those_of_the_messages(self) -> None:
+        for kind in RequestKind:
+            self.assertEqual(getattr(ModuleRequest, kind.name), kind)
+        for kind in OutcomeKind:
+            self.assertEqual(getattr(ModuleOutcome, kind.name), kind)
+        self.assertEqual(runs_of(ModuleRuns()), ())
+        self.assertEqual(state_of(ModulesStateMsg()), ModulesState(""))

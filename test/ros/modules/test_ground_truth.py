@@ -1,0 +1,305 @@
+"""Ground truth from tf2, the check of it, and the dummy ground truth, over real topics."""
+
+import math
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+from typing import Optional
+
+import rospy
+import tf2_ros
+from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
+from support.programs import Program, own
+from support.waiting import wait_until
+
+from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3, rotation
+from roah_rsbb.bmbox.framework.ground_truth_config import GroundTruthConfig, Marker, load
+from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
+from roah_rsbb.nodes.modules.ground_truth_tf import TfGroundTruth
+
+# Frames of the test itself, which nobody else publishes.
+WORLD = "test_world"
+FLAT = rotation(0.0)
+# Frames are as old as a test says; half a second would be gone before a busy machine looks.
+MAXIMUM_AGE_S = 5.0
+
+
+def config(reference: str = WORLD, teams: Optional[dict] = None, **markers: Marker) -> GroundTruthConfig:
+    return GroundTruthConfig(reference, MAXIMUM_AGE_S, markers, teams or {})
+
+
+class GroundTruthCase(unittest.TestCase):
+    """Each test has a frame of its own name, so that none sees another's."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.broadcaster = tf2_ros.TransformBroadcaster()
+        cls.static = tf2_ros.StaticTransformBroadcaster()
+
+    def setUp(self) -> None:
+        self.frame = self.id().rsplit(".", 1)[1]
+        self.truth = TfGroundTruth(config(robot=Marker(self.frame), ghost=Marker("test_ghost")))
+        self.addCleanup(self.truth.close)
+        # A message that comes before its subscriber is there is lost: begin when one arrives.
+        first = self.frame + "_first"
+        wait_until(lambda: (self.publish(0.0, frame=first), self.truth.sees(first))[1], "a frame arrives")
+
+    def message(self, stamp: float, *place: float, frame: str = "", turn=FLAT, parent: str = WORLD) -> TransformStamped:
+        message = TransformStamped()
+        message.header.stamp = rospy.Time.from_sec(stamp)
+        message.header.frame_id = parent
+        message.child_frame_id = frame or self.frame
+        message.transform.translation = Vector3(*(place or (0.0, 0.0, 0.0)))
+        message.transform.rotation = Quaternion(*turn)
+        return message
+
+    def publish(self, ago_s: float, *place: float, **fields) -> float:
+        """Publish a frame of so many seconds ago; returns the time."""
+        stamp = rospy.get_time() - ago_s
+        self.broadcaster.sendTransform(self.message(stamp, *place, **fields))
+        return stamp
+
+    def wait_seen(self, stamp: float) -> None:
+        """Wait until the test's frame of this time has arrived."""
+        wait_until(lambda: self.truth.gap(self.frame, stamp) == 0.0, "the frame arrives")
+
+    def shown(self, ago_s: float, *place: float, **fields) -> float:
+        """Publish, and wait until it has arrived."""
+        stamp = rospy.Time.from_sec(self.publish(ago_s, *place, **fields)).to_sec()
+        self.wait_seen(stamp)
+        return stamp
+
+    def assert_pose(self, pose: Pose3, *expected: float) -> None:
+        for value, wanted in zip(pose, expected):
+            self.assertAlmostEqual(value, wanted, places=5)
+
+    def assert_no_pose(self, pattern: str, subject: str = "robot", at_utc: Optional[float] = None,
+                       truth: Optional[GroundTruth] = None) -> None:
+        with self.assertRaisesRegex(NoPose, pattern):
+            (truth or self.truth).pose(subject, at_utc)
+
+
+class TestNow(GroundTruthCase):
+    def test_a_pose_is_seen_from_the_reference_frame(self) -> None:
+        self.shown(0.0, 1.0, 2.0, 0.5, turn=rotation(3.0))
+        self.assert_pose(self.truth.pose("robot"), 1.0, 2.0, 0.5, 3.0)
+
+    def test_the_latest_pose_counts(self) -> None:
+        self.shown(1.0, 1.0, 0.0, 0.0)
+        self.shown(0.0, 7.0, 0.0, 0.0)
+        self.assert_pose(self.truth.pose("robot"), 7.0, 0.0, 0.0, 0.0)
+
+    def test_frames_in_between_are_gone_through(self) -> None:
+        # The camera is at (1, 1), turned to the left by a quarter: 2 m before it is (1, 3).
+        now = rospy.get_time()
+        self.broadcaster.sendTransform([
+            self.message(now, 1.0, 1.0, 1.0, frame="test_camera", turn=rotation(math.pi / 2)),
+            self.message(now, 2.0, 0.0, 0.0, parent="test_camera"),
+        ])
+        pose = wait_until(self.pose_or_none, "camera and marker arrive")
+        self.assert_pose(pose, 1.0, 3.0, 1.0, math.pi / 2)
+
+    def pose_or_none(self) -> Optional[Pose3]:
+        try:
+            return self.truth.pose("robot")
+        except NoPose:
+            return None
+
+    def test_a_team_s_transform_is_put_on_top(self) -> None:
+        marker = Marker(self.frame, Pose3(0.5, 0.0, -1.0, 0.25))
+        self.truth.use(config(robot=Marker(self.frame), teams={"Reds": {"robot": marker}}))
+        # Turned to the left by a quarter: what is 0.5 m before the marker is 0.5 m in y.
+        self.shown(0.0, 1.0, 1.0, 1.5, turn=rotation(math.pi / 2))
+        self.assert_pose(self.truth.for_team("Reds").pose("robot"), 1.0, 1.5, 0.5, math.pi / 2 + 0.25)
+        self.assert_pose(self.truth.for_team("Blues").pose("robot"), 1.0, 1.0, 1.5, math.pi / 2)
+
+    def test_a_static_frame_is_never_too_old(self) -> None:
+        self.static.sendTransform(self.message(rospy.get_time() - 1000.0, 3.0, 0.0, 0.0))
+        pose = wait_until(self.pose_or_none, "the static frame arrives")
+        self.assert_pose(pose, 3.0, 0.0, 0.0, 0.0)
+        self.assert_pose(self.truth.pose("robot", rospy.get_time() - 5.0), 3.0, 0.0, 0.0, 0.0)
+        self.assertEqual(self.truth.check(["robot"]), ([], []))
+
+
+class TestNoPose(GroundTruthCase):
+    def test_a_frame_that_was_never_seen_is_named(self) -> None:
+        self.assert_no_pose("^ghost: frame 'test_ghost' was never seen: put the marker into the cameras' view", "ghost")
+
+    def test_a_subject_that_is_not_configured_is_named(self) -> None:
+        self.assert_no_pose("^table: has no marker: add 'table: {frame: name}'", "table")
+
+    def test_a_reference_frame_that_was_never_seen_is_named(self) -> None:
+        self.shown(0.0)
+        self.truth.use(config("test_nowhere", robot=Marker(self.frame)))
+        self.assert_no_pose("^robot: reference frame 'test_nowhere' was never seen: start the motion-capture system")
+
+    def test_a_frame_without_connection_is_named(self) -> None:
+        self.shown(0.0, parent="test_island")
+        self.assert_no_pose(f"^robot: frame '{self.frame}' has no connection with '{WORLD}' in tf")
+
+    def test_frames_that_were_never_seen_together_are_named(self) -> None:
+        self.publish(3.0, frame="test_tripod")
+        self.shown(1.0, parent="test_tripod")
+        self.assert_no_pose(f"^robot: frame '{self.frame}' and the frames between it and '{WORLD}' were not seen")
+
+    def test_a_frame_that_is_too_old_is_named_with_its_age(self) -> None:
+        self.shown(8.0, 1.0, 2.0, 0.0)
+        self.assert_no_pose(rf"^robot: frame '{self.frame}' was last seen (8|9|1\d)\.\d s ago: check that the cameras")
+
+    def test_a_frame_of_the_future_is_a_matter_of_clocks(self) -> None:
+        self.shown(-60.0)
+        self.assert_no_pose(rf"^robot: frame '{self.frame}' has a time (5\d\.\d|60\.0) s in the future: sync")
+
+    def test_numbers_that_are_none_are_no_pose(self) -> None:
+        # tf2 itself refuses some of them: then the frame was never seen.
+        self.publish(0.0, math.nan, 0.0, 0.0)
+        self.publish(0.0, 0.0, 0.0, 0.0, turn=(0.0, 0.0, 0.0, 0.0))
+        stamp = rospy.Time.from_sec(self.publish(0.0, math.inf, 0.0, 0.0)).to_sec()
+        self.wait_seen(stamp)
+        self.assert_no_pose(f"^robot: frame '{self.frame}' ")
+
+
+class TestThen(GroundTruthCase):
+    def test_between_two_poses_it_is_where_it_must_have_been(self) -> None:
+        begin = self.shown(3.0, 1.0, 0.0, 0.0)
+        end = self.shown(1.0, 2.0, 4.0, 0.0, turn=rotation(1.0))
+        # A quarter of the way.
+        pose = self.truth.pose("robot", begin + (end - begin) / 4)
+        self.assert_pose(pose, 1.25, 1.0, 0.0, 0.25)
+
+    def test_a_name_with_a_slash_is_the_same_frame(self) -> None:
+        begin = self.shown(3.0, 1.0, 0.0, 0.0, frame="/" + self.frame)
+        end = self.shown(1.0, 3.0, 0.0, 0.0, frame="/" + self.frame)
+        self.assert_pose(self.truth.pose("robot", (begin + end) / 2), 2.0, 0.0, 0.0, 0.0)
+
+    def test_after_the_latest_pose_that_one_must_do(self) -> None:
+        stamp = self.shown(3.0, 1.0, 2.0, 0.0)
+        self.assert_pose(self.truth.pose("robot", stamp + 2.0), 1.0, 2.0, 0.0, 0.0)
+
+    def test_nothing_is_invented_in_a_gap(self) -> None:
+        begin = self.shown(9.5, 1.0, 0.0, 0.0)
+        self.truth.use(self.truth.config._replace(maximum_age_s=2.0))
+        self.shown(0.0, 2.0, 0.0, 0.0)
+        self.assert_no_pose(rf"^robot: frame '{self.frame}' was not seen at \d\d:\d\d:\d\d UTC", at_utc=begin + 4.5)
+        self.assert_pose(self.truth.pose("robot", begin), 1.0, 0.0, 0.0, 0.0)
+
+    def test_long_before_and_after_there_is_none(self) -> None:
+        stamp = self.shown(1.0)
+        self.assert_no_pose("was not seen at", at_utc=stamp - 60.0)
+        self.assert_no_pose("was not seen at", at_utc=stamp + 60.0)
+
+
+class TestCheck(GroundTruthCase):
+    def test_a_frame_that_may_come_later_is_a_warning(self) -> None:
+        problems, warnings = self.truth.check(["ghost"])
+        self.assertEqual(problems, [])
+        self.assertRegex(warnings[0], "^ground truth: ghost: frame 'test_ghost' was never seen")
+
+    def test_an_old_frame_is_a_warning_whose_text_stays(self) -> None:
+        stamp = self.shown(8.0)
+        first = self.truth.check(["robot"])
+        self.assertEqual(first[0], [])
+        self.assertRegex(first[1][0], rf"frame '{self.frame}' was last seen at \d\d:\d\d:\d\d UTC")
+        wait_until(lambda: rospy.get_time() > stamp + 9.0, "a second passes")
+        self.assertEqual(self.truth.check(["robot"]), first)
+
+    def test_a_frame_of_the_future_is_a_warning(self) -> None:
+        self.shown(-60.0)
+        self.assertRegex(self.truth.check(["robot"])[1][0], "has times in the future: synchronise")
+
+    def test_a_subject_without_marker_is_a_problem(self) -> None:
+        self.shown(0.0)
+        problems, warnings = self.truth.check(["robot", "table"])
+        self.assertEqual(len(problems), 1)
+        self.assertRegex(problems[0], "^ground truth: table: has no marker")
+        self.assertEqual(warnings, [])
+
+    def test_a_marker_of_a_team_alone_will_do(self) -> None:
+        self.shown(0.0)
+        self.truth.use(config(teams={"Reds": {"robot": Marker(self.frame)}}))
+        self.assertEqual(self.truth.check(["robot"]), ([], []))
+
+    def test_no_motion_capture_at_all_is_one_warning(self) -> None:
+        self.truth.use(config("test_nowhere", robot=Marker(self.frame), ghost=Marker("test_ghost")))
+        problems, warnings = self.truth.check(["robot", "ghost"])
+        self.assertEqual(problems, [])
+        self.assertEqual(len(warnings), 1)
+        self.assertRegex(warnings[0], "^ground truth: reference frame 'test_nowhere' was never seen: start the motion")
+
+
+class TestDummy(unittest.TestCase):
+    """The dummy ground truth, and the program that checks."""
+
+    def setUp(self) -> None:
+        self.truth = TfGroundTruth(load(default_file()))
+        self.addCleanup(self.truth.close)
+
+    def states(self) -> dict:
+        return {(state.team, state.subject): state for state in self.truth.frames()}
+
+    def test_all_frames_are_there_and_some_are_lost_again_and_again(self) -> None:
+        wait_until(lambda: not any(state.trouble for state in self.states().values()), self.states)
+        self.assert_lost("person", "mocap_person")
+        wait_until(lambda: not any(state.trouble for state in self.states().values()), self.states)
+
+    def assert_lost(self, subject: str, frame: str) -> None:
+        trouble = wait_until(lambda: self.states()["", subject].trouble, f"{subject} is lost")
+        self.assertRegex(trouble, f"^{subject}: frame '{frame}' was last seen at")
+        others = {name for _, name in self.states()} - {"person", "positioner"}
+        self.assertFalse([name for name in others if self.states()["", name].trouble])
+
+    def test_poses_are_those_of_the_world_whatever_the_markers_are(self) -> None:
+        table = wait_until(lambda: self.states()["", "table"].pose, "the table is seen")
+        self.assertEqual(tuple(round(value, 3) for value in table), (4.0, 1.0, 0.8, 0.3))
+        self.assertAlmostEqual(self.truth.for_team("Others").pose("robot").z, 0.0, places=5)
+
+    def test_the_check_says_of_each_marker_where_it_is(self) -> None:
+        found = self.check(0, "--wait", "30")
+        self.assertRegex(found, r"(?m)^seen     table: mocap_table at x 4\.000 y 1\.000 z 0\.800 m, theta 0\.300 rad$")
+        self.assertRegex(found, r"(?m)^seen     robot of TestingTeam: mocap_robot at x")
+        self.assertEqual(len(re.findall("(?m)^seen ", found)), 6)
+
+    def test_the_check_names_what_is_missing_and_the_remedy(self) -> None:
+        text = pathlib.Path(default_file()).read_text(encoding="utf-8")
+        found = self.check(1, self.file(text.replace("mocap_table", "mocap_tabel")), "--wait", "1")
+        self.assertRegex(found, "(?m)^MISSING  table: frame 'mocap_tabel' was never seen: put the marker into")
+        self.assertRegex(found, "(?m)^seen     object: mocap_object")
+
+    def test_the_check_of_a_wrong_file_names_the_line(self) -> None:
+        found = self.check(1, self.file("reference_frame: testbed\nmaximum_age: soon\nmarkers: {}\n"))
+        self.assertRegex(found, r"the configuration is invalid\n.*yaml:2: found the text 'soon' as maximum_age")
+
+    def test_the_check_without_ros_says_so(self) -> None:
+        found = self.check(1, ROS_MASTER_URI="http://127.0.0.1:1")
+        self.assertRegex(found, "no ROS master: start roscore")
+
+    def test_a_dummy_with_wrong_parameters_names_them(self) -> None:
+        for name, value, pattern in (
+            ("rate", "0", "found 0, expected a number"), ("lose", "hat", "found hat, expected some of robot, person"),
+            ("ground_truth_file", "/nowhere.yaml", "no file '/nowhere.yaml'"),
+        ):
+            program = Program(
+                own("roah_rsbb_dummy_ground_truth"), "__name:=wrong_dummy", f"_{name}:={value}"
+            )
+            self.addCleanup(program.close)
+            self.assertEqual(program.wait_ended(), 1)
+            self.assertRegex(program.text, pattern)
+            rospy.delete_param(f"/wrong_dummy/{name}")
+
+    def file(self, text: str) -> str:
+        with tempfile.NamedTemporaryFile("w", suffix=".yaml", delete=False, encoding="utf-8") as file:
+            file.write(text)
+        self.addCleanup(pathlib.Path(file.name).unlink)
+        return file.name
+
+    def check(self, status: int, *arguments: str, **environment: str) -> str:
+        """Run check_ground_truth; returns what it printed."""
+        command = ["env", *(f"{name}={value}" for name, value in environment.items()),
+                   own("check_ground_truth"), *arguments]
+        done = subprocess.run(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False
+        )
+        self.assertEqual(done.returncode, status, done.stdout)
+        return done.stdout

@@ -1,0 +1,25 @@
+"""HNF, whole, with dummy robot and dummy ground truth."""
+
+from support.modules_case import FunctionalityCase
+
+
+class TestNavigation(FunctionalityCase):
+    def test_hnf(self) -> None:
+        robot = self.dummy_robot("Beta", execute_s=1.5)  # as long as the dummy world needs to drive there
+        scores, log = self.conduct("HNF")
+        self.assertEqual((scores["", "reached"], scores["", "timed_out"]), (2, 0))
+        self.assertTrue(all(0.0 <= error < 0.3 for error in self.of_each(scores, "distance_error")), scores)
+        self.assertTrue(all(0.0 <= error < 0.5 for error in self.of_each(scores, "orientation_error")), scores)
+        errors = self.of_each(scores, "distance_error")
+        self.assertAlmostEqual(scores["", "position_accuracy"], sum(errors) / 2, places=6)
+        self.assertTrue(all(1.4 < seconds < 10.0 for seconds in self.of_each(scores, "time")), scores)
+        self.assertIn("executing pose Pose(x=0.5, y=1.0, theta=3.14)", robot.text)
+        self.assertEqual(log.values("/notification"), ["on my way"] * 2)
+
+    def test_hnf_with_a_robot_that_never_arrives(self) -> None:
+        self.dummy_robot("Theta", "--never-end")
+        self.begin("HNF 2")
+        scores, _ = self.to_the_end("HNF 2", end_reason="goals_timed_out")
+        self.assertEqual((scores["", "reached"], scores["", "timed_out"]), (0, 2))
+        self.assertEqual((scores["", "position_accuracy"], scores["", "orientation_accuracy"]), (None, None))
+        self.assertEqual(self.of_each(scores, "timed_out"), [True, True])

@@ -1,0 +1,59 @@
+"""Parameters of modules that are wrong: they keep start off until they are mended, without a restart."""
+
+import shutil
+
+from support.modules_case import FaultsCase
+from support.robots import CONFIG
+
+
+class TestParameters(FaultsCase):
+    def test_what_is_wrong_can_be_mended_without_a_restart(self) -> None:
+        good = (self.folder / "STB.yaml").read_text(encoding="utf-8")
+        (self.folder / "STB.yaml").write_text("goals: []\ngoal_timeout: soon\n", encoding="utf-8")
+        (self.folder / "HNF.yaml").unlink()
+        self.modules()
+        robot = self.robot("Eta")
+        self.robot("Beta")
+        self.box.connect("STB")
+        self.box.connect("HNF")
+        self.wait_off("STB", r"STB\.yaml:1: found an empty sequence as goals", r"STB\.yaml:2: found the text 'soon'")
+        self.wait_off("HNF", r"HNF\.yaml")
+        self.assertRegex(self.box.refusal("start", "STB"), r"STB\.yaml:1: found an empty sequence")
+        (self.folder / "STB.yaml").write_text(good.replace("GOAL 1", "GOAL 7"), encoding="utf-8")
+        self.box.start("STB")
+        self.answer("STB")
+        robot.wait_did("execute STB")
+        self.assertIn("GOAL 7", robot.goals[0].text)
+        self.wait_off("HNF", r"HNF\.yaml")
+        self.box.command("stop", "STB")
+
+        shutil.copy(str(CONFIG / "modules" / "HNF.yaml"), str(self.folder))
+        truth = self.folder / "ground_truth.yaml"
+        text = truth.read_text(encoding="utf-8")
+        truth.write_text(text.replace("mocap_robot", "mocap_robt"), encoding="utf-8")
+        self.box.wait_details("HNF", lambda d: "frame 'mocap_robt'" in " ".join(d.warnings), "a warning")
+        truth.write_text(text.replace("robot:  ", "robt:  "), encoding="utf-8")
+        self.wait_off("HNF", "found the marker of 'robot' without frame")
+        truth.write_text(text, encoding="utf-8")
+        self.box.wait_zone("HNF", lambda z: z.start_enabled, "start is on")
+        self.box.wait_details("HNF", lambda d: not d.warnings, "and there is no warning any more")
+
+    def wait_off(self, zone: str, *patterns: str) -> None:
+        """Wait until start is off for these reasons, and no others."""
+        def fits(details) -> bool:
+            return len(details.start_off) == len(patterns)
+        reasons = self.box.wait_details(zone, lambda d: fits(d) and d.robot_state and d.start_off, f"off: {patterns}")
+        for reason, pattern in zip(reasons, patterns):
+            self.assertRegex(reason, pattern)
+
+    def test_a_process_drives_what_it_is_told_to(self) -> None:
+        wrong = self.modules(benchmarks="HNF,HOPV")
+        self.assertEqual(wrong.wait_ended(), 1)
+        self.assertIn("no module for HOPV: did you mean 'HOPF'?", wrong.text)
+        self.assertNotIn("Traceback", wrong.text)
+        self.modules(benchmarks="STB")
+        self.robot("Eta")
+        self.robot("Beta")
+        self.begin("STB")
+        self.box.connect("HNF")
+        self.wait_off("HNF", "no node drives HNF")

@@ -1,0 +1,322 @@
+"""Benchmark Control and Scoring, clicked on, with a fake core: real messages, real services."""
+
+import time
+
+import rospy
+from support.gui_testing import QMessageBox, Qt, QTest, answer, click, question, wait_until
+from support.panel_case import BUMPS, DOOR, PanelCase
+
+from roah_rsbb.rqt.model import calls, model
+from roah_rsbb.rqt.panels.scoring import ScoringPanel
+
+
+class TestBenchmarkControl(PanelCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.buttons = self.panel.buttons
+
+    def wait_phase(self, text: str) -> None:
+        wait_until(lambda: text in self.panel._phase.text(), f"the phase is {text}, not {self.panel._phase.text()}")
+
+    def test_a_run_by_clicks(self) -> None:
+        self.wait_phase("NOT CONNECTED")
+        self.assertEqual(self.panel.times.main.figure.text(), "10:00")
+        for command, phase in (("connect", "CONNECTED"), ("start", "RUNNING"), ("stop", "ENDED"),
+                               ("disconnect", "NOT CONNECTED")):
+            click(self.buttons[command])
+            self.wait_phase(phase)
+        self.assertEqual([call for call, _ in self.core.calls], ["connect", "start", "stop_run", "disconnect"])
+
+    def test_next_and_previous(self) -> None:
+        click(self.buttons["next"])
+        wait_until(lambda: "HWV" in self.panel._event["name"].text(), "the next event is shown")
+        self.assertEqual(self.panel._event["team"].text(), "AnotherTeam")
+        click(self.buttons["previous"])
+        wait_until(lambda: "HGTKMH" in self.panel._event["name"].text(), "the first event is shown again")
+
+    def test_each_reason_why_a_button_is_off_is_its_tooltip(self) -> None:
+        self.zone.extra_off = {"connect": ["The robot sleeps", "The referee sleeps <b>too</b>"]}
+        tip = self.buttons["connect"].toolTip
+        wait_until(lambda: "sleeps" in tip(), "the reasons are shown")
+        self.assertEqual(tip(), "<p>• The robot sleeps<br>• The referee sleeps &lt;b&gt;too&lt;/b&gt;</p>")
+        self.assertFalse(self.buttons["connect"].isEnabled())
+        # "wait_until" again: details and state are two messages.
+        start_off = "No run is connected: press connect first"
+        wait_until(lambda: self.buttons["start"].why_off == start_off, "start's reason is shown")
+
+    def test_warnings_of_the_box_are_shown_to_every_referee(self) -> None:
+        self.core.box_warnings = ["ANOTHER RSBB <here>"]
+        self.zone.warnings = ["No message from the robot for 4 s"]
+        text = self.panel.state.toPlainText
+        wait_until(lambda: "⚠ ANOTHER RSBB <here>" in text() and "⚠ No message" in text(), "both warnings are shown")
+
+    def test_a_refused_command_says_why_and_may_be_given_again(self) -> None:
+        self.core.refuse = "The robot has just left"
+        click(self.buttons["connect"])
+        wait_until(lambda: "The robot has just left" in self.panel._answer.text(), "the reason is shown")
+        self.assertIn("Connect in Home A failed", self.panel._answer.text())
+        self.core.refuse = None
+        click(self.buttons["connect"])
+        self.wait_phase("● CONNECTED")
+
+    def test_a_core_that_does_not_answer_blocks_nothing(self) -> None:
+        self.core.answer_gate.clear()
+        limit, calls.TIMEOUT_S = calls.TIMEOUT_S, 1.0
+        try:
+            began = time.monotonic()
+            click(self.buttons["connect"])
+            self.assertLess(time.monotonic() - began, 1.0)
+            before = self.client.model.clock_s
+            wait_until(lambda: self.client.model.clock_s > before, "messages are still shown")
+            wait_until(lambda: "no answer within 1 s" in self.panel._answer.text(), "the referee is told")
+        finally:
+            calls.TIMEOUT_S = limit
+
+    def test_a_double_click_on_stop_stops_and_does_not_leave(self) -> None:
+        self.zone.command("connect")
+        self.zone.command("start")
+        self.wait_phase("RUNNING")
+        wait_until(self.buttons["stop"].isEnabled, "stop is on")
+        for _ in range(2):
+            QTest.mouseClick(self.buttons["stop"], Qt.LeftButton)
+        self.wait_phase("ENDED")
+        wait_until(lambda: not self.buttons["stop"].isEnabled(), "stop is off")
+        self.assertEqual(self.core.calls, [("stop_run", "Home A")])
+
+    def test_a_stop_in_the_moment_in_which_the_run_ends_does_not_leave_it(self) -> None:
+        self.zone.command("connect")
+        self.zone.command("start")
+        self.wait_phase("RUNNING")
+        wait_until(self.buttons["stop"].isEnabled, "stop is on")
+        self.core.silent = True
+        self.zone.phase, self.zone.end_reason = "ended", "completed"
+        QTest.mouseClick(self.buttons["stop"], Qt.LeftButton)
+        self.wait_call("stop_run", "Home A")
+        self.core.silent = False
+        self.wait_phase("ENDED")
+
+    def test_disconnect_asks_while_the_run_goes_on(self) -> None:
+        self.zone.command("connect")
+        self.zone.command("start")
+        self.wait_phase("RUNNING")
+        click(self.buttons["disconnect"])
+        answer(question(), QMessageBox.RejectRole)
+        click(self.buttons["disconnect"])
+        answer(question(), QMessageBox.AcceptRole)
+        self.wait_phase("NOT CONNECTED")
+        self.assertEqual(self.core.calls, [("disconnect", "Home A")])
+
+    # -- keys -----------------------------------------------------------------------------------------
+
+    def press(self, key: int) -> None:
+        QTest.keyClick(self.panel.windowHandle(), key)
+        pressed = time.monotonic()
+        wait_until(lambda: time.monotonic() - pressed > 0.15, "the key has stopped bouncing")
+
+    def test_a_key_pressed_twice_starts_and_stops(self) -> None:
+        self.zone.command("connect")
+        wait_until(self.buttons["start"].isEnabled, "start is on")
+        self.press(Qt.Key_F5)
+        self.assertIn("Press F5 again", self.panel._answer.text())
+        self.press(Qt.Key_F5)
+        self.wait_phase("RUNNING")
+        self.press(Qt.Key_Escape)
+        self.assertEqual([call for call, _ in self.core.calls], ["start"])
+        self.assertIn("STOP Home A?  Press Esc again", self.client.stop_keys.prompt.text())
+        self.press(Qt.Key_Escape)
+        self.wait_phase("ENDED")
+
+    def test_a_second_press_after_the_zone_changed_stops_nothing(self) -> None:
+        for zone in self.core.zones.values():
+            zone.command("connect")
+            zone.command("start")
+        self.wait_phase("RUNNING")
+        wait_until(self.buttons["stop"].isEnabled, "stop is on")
+        self.press(Qt.Key_Escape)
+        self.client.model.choose_zone("Home B")
+        self.press(Qt.Key_Escape)
+        self.assertEqual(self.core.calls, [])
+        self.press(Qt.Key_Escape)
+        self.wait_call("stop_run", "Home B")
+
+    def test_a_key_whose_button_is_off_says_why(self) -> None:
+        wait_until(lambda: self.client.model.zone_details is not None, "the reasons are heard")
+        self.press(Qt.Key_F5)
+        self.assertIn("press connect first", self.panel._answer.text())
+        self.assertEqual(self.core.calls, [])
+
+    # -- zones ----------------------------------------------------------------------------------------
+
+    def test_the_zone_chosen_here_is_the_clients_zone(self) -> None:
+        box = self.panel._zones
+        box.setCurrentIndex(box.findText("Home B"))
+        box.activated.emit(box.currentIndex())
+        self.assertEqual(self.client.model.zone_name, "Home B")
+        wait_until(lambda: rospy.get_param("current_zone") == "Home B", "other processes of the client see it")
+
+    def test_the_clients_parameter_is_followed(self) -> None:
+        rospy.set_param("current_zone", "Home B")
+        wait_until(lambda: self.panel._zones.currentText() == "Home B", "the panel shows the zone")
+        click(self.buttons["connect"])
+        self.wait_call("connect", "Home B")
+
+    def test_without_a_choice_the_first_zone_is_shown(self) -> None:
+        rospy.set_param("current_zone", "")
+        wait_until(lambda: self.client.model._zone_parameter.value == "", "the parameter is read")
+        self.assertEqual(self.client.model.zone_name, "Home A")
+
+    def test_a_zone_that_there_is_not_is_not_replaced_by_another(self) -> None:
+        rospy.set_param("current_zone", "Nowhere")
+        self.wait_phase("NO SUCH ZONE")
+        self.assertFalse(any(b.isEnabled() for b in self.buttons.values()))
+        self.assertIn("Nowhere", self.panel.state.toPlainText())
+
+    # -- a silent core --------------------------------------------------------------------------------
+
+    def test_a_silent_core_is_seen_at_once_and_forgotten_when_it_is_back(self) -> None:
+        self.zone.command("connect")
+        self.zone.command("start")
+        self.wait_phase("RUNNING")
+        self.core.silent = True
+        wait_until(lambda: "OLD" in self.panel._news.text(), "it is marked as old")
+        self.assertTrue(self.panel.times.main.figure.text().startswith("("))
+        on = {name for name, button in self.buttons.items() if button.isEnabled()}
+        self.assertEqual(on, {"stop"})  # it may still get through
+        self.assertIn("silent", self.buttons["disconnect"].why_off)
+        self.core.silent = False
+        wait_until(lambda: "live" in self.panel._news.text(), "it is live again")
+        self.assertFalse(self.panel.times.main.figure.text().startswith("("))
+
+    def test_of_a_core_that_stays_silent_the_last_state_is_still_shown(self) -> None:
+        limit, model.DETAILS_SILENT_S = model.DETAILS_SILENT_S, 0.5
+        self.addCleanup(setattr, model, "DETAILS_SILENT_S", limit)
+        self.zone.command("connect")
+        self.zone.command("start")
+        self.wait_phase("RUNNING")
+        self.core.silent = True
+        wait_until(lambda: self.client.model.silence_s > 1.0, "details and state are both old")
+        self.panel.show_model()
+        self.assertIn("OLD", self.panel._news.text())
+        self.assertIn("RUNNING", self.panel._phase.text())
+
+    def test_a_call_that_reached_nobody_says_what_to_look_at(self) -> None:
+        for raised in ("service [/core/stop] unavailable", "unable to connect to service: [Errno 104] Connection reset",
+                       "transport error completing service call: unable to receive data from sender"):
+            with self.subTest(raised):
+                self.assertIn("is the core running?", calls.error_text(raised))
+                self.assertIn(raised, calls.error_text(raised))
+
+    def test_the_latched_message_of_a_core_that_hangs_is_no_sign_of_life(self) -> None:
+        self.core.silent = True
+        wait_until(lambda: self.client.model.is_old, "the core is old")
+        heard, gui = self.client.model._heard, self.client.model.gui
+        feed, taken = self.client.model._feed, []
+        take = feed.take
+        feed.take = lambda topic: taken.append(take(topic)) or taken[-1]
+        feed.renew()
+        wait_until(lambda: any(taken), "the latched message came again")
+        self.assertEqual(self.client.model._heard, heard)
+        self.assertIs(self.client.model.gui, gui)
+
+    def test_nothing_moves_under_the_referees_hand(self) -> None:
+        places = set()
+
+        def look() -> None:
+            QTest.qWait(50)  # let a new layout happen, if there is one
+            places.add(tuple(str(self.buttons[name].geometry()) for name in ("start", "stop", "disconnect")))
+
+        self.zone.robot = "a robot with a long name " * 3
+        self.panel.resize(1, 1)  # as small as it can be: then anything that needs more room makes it grow
+        look()
+        for command, phase in (("connect", "● CONNECTED"), ("start", "RUNNING"), ("stop", "ENDED")):
+            self.zone.command(command)
+            self.wait_phase(phase)
+            look()
+        self.zone.end_reason = "no_messages_saved"
+        self.zone.warnings = [f"Warning {n}, which is somewhat longer than a line of the panel is" for n in range(9)]
+        self.core.refuse = "for many good reasons; " * 10
+        click(self.buttons["start"])
+        wait_until(lambda: "good reasons" in self.panel._answer.text(), "the refusal is shown")
+        look()
+        self.core.silent = True
+        wait_until(lambda: "OLD" in self.panel._news.text(), "it is marked as old")
+        look()
+        self.assertEqual(len(places), 1, places)
+
+
+class TestScoring(PanelCase):
+    PANEL = ScoringPanel
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.zone.command("connect")
+        wait_until(lambda: self.panel.rows, "the sheet is shown")
+
+    @property
+    def bumps(self):
+        return self.panel.rows[BUMPS]
+
+    def test_marking_items(self) -> None:
+        click(self.panel.rows[DOOR].toggle)
+        self.wait_call("score", "Home A", *DOOR, 1)
+        wait_until(lambda: self.panel.rows[DOOR].toggle.text() == "✔ Yes", "it is marked")
+        click(self.panel.rows[DOOR].toggle)
+        self.wait_call("score", "Home A", *DOOR, 0)
+        click(self.bumps.more)
+        self.wait_call("score", "Home A", *BUMPS, 1)
+        click(self.bumps.less)
+        self.wait_call("score", "Home A", *BUMPS, 0)
+        wait_until(lambda: self.bumps.number.text() == "0", "it is counted")
+        self.assertFalse(self.bumps.less.isEnabled())
+
+    def test_quick_clicks_arrive_in_order(self) -> None:
+        self.core.answer_gate.clear()
+        for _ in range(5):
+            click(self.bumps.more)
+        self.assertEqual(self.bumps.number.text(), "5 …")
+        wait_until(lambda: self.core.calls, "the first call is made")
+        self.core.answer_gate.set()
+        wait_until(lambda: self.zone.scores.get(BUMPS) == 5, "the last value is set")
+        wait_until(lambda: self.bumps.number.text() == "5", "it is confirmed")
+        self.assertEqual([call[-1] for call in self.core.calls], [1, 5])
+
+    def test_an_older_message_does_not_overwrite(self) -> None:
+        self.core.silent = True
+        last = self.client.model.clock_s
+        click(self.bumps.more)
+        wait_until(lambda: self.bumps.number.text() == "1", "the core has answered")
+        self.core.publish(clock=last + 0.02, scores={})
+        wait_until(lambda: self.client.model.clock_s > last, "the older message has come")
+        self.assertEqual(self.bumps.number.text(), "1")
+        self.core.publish(clock=time.time() + 1.0, scores={BUMPS: 4})  # and then another referee's
+        wait_until(lambda: self.bumps.number.text() == "4", "the newer one is shown")
+
+    def test_a_failed_call_is_shown_and_the_item_goes_back(self) -> None:
+        self.core.refuse = "The run is over"
+        click(self.panel.rows[DOOR].toggle)
+        wait_until(lambda: "The run is over" in self.panel._answer.text(), "the failure is shown")
+        wait_until(lambda: self.panel.rows[DOOR].toggle.text() == "No", "the item goes back")
+
+    def test_an_answer_after_the_zone_changed_touches_no_other_sheet(self) -> None:
+        self.core.zones["Home B"].command("connect")
+        self.core.answer_gate.clear()
+        click(self.bumps.more)
+        wait_until(lambda: self.core.calls, "the call is made")
+        self.client.model.choose_zone("Home B")
+        wait_until(lambda: "Home B" in self.panel._where.text() and self.panel.rows, "the other sheet is shown")
+        self.core.answer_gate.set()
+        wait_until(lambda: self.zone.scores.get(BUMPS) == 1, "the core has set it in the first zone")
+        wait_until(lambda: self.bumps.more.isEnabled(), "the other sheet may be marked")
+        self.assertEqual(self.bumps.number.text(), "0")
+        self.assertEqual(self.core.zones["Home B"].scores, {})
+
+    def test_without_a_run_there_is_no_sheet(self) -> None:
+        self.zone.command("disconnect")
+        wait_until(lambda: not self.panel.rows and "connected" in self.panel._nothing.text(), "there is no sheet")
+
+    def test_nothing_can_be_marked_while_the_core_is_silent(self) -> None:
+        self.core.silent = True
+        wait_until(lambda: not self.bumps.more.isEnabled(), "it cannot be marked")
+        self.assertIn("OLD", self.panel._news.text())
+        self.core.silent = False
+        wait_until(self.bumps.more.isEnabled, "it can be marked again")

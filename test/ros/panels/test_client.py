@@ -1,0 +1,272 @@
+"""The other panels, the plugins and the window, with a fake core."""
+
+import importlib
+import pathlib
+import sys
+import tempfile
+import types
+import unittest
+from xml.etree import ElementTree
+
+import rosgraph
+import rospy
+from std_srvs.srv import Empty
+from support.fakes.core import FakeCore
+from support.gui_testing import QMessageBox, Qt, QTest, answer, click, question, show, wait_until
+
+from roah_rsbb.rqt.app.panel_list import PANELS
+from roah_rsbb.rqt.app.window import Window
+from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.panels.active_robots import COLUMNS, ActiveRobotsPanel
+from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
+from roah_rsbb.rqt.panels.log_display import LogDisplayPanel
+from roah_rsbb.rqt.panels.online_data import OnlineDataPanel
+from roah_rsbb.rqt.panels.tablet_status import TabletStatusPanel
+from roah_rsbb.rqt.qt import QObject, QSettings
+from roah_rsbb.rqt.widgets.basic import ALARM, OLD
+
+PLUGIN_XML = pathlib.Path(__file__).resolve().parents[3] / "plugin.xml"
+
+
+class CoreCase(unittest.TestCase):
+    """A fake core in this process."""
+
+    def setUp(self) -> None:
+        rospy.set_param("current_zone", "Home A")
+        self.core = FakeCore()
+        self.zone = self.core.zones["Home A"]
+        self.addCleanup(self.core.close)
+
+    def open(self, kind: type):
+        """Open one panel, until the test ends."""
+        client = Client.acquire()
+        panel = kind(client)
+        self.addCleanup(Client.release)
+        self.addCleanup(panel.close)
+        self.addCleanup(panel.shutdown)
+        show(panel)
+        wait_until(lambda: client.model.zone is not None and not client.model.is_old, "the core is heard")
+        return panel
+
+
+class TestPanels(CoreCase):
+    def test_active_robots(self) -> None:
+        self.zone.command("connect")
+        table = self.open(ActiveRobotsPanel).table
+
+        def lines():
+            return [[table.item(row, column).text() for column in (0, 1, 3, 4)] for row in range(table.rowCount())]
+
+        wait_until(lambda: lines() == [["TestingTeam", "mbot", "+0.012 s", "Home A"],
+                                       ["AnotherTeam", "amigo", "-0.087 s", "–"]], "both robots are shown")
+        self.core.zones["Home B"].all_robots = ["amigo of team AnotherTeam: ready"]
+        wait_until(lambda: [line[3] for line in lines()] == ["Home A", "Home B"], "one of all robots at once is shown")
+        link = COLUMNS.index("Link")
+        wait_until(lambda: table.item(0, link).text() == "▮▮▮ good", "the link is good")
+        self.core.heard_ago_s = 5.0
+        wait_until(lambda: table.item(0, link).text().startswith("▮▯▯ poor, 5"), "it is poor")
+        self.core.robots = []
+        wait_until(lambda: lines()[0][0] == "No robot is heard" and len(lines()) == 1, "they are gone")
+
+    def test_core_status(self) -> None:
+        self.zone.command("connect")
+        self.zone.command("start")
+        panel = self.open(CoreStatusPanel)
+        wait_until(lambda: panel._values["runs"].text() == "1 of 2 zones", "the run is counted")
+        self.assertEqual(panel.notices.toPlainText(), "OK")
+        self.assertEqual(panel._values["addr"].text(), "127.255.255.255")
+        self.core.status = "ANOTHER RSBB"
+        self.core.box_warnings = ["ANOTHER RSBB"]
+        wait_until(lambda: panel.notices.toPlainText() == "⚠ ANOTHER RSBB", "the warning is shown, once")
+
+    def test_tablet_status(self) -> None:
+        panel = self.open(TabletStatusPanel)
+        values = {name: label.text() for name, label in panel._values.items()}
+        self.assertIn("just now", values["heard"])
+        self.assertEqual((values["display"], values["position"]), ("Map", "x 1.50 m, y 3.25 m"))
+        self.core.tablet_heard = False
+        wait_until(lambda: panel._values["heard"].text() == "never", "a tablet that was never heard")
+
+    def test_the_log_is_followed_and_can_be_held(self) -> None:
+        panel = self.open(LogDisplayPanel)
+        show(panel, 400, 200)
+        text, bar = panel.view.toPlainText, panel.view.verticalScrollBar()
+        self.zone.log = "".join(f"line {n}\n" for n in range(100))
+        wait_until(lambda: "line 99" in text() and bar.value() == bar.maximum(), "the end is shown")
+        click(panel.follow)
+        bar.setValue(10)
+        # The core publishes only the end: the panel keeps what it saw.
+        self.zone.log = self.zone.log[200:] + "line 100\n"
+        wait_until(lambda: "line 100" in text(), "a line more")
+        self.assertEqual(bar.value(), 10)
+        self.assertTrue(text().startswith("line 0\n"))
+        click(panel.follow)
+        self.assertEqual(bar.value(), bar.maximum())
+        self.zone.log = "a new run\n"
+        wait_until(lambda: text() == "a new run\n", "another text replaces it")
+
+    def test_levels_of_the_log_stand_out(self) -> None:
+        panel = self.open(LogDisplayPanel)
+        self.zone.log = "08:00:00 a WARNING: in words\n08:00:01 WARNING: silent\n08:00:02 ERROR: gone\n"
+        wait_until(lambda: "ERROR" in panel.view.toPlainText(), "the log is shown")
+
+        def tone(number: int) -> str:
+            looks = panel.view.document().findBlockByNumber(number).layout().formats()
+            return looks[0].format.background().color().name() if looks else ""
+
+        wait_until(lambda: tone(2), "the highlighter has worked")
+        self.assertEqual([tone(number) for number in range(3)], ["", OLD.background, ALARM.background])
+
+    def test_searching_the_log(self) -> None:
+        panel = self.open(LogDisplayPanel)
+        show(panel, 500, 260)
+        search, bar = panel.search, panel.view.verticalScrollBar()
+        self.zone.log = "".join(f"line {n}{' Robot' if n % 40 == 7 else ''}\n" for n in range(100))
+        wait_until(lambda: "line 99" in panel.view.toPlainText(), "the log is shown")
+        self.assertFalse(search.next.isEnabled())
+        QTest.keyClick(panel.view, Qt.Key_F, Qt.ControlModifier)
+        wait_until(search.line.hasFocus, "the key goes to the search")
+        QTest.keyClicks(search.line, "robot")
+        self.assertEqual(search.count.text(), "3 found")
+        self.assertEqual(len(panel.view.extraSelections()), 3)
+        for number, line in ((1, 7), (2, 47), (3, 87), (1, 7)):
+            click(search.next)
+            self.assertEqual(search.count.text(), f"{number} of 3")
+            self.assertEqual(panel.view.textCursor().blockNumber(), line)
+        QTest.keyClick(search.line, Qt.Key_F3, Qt.ShiftModifier)
+        self.assertEqual(panel.view.textCursor().blockNumber(), 87)
+        # What comes moves neither the view nor the place.
+        self.assertFalse(panel.follow.isChecked())
+        at = bar.value()
+        self.zone.log += "line 100 Robot\n"
+        wait_until(lambda: search.count.text() == "3 of 4", "the new one is counted")
+        self.assertEqual(bar.value(), at)
+        search.line.setText("nobody")
+        self.assertEqual(search.count.text(), "none")
+        self.assertFalse(search.next.isEnabled())
+        search.line.clear()
+        self.assertEqual((search.count.text(), panel.view.extraSelections()), ("", []))
+
+    def test_online_data(self) -> None:
+        panel = self.open(OnlineDataPanel)
+        self.zone.online_data = "visitor: <b>postman</b>\n"
+        wait_until(lambda: panel.view.toPlainText() == "visitor: <b>postman</b>\n", "it is shown as it is")
+
+    def test_exit_asks_and_says_what_it_ends(self) -> None:
+        ended = []
+        service = rospy.Service("/roah_rsbb_shutdown", Empty, lambda _request: ended.append(1) or [])
+        self.addCleanup(service.shutdown)
+        panel = self.open(CoreStatusPanel)
+        click(panel.exit)
+        box = question()
+        # This process lives in the root namespace: the service there is the core's.
+        self.assertIn("End the whole RSBB", box.text())
+        answer(box, QMessageBox.RejectRole)
+        self.assertEqual(ended, [])
+        click(panel.exit)
+        answer(question(), QMessageBox.AcceptRole)
+        wait_until(lambda: ended, "the service is called")
+
+    def test_exit_without_its_service_says_so(self) -> None:
+        panel = self.open(CoreStatusPanel)
+        click(panel.exit)
+        answer(question(), QMessageBox.AcceptRole)
+        wait_until(lambda: "Exit failed" in panel._answer.text() and panel._answer.isVisible(), "the failure is shown")
+
+
+class _Context(QObject):
+    """What rqt hands a plugin."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.widgets = []
+
+    def serial_number(self) -> int:
+        return 2
+
+    def add_widget(self, widget) -> None:
+        self.widgets.append(widget)
+        show(widget)
+
+
+class _Settings(dict):
+    """rqt's settings; they come back as texts."""
+
+    def set_value(self, key, value) -> None:
+        self[key] = str(value).lower()
+
+    def value(self, key, default=None):
+        return self.get(key, default)
+
+
+def _load_rqt() -> None:
+    """rqt's base class, or the like of it where rqt is not installed."""
+    try:
+        importlib.import_module("rqt_gui_py.plugin")
+    except ImportError:
+        package, module = types.ModuleType("rqt_gui_py"), types.ModuleType("rqt_gui_py.plugin")
+        module.Plugin = type("Plugin", (QObject,), {})
+        sys.modules.update({"rqt_gui_py": package, "rqt_gui_py.plugin": module})
+
+
+class TestPlugins(CoreCase):
+    def test_each_plugin_of_plugin_xml_opens_keeps_its_settings_and_ends(self) -> None:
+        _load_rqt()
+        opened = []
+        for element in ElementTree.parse(PLUGIN_XML).getroot().iter("class"):
+            module, _, name = element.get("type").rpartition(".")
+            plugin = getattr(importlib.import_module(module), name)(_Context())
+            opened.append(plugin)
+            label = element.findtext("qtgui/label")
+            self.assertEqual(plugin.panel.windowTitle(), f"{label} (2)")
+            settings = _Settings()
+            plugin.save_settings(_Settings(), settings)
+            plugin.restore_settings(_Settings(), settings)
+        self.assertEqual({type(plugin.panel) for plugin in opened}, set(PANELS))
+        wait_until(lambda: all("live" in plugin.panel._news.text() for plugin in opened), "all of them show the core")
+        nodes = [nodes for topic, nodes in rosgraph.Master("/t").getSystemState()[1] if topic == "/core/to_gui"]
+        self.assertEqual(nodes, [[rospy.get_name()]])
+        for plugin in opened:
+            plugin.shutdown_plugin()
+            plugin.panel.close()
+        self.assertIsNone(Client._shared)
+        subscribed = [topic for topic, _ in rosgraph.Master("/t").getSystemState()[1]]
+        self.assertNotIn("/core/to_gui", subscribed)
+
+    def test_following_is_kept(self) -> None:
+        panel, settings = self.open(LogDisplayPanel), _Settings()
+        panel.follow.setChecked(False)
+        panel.save_settings(settings)
+        panel.follow.setChecked(True)
+        panel.restore_settings(settings)
+        self.assertFalse(panel.follow.isChecked())
+
+
+class TestWindow(CoreCase):
+    def test_the_window_keeps_its_layout_and_its_panels_settings(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            settings = QSettings(f"{folder}/window.ini", QSettings.IniFormat)
+            window = Window(settings)
+            show(window, 1200, 700)
+            wait_until(lambda: "live" in window.panels["ScoringPanel"]._news.text(), "the core is shown")
+            self.assertTrue(all(dock.isVisible() or window.tabifiedDockWidgets(dock) for dock in window.docks.values()))
+            window.docks["TabletStatusPanel"].hide()
+            window.panels["LogDisplayPanel"].follow.setChecked(False)
+            window.shutdown()
+            window.close()
+            again = Window(QSettings(f"{folder}/window.ini", QSettings.IniFormat))
+            show(again, 1200, 700)
+            self.assertFalse(again.docks["TabletStatusPanel"].isVisible())
+            self.assertFalse(again.panels["LogDisplayPanel"].follow.isChecked())
+            again.shutdown()
+            again.close()
+
+    def test_closing_the_window_of_a_launch_asks(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            window = Window(QSettings(f"{folder}/window.ini", QSettings.IniFormat), of_launch=True)
+            show(window, 1200, 700)
+            window.close()
+            self.assertTrue(window.isVisible())
+            answer(question(), QMessageBox.RejectRole)
+            window.shutdown()
+            window.hide()

@@ -1,0 +1,135 @@
+"""Programs and launch files that open windows, with a core in another process that is killed, too."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+import xmlrpc.client
+from typing import List
+
+import rosgraph
+import rosnode
+import rospy
+from std_srvs.srv import Empty
+from support.gui_testing import wait_until
+from support.programs import own
+from support.waiting import LIMIT_S
+
+from roah_rsbb.rqt.app import alone
+from roah_rsbb.rqt.app.panel_list import PANELS
+from roah_rsbb.rqt.model.client import Client
+
+ROS_TESTS = pathlib.Path(__file__).resolve().parents[1]
+LAUNCH = ROS_TESTS.parents[1] / "launch"
+AT_A_TIME = 3  # panels
+
+
+def _names(end: str) -> list:
+    return [name for name in rosnode.get_node_names() if name.endswith(end)]
+
+
+def _listeners() -> set:
+    """The nodes that listen to the core, without what makes an anonymous name unique."""
+    listening = dict(rosgraph.Master("/t").getSystemState()[1])
+    return {name.rsplit("_", 2)[0] for name in listening.get("/core/to_gui", ())}
+
+
+def _end(process: subprocess.Popen) -> None:
+    if process.poll() is None:
+        process.send_signal(signal.SIGINT)
+        process.wait(LIMIT_S)
+
+
+class TestPrograms(unittest.TestCase):
+    """Programs and launch files, with a core in another process."""
+
+    def start(self, *command: str, **environment: str) -> subprocess.Popen:
+        process = subprocess.Popen(
+            command, cwd=str(ROS_TESTS), env={**os.environ, **environment}, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(_end, process)
+        return process
+
+    def start_core(self) -> subprocess.Popen:
+        return self.start(sys.executable, "-m", "support.fakes.core")
+
+    def pid_of(self, node: str) -> int:
+        return xmlrpc.client.ServerProxy(rosgraph.Master("/t").lookupNode(node)).getPid("/t")[2]
+
+    def test_a_core_that_was_killed_is_found_again(self) -> None:
+        core = self.start_core()
+        client = Client.acquire()
+        self.addCleanup(Client.release)
+        wait_until(lambda: not client.model.is_old, "the core is heard")
+        core.kill()
+        wait_until(lambda: client.model.is_old, "it is gone")
+        self.start_core()
+        wait_until(lambda: not client.model.is_old, "the new one is heard")
+
+    def test_a_client_opens_comes_back_after_a_crash_and_ends_by_its_exit(self) -> None:
+        launch = self.start("roslaunch", str(LAUNCH / "roah_rsbb_client.launch"), "gui:=window", "zone:=Home B")
+        wait_until(lambda: _names("/roah_rsbb_gui"), "the window is a node")
+        node = _names("/roah_rsbb_gui")[0]
+        namespace = node.rpartition("/")[0]
+        self.assertTrue(namespace.startswith("/roah_rsbb_client"), node)
+        self.assertEqual(rospy.get_param(f"{namespace}/current_zone"), "Home B")
+        first = self.pid_of(node)
+        os.kill(first, signal.SIGKILL)
+
+        def is_back() -> bool:
+            try:
+                return self.pid_of(node) != first
+            except (OSError, rosgraph.MasterException):
+                return False
+
+        wait_until(is_back, "the window is opened again")
+        rospy.wait_for_service(f"{namespace}/roah_rsbb_shutdown", LIMIT_S)
+        rospy.ServiceProxy(f"{namespace}/roah_rsbb_shutdown", Empty)()
+        wait_until(lambda: launch.poll() is not None, "the client ends")
+        self.assertEqual(_names("/roah_rsbb_gui"), [])  # it took its leave of the master
+
+    def test_each_panel_opens_alone_and_ends(self) -> None:
+        self.start_core()
+        names = [alone.name_of(kind) for kind in PANELS]
+        # A few at a time: all of them at once would only wait for one another.
+        for first in range(0, len(names), AT_A_TIME):
+            self.open_and_end(names[first:first + AT_A_TIME])
+
+    def open_and_end(self, names: List[str]) -> None:
+        programs = [self.start(own(name)) for name in names]
+        wait_until(lambda: _listeners() >= {f"/{name}" for name in names}, f"{names} listen to the core")
+        for program in programs:
+            program.send_signal(signal.SIGINT)
+        for name, program in zip(names, programs):
+            _, said = program.communicate(timeout=LIMIT_S)
+            self.assertEqual(program.returncode, 0, f"{name}: {said}")
+            self.assertNotIn("Traceback", said)
+
+    def test_a_panel_alone_keeps_its_settings(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            kept = pathlib.Path(folder) / "roah_rsbb" / "roah_rsbb_log_display.conf"
+            kept.parent.mkdir()
+            kept.write_text("[LogDisplayPanel]\nfollow=false\n", encoding="utf-8")
+            program = self.start(own("roah_rsbb_log_display"), XDG_CONFIG_HOME=folder)
+            wait_until(lambda: "/roah_rsbb_log_display" in _listeners(), "it listens to the core")
+            program.send_signal(signal.SIGINT)
+            self.assertEqual(program.wait(LIMIT_S), 0)
+            self.assertIn("follow=false", kept.read_text(encoding="utf-8"))
+            self.assertIn("geometry=", kept.read_text(encoding="utf-8"))
+
+    def test_the_public_display_opens_and_ends(self) -> None:
+        launch = self.start("roslaunch", str(LAUNCH / "roah_rsbb_public.launch"))
+        wait_until(lambda: _names("/roah_rsbb_public"), "the display is a node")
+        launch.send_signal(signal.SIGINT)
+        wait_until(lambda: launch.poll() is not None, "it ends")
+        self.assertEqual(_names("/roah_rsbb_public"), [])
+
+    def test_without_a_display_one_line_and_no_error(self) -> None:
+        gui = self.start(own("roah_rsbb_gui"), "--gui", "auto", DISPLAY="", WAYLAND_DISPLAY="")
+        _, said = gui.communicate(timeout=LIMIT_S)
+        self.assertEqual(gui.returncode, 0)
+        self.assertEqual(len(said.splitlines()), 1, said)
+        self.assertIn("No display", said)

@@ -1,0 +1,258 @@
+"""What a referee under stress relies on, in the whole window, with a real mouse and keyboard."""
+
+import tempfile
+import unittest
+from unittest import mock
+
+import rospy
+from PyQt5 import sip
+from support import gui_testing  # first: gives this process a virtual display
+from support.fakes.core import FakeCore
+from support.gui_testing import QApplication, QMessageBox, QPoint, QTest, QWidget, click, wait_until
+from support.real_input import click_at, middle_of, press_key
+
+from roah_rsbb.rqt.app.window import Window
+from roah_rsbb.rqt.model import presses
+from roah_rsbb.rqt.model.client import Client
+from roah_rsbb.rqt.panels.history import HistoryDialog
+from roah_rsbb.rqt.qt import QDialog, QSettings, QTimer
+from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
+
+DOOR = ("Achievements", "The robot detects the door with changed state")
+BUMPS = ("Penalized behaviours", "Bumps into the furniture")
+STOP_HOME_A = ("stop_run", "Home A")
+
+
+def is_closed(dialog: QDialog) -> bool:
+    """Whether a dialog that is deleted when it closes is gone."""
+    return sip.isdeleted(dialog) or not dialog.isVisible()
+
+
+class WindowCase(unittest.TestCase):
+    """Our window with all panels, and a fake core."""
+
+    ZONES = ("Home A", "Home B")
+    SIZE = gui_testing.SCREEN
+
+    def setUp(self) -> None:
+        within = mock.patch.object(presses, "WITHIN_S", 600.0)  # a busy machine may be slow between two presses
+        within.start()
+        self.addCleanup(within.stop)
+        rospy.set_param("current_zone", self.ZONES[0])
+        self.core = FakeCore(self.ZONES)
+        self.addCleanup(self.core.close)
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.window = Window(QSettings(f"{folder.name}/window.ini", QSettings.IniFormat))
+        self.addCleanup(self.end)
+        self.client = Client._shared
+        self.window.resize(*self.SIZE)
+        self.window.move(0, 0)
+        self.window.show()
+        self.window.activateWindow()
+        wait_until(lambda: QApplication.activeWindow() is self.window, "the window has the focus")
+        self.zone = self.core.zones["Home A"]
+        self.control = self.panel("BenchmarkControlPanel")
+        self.scoring = self.panel("ScoringPanel")
+        self.prompt = self.client.stop_keys.prompt
+        wait_until(lambda: self.client.model.zone is not None and not self.client.model.is_old, "the core is heard")
+
+    def end(self) -> None:
+        self.window.shutdown()
+        self.window.close()
+        for dialog in self.window.findChildren(QDialog):
+            dialog.deleteLater()
+
+    def panel(self, name: str) -> QWidget:
+        return self.window.panels[name]
+
+    def run_zone(self, zone: str = "Home A") -> None:
+        self.core.zones[zone].command("connect")
+        self.core.zones[zone].command("start")
+        wait_until(lambda: zone in self.client.model.running_zones(), "the run is in progress")
+        wait_until(lambda: self.scoring.rows, "the score sheet is shown")
+
+    def dialog(self, kind: type) -> QDialog:
+        found = []
+
+        def is_open() -> bool:
+            found[:] = [d for d in QApplication.topLevelWidgets() if isinstance(d, kind) and d.isVisible()]
+            return bool(found)
+
+        wait_until(is_open, f"{kind.__name__} is open")
+        found[0].move(self.window.width() - found[0].width(), 0)  # a referee can move it, too
+        found[0].activateWindow()
+        wait_until(lambda: QApplication.activeWindow() is found[0], "it has the focus")
+        return found[0]
+
+    def ask_note(self) -> QDialog:
+        self.scoring.rows[BUMPS].with_note.trigger()
+        return self.dialog(ScoreDialog)
+
+    def wait_call(self, *call: object) -> None:
+        wait_until(lambda: call in self.core.calls, f"{call} is called; there were {self.core.calls}")
+
+    def wait_prompt(self, text: str) -> None:
+        wait_until(lambda: self.prompt.isVisible() and text in self.prompt.text(),
+                   f"the prompt says '{text}', not '{self.prompt.text()}'")
+
+
+class TestStop(WindowCase):
+    def click_stop(self) -> None:
+        button = self.control.buttons["stop"]
+        wait_until(button.isEnabled, "STOP is enabled")
+        click_at(middle_of(button))
+
+    def test_the_mouse_reaches_stop_while_a_dialog_is_open(self) -> None:
+        self.run_zone()
+        self.ask_note()
+        self.click_stop()
+        self.wait_call(*STOP_HOME_A)
+
+    def test_the_mouse_reaches_stop_while_a_question_is_open(self) -> None:
+        self.run_zone()
+        click(self.control.buttons["disconnect"])
+        question = self.dialog(QMessageBox)
+        self.click_stop()
+        self.wait_call(*STOP_HOME_A)
+        self.assertNotIn(("disconnect", "Home A"), self.core.calls)
+        self.assertTrue(question.isVisible())
+
+    def test_esc_twice_stops_with_a_dialog_open_and_the_first_closes_it(self) -> None:
+        self.run_zone()
+        dialog = self.ask_note()
+        press_key("Escape")
+        self.wait_prompt("STOP Home A?  Press Esc again")
+        wait_until(lambda: is_closed(dialog), "the dialog is closed")
+        self.assertEqual(self.core.calls, [])
+        press_key("Escape")
+        self.wait_call(*STOP_HOME_A)
+        self.wait_prompt("Stop Home A: done")
+
+    def test_esc_twice_stops_with_a_menu_open(self) -> None:
+        self.run_zone()
+        row = self.scoring.rows[DOOR]
+        was_open, look = [], QTimer()
+
+        def press_in_menu() -> None:  # an open menu has an event loop of its own: nothing else runs here
+            if row.more_menu.isVisible():
+                look.stop()
+                was_open.append(True)
+                press_key("Escape")
+
+        look.timeout.connect(press_in_menu)
+        look.start(50)
+        click_at(middle_of(row.menu_button))
+        wait_until(lambda: was_open and not row.more_menu.isVisible(), "the menu was open, and is closed")
+        self.wait_prompt("Press Esc again")
+        press_key("Escape")
+        self.wait_call(*STOP_HOME_A)
+
+    def test_esc_closes_the_history_and_says_what_the_second_esc_does(self) -> None:
+        self.run_zone()
+        click(self.scoring.history)
+        history = self.dialog(HistoryDialog)
+        press_key("Escape")
+        self.wait_prompt("STOP Home A?  Press Esc again")
+        wait_until(lambda: is_closed(history), "the history is closed")
+        self.assertEqual(self.core.calls, [])
+        click(self.scoring.history)
+        history = self.dialog(HistoryDialog)
+        click_at(middle_of(history.close_button))
+        wait_until(lambda: is_closed(history), "it also has a button")
+        self.assertEqual(self.core.calls, [])
+
+    def test_esc_never_leaves_a_run(self) -> None:
+        self.run_zone()
+        for _ in range(2):
+            press_key("Escape")
+        self.wait_call(*STOP_HOME_A)
+        wait_until(lambda: self.client.model.running_zones() == [], "the run has ended")
+        for _ in range(4):
+            press_key("Escape")
+        self.wait_prompt("Nothing is running in Home A")
+        self.assertEqual(self.core.calls, [STOP_HOME_A])
+        self.assertEqual(self.zone.phase, "ended")
+
+    def test_esc_works_in_a_floating_dock(self) -> None:
+        self.run_zone()
+        dock = self.window.docks["ScoringPanel"]
+        dock.setFloating(True)
+        dock.activateWindow()
+        wait_until(lambda: QApplication.activeWindow() is dock, "the dock has the focus")
+        for _ in range(2):
+            press_key("Escape")
+        self.wait_call(*STOP_HOME_A)
+
+    def test_shift_esc_twice_stops_all_zones_with_a_dialog_open(self) -> None:
+        for zone in self.ZONES:
+            self.run_zone(zone)
+        self.ask_note()
+        press_key("Escape", "Shift_L")
+        self.wait_prompt("STOP Home A, Home B?  Press Shift+Esc again")
+        press_key("Escape", "Shift_L")
+        self.wait_call("stop_run", "Home A")
+        self.wait_call("stop_run", "Home B")
+
+
+class TestZone(WindowCase):
+    def test_a_zone_survives_a_restart_of_the_master(self) -> None:
+        self.client.model.choose_zone("Home B")
+        wait_until(lambda: rospy.get_param("current_zone", "") == "Home B", "the choice is written")
+        rospy.delete_param("current_zone")  # a new master knows no parameter
+        wait_until(lambda: rospy.get_param("current_zone", "") == "Home B", "it is written again")
+        self.assertEqual(self.client.model.zone_name, "Home B")
+
+    def test_after_a_click_on_a_tile_start_is_off_until_the_referee_has_seen_the_zone(self) -> None:
+        for zone in self.core.zones.values():
+            zone.command("connect")
+        start = self.control.buttons["start"]
+        wait_until(start.isEnabled, "START is enabled")
+        click_at(middle_of(self.panel("OverviewPanel").tiles["Home B"]))
+        wait_until(lambda: self.control._zones.currentText() == "Home B", "the other zone is shown")
+        self.assertFalse(start.isEnabled())
+        self.assertIn("background", self.control._zones.styleSheet())
+        wait_until(lambda: self.control.buttons["start"].isEnabled(), "START is enabled again")
+        wait_until(lambda: self.control._zones.styleSheet() == "", "the zone is no longer highlighted")
+
+    def test_an_answer_moves_nothing(self) -> None:
+        self.run_zone()
+        moved, panels = [], [name for name, panel in self.window.panels.items() if hasattr(panel, "_answer")]
+        self.assertGreater(len(panels), 5)
+        for name in panels:
+            panel = self.panel(name)
+            self.window.docks[name].raise_()
+            wait_until(panel.isVisible, "the panel is in front")
+            panel._answer.clear_answer()
+            QTest.qWait(100)
+            before = places(panel)
+            panel._answer.warn("Something was done. " * 5)
+            QTest.qWait(100)
+            moved += [name] if places(panel) != before else []
+        self.assertEqual(moved, [])
+
+
+def places(panel: QWidget) -> list:
+    """Where all visible parts of a panel are."""
+    return [(w.objectName(), w.mapToGlobal(QPoint()), w.size()) for w in panel.findChildren(QWidget) if w.isVisible()]
+
+
+class TestManyZones(WindowCase):
+    ZONES = ("Home A", *(f"Competition arena {number}" for number in range(2, 9)))
+
+    def test_every_tile_shows_zone_and_team(self) -> None:
+        overview = self.panel("OverviewPanel")
+        for zone in self.core.zones.values():
+            zone.command("connect")
+        wait_until(lambda: all(tile.phase.text().startswith("●") for tile in overview.tiles.values()), "all are shown")
+        QTest.qWait(100)
+        for name, tile in overview.tiles.items():
+            shown = tile.name.text() if tile._compact else f"{tile.name.text()}  ·  {tile.event.text()}"
+            zone, team = shown.replace("◆ ", "").split("  ·  ")[:2]
+            self.assertGreaterEqual(len(zone), 6, shown)
+            self.assertGreaterEqual(len(team), 4, shown)
+            self.assertTrue(name.startswith(zone.rstrip("…")), shown)
+            self.assertTrue("TestingTeam".startswith(team.rstrip("…")), shown)
+            for label in (tile.name, tile.phase, tile.countdown):
+                self.assertTrue(tile.rect().contains(label.geometry()), f"{name}: {label.text()} is cut off")
+            self.assertLessEqual(tile.name.fontMetrics().horizontalAdvance(tile.name.text()), tile.name.width(), shown)

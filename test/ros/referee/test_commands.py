@@ -1,0 +1,373 @@
+"""The referee in a terminal, as a program of its own, with a fake core: real messages, real services."""
+
+import contextlib
+import json
+import os
+import pty
+import signal
+import socket
+import subprocess
+import time
+import unittest
+
+import rosgraph
+from support.fakes.core import Asked, FakeCore
+from support.referee_program import COMMAND, Referee, referee
+from support.waiting import LIMIT_S, wait_until
+
+from roah_rsbb.msg import ModuleScore
+
+DOOR = ("Achievements", "The robot detects the door with changed state")
+
+
+class RestartedCore(FakeCore):
+    """A core as another process: with another identity. Publishes once it is `ready`."""
+
+    def __init__(self) -> None:
+        self.ready = False
+        super().__init__()
+
+    def publish(self, *args, **options) -> None:
+        if self.ready:
+            super().publish(*args, **options)
+
+    def details_message(self, now):
+        message = super().details_message(now)
+        message.box_uuid = "another"
+        return message
+
+
+def on_terminal(*words: str, **environment: str) -> str:
+    """What a referee shows on a terminal."""
+    master, slave = pty.openpty()
+    process = subprocess.Popen([*COMMAND, *words], stdout=slave, env={**os.environ, "TERM": "xterm", **environment})
+    os.close(slave)
+    shown = b""
+    with contextlib.suppress(OSError):  # the terminal's other end is closed
+        while True:
+            shown += os.read(master, 4096)
+    os.close(master)
+    process.wait(LIMIT_S)
+    return shown.decode()
+
+
+class WithCore(unittest.TestCase):
+    """Every test has a fake core of its own, with the zones Home A and Home B."""
+
+    def setUp(self) -> None:
+        self.core = FakeCore()
+        self.zone = self.core.zones["Home A"]
+
+    def tearDown(self) -> None:
+        self.core.close()
+
+    def start(self, *words: str) -> Referee:
+        """A referee that is ended with the test."""
+        started = Referee(*words)
+        self.addCleanup(started.close)
+        return started
+
+
+class TestCommands(WithCore):
+    def test_status_by_rosrun(self) -> None:
+        done = subprocess.run(["rosrun", "roah_rsbb", "referee", "status"], capture_output=True, text=True,
+                              timeout=LIMIT_S)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        for text in ("RSBB at 127.255.255.255:6666", "TestingTeam mbot: skew +0.012 s", "Home A: NOT CONNECTED",
+                     "Home B: NOT CONNECTED"):
+            self.assertIn(text, done.stdout)
+        self.assertNotIn("\x1b", done.stdout)
+
+    def test_status_as_json(self) -> None:
+        self.core.box_warnings = ["Another box"]
+        box = json.loads(referee("status", "--json").stdout)
+        self.assertEqual([zone["zone"] for zone in box["zones"]], ["Home A", "Home B"])
+        self.assertEqual(box["warnings"], ["Another box"])
+        self.assertEqual(json.loads(referee("status", "home b", "--json").stdout)["zone"], "Home B")
+
+    def test_each_command_reaches_its_zone(self) -> None:
+        for command, phase in (("connect", "CONNECTED"), ("start", "RUNNING"), ("stop", "ENDED: stopped"),
+                               ("disconnect", "NOT CONNECTED"), ("next", "HWV"), ("previous", "HGTKMH")):
+            done = referee(command, "home a")
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertIn(phase, done.stdout)
+        self.assertEqual(self.core.calls, [(command, "Home A") for command in
+                                           ("connect", "start", "stop", "disconnect", "next", "previous")])
+
+    def test_a_refusal_has_every_reason(self) -> None:
+        self.zone.extra_off["connect"] = ["one thing; and what to do", "another thing"]
+        done = referee("connect", "Home A")
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertEqual(done.stderr, "referee: connect was refused:\n  one thing; and what to do\n  another thing\n")
+        made = json.loads(referee("connect", "Home A", "--json").stdout)
+        self.assertEqual((made["ok"], made["exit"]), (False, 1))
+        self.assertEqual(made["reasons"], ["one thing; and what to do", "another thing"])
+
+    def test_unknown_and_ambiguous_zones_are_not_sent(self) -> None:
+        for word, hint in (("home", "'Home A', 'Home B'"), ("Hone A", "did you mean 'Home A'?")):
+            done = referee("connect", word)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(hint, done.stderr)
+        self.assertEqual(self.core.calls, [])
+
+    def test_scores_are_shown_set_and_counted(self) -> None:
+        self.assertEqual(referee("score", "Home A").returncode, 1)  # no run, no sheet
+        self.zone.command("connect")
+        self.assertIn("1     no  " + DOOR[1], referee("score", "Home A").stdout)
+        self.assertEqual(referee("score", "Home A", "door", "yes").stdout, f"{DOOR[0]}: {DOOR[1]}: yes\n")
+        for value in ("1", "2", "3"):
+            made = json.loads(referee("score", "Home A", "2", "+1", "--json").stdout)
+            self.assertEqual((made["ok"], made["number"], made["value"]), (True, 2, int(value)))
+        self.assertEqual(self.core.calls[0], ("set_score", "Home A", *DOOR, 1))
+        self.assertEqual(len(self.core.calls), 4)
+        self.assertEqual(referee("score", "Home A", "door").returncode, 2)
+
+    def test_scores_with_words_and_their_history(self) -> None:
+        self.zone.command("connect")
+        done = referee("score", "Home A", "door", "yes", "--note", "through the window", "--referee", "Anna")
+        self.assertEqual((done.stdout, done.stderr), (f"{DOOR[0]}: {DOOR[1]}: yes\n", ""))
+        self.assertEqual(self.core.words, [("", "through the window", "Anna")])
+        self.assertEqual(referee("score", "Home A", "door", "n/a").stdout, f"{DOOR[0]}: {DOOR[1]}: not attempted\n")
+        self.assertIn("not attempted  " + DOOR[1], referee("score", "Home A").stdout)
+        sheet = json.loads(referee("sheet", "Home A", "--json").stdout)["sheet"]
+        self.assertEqual([(e["value"], e["not_attempted"], e["note"]) for e in sheet["history"]],
+                         [(1, False, "through the window"), (0, True, "")])
+        done = referee("withdraw", "Home A", "2", "--note", "it did try")
+        self.assertIn("; withdrawn at", done.stdout)
+        self.assertIn("1    yes  " + DOOR[1], done.stdout)
+        again = referee("withdraw", "Home A", "2")
+        self.assertEqual((again.returncode, again.stderr.count("entry 2 was withdrawn already")), (1, 1))
+
+    def test_a_run_that_is_over_is_corrected_and_signed_off(self) -> None:
+        refused = referee("withdraw", "Home A", "1")
+        self.assertEqual((refused.returncode, refused.stderr.count("'--run last'")), (1, 1))
+        self.assertEqual(referee("sign-off", "Home A", "--run", "last").returncode, 2)
+        unasked = referee("sign-off", "Home A", "--run", "last", "--by", "Cleo")
+        self.assertEqual((unasked.returncode, unasked.stderr.count("no run")), (2, 1))
+        self.zone.command("connect")
+        self.zone.command("start")
+        identity = self.zone.identity
+        self.zone.command("stop")
+        self.assertIn("Benchmark stopped by the referee", referee("reason", "Home A", "fire alarm").stdout)
+        self.zone.command("stop")
+        self.assertIn("not signed off", referee("runs", "Home A").stdout)
+        self.assertIn("Home B:\n    no run is connected or over", referee("runs").stdout)
+        self.assertIn("no  " + DOOR[1], referee("score", "Home A", "--run", "last").stdout)
+        self.assertIn(": yes", referee("score", "Home A", "door", "yes", "--run", identity[:11]).stdout)
+        (run,) = json.loads(referee("runs", "--json").stdout)["runs"]
+        self.assertEqual((run["identity"], run["corrected"], run["signed_utc_s"]), (identity, True, None))
+        unasked = referee("sign-off", "Home A", "--run", "last", "--by", "Cleo")
+        self.assertEqual((unasked.returncode, unasked.stderr.count("give --yes")), (2, 1))
+        done = referee("sign-off", "Home A", "--run", "last", "--by", "Cleo", "--yes")
+        self.assertIn("corrected, signed off by Cleo at", done.stdout)
+        self.assertIn("fire alarm", done.stdout)
+        final = referee("score", "Home A", "door", "no", "--run", "last")
+        self.assertEqual((final.returncode, final.stderr.count("signed off by Cleo")), (1, 1))
+
+    def test_a_manual_operation_is_done_and_answered(self) -> None:
+        done = referee("done", "Home A")
+        self.assertEqual((done.returncode, done.stderr.count("no manual operation is requested now")), (1, 1))
+        self.zone.asked = Asked(4, "No pose of the robot", ("try again", "skip"))
+        self.assertIn("TO DO by the referee: No pose of the robot (try again / skip)", referee("status").stdout)
+        self.assertEqual(referee("done", "Home A", "fly").returncode, 2)
+        self.assertEqual(referee("done", "Home A", "--operation", "3").returncode, 1)
+        self.assertEqual(self.core.calls, [])
+        done = referee("done", "Home A", "sk", "--operation", "4")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(self.core.calls, [("operation", "Home A", 4, "skip")])
+        self.assertNotIn("TO DO", done.stdout)
+
+    def test_switches_are_entered(self) -> None:
+        self.zone.switches, self.zone.switches_asked = {1, 2}, True
+        self.assertIn("switches that are on: 1, 2; damaged: 0; TO DO", referee("switches", "Home A").stdout)
+        self.assertEqual(referee("switches", "Home A", "--press", "300").returncode, 2)
+        done = referee("switches", "Home A", "--press", "2", "--press", "3", "--damaged", "1", "--confirm")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(self.core.calls, [("switch", "Home A", 2), ("switch", "Home A", 3), ("damaged", "Home A", 1),
+                                           ("switches complete", "Home A")])
+        self.assertIn("switches that are on: 1, 3; damaged: 1\n", done.stdout)
+
+    def test_colour_on_a_terminal_only_and_not_where_it_is_unwanted(self) -> None:
+        self.assertIn("\x1b[", on_terminal("status"))
+        self.assertNotIn("\x1b", on_terminal("status", NO_COLOR="1"))
+        self.assertNotIn("\x1b", on_terminal("status", TERM="dumb"))
+        self.assertNotIn("\x1b", on_terminal("status", "--json"))
+
+    def test_nothing_is_left_at_the_master(self) -> None:
+        self.assertEqual(referee("status").returncode, 0)
+        state = rosgraph.Master("/test").getSystemState()
+        self.assertNotRegex(str(state), r"/referee_\d")  # a program is /referee_<pid>_<time>
+
+
+class TestNoCore(unittest.TestCase):
+    """What does not answer is reported; `referee` gives the program a limited time."""
+
+    def assert_reported(self, hint: str, *words: str, **environment: str) -> None:
+        done = referee(*(words or ["status"]), **environment)
+        self.assertEqual(done.returncode, 3)
+        self.assertIn(hint, done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1)
+
+    def test_no_master(self) -> None:
+        self.assert_reported("set ROS_MASTER_URI", ROS_MASTER_URI="http://127.0.0.1:9")
+
+    def test_a_master_that_hangs(self) -> None:
+        with socket.socket() as mute:
+            mute.bind(("127.0.0.1", 0))
+            mute.listen(5)
+            self.assert_reported("does not answer", ROS_MASTER_URI=f"http://127.0.0.1:{mute.getsockname()[1]}")
+
+    def test_no_core(self) -> None:
+        self.assert_reported("roslaunch roah_rsbb roah_rsbb.launch")
+        self.assert_reported("no core", "run", "Home A", "--wait", "0.5")
+
+    def test_a_core_that_hangs_behind_its_last_message(self) -> None:
+        core = FakeCore(auto_publish=False)
+        self.addCleanup(core.close)
+        core.publish(clock=time.time() - 60)
+        self.assert_reported("silent")
+
+    def test_a_core_that_does_not_answer_a_command(self) -> None:
+        core = FakeCore()
+        self.addCleanup(core.close)
+        core.answer_gate.clear()
+        done = referee("connect", "Home A")
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("did not answer", done.stderr)
+
+
+class TestWatch(WithCore):
+    def test_what_happens_is_told_in_lines_with_their_time(self) -> None:
+        watch = self.start("watch", "--zone", "Home A")
+        watch.line(lambda line: "allowed now" in line, "the status")
+        self.zone.command("connect")
+        connected = watch.line(lambda line: "CONNECTED" in line, "connected")
+        self.assertRegex(connected, r"^\d\d:\d\d:\d\dZ Home A: CONNECTED to mbot on UDP port 6667$")
+        self.zone.online_data += "12:00:00Z visitor: postman\n"
+        watch.wait_printed("\n12:00:00Z Home A: online data: visitor: postman")
+        # This came in the message that has the sheet, too: the phase comes in another one.
+        self.zone.scores[DOOR] = 1
+        watch.wait_printed(f"Home A: score: {DOOR[0]}: {DOOR[1]}: no → yes")
+        self.core.zones["Home B"].command("connect")
+        self.zone.warnings.append("Robot is silent")
+        watch.wait_printed("Z Home A: WARNING: Robot is silent")
+        self.core.robots.pop(0)
+        watch.wait_printed("Z robot TestingTeam mbot is GONE: no longer heard")
+        watch.signal(signal.SIGINT)
+        self.assertEqual(watch.wait_ended(), 0)
+        self.assertFalse([line for line in watch.lines if "Home B" in line])
+
+    def test_the_core_is_restarted(self) -> None:
+        watch = self.start("watch", "--json")
+        self.assertEqual(len(watch.event("start")["box"]["zones"]), 2)
+        self.core.close()
+        watch.event("core", what="silent")
+        self.core = RestartedCore()
+        self.core.ready = True
+        watch.event("core", what="back")
+        watch.event("core", what="restarted", box_uuid="another")
+        self.core.zones["Home B"].command("next")
+        watch.event("event", zone="Home B", code="HWV")
+
+    def test_a_reader_that_goes_away_ends_it(self) -> None:
+        reading, writing = os.pipe()
+        watch = subprocess.Popen([*COMMAND, "watch"], stdout=writing, stderr=subprocess.PIPE)
+        os.close(writing)
+        os.read(reading, 1)
+        os.close(reading)
+        while watch.poll() is None:  # it notices when it has something to say
+            self.core.robots.append(("TestingTeam", f"robot {len(self.core.robots)}", 0.0))
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                watch.wait(0.5)
+        self.assertEqual((watch.returncode, watch.stderr.read()), (0, b""))
+        watch.stderr.close()
+
+
+class TestRun(WithCore):
+    def _running(self, *words: str) -> Referee:
+        run = self.start("run", "Home A", "--json", *words)
+        run.event("state", phase="running")
+        return run
+
+    def test_a_whole_run_begun_before_the_core_is_there(self) -> None:
+        self.core.close()
+        run = self.start("run", "home a", "--wait", "15", "--json", "--event", "HWV", "--score", "door=yes")
+        self.core = FakeCore()
+        zone = self.core.zones["Home A"]
+        run.event("score", item=DOOR[1], value=1)
+        zone.online_data += "12:00:00Z visitor: postman\n"
+        run.event("online_data")
+        zone.phase, zone.end_reason = "ended", "completed"
+        result = run.event("result")
+        self.assertEqual(run.wait_ended(), 0)
+        self.assertEqual((result["ok"], result["end_reason"], result["event"]["code"]), (True, "completed", "HWV"))
+        self.assertEqual(result["score"][0]["value"], 1)
+        self.assertEqual([call[0] for call in self.core.calls], ["next", "connect", "start", "set_score", "leave_run"])
+
+    def test_its_text_ends_with_score_sheet_and_verdict(self) -> None:
+        run = self.start("run", "Home A")
+        run.wait_printed("RUNNING")
+        self.zone.phase, self.zone.end_reason = "ended", "timeout"
+        run.wait_printed("Score sheet: HGTKMH")
+        run.wait_printed("\nHome A: the run did not complete: timeout")
+        self.assertEqual(run.wait_ended(), 4)
+
+    def test_manual_operations_are_typed(self) -> None:
+        """By a script, ahead of the questions."""
+        run = self._typing(b"\nsk\n")
+        self.zone.asked = Asked(1, "Place the mug")
+        self.wait_call("operation", "Home A", 1, "")
+        self.zone.asked = Asked(2, "No pose", ("try again", "skip"))
+        self.wait_call("operation", "Home A", 2, "skip")
+        self.zone.module_scores = [ModuleScore("goal 1", "time", "1.25", "s", "Time")]
+        self.zone.phase, self.zone.end_reason = "ended", "completed"
+        shown = run.communicate(timeout=LIMIT_S)[0].decode()
+        for text in ("TO DO by the referee: Place the mug", "press Enter when it is done",
+                     "end of input: other referees must complete", "module's score: goal 1: Time: 1.25 s",
+                     "Score of the benchmarking module\n    goal 1\n        1.25 s  Time"):
+            self.assertIn(text, shown)
+        self.assertEqual(run.returncode, 0)
+
+    def _typing(self, text: bytes) -> subprocess.Popen:
+        """A run whose referee has typed this."""
+        run = subprocess.Popen([*COMMAND, "run", "Home A", "--operations", "typed"], stdin=subprocess.PIPE,
+                               stdout=subprocess.PIPE)
+        self.addCleanup(run.kill)
+        run.stdin.write(text)
+        run.stdin.close()
+        run.stdin = None
+        self.wait_call("start", "Home A")
+        return run
+
+    def wait_call(self, *call: object) -> None:
+        """Wait until the core was called so."""
+        wait_until(lambda: call in self.core.calls, lambda: f"{call} is called; there were {self.core.calls}")
+
+    def test_an_interrupt_is_a_referees_stop(self) -> None:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            run = self._running()
+            run.signal(number)
+            self.assertEqual(run.event("result")["end_reason"], "stopped")
+            self.assertEqual(run.wait_ended(), 130)
+            self.assertEqual([call[0] for call in self.core.calls[-2:]], ["stop_run", "leave_run"])
+
+    def test_a_terminal_that_is_closed_leaves_the_run_as_it_is(self) -> None:
+        run = self._running()
+        run.signal(signal.SIGHUP)
+        self.assertEqual(run.wait_ended(), 129)
+        self.assertEqual([call[0] for call in self.core.calls], ["connect", "start"])
+
+    def test_the_run_goes_on_over_a_restart_of_the_core(self) -> None:
+        run = self._running()
+        identity = self.zone.identity
+        self.core.close()
+        run.event("core", what="silent")
+        self.core = RestartedCore()
+        zone = self.core.zones["Home A"]
+        zone.command("connect")
+        zone.command("start")
+        zone.identity = identity
+        self.core.ready = True
+        run.event("core", what="restarted")
+        zone.phase, zone.end_reason = "ended", "completed"
+        self.assertEqual(run.wait_ended(), 0)

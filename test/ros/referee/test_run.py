@@ -1,0 +1,115 @@
+"""Whole runs by `referee run`: the real core, robots over real sockets, the referee a program of its own."""
+
+import collections
+import random
+import signal
+import time
+
+import rospy
+from support.box_case import BoxCase
+from support.referee_program import Referee, referee
+
+from roah_rsbb.msg import CoreDetails
+
+LATE_TOPIC = "/late/details"
+
+
+class LateDetails:
+    """Publishes each of the core's details again, in their order, 0 to `most_s` seconds later."""
+
+    def __init__(self, most_s: float) -> None:
+        self._most_s = most_s
+        self._random = random.Random(24)
+        self._waiting = collections.deque()
+        self._publisher = rospy.Publisher(LATE_TOPIC, CoreDetails, queue_size=10, latch=True)
+        self._subscriber = rospy.Subscriber("/core/details", CoreDetails, self._take)
+        self._timer = rospy.Timer(rospy.Duration(0.02), self._publish)
+
+    def close(self) -> None:
+        """Delay no more."""
+        self._timer.shutdown()
+        self._subscriber.unregister()
+        self._publisher.unregister()
+
+    def _take(self, message: CoreDetails) -> None:
+        self._waiting.append((time.monotonic() + self._random.uniform(0.0, self._most_s), message))
+
+    def _publish(self, _event: object) -> None:
+        while self._waiting and self._waiting[0][0] <= time.monotonic():
+            self._publisher.publish(self._waiting.popleft()[1])
+
+
+class TestRun(BoxCase):
+    """The robot of zone Door's team is in the test's hand."""
+
+    ZONE = "Door"  # one event: HWV
+
+    def start(self, *words: str) -> Referee:
+        """A referee that is ended with the test."""
+        run = Referee("run", self.ZONE.lower(), "--json", *words)
+        self.addCleanup(run.close)
+        return run
+
+    def test_a_robot_completes_it(self) -> None:
+        run = self.start("--score", "kimble rings=yes", "--score", "false alarm=+2")
+        run.event("note", text="waiting to connect: No robot of team Beta is active: none of its beacons arrives on "
+                               f"UDP port {self.box.gui.port}")
+        robot = self.robot("Beta")
+        run.event("robot", what="came", team="Beta")
+        run.event("score", value=2)
+        robot.wait_did("execute HWV")
+        robot.tell("visitor", "postman")
+        self.assertRegex(run.event("online_data")["text"], r"^\d\d:\d\d:\d\dZ visitor: postman$")
+        robot.wait_said()
+        robot.let("execute")
+        result = run.event("result")
+        self.assertEqual(run.wait_ended(), 0)
+        self.assertEqual((result["ok"], result["end_reason"], result["robot"]), (True, "completed", "Robot"))
+        self.assertEqual([(i["number"], i["value"]) for i in result["score"] if i["value"]], [(1, 1), (10, 2)])
+        self.assertEqual(self.read_log(result["log_file"]).values("/visitor"), ["postman"])
+        self.box.wait_details(self.ZONE, lambda d: d.phase == "idle", "it is disconnected")
+
+    def test_details_that_arrive_late(self) -> None:
+        """The next run of the zone succeeds, too: none leaves anything behind."""
+        late = LateDetails(most_s=2.0)
+        self.addCleanup(late.close)
+        robot = self.robot("Beta")
+        for number in (1, 2, 3):
+            run = self.start(f"/core/details:={LATE_TOPIC}")
+            robot.wait_did("execute HWV", times=number)
+            robot.let("execute")
+            result = run.event("result")
+            self.assertEqual((run.wait_ended(), result["text"]), (0, "the run is completed"), run.text)
+            self.box.wait_details(self.ZONE, lambda d: d.phase == "idle", "it is disconnected")
+
+    def test_the_core_tells_no_score_twice(self) -> None:
+        self.robot("Beta")
+        run = self.start("--score", "kimble rings=yes")
+        run.event("score", value=1)
+        run.signal(signal.SIGTERM)
+        run.event("result")
+        self.assertFalse([line for line in run.lines if '"log"' in line and "Kimble" in line], run.text)
+
+    def test_a_robot_whose_clock_is_wrong_is_refused(self) -> None:
+        self.robot("Beta", skew=0.15)
+        run = self.start("--wait", "4")
+        result = run.event("result")
+        self.assertEqual(run.wait_ended(), 1)
+        self.assertRegex(result["text"], r"Clock skew of robot .* is \+0\.1\d\d s")
+
+    def test_an_interrupt_stops_the_robot(self) -> None:
+        robot = self.robot("Beta")
+        run = self.start()
+        robot.wait_did("execute HWV")
+        run.signal(signal.SIGINT)
+        robot.wait_did("stop")
+        self.assertEqual(run.event("result")["end_reason"], "stopped")
+        self.assertEqual(run.wait_ended(), 130)
+        self.box.wait_details(self.ZONE, lambda d: d.phase == "idle", "it is disconnected")
+
+    def test_every_word_of_the_core_fits_the_program(self) -> None:
+        done = referee("status", self.ZONE)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        for text in ("Task Benchmark 2: Welcoming visitors", "HWV, team Beta, round 1, run 1",
+                     "no start: No run is connected: press connect first", "no next: This is the zone's last event"):
+            self.assertIn(text, done.stdout)

@@ -1,0 +1,142 @@
+"""The journal of a box that runs, as `rosrun roah_rsbb results` and the link record show it."""
+
+import json
+import os
+import pathlib
+import socket
+import subprocess
+import tempfile
+from typing import Any, Dict, List
+
+import rospy
+from support.box_case import BoxCase
+from support.programs import own
+from support.robots import BOX, host_of
+from support.waiting import LIMIT_S, wait_until
+
+from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.protocol import RobotState
+from roah_rsbb.srv import ScoreMark, SignOff, StopReason
+
+ZONE = "Home"
+DOOR = ("Achievements", "Detects the door whose state has changed")
+BUMPS = ("Penalized Behaviors", "Bumps into the furniture")
+# Nobody answers there: results need no ROS master.
+NO_MASTER = "http://127.0.0.1:1"
+
+
+class ResultsCase(BoxCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.log_dir = rospy.get_param("/roah_rsbb_core/log_dir")
+
+    def results(self, *arguments: str) -> str:
+        """What the program prints."""
+        done = subprocess.run(
+            [own("results"), "--log-dir", self.log_dir, *arguments], text=True, timeout=LIMIT_S,
+            capture_output=True, env={**os.environ, "ROS_MASTER_URI": NO_MASTER},
+        )
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        return done.stdout
+
+    def exported(self, identity: str) -> Dict[str, Any]:
+        """A run as JSON."""
+        [run] = json.loads(self.results("export", "--json", "-", identity))["runs"]
+        return run
+
+    def links(self, port: int) -> List[Dict[str, Any]]:
+        """The link record of a robot so far."""
+        with JournalReader(os.path.join(self.log_dir, FILE_NAME)) as reader:
+            return [link.sample for link in reader.links(port)]
+
+    def wait_link(self, port: int, **sums: int) -> None:
+        """Wait until the link record has counted so much of each."""
+        def counted() -> Dict[str, int]:
+            return {key: sum(sample.get(key, 0) for sample in self.links(port)) for key in sums}
+        wait_until(lambda: counted() == sums, lambda: f"the link record says {sums}, not {counted()}")
+
+
+class TestResults(ResultsCase):
+    def test_a_run_that_goes_on_and_is_over(self) -> None:
+        robot = self.robot("Alpha")
+        port = self.box.connect(ZONE)
+        identity = self.box.wait_details(ZONE, lambda d: d.identity, "the run has a name")
+        self.assertIn("  connected", self.results("list"))
+        self.box.start(ZONE)
+        robot.wait_did("execute HGTKMH")
+        robot.tell("notify", "<b>at the door</b>")
+        robot.wait_said()
+        self.box.set_score(ZONE, *DOOR, 1)
+        self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 2, False, "the vase", "Anna")
+        wait_until(lambda: self.links(port), "the first second of the link record")
+        shown = self.results("show", identity, "--utc")
+        for expected in ("running", "yes  Detects the door", "2  Bumps into", "(the vase)", " Anna (", "0 → 2",
+                         "notification: <b>at the door</b>", "Box: WAITING_RESULT", "Robot: EXECUTING",
+                         "start", f"robot's address: {host_of('Alpha')}"):
+            self.assertIn(expected, shown)
+        self.assertNotIn("Rank  Team", self.results("standings", "HGTKMH").partition("Alpha")[2])
+
+        self.box.command("stop", ZONE)
+        self.box.wait_phase(ZONE, "ended")
+        robot.wait_did("stop")
+        self.box.call("stop_reason", StopReason, ZONE, identity, 0, "the door was locked", "Anna")
+        self.wait_link(port, answers=4)  # PREPARE, WAITING_RESULT, what was notified, and STOP
+        self.box.command("disconnect", ZONE)
+        self.box.call("sign_off", SignOff, ZONE, identity, "Chief")
+        self.over(identity, port)
+
+    def over(self, identity: str, port: int) -> None:
+        run = self.exported(identity)
+        self.assertEqual((run["end_reason"], run["stops"][0]["reason"]), ("stopped", "the door was locked"))
+        self.assertIn("Chief", run["sign_off"]["who"])
+        self.assertEqual([entry["value"] for entry in run["history"]], [1, 2])
+        [part] = run["robot_parts"]
+        self.assertEqual((part["port"], part["team"]), (port, "Alpha"))
+        self.assertTrue(os.path.isfile(part["log_file"]))
+        self.assertGreater(sum(sample["received"] for sample in part["link"]), 10)
+        commands = [entry["value"]["command"] for entry in run["entries"] if entry["kind"] == "command"]
+        self.assertEqual([c for c in commands if c in ("connect", "start", "stop", "disconnect", "sign_off")],
+                         ["connect", "start", "stop", "disconnect", "sign_off"])
+        self.assertIn("1     Alpha  1             2", self.results("standings", "HGTKMH", "--signed-off"))
+        self.pages(identity)
+        self.bag(identity, part["log_file"])
+
+    def pages(self, identity: str) -> None:
+        with tempfile.TemporaryDirectory() as directory:
+            self.results("export", identity, "--html", directory)
+            [sheet, index] = sorted(pathlib.Path(directory).iterdir())
+            self.assertIn(f'href="{sheet.name}"', index.read_text(encoding="utf-8"))
+            text = sheet.read_text(encoding="utf-8")
+            self.assertIn("&lt;b&gt;at the door&lt;/b&gt;", text)
+            self.assertIn("<svg", text)
+            self.assertIn("the door was locked", text)
+
+    def bag(self, identity: str, log_file: str) -> None:
+        with tempfile.TemporaryDirectory() as directory:
+            path = os.path.join(directory, "again.bag")
+            self.results("bag", identity, path)
+            self.assertEqual(self.read_log(path).entries, self.read_log(log_file).entries)
+
+
+class TestLinkRecord(ResultsCase):
+    def test_what_is_wrong_with_a_link_is_on_record(self) -> None:
+        robot = self.raw_robot("Alpha")
+        robot.beacon()
+        port = self.box.connect(ZONE)
+        robot.open_private(port)
+        robot.wait_acknowledged(robot.send(RobotState.STOP))
+        last = robot.send(RobotState.STOP)
+        robot.wait_acknowledged(last)
+        robot.send_again(last)
+        robot.send(RobotState.STOP, age_s=100.0)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            for _ in range(3):
+                sender.sendto(b"no frame at all", (BOX, port))
+        self.wait_link(port, received=2, duplicates=1, stale=1, unreadable=3)
+        silence = wait_until(
+            lambda: next((s["gap_s"] for s in self.links(port) if s["gap_s"] > 2.0), None), "the silence is on record"
+        )
+        robot.wait_acknowledged(robot.send(RobotState.STOP))
+        wait_until(lambda: sum(s.get("lost", 0) for s in self.links(port)) >= round(silence) - 1,
+                   "what must have been lost is on record")

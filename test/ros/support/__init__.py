@@ -1,0 +1,1 @@
+"""What the tests of the nodes share (test/ros/README.md)."""

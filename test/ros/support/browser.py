@@ -1,0 +1,199 @@
+"""A real browser, touched as by a finger: Chromium without a window, driven by its DevTools protocol.
+
+No more than chromium and tornado (which the tablet needs anyway) is needed for that.
+"""
+
+import asyncio
+import base64
+import contextlib
+import itertools
+import json
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import threading
+from typing import Any, Dict, List, Optional, Tuple
+
+from tornado import websocket
+
+from support.waiting import LIMIT_S
+
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+LOOK_AGAIN_S = 0.05
+_MAX_ANSWER_BYTES = 64 * 1024 * 1024
+
+
+def find() -> Optional[str]:
+    """The browser's program; None: there is none that runs (on Ubuntu 20.04 it is only the way to a snap)."""
+    for name in NAMES:
+        path = shutil.which(name)
+        if path is not None:
+            asked = subprocess.run([path, "--version"], capture_output=True, text=True, check=False)
+            if asked.returncode == 0:
+                return path
+    return None
+
+
+class Browser:
+    """One Chromium, without the network but for this machine. Close it at the end of the test."""
+
+    def __init__(self, program: str) -> None:
+        self._folder = tempfile.mkdtemp(prefix="roah_browser_")
+        self._process = subprocess.Popen(
+            [program, "--headless=new", "--remote-debugging-port=0", f"--user-data-dir={self._folder}", "--no-sandbox",
+             "--no-first-run", "--no-default-browser-check", "--disable-background-networking", "--disable-sync",
+             "--disable-component-update", "--disable-gpu", "--disable-backgrounding-occluded-windows",
+             "--disable-renderer-backgrounding", "--disable-dev-shm-usage", "--hide-scrollbars",
+             "--proxy-server=direct://", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "about:blank"],
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )
+        self.errors: List[str] = []  # of the pages' own programs, and whatever could not be loaded
+        self._answers: Dict[int, asyncio.Future] = {}
+        self._loads: Dict[str, asyncio.Future] = {}  # by session
+        self._numbers = itertools.count(1)
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, name="browser", daemon=True)
+        self._thread.start()
+        try:
+            self._connection = self._do(self._connect())
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """End the browser."""
+        self._process.terminate()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(LIMIT_S)
+        self._process.kill()
+        self._process.wait()
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(LIMIT_S)
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def page(self, url: str, width: int, height: int, scale: float = 1.0) -> "Page":
+        """A page on a touch screen of this size, in CSS pixels."""
+        target = self.command("Target.createTarget", url="about:blank", newWindow=True)["targetId"]
+        session = self.command("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        page = Page(self, session, target)
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            page.command(f"{domain}.enable")
+        page.command("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
+        page.resize(width, height, scale)
+        self._do(self._load(session, url))
+        return page
+
+    def command(self, method: str, session: Optional[str] = None, **parameters: Any) -> Dict[str, Any]:
+        """Send a DevTools command; returns its result."""
+        return self._do(self._ask(method, session, parameters))
+
+    def _do(self, coroutine: Any) -> Any:
+        return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(LIMIT_S)
+
+    async def _connect(self) -> websocket.WebSocketClientConnection:
+        told = pathlib.Path(self._folder, "DevToolsActivePort")
+        while not (told.exists() and len(told.read_text().splitlines()) == 2):
+            await asyncio.sleep(LOOK_AGAIN_S)  # a file cannot be awaited
+        port, path = told.read_text().splitlines()
+        return await websocket.websocket_connect(
+            f"ws://127.0.0.1:{port}{path}", on_message_callback=self._receive, max_message_size=_MAX_ANSWER_BYTES
+        )
+
+    async def _load(self, session: str, url: str) -> None:
+        loaded = self._loads[session] = self._loop.create_future()
+        await self._ask("Page.navigate", session, {"url": url})
+        await loaded
+
+    async def _ask(self, method: str, session: Optional[str], parameters: Dict[str, Any]) -> Dict[str, Any]:
+        number = next(self._numbers)
+        message = {"id": number, "method": method, "params": parameters}
+        if session is not None:
+            message["sessionId"] = session
+        answer = self._answers[number] = self._loop.create_future()
+        await self._connection.write_message(json.dumps(message))
+        return await answer
+
+    def _receive(self, text: Optional[str]) -> None:
+        message = json.loads(text) if text else {}
+        answer = self._answers.pop(message.get("id", 0), None)
+        if answer is not None:
+            if "error" in message:
+                answer.set_exception(RuntimeError(message["error"]["message"]))
+            else:
+                answer.set_result(message["result"])
+        elif message.get("method") == "Page.loadEventFired":
+            loaded = self._loads.pop(message["sessionId"], None)
+            if loaded is not None:
+                loaded.set_result(None)
+        elif message.get("method") == "Runtime.exceptionThrown":
+            self.errors.append(json.dumps(message["params"]["exceptionDetails"]))
+        elif message.get("method") == "Log.entryAdded" and message["params"]["entry"]["level"] == "error":
+            self.errors.append(message["params"]["entry"]["text"])
+
+
+class Page:
+    """One page on its touch screen."""
+
+    def __init__(self, browser: Browser, session: str, target: str) -> None:
+        self._browser = browser
+        self._session = session
+        self._target = target
+
+    def command(self, method: str, **parameters: Any) -> Dict[str, Any]:
+        """Send a DevTools command for this page."""
+        return self._browser.command(method, self._session, **parameters)
+
+    def close(self) -> None:
+        """Close the page."""
+        self._browser.command("Target.closeTarget", targetId=self._target)
+
+    def resize(self, width: int, height: int, scale: float = 1.0) -> None:
+        """Another screen, or the same one turned."""
+        self.command(
+            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=True
+        )
+
+    def get(self, script: str) -> Any:
+        """The value of a JavaScript expression."""
+        answer = self.command("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
+        assert "exceptionDetails" not in answer, f"{script}: {answer['exceptionDetails']}"
+        return answer["result"].get("value")
+
+    def wait(self, condition: str, what: str) -> None:
+        """Wait until a JavaScript expression is true."""
+        poll = f"new Promise(done => {{ const look = () => {{ if ({condition}) done(true); " \
+               "else if (performance.now() > end) done(false); else setTimeout(look, 20); }; " \
+               f"const end = performance.now() + {LIMIT_S * 1000 / 2}; look(); }})"
+        assert self.get(poll), f"not so: {what}; the page says:\n{self.get('document.body.innerText')}"
+
+    def box(self, selector: str) -> Tuple[float, float, float, float]:
+        """Left, top, width and height of an element, in CSS pixels."""
+        return tuple(self.get(
+            f"(() => {{ const b = document.querySelector({json.dumps(selector)}).getBoundingClientRect(); "
+            "return [b.left, b.top, b.width, b.height]; })()"))
+
+    def touch(self, x: float, y: float, lift: bool = True) -> None:
+        """One finger down there, and up again."""
+        self.command("Input.dispatchTouchEvent", type="touchStart", touchPoints=[{"x": x, "y": y}])
+        if lift:
+            self.lift()
+
+    def lift(self) -> None:
+        """All fingers up."""
+        self.command("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
+    def touch_at(self, selector: str, u: float = 0.5, v: float = 0.5) -> None:
+        """Touch an element; `u`, `v`: fractions of it from its left and top."""
+        left, top, width, height = self.box(selector)
+        self.touch(left + u * width, top + v * height)
+
+    def key(self, name: str) -> None:
+        """Press a key of a keyboard."""
+        for kind in ("keyDown", "keyUp"):
+            self.command("Input.dispatchKeyEvent", type=kind, key=name, code=name)
+
+    def screenshot(self, path: pathlib.Path) -> None:
+        """Save what is shown as a PNG file."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(base64.b64decode(self.command("Page.captureScreenshot", format="png")["data"]))

@@ -1,0 +1,1 @@
+"""Parts of the system that a test plays in its own process."""

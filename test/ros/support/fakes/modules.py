@@ -1,0 +1,133 @@
+"""A node of benchmarking modules that asks for what the test wants, beside the real core."""
+
+import threading
+from typing import Any, Dict, Optional
+
+import rospy
+
+from roah_rsbb.core.modules.messages import (
+    ModuleInfo,
+    ModulesState,
+    Outcome,
+    Progress,
+    Request,
+    RequestKind,
+    RunForModule,
+)
+from roah_rsbb.msg import ModuleRuns
+from roah_rsbb.msg import ModulesState as ModulesStateMsg
+from roah_rsbb.nodes.modules.convert import runs_of, state_message
+from support.box_case import BoxCase
+from support.waiting import happened, wait_until
+
+BEAT_S = 0.5
+
+
+class FakeModules:
+    """Says twice a second what it drives, and where it is in each run. `close` it at the end: it falls silent.
+
+    Every test's modules are one `node`, unless two are wanted.
+    """
+
+    def __init__(self, *codes: str, node: str = "modules of the test", problems=(), warnings=()) -> None:
+        self.node = node
+        self.infos = tuple(ModuleInfo(code, tuple(problems), tuple(warnings)) for code in codes)
+        self.progress: Dict[str, Progress] = {}  # by the run's identity
+        self.runs: Dict[str, RunForModule] = {}  # by zone
+        self.box_uuid = ""
+        self._sent = 0
+        self._closed = threading.Event()
+        self._publisher = rospy.Publisher("/modules/state", ModulesStateMsg, queue_size=10, latch=True)
+        self._subscriber = rospy.Subscriber("/core/module_runs", ModuleRuns, self._on_runs, tcp_nodelay=True)
+        wait_until(self._publisher.get_num_connections, "the core listens to /modules/state")
+        wait_until(lambda: self.box_uuid, "the core tells its runs")
+        threading.Thread(target=self._beats, name=node, daemon=True).start()
+
+    def close(self) -> None:
+        """Be gone, without a word."""
+        self._closed.set()
+        self._subscriber.unregister()
+
+    def beat(self) -> None:
+        """Say it all, now."""
+        self._publisher.publish(state_message(ModulesState(self.node, self.infos, tuple(self.progress.values()))))
+
+    def send(self, *progress: Progress) -> str:
+        """Say something else for once; returns a warning that comes with it, and stays."""
+        self._sent += 1
+        mark = f"sent {self._sent}"
+        self.infos = tuple(info._replace(warnings=(mark,)) for info in self.infos)
+        self._publisher.publish(state_message(ModulesState(self.node, self.infos, progress)))
+        return mark
+
+    def says(self, zone: str, **fields: Any) -> Progress:
+        """Go on from the last progress in this attempt, with these fields changed."""
+        run = self.runs[zone]
+        last = self.progress.get(run.run)
+        if last is None or last.attempt != run.attempt:
+            last = Progress(run.run, run.attempt)
+        self.progress[run.run] = last._replace(**fields)
+        self.beat()
+        return self.progress[run.run]
+
+    def asks(self, zone: str, kind: RequestKind = RequestKind.GOAL, **fields: Any) -> Request:
+        """Ask for the next thing; waits until the core has taken it."""
+        request = Request(len(self.runs[zone].steps) + 1, kind, **fields)
+        self.says(zone, request=request)
+        wait_until(lambda: len(self.runs[zone].steps) == request.number, f"the core takes {request}")
+        return request
+
+    def wait_run(self, zone: str, condition, what: str) -> RunForModule:
+        """Wait until a condition on a zone's run holds."""
+        return wait_until(
+            lambda: zone in self.runs and condition(self.runs[zone]) and self.runs[zone],
+            lambda: f"{what}; the runs are {self.runs}",
+        )
+
+    def wait_attempt(self, zone: str, attempt: int = 1) -> RunForModule:
+        """Wait until an attempt is under way."""
+        return self.wait_run(zone, lambda run: run.running and run.attempt == attempt, f"attempt {attempt} is running")
+
+    def wait_outcome(self, zone: str) -> Outcome:
+        """Wait for the answer to the last request."""
+        return self.wait_run(zone, lambda run: run.steps[-1].outcome, "the core answers").steps[-1].outcome
+
+    def outcome(self, zone: str) -> Optional[Outcome]:
+        """The answer to the last request; None: none yet."""
+        return self.runs[zone].steps[-1].outcome
+
+    def _beats(self) -> None:
+        while not self._closed.is_set() and not rospy.is_shutdown():
+            self.beat()
+            self._closed.wait(BEAT_S)
+
+    def _on_runs(self, message: ModuleRuns) -> None:
+        self.runs = {run.zone: run for run in runs_of(message)}
+        self.box_uuid = message.box_uuid
+        happened()
+
+
+class ModulesCase(BoxCase):
+    """A test case with modules of its own; `fbm` is the node of those that drive its runs."""
+
+    fbm: FakeModules
+
+    def modules(self, *codes: str, **how) -> FakeModules:
+        """Modules that are gone when the test ends."""
+        return self._leaving(FakeModules(*codes, **how))
+
+    def started(self, zone: str, attempt: int = 1) -> None:
+        """Connect and start."""
+        if attempt == 1:
+            self.box.connect(zone)
+        self.box.start(zone)
+        self.fbm.wait_attempt(zone, attempt)
+
+    def wait_asked(self, zone: str, text: str) -> int:
+        """Wait until the referee is asked something; returns its number."""
+        self.box.wait_zone(zone, lambda z: z.manual_operation == text, f"the referee is asked: {text}")
+        number = len(self.fbm.runs[zone].steps)
+        return self.box.wait_details(zone, lambda d: d.operation == number and number, f"it has number {number}")
+
+    def wait_phase(self, zone: str, phase: str, reason: str = "") -> None:
+        self.box.wait_details(zone, lambda d: (d.phase, d.end_reason) == (phase, reason), f"{phase} ({reason})")

@@ -1,0 +1,95 @@
+"""What tests of panels share: a display of their own, waiting with Qt's events, clicking.
+
+Import it before anything of Qt: it gives this process a virtual display, also where there is a real one.
+"""
+
+import atexit
+import os
+import subprocess
+import tempfile
+import time
+from typing import Callable, Union
+
+from support.waiting import LIMIT_S
+
+SCREEN = (1366, 768)
+SECOND_SCREEN = (1920, 1080)
+
+
+def _start_display() -> str:
+    """Start an X server of our own; returns its name."""
+    reading, writing = os.pipe()
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(writing), "-screen", "0", f"{SCREEN[0]}x{SCREEN[1]}x24",
+         "-screen", "1", f"{SECOND_SCREEN[0]}x{SECOND_SCREEN[1]}x24", "-nolisten", "tcp",
+         "-terminate"],  # with its last client: also when a test is killed
+        pass_fds=(writing,), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+    )
+    atexit.register(server.wait)
+    atexit.register(server.terminate)
+    os.close(writing)
+    with os.fdopen(reading) as pipe:
+        number = pipe.readline().strip()
+    assert number, "Xvfb did not start: 'make install-deps' installs it"
+    return f":{number}"
+
+
+_settings = tempfile.TemporaryDirectory()
+os.environ.update({"DISPLAY": _start_display(), "QT_QPA_PLATFORM": "xcb", "XDG_CONFIG_HOME": _settings.name,
+                   "XDG_RUNTIME_DIR": _settings.name})
+
+from roah_rsbb.rqt.app.application import make_application  # noqa: E402
+from roah_rsbb.rqt.qt import (  # noqa: E402  (only now is there a display)  # noqa: E402
+    QApplication,
+    QCheckBox,
+    QMessageBox,
+    QPoint,
+    Qt,
+    QTest,
+    QWidget,
+)
+
+app = QApplication.instance() or make_application(["test"])
+
+
+def wait_until(condition: Callable[[], object], what: Union[str, Callable[[], str]], limit_s: float = LIMIT_S) -> None:
+    """Let Qt and ROS work until `condition` holds."""
+    began = time.monotonic()
+    while not condition():
+        if time.monotonic() - began > limit_s:
+            raise AssertionError(f"after {limit_s:.0f} s still not: {what if isinstance(what, str) else what()}")
+        QTest.qWait(20)
+
+
+def show(widget: QWidget, width: int = 640, height: int = 700) -> None:
+    """Show a widget as the active window."""
+    widget.resize(width, height)
+    widget.show()
+    widget.activateWindow()
+    wait_until(lambda: QApplication.activeWindow() is widget, "the widget is shown and has the focus")
+
+
+def click(button: QWidget) -> None:
+    """Click a button as a referee would: it must be there, and on."""
+    wait_until(lambda: button.isVisible() and button.isEnabled(), f"button {button.text()!r} is on: {button.toolTip()}")
+    # The middle of a check box may be beside its text, where a click does nothing.
+    place = QPoint(10, button.height() // 2) if isinstance(button, QCheckBox) else QPoint()
+    QTest.mouseClick(button, Qt.LeftButton, Qt.NoModifier, place)
+
+
+def question() -> QMessageBox:
+    """The question that is asked now."""
+    boxes = []
+
+    def asked() -> bool:
+        boxes[:] = [w for w in QApplication.topLevelWidgets() if isinstance(w, QMessageBox) and w.isVisible()]
+        return bool(boxes)
+
+    wait_until(asked, "a question is asked")
+    return boxes[0]
+
+
+def answer(box: QMessageBox, role: int) -> None:
+    """Click the button of that role."""
+    click(next(b for b in box.buttons() if box.buttonRole(b) == role))
+    wait_until(lambda: not box.isVisible(), "the question is gone")

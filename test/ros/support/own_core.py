@@ -1,0 +1,109 @@
+"""A core of the test's own, which it may kill and start again; what remains of its runs."""
+
+import os
+import pathlib
+import shutil
+import signal
+import tempfile
+from typing import Any, Dict, List, Tuple
+
+from roah_rsbb.core.run_log import KINDS, LogKind
+from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.reader import JournalReader
+from support.box_case import NetworkCase
+from support.box_client import BoxClient
+from support.programs import Program, own
+from support.robots import BOX, BROADCAST, CONFIG, RSBB_PORT
+from support.run_logs import RunLog
+from support.waiting import wait_until
+
+PARAMS: Dict[str, Any] = {
+    "rsbb_host": BROADCAST, "rsbb_port": RSBB_PORT, "bind_host": BOX, "listen_duration": 0.0,
+    "benchmarks_file": CONFIG.parents[2] / "config" / "benchmarks.yaml", "schedule_file": CONFIG / "boxes.yaml",
+    "passwords_file": CONFIG / "passwords.yaml",
+}
+
+
+class Core(Program):
+    """A core; `inside`: see `SmallDisk`."""
+
+    def __init__(self, params: Dict[str, Any], inside: Tuple[str, ...] = ()) -> None:
+        super().__init__(*inside, own("roah_rsbb_core"),
+                         *(f"_{name}:={value}" for name, value in {**PARAMS, **params}.items()))
+
+    def kill(self) -> None:
+        """End it as nothing can be worse: in the middle of whatever it does."""
+        super().kill()
+        self.wait_ended()
+
+    def stop(self) -> None:
+        """Let it hang: it exists, and does nothing any more."""
+        self._process.send_signal(signal.SIGSTOP)
+
+
+class OwnCoreCase(NetworkCase):
+    """A test case with a core of its own; `box` is its client."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.box = BoxClient()
+        self.addCleanup(self.box.close)
+
+    def start_core(self, log_dir: pathlib.Path, inside: Tuple[str, ...] = (), **params: Any) -> None:
+        """Start the core, or one after one that ended; returns once it is heard."""
+        before = self.box.details.box_uuid if self.box.details else ""
+        self.core = self._leaving(Core({**params, "log_dir": log_dir}, inside))
+        wait_until(lambda: self.box.details and self.box.details.box_uuid != before,
+                   lambda: f"a core is heard; it printed\n{self.core.text}")
+        self.box.wait_heard()
+
+    def journal(self, log_dir: pathlib.Path) -> JournalReader:
+        """The journal as it is now: a copy, as of a box that runs."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        for suffix in ("", "-wal"):
+            if (log_dir / f"{FILE_NAME}{suffix}").exists():
+                shutil.copy(str(log_dir / f"{FILE_NAME}{suffix}"), folder.name)
+        return self._leaving(JournalReader(os.path.join(folder.name, FILE_NAME)))
+
+    def journaled(self, log_dir: pathlib.Path, port: int) -> List[Tuple[str, Any]]:
+        """What the journal has of the run log of a robot: topic and value."""
+        reader = self.journal(log_dir)
+        identity = next(m.identity for run in reader.runs() for m in reader.members(run.identity) if m.port == port)
+        return [(e.kind, e.value) for e in reader.entries(identity) if e.port == port and e.kind in KINDS]
+
+    def assert_log_is_the_journals(self, log_dir: pathlib.Path, port: int, log: RunLog) -> None:
+        """A run's bag and the journal hold the same, in the same order."""
+        self.assertEqual(_entries(log), self.journaled(log_dir, port))
+
+    def assert_log_has_all_of_the_journal(self, log_dir: pathlib.Path, port: int, log: RunLog) -> None:
+        """As well; but the bag may have more: what it still had room for when the journal could not be written."""
+        logged, journaled = _entries(log), self.journaled(log_dir, port)
+        rest = iter(logged)
+        self.assertTrue(all(entry in rest for entry in journaled), f"of\n{journaled}\nthe log has only\n{logged}")
+
+    def complete_log(self, path: pathlib.Path) -> RunLog:
+        """The log of a run that was left, once it is complete."""
+        return wait_until(lambda: path.exists() and RunLog.complete(path), f"{path} is complete")
+
+    def wait_warned(self, text: str, limit_s: float = 5.0) -> str:
+        """Wait until every referee is told something; returns the whole warning."""
+        return wait_until(lambda: next((w for w in self.box.details.warnings if text in w), None),
+                          lambda: f"a warning tells '{text}'; warnings: {self.box.details.warnings}", limit_s)
+
+    def wait_no_warning(self, text: str) -> None:
+        """Wait until no warning tells that any more."""
+        wait_until(lambda: not any(text in warning for warning in self.box.details.warnings),
+                   lambda: f"no warning tells '{text}' any more; warnings: {self.box.details.warnings}")
+
+
+def _entries(log: RunLog) -> List[Tuple[str, Any]]:
+    return [(topic, _value(topic, message)) for topic, message in log.entries]
+
+
+def _value(topic: str, message: Any) -> Any:
+    kind = KINDS[topic]
+    if kind is LogKind.SCORE:
+        return [message.group, message.desc, message.value]
+    return None if kind is LogKind.EMPTY else message.data
+
