@@ -81,11 +81,6 @@ PUBLIC_TYPES = tuple(kind.type for kind in _KINDS if kind.public)
 PRIVATE_TYPES = tuple(kind.type for kind in _KINDS if not kind.public)
 
 
-def ids_of(message_type: Type[Message]) -> bytes:
-    """The first bytes of a message's payload."""
-    return _BY_TYPE[message_type].ids
-
-
 def encode(message: Message, cipher: Cipher = Cipher.NONE, key: Optional[Key] = None,
            iv: Optional[bytes] = None) -> bytes:
     """Encode a message as a frame; `iv` is for tests, otherwise random.

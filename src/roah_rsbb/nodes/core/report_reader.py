@@ -1,11 +1,10 @@
 """What a robot says on its private channel, as the core takes it."""
 
 import time
-from typing import Callable, NamedTuple, Optional, Union
+from typing import Callable, NamedTuple, Union
 
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.complaints import OnceASecond
-from roah_rsbb.comm.heartbeat import Heartbeat
 from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.nodes.core import wire_convert
@@ -34,8 +33,6 @@ class ReportReader:
         self._clock = clock
         self._budget = Budget(BYTES_AT_ONCE, BYTES_PER_SECOND)
         self._unread = OnceASecond()
-        self._heartbeat = Heartbeat()
-        self._last: Optional[RobotReport] = None
 
     def __call__(self, payload: bytes) -> Union[RobotReport, pb.BenchmarkState, Unread]:
         """A robot's report, or another box's state; raises BadDatagram."""
@@ -43,12 +40,5 @@ class ReportReader:
         if not self._budget.take(now_mono, len(payload)):
             self._unread.count()
             return Unread(self._unread.take(now_mono))
-        time_said = self._heartbeat.time_of(payload)
-        if self._last is not None and time_said is not None:
-            return self._last._replace(time=time_said)
         message = frame.private_message(payload)
-        if not isinstance(message, pb.RobotState):
-            return message
-        self._last = wire_convert.report_of(message)
-        self._heartbeat.remember(payload, message)
-        return self._last
+        return wire_convert.report_of(message) if isinstance(message, pb.RobotState) else message
