@@ -1,17 +1,27 @@
 """What the programs without ROS share in reading their arguments."""
 
 import argparse
-from typing import Callable, NoReturn
+import os
+from typing import Any, Callable, NoReturn
 
 
 class Parser(argparse.ArgumentParser):
-    """Says in one line what is wrong with the arguments; its help keeps the lines of the texts it is given."""
+    """Says in one line what is wrong with the arguments; its help keeps the lines of the texts it is given.
 
-    def __init__(self, prog: str, description: str, epilog: str) -> None:
-        super().__init__(
-            prog=prog, description=description, epilog=epilog, allow_abbrev=False,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
+    It completes the arguments for bash (env-hooks/50.roah_rsbb.bash).
+    """
+
+    def __init__(self, prog: str, description: str, epilog: str = "", **options: Any) -> None:
+        options.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
+        super().__init__(prog=prog, description=description, epilog=epilog, allow_abbrev=False, **options)
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> argparse.Namespace:
+        """Parse, or print the possible words and end the program if bash asks for them."""
+        if "_ARGCOMPLETE" in os.environ:
+            import argcomplete
+
+            argcomplete.autocomplete(self)
+        return super().parse_args(args, namespace)
 
     def error(self, message: str) -> NoReturn:
         """End the program."""

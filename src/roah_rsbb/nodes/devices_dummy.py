@@ -14,6 +14,7 @@ import rosgraph
 import rospy
 from std_srvs.srv import Empty, EmptyResponse
 
+from roah_rsbb.arguments import Parser
 from roah_rsbb.devices.dummy_server import DummyServer
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.loop import RosLoop
@@ -105,7 +106,7 @@ def _operate_and_log(word: str, node: str) -> None:
 
 
 def _words(arguments: List[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="roah_devices_dummy", description=__doc__)
+    parser = Parser("roah_devices_dummy", __doc__)
     parser.add_argument("word", nargs="?", choices=WORDS,
                         help="command for the running dummy server; without it: be the server")
     parser.add_argument("--node", default=NODE, help="name of the running node (default: %(default)s)")

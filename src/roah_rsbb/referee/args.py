@@ -4,6 +4,7 @@ import argparse
 import math
 from typing import Callable, List, TypeVar
 
+from roah_rsbb.arguments import Parser
 from roah_rsbb.referee.answers import Operations
 from roah_rsbb.referee.words import BadWord, byte_of, event_wanted, score_wanted
 
@@ -43,7 +44,7 @@ def _formatter(prog: str) -> argparse.HelpFormatter:
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser with all commands and their help."""
-    top = argparse.ArgumentParser(
+    top = Parser(
         prog=PROG, formatter_class=_formatter,
         description="The referee in a terminal: for ssh, for scripts, and beside the panels.\n"
                     "'referee COMMAND --help' shows a command's options and examples.",

@@ -5,7 +5,6 @@ referee takes a dummy robot through one task benchmark and one functionality ben
 completes by itself; the exit status says whether both runs completed.
 """
 
-import argparse
 import contextlib
 import os
 import signal
@@ -13,6 +12,8 @@ import socket
 import subprocess
 import sys
 from typing import Dict, Iterator, List
+
+from roah_rsbb.arguments import Parser
 
 ZONE = "Testing TestingTeam"
 # Benchmark: what the scripted referee does besides conducting the run.
@@ -106,7 +107,7 @@ def _with_window(environment: Dict[str, str], master_port: int) -> int:
 
 def main() -> None:
     """Entry point of `rosrun roah_rsbb demo`."""
-    parser = argparse.ArgumentParser(prog="demo", description=__doc__)
+    parser = Parser("demo", __doc__)
     parser.add_argument("--no-window", action="store_true", help="script the referee even where there is a display")
     options = parser.parse_args()
     os.makedirs(LOG_DIR, exist_ok=True)

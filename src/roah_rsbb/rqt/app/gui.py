@@ -12,6 +12,7 @@ import sys
 import time
 from typing import List, NamedTuple, Optional
 
+from roah_rsbb.arguments import Parser
 from roah_rsbb.ros import display
 
 RQT_MODULES = ("rqt_gui", "rqt_gui_py", "qt_gui")
@@ -91,7 +92,7 @@ class Keeper:
 
 def main() -> None:
     """Choose the window and keep it open."""
-    parser = argparse.ArgumentParser(description="Opens the windows of a referee's client.")
+    parser = Parser("roah_rsbb_gui", "Opens the windows of a referee's client.")
     parser.add_argument("--gui", choices=("auto", "rqt", "window", "public"), default="auto")
     parser.add_argument("--reopen", type=_bool, default=False, metavar="true|false",
                         help="reopen the window also after it was closed")

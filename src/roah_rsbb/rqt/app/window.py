@@ -1,11 +1,11 @@
 """Our own window with all panels, for machines without rqt: `rosrun roah_rsbb roah_rsbb_window`."""
 
-import argparse
 import sys
 from typing import Dict
 
 import rospy
 
+from roah_rsbb.arguments import Parser
 from roah_rsbb.ros import display
 from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.app.application import PanelSettings
@@ -99,7 +99,7 @@ class Window(QMainWindow):
 
 def main() -> None:
     """Open the window until it is closed or ROS ends."""
-    parser = argparse.ArgumentParser(description="The referee's window of the RSBB.")
+    parser = Parser("roah_rsbb_window", "The referee's window of the RSBB.")
     parser.add_argument("--of-launch", action="store_true", help="on closing, ask, then end what was launched")
     arguments = parser.parse_args(rospy.myargv()[1:])
     if not display.has_display():
