@@ -26,7 +26,7 @@ from roah_rsbb.core.scoring.desk import ScoreDesk
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
-from roah_rsbb.core.zones import Zones
+from roah_rsbb.core.zones import EventKey, Zones
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.benchmarks import Config
 
@@ -63,7 +63,7 @@ class Box:
         self._restart = Restart(zones, self.finished, self._connections, self.watches, outbox)
         record = CommandRecord(zones, outbox)
         self.commands = Commands(
-            settings, zones, self.robots, self.watches, self._connections, record, outbox)
+            settings, zones, self.robots, self.watches, self._connections, self.finished, record, outbox)
         self.scores = ScoreDesk(self.tick, zones, self.finished, record, outbox)
         self.modules = ModuleDesk(self.tick, zones, self._modules, record)
         # Time.
@@ -182,6 +182,11 @@ class Box:
         """Disconnect the named run unless it is running; raises `Refused`."""
         self.tick(now)
         self.commands.leave_run(now, name, who)
+
+    def choose_event(self, now: Now, zone_name: str, key: EventKey, unsigned: bool = False, who: str = "") -> None:
+        """Make this event the zone's current one; see `Commands.choose_event`. Raises `Refused`."""
+        self.tick(now)
+        self.commands.choose_event(now, zone_name, key, unsigned, who)
 
     # -- the network --------------------------------------------------------------------------------
 

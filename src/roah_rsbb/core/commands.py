@@ -15,10 +15,11 @@ from roah_rsbb.core.link.skew import skew_off
 from roah_rsbb.core.referee import MAX_NOTE, Refused, RunName, checked_who, cut_note
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots
 from roah_rsbb.core.runs.run import ZoneRun
+from roah_rsbb.core.scoring.book import FinishedRuns
 from roah_rsbb.core.scoring.records import By, EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.watches import Watches
-from roah_rsbb.core.zones import NO_RUN, Zone, Zones
+from roah_rsbb.core.zones import NO_RUN, EventKey, Zone, Zones
 from roah_rsbb.rulebook.benchmarks import BenchmarkKind
 
 DISCONNECT_FIRST = "A run is connected: disconnect it first"
@@ -84,6 +85,7 @@ class Commands:
         robots: ActiveRobots,
         watches: Watches,
         connections: Connections,
+        finished: FinishedRuns,
         record: CommandRecord,
         outbox: Outbox,
     ) -> None:
@@ -92,6 +94,7 @@ class Commands:
         self._robots = robots
         self._watches = watches
         self._connections = connections
+        self._finished = finished
         self._record = record
         self._outbox = outbox
         self._reasons_off: Dict[str, Callable[[Now, Zone], List[str]]] = {
@@ -130,6 +133,47 @@ class Commands:
                 raise Refused([f"run {name.identity} is running: stop it first"])
             self._outbox.mark_changed(zone.name)
             self._connections.leave(now, zone, By(checked_who(who)))
+
+    def choose_event(self, now: Now, zone_name: str, key: EventKey, unsigned: bool, who: str = "") -> None:
+        """Make this event of the schedule the zone's current one; raises `Refused`.
+
+        A run that has ended is disconnected. `unsigned`: the referee confirmed to leave a run whose score sheet is not
+        signed off. It can still be signed off later.
+        """
+        name = RunName(zone_name)
+        with self._record.of(name, who, "choose_event", event=f"{key.benchmark} {key.team} {key.round} {key.run}"):
+            zone = self._zones.named(zone_name)
+            index = zone.find(key)
+            if index is None:
+                raise Refused([f"zone '{zone_name}' has no event {key.benchmark}, team {key.team}, round {key.round}, "
+                               f"run {key.run} at this time"])
+            if index == zone.index and zone.run is None:
+                return
+            reasons = self._choose_off(zone, unsigned)
+            if reasons:
+                raise Refused(reasons)
+            self._outbox.mark_changed(zone.name)
+            if zone.run is not None:
+                self._connections.leave(now, zone, By(checked_who(who)))
+            zone.move(index - zone.index)
+
+    def _choose_off(self, zone: Zone, unsigned: bool) -> List[str]:
+        if zone.run is not None and zone.run.phase is Phase.CONNECTED:
+            return [DISCONNECT_FIRST]
+        if zone.run is not None and zone.run.phase is Phase.RUNNING:
+            return ["A run is running: stop it first"]
+        if unsigned or not self._is_unsigned(zone):
+            return []
+        event = zone.event
+        return [f"The run of {event.benchmark.code}, team {event.team}, round {event.round}, run {event.run} is not "
+                "signed off: confirm to leave it"]
+
+    def _is_unsigned(self, zone: Zone) -> bool:
+        """Whether the run that a zone shows, or showed last, is over and not signed off."""
+        if zone.run is not None:
+            return True
+        last = self._finished.last_of(zone.name, zone.event)
+        return last is not None and last.sign_off is None
 
     def reasons_off(self, now: Now, zone: Zone, command: str) -> List[str]:
         """Every reason why a command to a zone would be refused now; empty: it is allowed."""

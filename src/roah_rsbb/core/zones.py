@@ -12,6 +12,8 @@ from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
 from roah_rsbb.wording.suggestions import did_you_mean
 
+# A scheduled time that was sent and converted may differ by less than this.
+SAME_TIME_S = 0.001
 NO_RUN = "No run is connected: press connect first"
 
 
@@ -73,6 +75,13 @@ class Zone:
     def at_last(self) -> bool:
         """Whether there is no next event."""
         return self.index == len(self.events) - 1
+
+    def find(self, key: EventKey) -> Optional[int]:
+        """Return the place of an event in the schedule; None: the zone has no such event."""
+        for index, event in enumerate(self.events):
+            if key_of(event)[:-1] == key[:-1] and abs(event.scheduled - key.scheduled) < SAME_TIME_S:
+                return index
+        return None
 
     def move(self, by: int) -> None:
         """Go to another event of the schedule. The last run's log belongs to the event before, so drop it."""

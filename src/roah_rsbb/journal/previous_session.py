@@ -6,8 +6,8 @@ from typing import Dict, NamedTuple, Optional, Tuple
 from roah_rsbb.journal import schema
 from roah_rsbb.journal.file import Session
 
-# Number of runs whose records are restored, so that referees can correct them.
-MAX_OUTCOMES = 100
+# Number of runs whose records are restored, so that referees can correct them: as many as the core keeps.
+MAX_OUTCOMES = 400
 
 
 class PreviousSession(NamedTuple):

@@ -7,6 +7,7 @@ from typing import Callable, List, TypeVar
 from roah_rsbb.arguments import Parser
 from roah_rsbb.referee.answers import Operations
 from roah_rsbb.referee.words import BadWord, byte_of, event_wanted, score_wanted
+from roah_rsbb.wording.schedule import Show
 
 T = TypeVar("T")
 
@@ -60,6 +61,7 @@ def parser() -> argparse.ArgumentParser:
         one.add_argument("zone", metavar="ZONE", help=_ZONE)
     _score(commands)
     _sheets(commands)
+    _schedule(commands)
     _done(commands)
     _switches(commands)
     _run(commands)
@@ -152,6 +154,25 @@ def _sheets(commands) -> None:
     one.add_argument("--run", metavar="RUN", required=True, help=_RUN)
     _by(one, required=True)
     one.add_argument("--yes", action="store_true", help="sign off without asking")
+
+
+def _schedule(commands) -> None:
+    one = _add(commands, "schedule", "list all events with results, sign-offs and estimated times (UTC)",
+               [f"{PROG} schedule", f"{PROG} schedule 'Home A' --day 2026-11-28", f"{PROG} schedule --team Beta",
+                f"{PROG} schedule --show missing    (what is not run or not signed off)"])
+    one.add_argument("zone", metavar="ZONE", nargs="?", help="only the events of this zone; " + _ZONE)
+    one.add_argument("--team", metavar="TEAM", default="", help="only the events of this team")
+    one.add_argument("--day", metavar="YYYY-MM-DD", default="", help="only the events of this day (UTC)")
+    one.add_argument("--show", choices=[show.name.lower().replace("_", "-") for show in Show], default="all",
+                     help="all events (default), to-come, unsigned (not signed off), or missing (without a result that "
+                          "is signed off)")
+    one = _add(commands, "choose", "make an event of the schedule the current one of its zone",
+               [f"{PROG} choose 'Home A' 3", f"{PROG} choose 'Home A' 3 --unsigned"])
+    one.add_argument("zone", metavar="ZONE", help=_ZONE)
+    one.add_argument("event", metavar="EVENT", type=_counted,
+                     help="number of the event in its zone ('schedule' shows it)")
+    one.add_argument("--unsigned", action="store_true",
+                     help="leave the zone's run although its score sheet is not signed off")
 
 
 def _counted(word: str) -> int:

@@ -14,6 +14,7 @@ from roah_rsbb.referee.run import Plan, RunOutcome, RunScript
 from roah_rsbb.referee.sheets import RunLine, Sheet, pick_run, sheet_of
 from roah_rsbb.referee.state import CONNECTED, IDLE, SheetItem
 from roah_rsbb.referee.words import BadWord, answer_of, pick_item, pick_zone, value_of
+from roah_rsbb.wording import schedule
 
 WATCH_STEP_S = 1.0
 # Words instead of a value.
@@ -233,12 +234,40 @@ def _fetched(link: Link, zone: str, run: Optional[RunLine]) -> Sheet:
     return sheet_of(link.run_sheet(zone, _identity(run)))
 
 
+# -- the schedule ---------------------------------------------------------------------------------
+
+
+def _schedule(link: Link, options: Any, output: Any) -> Exit:
+    """Print the events that the options choose."""
+    events = schedule.events_of(link.schedule())
+    zone = "" if options.zone is None else _zone_name(link, options.zone)
+    shown = schedule.Filter(zone, options.team, options.day, schedule.Show[options.show.upper().replace("-", "_")])
+    found = [event for event in events if shown.shows(event, in_utc=True)]
+    if output.json:
+        output.object({"events": [{**event._asdict(), "late_s": event.late_s} for event in found]})
+    else:
+        output.lines([*view.schedule_lines(found, output.paint), "", schedule.summary(found)])
+    return Exit.OK
+
+
+def _choose(link: Link, options: Any, output: Any) -> Exit:
+    """Choose an event for its zone."""
+    name = _zone_name(link, options.zone)
+    message = link.schedule()
+    own = [line for line in message.events if line.zone == name]
+    if options.event > len(own):
+        raise BadWord(f"zone '{name}' has no event {options.event}: there are 1 to {len(own)} ('schedule' lists them)")
+    link.choose_event(own[options.event - 1], options.unsigned)
+    return _say_done(link, name, output, "choose")
+
+
 # -- all commands ---------------------------------------------------------------------------------
 
 COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
     "status": _status, "watch": _watch, "connect": _command, "start": _command, "stop": _command,
     "disconnect": _command, "previous": _command, "next": _command, "score": _score, "runs": _runs, "sheet": _sheet,
-    "withdraw": _withdraw, "reason": _reason, "sign-off": _sign_off, "done": _done, "switches": _switches, "run": _run,
+    "withdraw": _withdraw, "reason": _reason, "sign-off": _sign_off, "schedule": _schedule, "choose": _choose,
+    "done": _done, "switches": _switches, "run": _run,
 }
 
 

@@ -13,7 +13,7 @@ import rosgraph
 import rospy
 
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunSheet, Score
+from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunSheet, Schedule, ScheduleEvent, Score
 from roah_rsbb.referee.changes import SILENT_S
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.sheets import RunLine, run_of
@@ -21,6 +21,7 @@ from roah_rsbb.referee.state import BoxSnapshot, SheetItem, box_of
 from roah_rsbb.ros import connections, refusals
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.srv import (
+    ChooseEvent,
     GetClock,
     GetRunSheet,
     LeaveRun,
@@ -36,6 +37,7 @@ from roah_rsbb.srv import (
 )
 
 GUI_TOPIC, DETAILS_TOPIC, RESULTS_TOPIC = "/core/to_gui", "/core/details", "/core/results"
+SCHEDULE_TOPIC = "/core/schedule"
 
 # Interval of polling for messages. The core publishes every 100 ms.
 POLL_S = 0.02
@@ -218,11 +220,22 @@ class Link:
 
     def runs(self) -> List[RunLine]:
         """Return all runs that the core knows; raises `NoCore`."""
+        return [run_of(summary) for summary in self._latched(RESULTS_TOPIC, Results).runs]
+
+    def schedule(self) -> Schedule:
+        """Return the schedule; raises `NoCore`."""
+        return self._latched(SCHEDULE_TOPIC, Schedule)
+
+    def choose_event(self, event: ScheduleEvent, unsigned: bool) -> None:
+        """Make an event the current one of its zone; raises as `command` does."""
+        self._call("/core/choose_event", ChooseEvent, event.zone, event.code, event.team, event.round, event.run,
+                   event.schedule, unsigned)
+
+    def _latched(self, topic: str, kind: type) -> Any:
         try:
-            results = rospy.wait_for_message(RESULTS_TOPIC, Results, CORE_S)
+            return rospy.wait_for_message(topic, kind, CORE_S)
         except rospy.ROSException as error:
-            raise NoCore(f"{RESULTS_TOPIC} was not heard ({error}): {self._why_silent()}") from None
-        return [run_of(summary) for summary in results.runs]
+            raise NoCore(f"{topic} was not heard ({error}): {self._why_silent()}") from None
 
     def complete_operation(self, zone: str, operation: int, answer: str) -> None:
         """Complete a manual operation; its number, or 0 for the one that is asked for now. Raises as `command` does."""

@@ -6,7 +6,7 @@ that it cannot send commands to the terminal.
 
 import json
 import re
-from typing import Callable, Dict, List
+from typing import Callable, Dict, List, Sequence, Tuple
 
 from roah_rsbb.referee.changes import Change
 from roah_rsbb.referee.state import (
@@ -23,7 +23,7 @@ from roah_rsbb.referee.state import (
     ZoneSnapshot,
     lines_of,
 )
-from roah_rsbb.wording import module_scores, sheets, texts, times
+from roah_rsbb.wording import module_scores, schedule, sheets, texts, times
 
 # SGR codes (ECMA-48).
 BOLD, RED, GREEN, YELLOW, CYAN = "1", "1;31", "1;32", "1;33", "1;36"
@@ -71,6 +71,33 @@ def status(box: BoxSnapshot, paint: Paint) -> List[str]:
     for zone in box.zones:
         lines += ["", *zone_lines(zone, box.clock_utc_s, paint)]
     return lines
+
+
+_STATE_COLOURS = {"running": GREEN, "connected": CYAN, "ended": YELLOW, "next": BOLD}
+
+
+def schedule_lines(events: Sequence[schedule.Event], paint: Paint) -> List[str]:
+    """Return a table of events, with the numbers that they have in their zones. Times are UTC."""
+    rows = [("Zone", "No.", "Scheduled", "Begins", "Late", "Event", "State", "Score", "Sheet")]
+    rows += [_event_row(event) for event in events]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows]
+    return lines[:1] + [
+        paint(_STATE_COLOURS[event.state], line) if event.state in _STATE_COLOURS else line
+        for event, line in zip(events, lines[1:])
+    ]
+
+
+def _event_row(event: schedule.Event) -> Tuple[str, ...]:
+    begins = "" if event.state == "skipped" else schedule.moment(event.begins_utc_s, "%H:%M", in_utc=True)
+    estimate = "~" if event.state in ("next", "later", "connected") else ""
+    return (
+        plain(event.zone), f"{event.number}{'*' if event.current else ''}",
+        schedule.moment(event.scheduled_utc_s, "%Y-%m-%d %H:%M", in_utc=True), estimate + begins,
+        schedule.delay_text(event.late_s),
+        plain(sheets.run_name(event.code, event.team, event.round, event.run)), schedule.state_text(event),
+        plain(event.score), schedule.sheet_text(event),
+    )
 
 
 def zone_lines(zone: ZoneSnapshot, clock_utc_s: float, paint: Paint) -> List[str]:

@@ -5,7 +5,7 @@ import pytest
 from roah_rsbb.referee.args import parser
 
 COMMANDS = ("status", "watch", "connect", "start", "stop", "disconnect", "previous", "next", "score", "runs",
-            "sheet", "withdraw", "reason", "sign-off", "done", "switches", "run")
+            "sheet", "schedule", "choose", "withdraw", "reason", "sign-off", "done", "switches", "run")
 
 
 def _parse(line):
@@ -54,6 +54,8 @@ def test_a_run_takes_all_its_options():
     (["run", "A", "--wait", "nan"], "seconds"),
     (["run", "A", "--wait", "soon"], "soon"),
     (["run"], "ZONE"),
+    (["schedule", "--show", "some"], "to-come"),
+    (["choose", "A", "0"], "is not a number of 1 or more"),
     (["withdraw", "A", "0"], "is not a number of 1 or more"),
     (["withdraw", "A", "-1"], "1"),
     (["sign-off", "A"], "--run"),

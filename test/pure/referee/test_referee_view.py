@@ -8,6 +8,7 @@ from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, z
 from roah_rsbb.referee import view as view
 from roah_rsbb.referee.changes import Change, changes
 from roah_rsbb.referee.state import AllRobots, ManualOperation, ModuleScore, Switches
+from roah_rsbb.wording import schedule
 
 
 def _status(*zones, **fields):
@@ -218,3 +219,31 @@ def test_what_robots_say_cannot_command_the_terminal():
     shown = view.status(new, view.no_colour) + view.zone_report(loud, UTC0, view.no_colour) + _lines(box(quiet), new)
     assert [line for line in shown if not line.isprintable()] == []
     assert "\\x1b[2Jgone" in "".join(shown)
+
+
+# -- the schedule -----------------------------------------------------------------------------------
+
+
+def _event(number, **fields):
+    event = schedule.Event(number, "Home A", "HWV", "Welcoming", "Beta", 1, number, UTC0, UTC0 + 720.0, "later", False,
+                           "", "", "", None, "")
+    return event._replace(**fields)
+
+
+def test_the_schedule_is_a_table():
+    events = [
+        _event(1, state="done", identity="r", end_reason="stopped", score="Good 3", signed_utc_s=UTC0),
+        _event(2, state="next", current=True),
+        _event(3, state="skipped", begins_utc_s=UTC0, team="Evil\x1b[31m"),
+    ]
+    assert view.schedule_lines(events, view.no_colour) == [
+        "Zone    No.  Scheduled         Begins  Late     Event                                   State            "
+        "Score   Sheet",
+        "Home A  1    2015-11-08 16:26  16:38   +12 min  HWV, team Beta, round 1, run 1          ✓ done: stopped  "
+        "Good 3  signed off",
+        "Home A  2*   2015-11-08 16:26  ~16:38  +12 min  HWV, team Beta, round 1, run 2          → next",
+        "Home A  3    2015-11-08 16:26                   HWV, team Evil\\x1b[31m, round 1, run 3  – skipped",
+    ]
+    assert view.schedule_lines(events, view.colour)[2].startswith("\x1b[1m")
+    assert view.schedule_lines([], view.no_colour) == [
+        "Zone  No.  Scheduled  Begins  Late  Event  State  Score  Sheet"]

@@ -5,6 +5,7 @@ finished when it was started at least once and then left (*disconnect*): before 
 score may change. The referee may correct a finished run until it is signed off.
 """
 
+import itertools
 from dataclasses import dataclass, field
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
@@ -25,8 +26,8 @@ from roah_rsbb.wording import sheets, times
 
 # No referee stops a run more often. Then the oldest stop without a typed reason is dropped.
 MAX_STOPS = 100
-# More than a day of any competition.
-MAX_KEPT = 100
+# More than any competition has.
+MAX_KEPT = 400
 
 _KINDS = {kind.name.lower(): kind for kind in ScoreKind}
 
@@ -234,9 +235,15 @@ class FinishedRuns:
             ])
         return run
 
-    def records(self) -> List[RunRecord]:
-        """The records of all runs kept, the one that was left last first."""
-        return [run.record for run in reversed(self._runs.values())]
+    def records(self, count: int = MAX_KEPT) -> List[RunRecord]:
+        """The records of the newest runs, the one that was left last first."""
+        return [run.record for run in itertools.islice(reversed(self._runs.values()), count)]
+
+    def last_of(self, zone: str, event: ScheduledEvent) -> Optional[RunRecord]:
+        """The record of the last run of an event; None: it has none."""
+        found = (run.record for run in reversed(self._runs.values()) if run.result.zone == zone)
+        wanted = (event.benchmark.code, event.team, event.round, event.run, event.scheduled)
+        return next((r for r in found if (r.benchmark, r.team, r.round, r.run, r.scheduled) == wanted), None)
 
     def newest(self, count: int = MAX_KEPT) -> Tuple[FinishedResult, ...]:
         """The newest results first. Of a repeated run only the last one."""

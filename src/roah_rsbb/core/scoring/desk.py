@@ -13,6 +13,9 @@ from roah_rsbb.core.scoring.records import By, Phase, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import Zones
 
+# Finished runs in the list of results: more than a day of any competition.
+MAX_LISTED = 100
+
 
 class ScoreDesk:
     """Takes what the referee says of one run, which is named by its identity or by its zone."""
@@ -35,8 +38,8 @@ class ScoreDesk:
     # -- looking ------------------------------------------------------------------------------------
 
     def records(self, now: Now) -> List[RunRecord]:
-        """The records of the runs in the zones, in their order, then of finished runs, the last one first."""
-        return [run.record(now) for run in self._zones.runs()] + self._finished.records()
+        """The records of the runs in the zones, in their order, then of the newest finished runs, the last first."""
+        return [run.record(now) for run in self._zones.runs()] + self._finished.records(MAX_LISTED)
 
     def record_of(self, now: Now, name: RunName) -> RunRecord:
         """The record of a run; raises `Refused`."""

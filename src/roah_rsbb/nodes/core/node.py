@@ -42,6 +42,7 @@ from roah_rsbb.msg import (
     PublicDetails,
     Results,
     RunClocks,
+    Schedule,
     Unsaved,
     UnsavedParts,
 )
@@ -52,6 +53,7 @@ from roah_rsbb.nodes.core.journal import CoreJournal, competition, saved_state
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.nodes.core.results_convert import ResultsBoard
+from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.nodes.modules import convert
 from roah_rsbb.ros import connections
@@ -144,6 +146,7 @@ class CoreNode:
         self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble, self._on_log_mended,
                                       self._journal.log_entries, self._ros.post)
         self._results = ResultsBoard(box, self._uuid)
+        self._schedule = ScheduleBoard(box, self._uuid)
         self._panels = PanelMessages(box, self._uuid, network.rsbb_host)
         self._heard_from = self._ros.loop.time() + HEARD_AFTER_S
         self._device_calls = DeviceCalls(self._on_device_refused)
@@ -178,6 +181,7 @@ class CoreNode:
             "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
             "clocks": rospy.Publisher("/core/clocks", RunClocks, queue_size=1, latch=True),
             "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
+            "schedule": rospy.Publisher("/core/schedule", Schedule, queue_size=1, latch=True),
             "unsaved": rospy.Publisher("/core/unsaved", Unsaved, queue_size=1, latch=True),
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
             "timeout": rospy.Publisher("/timeout", Empty, queue_size=1),
@@ -277,6 +281,9 @@ class CoreNode:
             self._publish("clocks", clocks)
         if self._ticks % PUBLIC_EVERY == 0:
             self._publish("public", public_convert.to_public(self._box, now))
+            schedule = self._schedule.take(now)
+            if schedule is not None:
+                self._publish("schedule", schedule)
         self._publish_public_details(now)
         results = self._results.take(now)
         if results is not None:

@@ -10,12 +10,14 @@ from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.core.zones import EventKey
 from roah_rsbb.nodes.core.results_convert import sheet_message
 from roah_rsbb.ros import refusals, texts
 from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.times import ros_time
 from roah_rsbb.srv import (
+    ChooseEvent,
     GetClock,
     GetClockResponse,
     GetRunSheet,
@@ -60,6 +62,10 @@ class CoreServices:
             self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c, who_of(r)))
         self._serve("stop_run", StopRun, lambda r: (box.scores.stop, _run_of(r), who_of(r)))
         self._serve("leave_run", LeaveRun, lambda r: (box.leave_run, _run_of(r), who_of(r)))
+        self._serve("choose_event", ChooseEvent, lambda r: (
+            box.choose_event, r.zone, EventKey(r.code, r.team, r.round, r.run, r.schedule.to_sec()), r.unsigned,
+            who_of(r),
+        ))
         self._serve("manual_operation_complete", Zone, lambda r: (
             box.modules.complete_operation, r.zone, 0, "", who_of(r)
         ))

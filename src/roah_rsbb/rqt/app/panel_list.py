@@ -18,6 +18,7 @@ from roah_rsbb.rqt.panels.online_data import OnlineDataPanel
 from roah_rsbb.rqt.panels.overview import OverviewPanel
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.panels.results import ResultsPanel
+from roah_rsbb.rqt.panels.schedule import SchedulePanel
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.panels.tablet_status import TabletStatusPanel
 
@@ -34,6 +35,7 @@ PANELS: Tuple[Type[Panel], ...] = (
     DevicesPanel,
     OverviewPanel,
     ResultsPanel,
+    SchedulePanel,
 )
 
 

@@ -12,6 +12,7 @@ from roah_rsbb.msg import (
     RunClock,
     RunClocks,
     RunSummary,
+    Schedule,
     Unsaved,
     UnsavedParts,
     ZoneDetails,
@@ -26,6 +27,7 @@ DETAILS_TOPIC = "/core/details"
 RESULTS_TOPIC = "/core/results"
 UNSAVED_TOPIC = "/core/unsaved"
 CLOCKS_TOPIC = "/core/clocks"
+SCHEDULE_TOPIC = "/core/schedule"
 DEVICES_TOPIC = "/devices/state"
 DEVICES_STATUS_TOPIC = "/devices/status"
 TOPICS = {
@@ -34,6 +36,7 @@ TOPICS = {
     RESULTS_TOPIC: Results,
     UNSAVED_TOPIC: Unsaved,
     CLOCKS_TOPIC: RunClocks,
+    SCHEDULE_TOPIC: Schedule,
     DEVICES_TOPIC: DevicesState,
     DEVICES_STATUS_TOPIC: DevicesStatus,
 }
@@ -71,6 +74,7 @@ class Model(QObject):
         self.gui: Optional[CoreToGui] = None
         self.details: Optional[CoreDetails] = None
         self.results: Optional[Results] = None
+        self.schedule: Optional[Schedule] = None
         self._unsaved: Optional[Unsaved] = None
         self._clocks: Optional[RunClocks] = None
         self._clocks_heard = 0.0
@@ -200,6 +204,8 @@ class Model(QObject):
         now = time.monotonic()
         news = self._take_gui() | self._take_details() | self._take_results() | self._take_devices()
         news = news | self._take_unsaved() | self._take_clocks()
+        news = self._take_schedule() or news
+        news = self._take_unsaved() or news
         old = self.is_old
         if old and now - max(self._heard or self._started, self._renewed) > RENEW_S:
             self._renewed = now
@@ -245,6 +251,12 @@ class Model(QObject):
         received = self._feed.take(RESULTS_TOPIC)
         if received is not None:
             self.results = received.message
+        return received is not None
+
+    def _take_schedule(self) -> bool:
+        received = self._feed.take(SCHEDULE_TOPIC)
+        if received is not None:
+            self.schedule = received.message
         return received is not None
 
     def _take_devices(self) -> bool:

@@ -1,0 +1,124 @@
+"""The schedule as the referees see it: what is done, what runs, what comes next (docs/referee.md, "Schedule").
+
+Estimated times. No event begins before its scheduled time. An event that is late delays the later events of its zone,
+and gaps in the schedule absorb the delay. An event takes as long as the schedule gives its benchmark: the shortest
+time from an event of this benchmark to the zone's next one, but at most its time limit and `SETUP_S`. A run that
+takes longer ends now, for all that is known. Zones do not delay each other.
+"""
+
+import enum
+import math
+from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.scoring.records import RAN_TO_THE_END, Phase, RunRecord
+from roah_rsbb.core.zones import EventKey, Zone, key_of
+from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
+
+# The longest time in seconds that the schedule plans to get the next robot ready. What is longer is a break.
+SETUP_S = 900.0
+# Estimates are whole minutes: they change once a minute at most.
+MINUTE_S = 60.0
+
+_THE_END = {reason.name.lower() for reason in RAN_TO_THE_END}
+
+
+class EventState(enum.Enum):
+    """What became of an event of the schedule."""
+
+    DONE = "done"  # a run of it is over
+    CONNECTED = "connected"  # in its zone now, as the next three
+    RUNNING = "running"
+    ENDED = "ended"  # the run is over, but still connected
+    NEXT = "next"
+    LATER = "later"
+    SKIPPED = "skipped"  # its zone went past it without a run
+
+
+_OF_PHASE = {
+    Phase.CONNECTED: EventState.CONNECTED, Phase.RUNNING: EventState.RUNNING, Phase.ENDED: EventState.ENDED,
+}
+_TO_COME = (EventState.CONNECTED, EventState.NEXT, EventState.LATER)
+_IN_PROGRESS = (EventState.RUNNING, EventState.ENDED)
+
+
+class EventLine(NamedTuple):
+    """An event of the schedule."""
+
+    zone: str
+    event: ScheduledEvent
+    current: bool  # its zone is at this event
+    state: EventState
+    begins: float  # UTC seconds: when it began, or the estimate of when it will
+    last: Optional[RunRecord]  # the last run of it that is over; None: it has none
+
+
+def schedule(box: Box, now: Now) -> List[EventLine]:
+    """All events of all zones, in the order of their scheduled times."""
+    slots = slot_lengths(ZonePlan(zone.name, zone.events) for zone in box.zones.values())
+    last = {(record.zone, *_key_of(record)): record for record in reversed(box.finished.records())}
+    lines = [line for zone in box.zones.values() for line in _zone_lines(zone, last, slots, now)]
+    return sorted(lines, key=lambda line: line.event.scheduled)
+
+
+def slot_lengths(plans: Iterable[ZonePlan]) -> Dict[str, float]:
+    """Returns the seconds that an event takes, by the code of its benchmark."""
+    longest: Dict[str, float] = {}
+    gaps: Dict[str, List[float]] = {}
+    for plan in plans:
+        for event in plan.events:
+            longest[event.benchmark.code] = event.benchmark.total_timeout + SETUP_S
+        for event, following in zip(plan.events, plan.events[1:]):
+            if following.scheduled > event.scheduled:
+                gaps.setdefault(event.benchmark.code, []).append(following.scheduled - event.scheduled)
+    return {code: min([limit, *gaps.get(code, ())]) for code, limit in longest.items()}
+
+
+def _zone_lines(
+    zone: Zone, last: Dict[Tuple[object, ...], RunRecord], slots: Dict[str, float], now: Now
+) -> List[EventLine]:
+    found = []
+    for index, event in enumerate(zone.events):
+        record = last.get((zone.name, *key_of(event)))
+        state = _state(zone, index, record)
+        found.append(EventLine(zone.name, event, index == zone.index, state, event.scheduled, record))
+    return _with_times(found, zone, slots, now)
+
+
+def _state(zone: Zone, index: int, last: Optional[RunRecord]) -> EventState:
+    if index == zone.index:
+        if zone.run is not None:
+            return _OF_PHASE[zone.run.phase]
+        # After a stop the zone stays at its event, for another attempt.
+        return EventState.DONE if last is not None and last.end_reason in _THE_END else EventState.NEXT
+    if last is not None:
+        return EventState.DONE
+    return EventState.SKIPPED if index < zone.index else EventState.LATER
+
+
+def _with_times(lines: List[EventLine], zone: Zone, slots: Dict[str, float], now: Now) -> List[EventLine]:
+    """Returns the lines of a zone with the times at which their runs began, or will probably begin."""
+    free = now.utc  # from then on the zone can begin another event
+    timed = []
+    for line in lines:
+        begins, slot = line.event.scheduled, slots[line.event.benchmark.code]
+        if line.state in _TO_COME:
+            begins = _minute(max(begins, free), begins)
+            free = begins + slot
+        elif line.state in _IN_PROGRESS:
+            begins = zone.run.record(now).started_utc
+            free = max(now.utc, begins + slot)
+        elif line.last is not None:
+            begins = line.last.started_utc
+        timed.append(line._replace(begins=begins))
+    return timed
+
+
+def _minute(utc: float, scheduled: float) -> float:
+    """Rounds an estimate up to a minute; a time that is kept is not changed."""
+    return utc if utc <= scheduled else math.ceil(utc / MINUTE_S) * MINUTE_S
+
+
+def _key_of(record: RunRecord) -> EventKey:
+    return EventKey(record.benchmark, record.team, record.round, record.run, record.scheduled)

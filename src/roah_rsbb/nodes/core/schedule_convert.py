@@ -1,0 +1,49 @@
+"""Builds the message with the schedule for the referees."""
+
+from typing import List, Optional
+
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.views.schedule import EventLine, schedule
+from roah_rsbb.msg import Schedule, ScheduleEvent
+from roah_rsbb.nodes.core.results_convert import score_of
+from roah_rsbb.ros.times import ros_time
+
+
+class ScheduleBoard:
+    """Makes /core/schedule of a box, whenever it changed."""
+
+    def __init__(self, box: Box, box_uuid: str) -> None:
+        self._box = box
+        self._box_uuid = box_uuid
+        self._lines: Optional[List[EventLine]] = None
+
+    def take(self, now: Now) -> Optional[Schedule]:
+        """Return the message if it differs from the one at the last call."""
+        lines = schedule(self._box, now)
+        if lines == self._lines:
+            return None
+        self._lines = lines
+        return Schedule(ros_time(now.utc), self._box_uuid, [event_message(line) for line in lines])
+
+
+def event_message(line: EventLine) -> ScheduleEvent:
+    """Return the message of an event."""
+    event, last = line.event, line.last
+    message = ScheduleEvent(
+        zone=line.zone,
+        code=event.benchmark.code,
+        benchmark=event.benchmark.desc or event.benchmark.name,
+        team=event.team,
+        round=event.round,
+        run=event.run,
+        schedule=ros_time(event.scheduled),
+        current=line.current,
+        state=line.state.value,
+        begins=ros_time(line.begins),
+    )
+    if last is not None:
+        message.identity, message.end_reason, message.score = last.identity, last.end_reason, score_of(last)
+        if last.sign_off is not None:
+            message.signed, message.signed_by = ros_time(last.sign_off.utc), last.sign_off.who
+    return message

@@ -1,0 +1,166 @@
+"""Schedule: all events of all zones, with results, sign-offs and estimated times (docs/referee.md, "Schedule")."""
+
+from typing import List, Optional, Tuple
+
+from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
+from roah_rsbb.rqt.qt import QComboBox, QHBoxLayout, QPushButton, Qt
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.rows import Row, Rows
+from roah_rsbb.srv import ChooseEvent
+from roah_rsbb.wording import schedule, sheets
+from roah_rsbb.wording.schedule import Event, Filter, Show
+
+WAITING = "Waiting for the core"
+NO_EVENTS = "No event fits these filters."
+CHOOSE = "Choose this event"
+CHOOSE_FIRST = "Select an event above first."
+OLD = "The core is silent: no event can be chosen now"
+COLUMNS = ("Time", "Begins", "Late", "Zone", "Event", "Team", "State", "Score", "Sheet")
+# The widest column of names, in units of the desktop's font.
+WIDEST_EMS = 16.0
+Key = Tuple[str, int]  # zone and number of an event
+
+
+class FilterBox(QComboBox):
+    """Chooses one of several texts; the first entry stands for all."""
+
+    def __init__(self, everything: str) -> None:
+        super().__init__()
+        self._everything = everything
+        self._names: List[str] = []
+        self.addItem(everything, "")
+        self.setFocusPolicy(Qt.TabFocus)
+        self.setSizeAdjustPolicy(QComboBox.AdjustToMinimumContentsLengthWithIcon)
+        self.setMinimumContentsLength(9)
+
+    @property
+    def chosen(self) -> str:
+        """The chosen text; empty: all."""
+        return self.currentData() or ""
+
+    def offer(self, names: List[str]) -> None:
+        """Offer these texts. The choice stays, as long as it is offered."""
+        if names == self._names:
+            return
+        chosen, self._names = self.chosen, names
+        self.blockSignals(True)
+        self.clear()
+        for name in ["", *names]:
+            self.addItem(name or self._everything, name)
+        self.setCurrentIndex(max(0, self.findData(chosen)))
+        self.blockSignals(False)
+
+
+class SchedulePanel(Panel):
+    """A list of the events, filters above it, and a button that chooses the selected event."""
+
+    TITLE = "Schedule"
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self._events: List[Event] = []
+        self.zones, self.teams = FilterBox("All zones"), FilterBox("All teams")
+        self.days, self.shows = FilterBox("All days"), FilterBox("All events")
+        self.shows.offer([show.value for show in Show if show is not Show.ALL])
+        self.rows = Rows(COLUMNS, stretched=(7,), wrapped=False)
+        self.rows.horizontalHeader().setMaximumSectionSize(round(WIDEST_EMS * basic.em()))
+        self.choose = basic.enlarged(QPushButton(CHOOSE), 1.1, bold=True)
+        self.choose.setFocusPolicy(Qt.TabFocus)
+        self._answer = Answer()
+        self._lay_out()
+        for box in (self.zones, self.teams, self.days, self.shows):
+            box.currentIndexChanged.connect(self._on_update)
+        self.rows.itemSelectionChanged.connect(self._on_update)
+        self.rows.itemDoubleClicked.connect(lambda *_: self.choose.click())
+        self.choose.clicked.connect(self._choose)
+
+    def _lay_out(self) -> None:
+        filters = QHBoxLayout()
+        for box in (self.zones, self.teams, self.days, self.shows):
+            filters.addWidget(box, 1)
+        self.body.addLayout(filters)
+        self.body.addWidget(self.rows, 1)
+        last = QHBoxLayout()
+        last.addWidget(self._answer, 1)
+        last.addWidget(self.choose)
+        self.body.addLayout(last)
+
+    # -- showing ------------------------------------------------------------------------------------
+
+    def where(self) -> str:
+        return schedule.summary(self._events) if self._events else WAITING
+
+    def show_model(self) -> None:
+        self._events = [] if self.model.schedule is None else schedule.events_of(self.model.schedule)
+        self._where.setText(self.where())
+        self.zones.offer(list(dict.fromkeys(event.zone for event in self._events)))
+        self.teams.offer(sorted({event.team for event in self._events}))
+        self.days.offer(sorted({schedule.day_of(event) for event in self._events}))
+        show = Show(self.shows.chosen or Show.ALL.value)
+        shown = Filter(self.zones.chosen, self.teams.chosen, self.days.chosen, show)
+        events = [event for event in self._events if shown.shows(event)]
+        several_days = len({schedule.day_of(event) for event in events}) > 1
+        rows = [_row(event, several_days) for event in events]
+        self.rows.show_rows(rows or [Row(None, ("", "", "", "", NO_EVENTS if self._events else "", "", "", "", ""))])
+        self._show_button()
+
+    def _show_button(self) -> None:
+        event = self._chosen()
+        why = OLD if self.model.is_old else CHOOSE_FIRST if event is None else schedule.why_not(self._events, event)
+        self.choose.setEnabled(not why)
+        self.choose.setToolTip(basic.tip(why or f"Make it the current event of {event.zone}"))
+
+    def _chosen(self) -> Optional[Event]:
+        return next((event for event in self._events if _key(event) == self.rows.chosen), None)
+
+    # -- choosing -----------------------------------------------------------------------------------
+
+    def _choose(self) -> None:
+        event = self._chosen()
+        if event is None:
+            return
+        left = schedule.left_unsigned(self._events, event.zone)
+        if left is None or left.number == event.number:
+            self._send(event, unsigned=left is not None)
+            return
+        ask(
+            self, f"Leave {_name(left)} in {event.zone} without a sign-off?",
+            f"{left.score or 'No score'}\n\nThe score sheet stays in Results and can be signed off later. "
+            f"{event.zone} goes to {_name(event)}.", CHOOSE, lambda: self._send(event, unsigned=True),
+        )
+
+    def _send(self, event: Event, unsigned: bool) -> None:
+        what = f"{event.zone}: {_name(event)}"
+        self._answer.say(f"{what} …")
+        stamp = next(line.schedule for line in self.model.schedule.events if _is(line, event))
+        self.client.calls.service(
+            self, "/core/choose_event", ChooseEvent,
+            (event.zone, event.code, event.team, event.round, event.run, stamp, unsigned),
+            lambda outcome: self._answer.show_outcome(what, outcome),
+        )
+
+
+def _key(event: Event) -> Key:
+    return event.zone, event.number
+
+
+def _is(line, event: Event) -> bool:
+    return (line.zone, line.code, line.team, line.round, line.run, line.schedule.to_sec()) == (
+        event.zone, event.code, event.team, event.round, event.run, event.scheduled_utc_s)
+
+
+def _name(event: Event) -> str:
+    return sheets.run_name(event.code, event.team, event.round, event.run)
+
+
+def _row(event: Event, several_days: bool) -> Row:
+    """Returns the row of an event. Estimated times have a mark, so that they are not taken for facts."""
+    pattern = "%a %d %H:%M" if several_days else "%H:%M"
+    has_begun = event.state in ("done", "running", "ended")
+    begins = "" if event.state == "skipped" else schedule.moment(event.begins_utc_s, pattern)
+    sheet = schedule.sheet_text(event)
+    return Row(_key(event), (
+        schedule.moment(event.scheduled_utc_s, pattern), begins if has_begun or not begins else f"~ {begins}",
+        schedule.delay_text(event.late_s), event.zone, f"{event.code}, {sheets.turn(event.round, event.run)}",
+        event.team, schedule.state_text(event), event.score, f"✔ {sheet}" if sheet == sheets.SIGNED_OFF else sheet,
+    ), bold=event.current)

@@ -1,0 +1,178 @@
+"""The schedule as referees and organisers read it: states, delays, filters, and what is not signed off yet.
+
+Panel and terminal decorate these words and add none of their own.
+"""
+
+import enum
+import time
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence
+
+from roah_rsbb.wording import sheets
+
+MINUTE_S, HOUR_S, DAY_S = 60, 3600, 86400
+
+# By the state in ScheduleEvent.
+_STATES = {
+    "connected": "● connected", "running": "▶ running", "ended": "■ ended", "next": "→ next", "later": "later",
+    "skipped": "– skipped",
+}
+_TO_COME = ("connected", "running", "ended", "next", "later")
+_IN_ZONE = ("connected", "running", "ended")
+
+
+class Event(NamedTuple):
+    """An event of the schedule with what became of it. Times are UTC seconds."""
+
+    number: int  # in the schedule of its zone, from 1
+    zone: str
+    code: str
+    benchmark: str
+    team: str
+    round: int
+    run: int
+    scheduled_utc_s: float
+    begins_utc_s: float  # when it began, or the estimate of when it will
+    state: str
+    current: bool
+    identity: str  # of the last run that is over; empty: none
+    end_reason: str
+    score: str
+    signed_utc_s: Optional[float]  # None: not signed off
+    signed_by: str
+
+    @property
+    def late_s(self) -> float:
+        """By how many seconds it began, or will begin, after its scheduled time; at least 0."""
+        return max(0.0, self.begins_utc_s - self.scheduled_utc_s)
+
+    @property
+    def unsigned(self) -> bool:
+        """Whether a run of it is over whose score sheet is not signed off."""
+        return self.state == "ended" or (bool(self.identity) and self.signed_utc_s is None)
+
+
+def events_of(schedule) -> List[Event]:
+    """Makes the events of a Schedule message, or of anything with its fields."""
+    numbers: Dict[str, int] = {}
+    found = []
+    for line in schedule.events:
+        numbers[line.zone] = numbers.get(line.zone, 0) + 1
+        found.append(Event(
+            numbers[line.zone], line.zone, line.code, line.benchmark, line.team, line.round, line.run,
+            line.schedule.to_sec(), line.begins.to_sec(), line.state, line.current, line.identity, line.end_reason,
+            line.score, line.signed.to_sec() or None, line.signed_by,
+        ))
+    return found
+
+
+# -- words ------------------------------------------------------------------------------------------
+
+
+def state_text(event: Event) -> str:
+    """Returns what became of an event."""
+    if event.state == "done":
+        return f"✓ done: {sheets.end_reason(event.end_reason)}"
+    text = _STATES.get(event.state, event.state)
+    if event.identity and event.state in ("next", "later"):
+        text += f" (before: {sheets.end_reason(event.end_reason)})"
+    return text
+
+
+def sheet_text(event: Event) -> str:
+    """Returns whether the score sheet of an event's last run is signed off; empty: no run is over."""
+    if event.unsigned:
+        return sheets.NOT_SIGNED_OFF
+    return sheets.SIGNED_OFF if event.identity else ""
+
+
+def delay_text(seconds: float) -> str:
+    """Returns a delay such as ``+12 min``, ``+2 h 05 min`` or ``+3 days``; empty: less than a minute."""
+    minutes = int(seconds // MINUTE_S)
+    if minutes < 1:
+        return ""
+    if minutes < 60:
+        return f"+{minutes} min"
+    if seconds < 2 * DAY_S:
+        return f"+{minutes // 60} h {minutes % 60:02d} min"
+    return f"+{int(seconds // DAY_S)} days"
+
+
+def summary(events: Sequence[Event]) -> str:
+    """Returns how many events are signed off, not signed off, to come and skipped."""
+    unsigned = sum(event.unsigned for event in events)
+    counts = (
+        (sum(bool(event.identity) and not event.unsigned for event in events), sheets.SIGNED_OFF),
+        (unsigned, sheets.NOT_SIGNED_OFF),
+        (sum(event.state in _TO_COME and not event.identity and not event.unsigned for event in events), "to come"),
+        (sum(event.state == "skipped" for event in events), "skipped"),
+    )
+    return "  ·  ".join(f"{count} {what}" for count, what in counts if count) or "no events"
+
+
+# -- filters ----------------------------------------------------------------------------------------
+
+
+class Show(enum.Enum):
+    """Which events are shown."""
+
+    ALL = "all"
+    TO_COME = "to come"
+    UNSIGNED = "not signed off"
+    MISSING = "without a result"  # that is final: to be run, skipped, or not signed off
+
+
+class Filter(NamedTuple):
+    """The events that are shown; an empty text shows all."""
+
+    zone: str = ""
+    team: str = ""
+    day: str = ""  # YYYY-MM-DD
+    show: Show = Show.ALL
+
+    def shows(self, event: Event, in_utc: bool = False) -> bool:
+        """Returns whether an event is shown."""
+        return (
+            self.zone in ("", event.zone) and self.team in ("", event.team)
+            and self.day in ("", day_of(event, in_utc)) and _SHOWN[self.show](event)
+        )
+
+
+_SHOWN = {
+    Show.ALL: lambda event: True,
+    Show.TO_COME: lambda event: event.state in _TO_COME,
+    Show.UNSIGNED: lambda event: event.unsigned,
+    Show.MISSING: lambda event: event.unsigned or not event.identity,
+}
+
+
+def day_of(event: Event, in_utc: bool = False) -> str:
+    """Returns the day of an event's scheduled time."""
+    return moment(event.scheduled_utc_s, "%Y-%m-%d", in_utc)
+
+
+def moment(utc_s: float, pattern: str, in_utc: bool = False) -> str:
+    """Returns a local or UTC moment in this format."""
+    try:
+        return time.strftime(pattern, time.gmtime(utc_s) if in_utc else time.localtime(utc_s))
+    except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop a panel
+        return "?"
+
+
+# -- choosing ---------------------------------------------------------------------------------------
+
+
+def left_unsigned(events: Iterable[Event], zone: str) -> Optional[Event]:
+    """Returns the current event of a zone if its run is over and not signed off; None: nothing to confirm."""
+    return next((event for event in events if event.zone == zone and event.current and event.unsigned), None)
+
+
+def why_not(events: Iterable[Event], chosen: Event) -> str:
+    """Returns why an event cannot become the current one of its zone; empty: it can."""
+    current = next((event for event in events if event.zone == chosen.zone and event.current), None)
+    if current is not None and current.state == "running":
+        return f"A run is running in {chosen.zone}. Stop it first."
+    if current is not None and current.state == "connected":
+        return f"A run is connected in {chosen.zone}. Disconnect it first."
+    if chosen.current and chosen.state not in _IN_ZONE:
+        return f"{chosen.zone} is at this event already."
+    return ""

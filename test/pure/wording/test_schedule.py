@@ -1,0 +1,143 @@
+"""The schedule in words: states, delays, filters, and what is missing."""
+
+import time
+import types
+
+import pytest
+
+from roah_rsbb.wording import schedule
+from roah_rsbb.wording.schedule import Event, Filter, Show
+
+DAY0 = 1_800_000_000.0 - 1_800_000_000.0 % 86400
+
+
+class Stamp(float):
+    """A time of ROS."""
+
+    def to_sec(self):
+        return float(self)
+
+
+def line(zone="A", state="later", identity="", signed=0.0, **fields):
+    """A ScheduleEvent."""
+    values = {
+        "code": "HNF", "benchmark": "Navigation", "team": "Beta", "round": 1, "run": 1, "schedule": Stamp(DAY0),
+        "begins": Stamp(DAY0), "current": state in ("next", "running", "connected", "ended"), "end_reason": "",
+        "score": "", "signed_by": "", **fields,
+    }
+    return types.SimpleNamespace(zone=zone, state=state, identity=identity, signed=Stamp(signed), **values)
+
+
+def events(*lines):
+    return schedule.events_of(types.SimpleNamespace(events=lines))
+
+
+def one(*args, **fields):
+    return events(line(*args, **fields))[0]
+
+
+SIGNED = line(state="done", identity="r1", end_reason="completed", signed=DAY0 + 9, signed_by="Anna")
+UNSIGNED = line(state="done", identity="r2", end_reason="timeout")
+
+
+@pytest.fixture
+def madrid(monkeypatch):
+    monkeypatch.setenv("TZ", "Europe/Madrid")
+    time.tzset()
+    yield
+    monkeypatch.undo()
+    time.tzset()
+
+
+def test_events_are_numbered_in_their_zones():
+    assert [(e.zone, e.number) for e in events(line("A"), line("B"), line("A"), line("B"))] == [
+        ("A", 1), ("B", 1), ("A", 2), ("B", 2)]
+    assert events() == []
+
+
+@pytest.mark.parametrize("seconds, text", [
+    (0, ""), (59, ""), (60, "+1 min"), (3599, "+59 min"), (3600, "+1 h 00 min"), (7500, "+2 h 05 min"),
+    (86400, "+24 h 00 min"), (2 * 86400, "+2 days"), (10 * 365 * 86400, "+3650 days"),
+])
+def test_delays(seconds, text):
+    assert schedule.delay_text(seconds) == text
+
+
+def test_an_early_event_is_not_late():
+    assert one(begins=Stamp(DAY0 - 100)).late_s == 0.0
+    assert one(begins=Stamp(DAY0 + 100)).late_s == 100.0
+
+
+@pytest.mark.parametrize("event, state, sheet", [
+    (line(), "later", ""), (line(state="next"), "→ next", ""), (line(state="skipped"), "– skipped", ""),
+    (line(state="running"), "▶ running", ""), (line(state="connected"), "● connected", ""),
+    (line(state="ended"), "■ ended", "not signed off"), (SIGNED, "✓ done: completed", "signed off"),
+    (UNSIGNED, "✓ done: timeout", "not signed off"),
+    (line(state="next", identity="r", end_reason="stopped"), "→ next (before: stopped)", "not signed off"),
+    (line(state="of a newer version"), "of a newer version", ""),
+])
+def test_states_and_sheets(event, state, sheet):
+    (event,) = events(event)
+    assert (schedule.state_text(event), schedule.sheet_text(event)) == (state, sheet)
+
+
+def test_the_summary_counts_each_event_once():
+    every = events(SIGNED, SIGNED, UNSIGNED, line(state="ended"), line(state="next"), line(), line(state="skipped"))
+    assert schedule.summary(every) == "2 signed off  ·  2 not signed off  ·  2 to come  ·  1 skipped"
+    assert schedule.summary(events(UNSIGNED)) == "1 not signed off"
+    assert schedule.summary([]) == "no events"
+
+
+def shown(filter_, *lines, **options):
+    return [event.number for event in events(*lines) if filter_.shows(event, **options)]
+
+
+def test_filters_by_zone_team_and_day(madrid):
+    lines = (line(team="Alpha"), line(), line(schedule=Stamp(DAY0 + 86400)))
+    assert shown(Filter(), *lines) == [1, 2, 3]
+    assert shown(Filter(zone="B"), *lines) == []
+    assert shown(Filter(zone="A", team="Alpha"), *lines) == [1]
+    days = [schedule.day_of(event) for event in events(*lines)]
+    assert shown(Filter(day=days[2]), *lines) == [3]
+    assert shown(Filter(team="Alpha", day=days[2]), *lines) == []
+
+
+def test_the_day_of_an_event_around_midnight_is_that_of_the_venue(madrid):
+    late = one(schedule=Stamp(DAY0 + 23.5 * 3600))
+    days = [schedule.moment(DAY0 + shift, "%Y-%m-%d", in_utc=True) for shift in (0, 86400)]
+    assert schedule.day_of(late, in_utc=True) == days[0]
+    assert schedule.day_of(late) == days[1], "23:30 UTC is the next day in Madrid"
+
+
+def test_filters_by_what_became_of_them():
+    lines = (SIGNED, UNSIGNED, line(state="ended"), line(state="next"), line(), line(state="skipped"),
+             line(state="next", identity="r", end_reason="stopped"))
+    assert shown(Filter(show=Show.ALL), *lines) == [1, 2, 3, 4, 5, 6, 7]
+    assert shown(Filter(show=Show.TO_COME), *lines) == [3, 4, 5, 7]
+    assert shown(Filter(show=Show.UNSIGNED), *lines) == [2, 3, 7]
+    assert shown(Filter(show=Show.MISSING), *lines) == [2, 3, 4, 5, 6, 7]
+
+
+def test_what_is_left_unsigned_is_the_current_run_of_the_same_zone():
+    every = events(UNSIGNED, line(state="next", identity="r", current=True), line("B", state="next"))
+    assert schedule.left_unsigned(every, "A") == every[1]
+    assert schedule.left_unsigned(every, "B") is None
+    assert schedule.left_unsigned([], "A") is None
+    signed = events(line(state="next", identity="r", signed=DAY0))
+    assert schedule.left_unsigned(signed, "A") is None
+
+
+def test_why_an_event_cannot_be_chosen():
+    def why(state, chosen=1):
+        every = events(line(state=state), line())
+        return schedule.why_not(every, every[chosen])
+
+    assert why("running") == "A run is running in A. Stop it first."
+    assert why("connected") == "A run is connected in A. Disconnect it first."
+    assert why("ended") == why("next") == why("ended", chosen=0) == ""
+    assert why("next", chosen=0) == "A is at this event already."
+
+
+def test_a_clock_that_is_far_off():
+    assert schedule.moment(1e18, "%H:%M") == "?"
+    assert isinstance(one(schedule=Stamp(1e18)), Event)
