@@ -3,7 +3,7 @@
 from typing import List, Optional, Tuple
 
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
-from roah_rsbb.rqt.qt import QComboBox, QHBoxLayout, QPushButton, Qt
+from roah_rsbb.rqt.qt import QAbstractItemView, QComboBox, QHBoxLayout, QPushButton, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.srv import ChooseEvent
@@ -15,9 +15,9 @@ NO_EVENTS = "No event fits these filters."
 CHOOSE = "Choose this event"
 CHOOSE_FIRST = "Select an event above first."
 OLD = "The core is silent: no event can be chosen now"
-COLUMNS = ("Time", "Begins", "Late", "Zone", "Event", "Team", "State", "Score", "Sheet")
+COLUMNS = ("Time", "Begins", "Late", "State", "Zone", "Team", "Event", "Score", "Sheet")
 # The widest column of names, in units of the desktop's font.
-WIDEST_EMS = 16.0
+WIDEST_EMS = 11.0
 Key = Tuple[str, int]  # zone and number of an event
 
 
@@ -59,6 +59,7 @@ class SchedulePanel(Panel):
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
         self._events: List[Event] = []
+        self._shown: Optional[Filter] = None
         self.zones, self.teams = FilterBox("All zones"), FilterBox("All teams")
         self.days, self.shows = FilterBox("All days"), FilterBox("All events")
         self.shows.offer([show.value for show in Show if show is not Show.ALL])
@@ -101,8 +102,15 @@ class SchedulePanel(Panel):
         events = [event for event in self._events if shown.shows(event)]
         several_days = len({schedule.day_of(event) for event in events}) > 1
         rows = [_row(event, several_days) for event in events]
-        self.rows.show_rows(rows or [Row(None, ("", "", "", "", NO_EVENTS if self._events else "", "", "", "", ""))])
+        self.rows.show_rows(rows or [Row(None, ("", "", "", NO_EVENTS if self._events else "", "", "", "", "", ""))])
+        if rows and shown != self._shown:
+            self._shown = shown
+            self._scroll_to_current(events)
         self._show_button()
+
+    def _scroll_to_current(self, events: List[Event]) -> None:
+        current = next((index for index, event in enumerate(events) if event.current), 0)
+        self.rows.scrollToItem(self.rows.item(current, 0), QAbstractItemView.PositionAtCenter)
 
     def _show_button(self) -> None:
         event = self._chosen()
@@ -161,6 +169,7 @@ def _row(event: Event, several_days: bool) -> Row:
     sheet = schedule.sheet_text(event)
     return Row(_key(event), (
         schedule.moment(event.scheduled_utc_s, pattern), begins if has_begun or not begins else f"~ {begins}",
-        schedule.delay_text(event.late_s), event.zone, f"{event.code}, {sheets.turn(event.round, event.run)}",
-        event.team, schedule.state_text(event), event.score, f"✔ {sheet}" if sheet == sheets.SIGNED_OFF else sheet,
+        schedule.delay_text(event.late_s), schedule.state_text(event), event.zone, event.team,
+        f"{event.code}, {sheets.turn(event.round, event.run)}", event.score,
+        f"✔ {sheet}" if sheet == sheets.SIGNED_OFF else sheet,
     ), bold=event.current)
