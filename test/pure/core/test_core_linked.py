@@ -8,6 +8,7 @@ from helpers.competition import competition, event
 from helpers.linked_world import FakeLink, World, assert_legal
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.robot import effects as fx
 
 STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT
 TOPICS = {
@@ -23,6 +24,7 @@ LINKS = {
     "swaps": {"late": 0.5, "longest_delay": 0.3},
     "delays": {"late": 0.3, "longest_delay": 1.5},
     "everything": {"loss": 0.3, "double": 0.3, "late": 0.3, "longest_delay": 1.0},
+    "loses most": {"loss": 0.6, "double": 0.2, "late": 0.3, "longest_delay": 0.2},
 }
 
 
@@ -54,6 +56,7 @@ def test_every_task_benchmark_completes(link, seed, code):
     assert_legal(world, run.port, robot)
     assert robot.tasks >= 1
     assert world.run_until(lambda: robot.session.progress.state is RobotState.STOP, 30)
+    assert not [report for report in robot.troubles if report.problem is fx.Problem.UNEXPECTED_STATE]
     world.press("disconnect")
     assert world.run_until(lambda: robot.session.link is None, 30)
 
@@ -92,14 +95,20 @@ def test_every_string_is_logged_exactly_once(link, seed):
     world.press("start")
     port = world.box.run_in().port
     assert world.run_until(lambda: robot.tasks, 60)
+    said = _says_strings(world, robot, rng)
+    assert world.run_until(lambda: robot.session.link.strings_pending == 0, 120)
+    assert {field: world.box.logged(port, topic) for field, topic in TOPICS.items()} == said
+
+
+def _says_strings(world, robot, rng):
+    """The robot says 25 strings, many of them again and again; returns them by field."""
     said = {field: [] for field in TOPICS}
     for _ in range(25):
         field = rng.choice(sorted(TOPICS))
         said[field].append(rng.choice(["ring", "deli man", "postman"]))
         robot.session.add_string(field, said[field][-1])
         world.run(rng.choice([0.0, 0.01, 0.3]))
-    assert world.run_until(lambda: robot.session.link.strings_pending == 0, 120)
-    assert {field: world.box.logged(port, topic) for field, topic in TOPICS.items()} == said
+    return said
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -152,16 +161,18 @@ def test_a_robot_that_crashes_and_comes_back_completes(when):
     assert world.box.run_in().end_reason is EndReason.COMPLETED
 
 
-@pytest.mark.parametrize("skew", [-1000.0, -5.0, 5.0, 1000.0])
+@pytest.mark.parametrize("skew", [-3600.0, -5.0, -0.9, 5.0, 3600.0])
 def test_a_robot_whose_clock_is_set_in_the_middle_completes(skew):
-    world = _world("loses", 3, "HGTKMH")
+    world = _world("loses", 3, "HWV")
     robot = _connected(world, execute_s=10.0)
     world.press("start")
+    port = world.box.run_in().port
     assert world.run_until(lambda: robot.tasks, 60)
-    world.run(2)
+    said = _says_strings(world, robot, random.Random(skew))
     robot.set_clock(skew)
-    assert world.run_until(lambda: _ended(world), 120)
+    assert world.run_until(lambda: _ended(world) and robot.session.link.strings_pending == 0, 120)
     assert world.box.run_in().end_reason is EndReason.COMPLETED
+    assert {field: world.box.logged(port, topic) for field, topic in TOPICS.items()} == said
 
 
 @pytest.mark.parametrize("skew", [0.15, -0.15])

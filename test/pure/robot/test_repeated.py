@@ -5,6 +5,7 @@ from collections import defaultdict
 
 import pytest
 
+from helpers.linked_world import FakeLink
 from roah_rsbb.robot.link import RepeatedStrings
 from roah_rsbb.robot.machine import IllegalEvent
 
@@ -33,58 +34,53 @@ class BoxRule:
             self._before[field] = texts
 
 
-class BadLink:
-    """Carries things one way: loses some, delivers some twice, and in another order."""
+class OneWay:
+    """Carries things one way, on a bad link; the time is the number of the round."""
 
-    def __init__(self, rng, loss, doubled, reordered):
-        self._rng, self._loss, self._doubled, self._reordered = rng, loss, doubled, reordered
+    def __init__(self, rng, **of_link):
+        self._link = FakeLink(rng, **of_link)
         self._under_way = []
 
-    def send(self, thing):
-        for _ in range(2 if self._rng.random() < self._doubled else 1):
-            if self._rng.random() >= self._loss:
-                self._under_way.append(thing)
+    def send(self, number, thing):
+        self._under_way += [(number + delay, thing) for delay in self._link.delays()]
 
-    def deliver(self):
-        """Hand over what arrives now; the rest is late."""
-        if self._rng.random() < self._reordered:
-            self._rng.shuffle(self._under_way)
-        arriving = self._rng.randint(0, len(self._under_way))
-        now, self._under_way = self._under_way[:arriving], self._under_way[arriving:]
-        return now
+    def deliver(self, number):
+        """Hand over what has arrived by now, in the order of its arrival."""
+        self._under_way.sort(key=lambda entry: entry[0])
+        arrived = [thing for at, thing in self._under_way if at <= number]
+        self._under_way = self._under_way[len(arrived):]
+        return arrived
 
 
-def _run(rng, sender, plan, loss, doubled, reordered, rounds):
+def _run(rng, sender, plan, rounds, **of_link):
     """Let `sender` send what `plan` holds, a list of (field, text), at moments of chance."""
-    box, there, back = (
-        BoxRule(), BadLink(rng, loss, doubled, reordered), BadLink(rng, loss, doubled, reordered)
-    )
+    box, there, back = BoxRule(), OneWay(rng, **of_link), OneWay(rng, **of_link)
     plan = list(plan)
     for number in range(1, rounds):
         while plan and rng.random() < 0.4:
             sender.add(*plan.pop(0))
-        there.send((number, sender.for_message(number)))
-        for message in there.deliver():
+        there.send(number, (number, sender.for_message(number)))
+        for message in there.deliver(number):
             box.receive(*message)
         if rng.random() < 0.8:
-            back.send(box.acknowledgement)
-        for acknowledgement in back.deliver():
+            back.send(number, box.acknowledgement)
+        for acknowledgement in back.deliver(number):
             sender.acknowledged(acknowledgement)
         if not plan and not sender.pending:
             return box
     raise AssertionError(f"still pending after {rounds} messages: {sender.pending}")
 
 
-@pytest.mark.parametrize("loss, doubled, reordered", [
+@pytest.mark.parametrize("loss, double, late", [
     (0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.0, 0.5, 0.0), (0.0, 0.0, 1.0), (0.4, 0.4, 0.7), (0.7, 0.2, 0.5),
 ])
 @pytest.mark.parametrize("seed", range(5))
-def test_each_string_is_logged_as_often_and_in_the_order_it_was_sent(loss, doubled, reordered, seed):
-    rng = random.Random(f"{seed}/{loss}/{doubled}/{reordered}")
+def test_each_string_is_logged_as_often_and_in_the_order_it_was_sent(loss, double, late, seed):
+    rng = random.Random(f"{seed}/{loss}/{double}/{late}")
     # Few different texts, so that twins are frequent; a budget that holds about three of them.
     plan = [(rng.choice(FIELDS), rng.choice(["a", "b", "a", "cc", "a"])) for _ in range(rng.randint(1, 40))]
     sender = RepeatedStrings(FIELDS, budget_bytes=rng.choice([6, 15, 100]))
-    box = _run(rng, sender, plan, loss, doubled, reordered, rounds=20_000)
+    box = _run(rng, sender, plan, 20_000, loss=loss, double=double, late=late, longest_delay=6.0)
     for field in FIELDS:
         assert box.logged[field] == [text for planned, text in plan if planned == field]
 
