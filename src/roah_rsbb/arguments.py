@@ -1,4 +1,4 @@
-"""What the programs without ROS share in reading their arguments."""
+"""The argument parser of all programs without ROS."""
 
 import argparse
 import os
@@ -6,7 +6,7 @@ from typing import Any, Callable, NoReturn
 
 
 class Parser(argparse.ArgumentParser):
-    """Says in one line what is wrong with the arguments; its help keeps the lines of the texts it is given.
+    """Reports a wrong argument in one line. Its help keeps the line breaks of the given texts.
 
     It completes the arguments for bash (env-hooks/50.roah_rsbb.bash).
     """
@@ -24,7 +24,7 @@ class Parser(argparse.ArgumentParser):
         return super().parse_args(args, namespace)
 
     def error(self, message: str) -> NoReturn:
-        """End the program."""
+        """Print the error, and end the program with status 2."""
         self.exit(2, f"{self.prog}: {message} (see --help)\n")
 
 
@@ -35,7 +35,7 @@ def number(low: float, high: float) -> Callable[[str], float]:
             value = float(text)
         except ValueError:
             value = float("nan")
-        if not low <= value <= high:  # also what is no number at all
-            raise argparse.ArgumentTypeError(f"{text!r} is no number from {low:g} to {high:g}")
+        if not low <= value <= high:  # also true for NaN
+            raise argparse.ArgumentTypeError(f"{text!r} is not a number from {low:g} to {high:g}")
         return value
     return number_between

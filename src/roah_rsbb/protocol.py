@@ -1,17 +1,17 @@
-"""The states and the timing that both ends of a private channel share.
+"""The states and times that both ends of a private channel share.
 
-The core, which knows no protobuf, and the robot's side, which knows no core, both use these words. The numbers of the
+The core does not use protobuf, and the robot's side does not use the core. Both use these names. The numbers of the
 states are those of ``BenchmarkState`` and ``RobotState`` on the wire. This module imports nothing of the project.
 """
 
 import enum
 from typing import Tuple
 
-# A wire time: whole seconds and nanoseconds since 1970, UTC. Both may be any int64, also negative.
+# A wire time: whole seconds and nanoseconds since 1970, UTC. Each may be any int64, also a negative one.
 WireTime = Tuple[int, int]
 
-# A changed state leaves at once, then ten times at 50 ms intervals, because any datagram may be lost; after that once
-# a second.
+# A changed state is sent at once, then ten times at intervals of 50 ms, because any datagram may be lost. After that,
+# it is sent once a second.
 BURST_COUNT = 10
 BURST_INTERVAL_S = 0.05
 PERIOD_S = 1.0

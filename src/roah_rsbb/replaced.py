@@ -1,4 +1,4 @@
-"""Detects that another copy of this package runs than the one that pip installed."""
+"""Detects that Python imported another copy of this package than the one that pip installed."""
 
 import importlib.metadata
 import os
@@ -9,7 +9,7 @@ import sys
 def replaced() -> str:
     """Return a warning if PYTHONPATH puts another roah_rsbb before the one of this virtual environment; else "".
 
-    A terminal in which ROS was sourced has a PYTHONPATH with the package of ROS.
+    Sourcing ROS sets PYTHONPATH, and ROS has a copy of this package.
     """
     running = pathlib.Path(__file__).resolve().parent
     prefix = pathlib.Path(sys.prefix).resolve()
@@ -18,7 +18,7 @@ def replaced() -> str:
     for installed in importlib.metadata.distributions():
         home = pathlib.Path(str(installed.locate_file("roah_rsbb"))).resolve()
         if installed.metadata["Name"] == "roah_rsbb" and prefix in home.parents:
-            return (f"roah_rsbb runs from {running}, because PYTHONPATH names it. pip installed another one in {home}. "
+            return (f"roah_rsbb runs from {running}, because PYTHONPATH names that copy. pip installed one in {home}. "
                     "Remedy: 'unset PYTHONPATH' in this terminal, or 'python -I'")
     return ""
 

@@ -32,5 +32,5 @@ def test_a_terminal_of_ros_is_detected(tmp_path):
     assert printed(python, PYTHONPATH="") == ""
     assert printed(sys.executable, PYTHONPATH=str(SOURCE.parent)) == ""
     text = printed(python, PYTHONPATH=str(SOURCE.parent))
-    assert text.startswith(f"roah_rsbb runs from {SOURCE}, because PYTHONPATH names it. pip installed another one in ")
+    assert text.startswith(f"roah_rsbb runs from {SOURCE}, because PYTHONPATH names that copy. pip installed one in ")
     assert "unset PYTHONPATH" in text

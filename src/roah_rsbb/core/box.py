@@ -1,7 +1,7 @@
-"""The box: all zones, all robots, what the beacon says; the one place where events come in.
+"""The box: all zones, all robots and the content of the beacon. All events enter here.
 
-Every public method that takes an event takes `now` too, and leaves its effects for `take_effects`. A command of the
-referee that makes no sense raises `Refused` and changes nothing.
+Every public method that takes an event also takes `now`, and leaves its effects for `take_effects`. A command of the
+referee that is not possible now raises `Refused` and changes nothing.
 """
 
 import math
@@ -41,21 +41,21 @@ class Box:
         beacon_size: Callable[[Beacon], int],
         last_port: Optional[int] = None,
     ) -> None:
-        """`beacon_size`: bytes of the datagram that carries a beacon. `last_port`: the highest private port
-        that this competition ever used, from the record; None: none yet."""
+        """`beacon_size`: bytes of the datagram that carries a beacon. `last_port`: the highest private port that this
+        competition has used, from the journal; None: no port was used yet."""
         self.settings = settings
         self._outbox = outbox = Outbox()
-        # Runs: in the zones, and finished.
+        # Runs: in zones, and finished.
         self.zones = zones = Zones(config.zones)
         self.finished = FinishedRuns(config.benchmarks)
-        # What is known of the world around the box.
+        # Robots, devices and warnings.
         self.robots = ActiveRobots(
             settings.robot_timeout, config.passwords, lambda: {run.robot for run in zones.members()})
         self.devices = DevicesState()
         self.tablet = Tablet()
         self.watches = Watches(settings.listen_duration)
         self._modules = Modules()
-        # Who may change the runs.
+        # What changes runs.
         self._connections = Connections(
             settings, zones, self.robots, self._modules, self.tablet, self.watches, self.finished, outbox,
             beacon_size, last_port,
@@ -73,13 +73,13 @@ class Box:
     # -- driving ------------------------------------------------------------------------------------
 
     def take_effects(self) -> List[Effect]:
-        """What is to be done since the last call, in this order."""
+        """Return the effects since the last call, in the order in which to carry them out."""
         return self._outbox.take()
 
     def deadline(self) -> Optional[float]:
         """Monotonic time (s) at which `tick` must be called at the latest; None: nothing is due.
 
-        After a robot's report it may be somewhat earlier than needed. `tick` finds nothing to do then.
+        After a robot's report, it may be earlier than needed. `tick` then has nothing to do.
         """
         runs = self._runs_deadline() if self._calm_until is None else self._calm_until
         others = (self.modules.deadline(), self._connections.deadline())
@@ -88,7 +88,7 @@ class Box:
         return None if deadline == math.inf else deadline
 
     def tick(self, now: Now) -> None:
-        """Do what is due by now. Every other event does this first, so that timeouts come in order."""
+        """Do what is due by now. Every other event does this first, so that timeouts keep their order."""
         self._calm_until = None
         self._look_at_clock(now)
         self.modules.tick(now)
@@ -97,10 +97,10 @@ class Box:
             run.tick(now)
 
     def _tick_if_due(self, now: Now) -> None:
-        """As `tick`, for reports. They come far more often than all else, and must not cost a look at every run.
+        """As `tick`, for reports, which are too frequent to check every run each time.
 
-        No run has anything to do until `_calm_until` (monotonic, s). A report only moves the deadline of its own
-        run. Every other event sets `_calm_until` to None, and all runs are looked at again.
+        No run has anything to do until `_calm_until` (monotonic, s). A report only moves the deadline of its own run.
+        Every other event sets `_calm_until` to None; then all runs are checked again.
         """
         modules = self.modules.deadline()
         calm = self._calm_until is not None and now.mono < self._calm_until and (modules is None or now.mono < modules)
@@ -111,7 +111,7 @@ class Box:
             self._calm_until = self._runs_deadline()
 
     def _runs_deadline(self) -> float:
-        """Monotonic time (s) at which the next run has something to do; infinity: none has."""
+        """Return the monotonic time (s) at which the next run has something to do; infinity if no run has."""
         times = [run.deadline() for run in self.zones.runs()]
         return min((t for t in times if t is not None), default=math.inf)
 
@@ -127,30 +127,30 @@ class Box:
     # -- looking ------------------------------------------------------------------------------------
 
     def listening_left(self, now: Now) -> float:
-        """For how many seconds the box still only listens (docs/protocol.md, "Timing"); 0.0: it transmits."""
+        """Return for how many more seconds the box only listens (docs/protocol.md, "Timing"); 0.0: it transmits."""
         return self.watches.listening_left(now)
 
     def beacon(self) -> Beacon:
-        """What the beacon says now."""
+        """Return the current content of the beacon."""
         return Beacon(self._connections.listed(), self.devices, self.tablet.state)
 
     def warnings(self, now: Now) -> List[str]:
-        """What every referee should know now."""
+        """Return the current warnings for every referee."""
         catering = any(zone.event.benchmark.code == CATERING for zone in self.zones.values())
         devices = self.watches.devices_warnings() if catering else []
         ports = self._connections.warnings()
         return self.watches.warnings(now) + devices + self.tablet.warnings(now, catering) + ports
 
     def warnings_of(self, now: Now, zone_name: str) -> List[str]:
-        """What the referee of a zone should know now."""
+        """Return the current warnings for the referee of a zone."""
         zone = self.zones[zone_name]
         of_run = [] if zone.run is None else self._restart.warnings(now, zone.run) + zone.run.warnings(now)
         return of_run + self.commands.outsiders(now, zone)
 
     def link_samples(self, now: Now, unreadable: Mapping[int, int]) -> Tuple[Tuple[int, LinkSample], ...]:
-        """The port of each robot in a run, and how its link was since the last call: to be called once a second.
+        """Return the port of each robot in a run, and its link's quality since the last call. Call this once a second.
 
-        `unreadable`: by port, all datagrams so far that could not be read; a missing port has none.
+        `unreadable`: by port, the number of all datagrams so far that could not be read. Missing ports have none.
         """
         return tuple((run.port, run.link.sample(now, unreadable.get(run.port, 0))) for run in self.zones.members())
 
@@ -161,11 +161,11 @@ class Box:
         return self._outbox.take_changed()
 
     def saved(self) -> BoxSaved:
-        """The state of what belongs to no zone."""
+        """Return the state that belongs to no zone."""
         return BoxSaved(self.devices, self.tablet.state)
 
     def resume(self, now: Now, saved: Saved) -> None:
-        """Continue from what was saved before a restart. Call it once, before any other event."""
+        """Continue from the state that was saved before a restart. Call it once, before any other event."""
         self.devices = saved.box.devices
         self.tablet.restore(saved.box.tablet)
         self._restart.resume(now, saved)
@@ -174,7 +174,7 @@ class Box:
     # -- the referee --------------------------------------------------------------------------------
 
     def command(self, now: Now, zone_name: str, command: str, who: str = "", reason: str = "") -> None:
-        """Carry out one of `commands.COMMANDS`; raises `Refused`. `reason`: why the run is stopped, if it is."""
+        """Carry out one of `commands.COMMANDS`; raises `Refused`. `reason`: why the referee stops the run, if given."""
         self.tick(now)
         self.commands.give(now, zone_name, command, who, reason)
 
@@ -228,27 +228,28 @@ class Box:
         self._calm_until = calm_until if due is None else min(calm_until, due)
 
     def on_robot_copy(self, now: Now, port: int, host: str, count: int = 1) -> None:
-        """Copies of datagrams that were taken before arrived on the private channel `port`, the last from `host`."""
+        """Handle copies of datagrams that arrived on the private channel `port` before. `host` sent the last copy."""
         self._tick_if_due(now)
         run = self.zones.run_at(port)
         if run is not None:
             run.on_copy(now, host, count)
 
     def on_robot_overload(self, now: Now, port: int, count: int) -> None:
-        """So many datagrams of the robot on the private channel `port` were not read: it sends too much."""
+        """Handle `count` datagrams on the private channel `port` that were not read because the robot sends too
+        much."""
         self._tick_if_due(now)
         run = self.zones.run_at(port)
         if run is not None:
             run.on_overload(now, count)
 
     def on_unreadable(self, now: Now, port: int, text: str) -> None:
-        """Unreadable datagrams arrived on the private channel `port`; `text` says from whom and why."""
+        """Handle unreadable datagrams on the private channel `port`. `text` says from whom and why."""
         run = self.zones.run_at(port)
         if run is not None:
             run.link.on_bad_datagram(now, text)
 
     def on_complaint(self, now: Now, text: str) -> None:
-        """Unreadable datagrams arrived on the public channel, or one could not be sent; `text` says why."""
+        """Handle unreadable datagrams on the public channel, or one that could not be sent. `text` says why."""
         self.watches.complaint(now, text)
         self._outbox.notice(Level.WARNING, text)
 
@@ -258,7 +259,7 @@ class Box:
         if self.listening_left(now) > 0 and not self.settings.take_over:
             self._outbox.emit(effects.GiveUp(
                 f"Another RSBB is running at {host}: stop that one, or give this one another rsbb_host or "
-                "rsbb_port. If no box of yours is there, somebody forges its beacons: start with take_over:=true, "
+                "rsbb_port. If none of your boxes is there, someone forges its beacons: start with take_over:=true, "
                 f"and take {host} off the network"
             ))
             return
@@ -285,7 +286,7 @@ class Box:
             self._outbox.emit(effects.SendBeacon())
 
     def on_devices_status(self, now: Now, connected: bool, text: str) -> None:
-        """The devices node says whether it reaches the devices' controller; `text` says how, or why not."""
+        """The devices node reports whether it reaches the devices' controller. `text` gives details or the reason."""
         self.tick(now)
         self.watches.devices(connected, cut_note(text))
 
@@ -296,29 +297,29 @@ class Box:
         run = self.zones[zone_name].run
         if isinstance(run, Run) and run.event.benchmark.code == CATERING:
             run.warn(now, text)
-        else:  # the run that it came from has been left
+        else:  # the run that commanded it has been left
             self._outbox.notice(Level.WARNING, text, zone_name)
 
     def on_notice(self, now: Now, text: str) -> None:
-        """The start found out something about the time before it. It is over, so referees see it for a minute only."""
+        """Warn of something before this start. It is over, so referees see it for a minute only."""
         self.tick(now)
         if self.watches.notice(now, text):
             self._outbox.notice(Level.WARNING, text)
 
     def on_trouble(self, now: Now, text: str) -> None:
-        """Something on this computer does not work; `text` names the remedy. Every referee is warned."""
+        """Warn every referee that something on this computer does not work. `text` names the remedy."""
         self.tick(now)
         if self.watches.trouble(now, text):
             self._outbox.notice(Level.ERROR, text)
 
     def on_repaired(self, now: Now, trouble: str, text: str) -> None:
-        """A reported trouble is over, and `text` says so."""
+        """End the warning of a reported trouble. `text` says that it is over."""
         self.tick(now)
         self.watches.repaired(trouble)
         self._outbox.notice(Level.INFO, text)
 
     def on_journal(self, now: Now, trouble: str) -> None:
-        """What keeps the journal from the disk, with the remedy; empty: all of it is written now."""
+        """Warn of a journal that cannot be written. `trouble` names the remedy; empty: everything is written again."""
         self.tick(now)
         if self.watches.journal(trouble):
             level, text = (Level.ERROR, trouble) if trouble else (Level.INFO, "The journal is written again")

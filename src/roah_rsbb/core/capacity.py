@@ -1,4 +1,4 @@
-"""Whether there is room for more runs: private ports, and bytes in the beacon that lists their robots."""
+"""Checks whether more runs are possible: private ports, and bytes in the beacon, which lists their robots."""
 
 from typing import Callable, List, NamedTuple, Sequence
 
@@ -7,30 +7,30 @@ from roah_rsbb.core.robots import RobotId
 from roah_rsbb.protocol import WireTime
 
 LAST_PORT = 65535
-# UDP ports from rsbb_port on that the documented firewall rules let pass: 6666 to 7000.
+# The documented firewall rules allow this many UDP ports from rsbb_port: 6666 to 7000.
 PORTS = 335
-# So many runs before the last of them every referee is warned.
+# Every referee is warned when no more than this many runs are possible before the last port.
 PORTS_LEFT = 10
 
-# A beacon must still fit when somebody rings the bell: negative times are the longest on the wire.
+# A beacon must still fit after the bell rings. Negative times are the longest on the wire.
 LONGEST_TIME: WireTime = (-1, -1)
 LONGEST_DEVICES = DevicesState(bell=LONGEST_TIME, dimmer=100, blinds=100)
 LONGEST_TABLET = TabletState(call_time=LONGEST_TIME, position_time=LONGEST_TIME)
 
 
 def ports_warning(rsbb_port: int, last_port: int) -> List[str]:
-    """Says that the next private ports are beyond those that firewalls let pass; empty: they are not."""
+    """Warn if the next private ports are beyond those that firewalls allow; empty: no warning."""
     end = rsbb_port + PORTS - 1
     if last_port + PORTS_LEFT <= end:
         return []
     return [
-        f"{max(0, end - last_port)} UDP ports are left of {rsbb_port} to {end}, which firewalls let pass if they were "
+        f"{max(0, end - last_port)} UDP ports are left of {rsbb_port} to {end}, which firewalls allow if they were "
         "set up as documented. Open more on the box and on the robots, or start the box with another log_dir"
     ]
 
 
 class Capacity(NamedTuple):
-    """What a box has room for."""
+    """The capacity of a box for further runs."""
 
     beacon_size: Callable[[Beacon], int]  # bytes of the datagram that carries a beacon
     max_datagram: int  # bytes that every robot can read
@@ -38,7 +38,7 @@ class Capacity(NamedTuple):
     listed: Sequence[BenchmarkingRobot]  # robots that are in runs
 
     def off(self, robots: Sequence[RobotId]) -> List[str]:
-        """Why there is no room for a run of each of these robots besides the present runs."""
+        """Return why a run of each of these robots is not possible besides the present runs; empty: it is."""
         return self._ports_off(max(1, len(robots))) + self._beacon_off(robots)
 
     def _ports_off(self, count: int) -> List[str]:
@@ -72,7 +72,7 @@ class Capacity(NamedTuple):
         return self.beacon_size(Beacon((*self.listed, *entries), LONGEST_DEVICES, LONGEST_TABLET))
 
     def _fitting(self, robots: Sequence[RobotId]) -> int:
-        """How many of the first robots fit. Found by bisection, because each size takes time."""
+        """Return how many of the first robots fit. Bisection, because computing each size takes time."""
         fits, too_many = 0, len(robots)
         while too_many - fits > 1:
             middle = (fits + too_many) // 2

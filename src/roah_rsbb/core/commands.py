@@ -1,7 +1,7 @@
-"""The referee's commands to a zone: for each, every reason why it is refused now, and what it does.
+"""The referee's commands to a zone: what each does, and every reason why it is refused now.
 
-The same reasons that switch off a panel's button refuse the command itself, because the state may have changed
-since the panel was drawn.
+The reasons that disable a panel's button also refuse the command itself, because the state may have changed since the
+panel was drawn.
 """
 
 import contextlib
@@ -29,7 +29,7 @@ COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next")
 
 
 class CommandRecord:
-    """Records every command of a referee, also one that is refused."""
+    """Records every command of a referee, including refused ones."""
 
     def __init__(self, zones: Zones, outbox: Outbox) -> None:
         self._zones = zones
@@ -37,7 +37,7 @@ class CommandRecord:
 
     @contextlib.contextmanager
     def of(self, name: RunName, who: str, command: str, **arguments: object) -> Iterator[None]:
-        """Record a command before whatever it leads to, or with the reasons why it is refused."""
+        """Record a command before its effects, or with the reasons why it is refused."""
         value: Dict[str, object] = {"command": command, **{k: _short(v) for k, v in arguments.items() if v != ""}}
         zone = self._zones.get(name.zone)
         run = None if zone is None else zone.run
@@ -58,7 +58,7 @@ class CommandRecord:
 
 
 def _short(value: object) -> object:
-    """Cut a text that is recorded: a wrong name must not fill the disk."""
+    """Shorten a text that is recorded: a wrong name must not fill the disk."""
     return value[:MAX_NOTE] if isinstance(value, str) else value
 
 
@@ -72,11 +72,11 @@ class Candidates(NamedTuple):
     """All active robots that are not in the zone's run, by team and name."""
 
     fit: Tuple[ActiveRobot, ...]
-    unfit: Tuple[str, ...]  # who cannot take part, and why, a text each
+    unfit: Tuple[str, ...]  # for each robot that cannot take part: its name and why
 
 
 class Commands:
-    """Says which commands are allowed, and carries them out."""
+    """Decides which commands are allowed, and carries them out."""
 
     def __init__(
         self,
@@ -111,20 +111,20 @@ class Commands:
         }
 
     def give(self, now: Now, zone_name: str, command: str, who: str = "", reason: str = "") -> None:
-        """Carry out one of `COMMANDS`; raises `Refused`. `reason`: why the run is stopped, if this command does."""
+        """Carry out one of `COMMANDS`; raises `Refused`. `reason`: why the referee stops the run, if this does."""
         with self._record.of(RunName(zone_name), who, command, reason=reason):
             zone = self._zones.named(zone_name)
             reasons = self.reasons_off(now, zone, command)
             if reasons and command == "stop" and zone.run is not None:
-                return  # nothing is running, as the referee wants: scripts of the original box rely on that
+                return  # nothing to stop: scripts for the original box rely on no error here
             if reasons:
                 raise Refused(reasons)
-            by = By(checked_who(who), cut_note(reason))  # too long a reason must not prevent a stop
+            by = By(checked_who(who), cut_note(reason))  # an overlong reason must not prevent a stop
             self._outbox.mark_changed(zone.name)
             self._execute[command](now, zone, by)
 
     def leave_run(self, now: Now, name: RunName, who: str = "") -> None:
-        """Disconnect the named run; raises `Refused` if it is running, or no longer connected."""
+        """Disconnect the named run. Raises `Refused` if it is running or no longer connected."""
         with self._record.of(name, who, "disconnect"):
             zone = self._zones.named(name.zone)
             if zone.run is None or zone.run.identity != name.identity:
@@ -176,24 +176,24 @@ class Commands:
         return last is not None and last.sign_off is None
 
     def reasons_off(self, now: Now, zone: Zone, command: str) -> List[str]:
-        """Every reason why a command to a zone would be refused now; empty: it is allowed."""
+        """Return every reason why a command to a zone would be refused now; empty: it is allowed."""
         return self._reasons_off[command](now, zone)
 
     # -- connect ------------------------------------------------------------------------------------
 
     def robots_to_connect(self, now: Now, zone: Zone) -> Sequence[ActiveRobot]:
-        """The robots that *connect* would take: all that can take part, or one of the team that is in no run. Of
-        several, it is one that was heard just now, and the longest known."""
+        """Return the robots that *connect* would take: all that can take part, or one robot of the team that is in no
+        run. Of several, it is one that was heard recently, and of these the one known longest."""
         if zone.event.benchmark.kind is BenchmarkKind.REFEREE_ONLY:
             return self._candidates(now, zone).fit
         of_team = self._robots.of_team(now, zone.event.team)
         return [robot for robot in of_team if self._zones.run_of(robot.id) is None][:1]
 
     def outsiders(self, now: Now, zone: Zone) -> List[str]:
-        """Warnings about robots that are not in the run of all robots, as long as that can be changed.
+        """Warn of robots that are not in the run of all robots, as long as that can be changed.
 
-        One robot that cannot take part keeps no other from it (docs/benchmarks.md, "HSUF"). The referee is told
-        who is left out and why, and may disconnect and connect again to include a late one.
+        A robot that cannot take part does not exclude the others (docs/benchmarks.md, "HSUF"). The referee sees who
+        is left out and why, and can disconnect and connect again to include a late robot.
         """
         if zone.event.benchmark.kind is not BenchmarkKind.REFEREE_ONLY:
             return []
@@ -202,7 +202,7 @@ class Commands:
         candidates = self._candidates(now, zone)
         if zone.run is None:
             return list(candidates.unfit)
-        again = "is active, but not in this run: disconnect and connect again to have it"
+        again = "is active, but not in this run: disconnect and connect again to include it"
         return [f"{robot.id} {again}" for robot in candidates.fit] + list(candidates.unfit)
 
     def _connect_off(self, now: Now, zone: Zone) -> List[str]:
@@ -230,7 +230,7 @@ class Commands:
         return skew_off(f"robot {robots[0].id}", robots[0].skew.seconds, self._settings.allowed_skew)
 
     def _nobody_off(self, now: Now, zone: Zone) -> List[str]:
-        """Why a run of all robots would have none."""
+        """Return why a run of all robots would have no robots; empty: it would have some."""
         candidates = self._candidates(now, zone)
         if candidates.fit:
             return []
@@ -239,7 +239,7 @@ class Commands:
         ]
 
     def _candidates(self, now: Now, zone: Zone) -> Candidates:
-        """Who could be connected to a zone's run of all robots now."""
+        """Return the robots that could be connected to a zone's run of all robots now, and why others cannot."""
         inside = () if zone.run is None else tuple(member.robot for member in zone.run.members())
         fit: List[ActiveRobot] = []
         unfit: List[str] = []
@@ -283,7 +283,7 @@ class Commands:
 
     def _stop_off(self, _now: Now, zone: Zone) -> List[str]:
         if zone.run is None:
-            return ["No run is connected: there is nothing to stop"]
+            return ["No run is connected, so there is nothing to stop"]
         if zone.run.phase is Phase.CONNECTED:
             return ["The run is not started: disconnect to leave it"]
         return [] if zone.run.phase is Phase.RUNNING else ["The run is over: disconnect to leave it"]

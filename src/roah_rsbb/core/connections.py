@@ -1,7 +1,8 @@
-"""Connections: opens a run on a private port of its own, leaves it, and reopens its channel after a restart.
+"""Opens each run on its own private port, leaves it, and reopens its channel after a restart.
 
-Ports are given in rising order and never twice in a competition. A port that cannot be opened for a new run is
-skipped. A run that continues after a restart keeps its port, which its robot knows, and tries it again.
+Ports are used in rising order, and never twice in a competition. If a port cannot be opened for a new run, the next
+one is tried. A run that continues after a restart keeps its port, because its robot knows it; if that port cannot be
+opened, it is tried again.
 """
 
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
@@ -25,7 +26,7 @@ from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones, ZoneState
 from roah_rsbb.rulebook.benchmarks import BenchmarkKind
 
-# This many ports that cannot be opened, more than there are robots to connect, mean that no port can be opened.
+# More failures than robots to connect mean that no port can be opened. This is how many more.
 MAX_PORTS_TRIED = 20
 # A private port that cannot be opened after a restart is tried again after this long.
 REOPEN_S = 1.0
@@ -47,7 +48,7 @@ class Connections:
         beacon_size: Callable[[Beacon], int],
         last_port: Optional[int],
     ) -> None:
-        """`beacon_size` and `last_port`: see `Box`."""
+        """For `beacon_size` and `last_port`, see `Box`."""
         self._settings = settings
         self._zones = zones
         self._robots = robots
@@ -68,11 +69,11 @@ class Connections:
         return tuple(BenchmarkingRobot(r.robot.team, r.robot.robot, r.port) for r in self._zones.members())
 
     def capacity(self) -> Capacity:
-        """What there is room for besides the present runs."""
+        """Return the capacity that the present runs leave."""
         return Capacity(self._beacon_size, self._settings.max_datagram, self._last_port, self.listed())
 
     def warnings(self) -> List[str]:
-        """What every referee should know of the ports."""
+        """Return the warnings about ports for every referee."""
         return ports_warning(self._settings.rsbb_port, self._last_port)
 
     def deadline(self) -> Optional[float]:
@@ -98,7 +99,7 @@ class Connections:
         self._outbox.emit(effects.SendBeacon())
 
     def on_failed(self, now: Now, port: int, error: str) -> None:
-        """The channel on `port` could not be opened: take the next port, or give up this robot's run."""
+        """Take the next port if the channel on `port` could not be opened, or give up this robot's run."""
         run = self._zones.run_at(port)
         if run is None:
             return
@@ -133,7 +134,7 @@ class Connections:
             run.open(now)
         self._zones.run_at(port).link.expect_after(robot.last_heard, robot.time)
         if zone.event.benchmark.code == CATERING:
-            self._tablet.display_map = False  # the previous run's view is not this robot's
+            self._tablet.display_map = False  # the view that the previous run's robot selected ends with its run
         self._outbox.emit(effects.SendBeacon())
 
     def _make_run(
@@ -155,7 +156,7 @@ class Connections:
     # -- after a restart ----------------------------------------------------------------------------
 
     def reopen(self, now: Now, zone: Zone, state: ZoneState) -> None:
-        """Continue the run that a zone's saved state has, if any; raises ValueError if it can have no channels."""
+        """Continue the run in a zone's saved state, if any. Raises ValueError if it cannot have its channels."""
         runs = () if state.all_robots is None else state.all_robots.members
         runs = runs if state.run is None else (state.run,)
         if not runs:
@@ -174,7 +175,7 @@ class Connections:
         zone.run.resume()
 
     def _check_channels(self, runs: Sequence[RunState]) -> None:
-        """Raise ValueError if these runs could have no private channels."""
+        """Raise ValueError if these runs cannot have private channels."""
         ports = [run.port for run in runs]
         for run in runs:
             if not self._robots.has_password(run.robot.team):
@@ -183,15 +184,15 @@ class Connections:
                 raise ValueError(f"its port {run.port} cannot be used")
 
     def _reopen_later(self, now: Now, run: Run, error: str) -> None:
-        """The run keeps its port, which its robot knows; another program has it for the moment."""
+        """Keep the run's port, which its robot knows, and try it again: another program uses it at the moment."""
         self._reopen_at[run.port] = now.mono + REOPEN_S
         text = (f"UDP port {run.port} of the run in zone {run.zone} cannot be opened after the restart: {error}. "
-                "It is tried again every second: end what uses it")
+                "It is tried again every second: end the program that uses it")
         if self._watches.trouble(now, text):
             self._outbox.notice(Level.ERROR, text)
 
     def tick(self, now: Now) -> None:
-        """Try again the ports that are due."""
+        """Retry the ports that are due."""
         due = [port for port, mono in self._reopen_at.items() if mono <= now.mono]
         for port in due:
             del self._reopen_at[port]

@@ -1,8 +1,8 @@
-"""Effects: what the core wants done, in the order in which to carry it out.
+"""Effects: the actions that the core requests, in their order.
 
-The core itself does no I/O (docs/architecture.md, "The core does no I/O"). Whoever drives it calls `Box.take_effects`
-after each event and carries them out one after the other; what must be on record comes before what leaves
-the box because of it (docs/architecture.md, "First written, then done").
+The core itself does no I/O (docs/architecture.md, "The core does no I/O"). Its driver calls `Box.take_effects` after
+each event and carries out the effects one after the other. A record is written before what it causes leaves the box
+(docs/architecture.md, "First written, then done").
 """
 
 import enum
@@ -32,11 +32,11 @@ class OpenChannel(NamedTuple):
     port: int
     team: str
     robot: str
-    host: Optional[str]  # where the robot's beacon came from
+    host: Optional[str]  # the sender of the robot's beacon
 
 
 class AimChannel(NamedTuple):
-    """From now on send to this host: the robot's address became certain, or changed."""
+    """Send to this host from now on: the robot's address was confirmed, or changed."""
 
     port: int
     host: str
@@ -81,7 +81,7 @@ class RunOpened(NamedTuple):
     team: str
     round: int
     run: int
-    robot: str = ""  # its name, where more than one robot of the team may be in the run
+    robot: str = ""  # its name, if the run may include several robots of the team
 
 
 class RunResumed(NamedTuple):
@@ -91,7 +91,7 @@ class RunResumed(NamedTuple):
 
 
 class RunLogged(NamedTuple):
-    """An entry of the run log: see `roah_rsbb.core.run_log` for topics and their kinds of value."""
+    """An entry of the run log. `roah_rsbb.core.run_log` has the topics and their kinds of value."""
 
     port: int
     topic: str
@@ -99,34 +99,34 @@ class RunLogged(NamedTuple):
 
 
 class RunClosed(NamedTuple):
-    """A run is over and left: close its log."""
+    """A run is over and was left: close its log."""
 
     port: int
 
 
 class RecordChanged(NamedTuple):
-    """The record of a run changed, perhaps of a finished one: keep this record."""
+    """The record of a run changed, possibly of a finished one: write this record."""
 
     record: RunRecord
 
 
 class Recorded(NamedTuple):
-    """Somebody gave a command to a zone: record it, even if it was refused."""
+    """A referee gave a command to a zone: record it, even if it was refused."""
 
     zone: str
     identity: str  # of the run; empty: none
-    port: Optional[int]  # of the run, if it has one only
+    port: Optional[int]  # of the run, if it has exactly one
     kind: str  # "command"
-    value: Dict[str, Any]  # JSON; a command: its name ("command"), its arguments, the reasons if it was refused
+    value: Dict[str, Any]  # JSON; a command: its name ("command"), its arguments, the reasons of a refusal
     who: str
 
 
 class ModuleRunsChanged(NamedTuple):
-    """What benchmarking modules need to know changed: publish `Box.module_runs` at once."""
+    """Something changed that benchmarking modules need: publish `Box.module_runs` at once."""
 
 
 class Level(enum.IntEnum):
-    """How much a notice matters."""
+    """Severity of a notice."""
 
     INFO = 1
     WARNING = 2
@@ -134,7 +134,7 @@ class Level(enum.IntEnum):
 
 
 class Notice(NamedTuple):
-    """A line for the log of the node (and of the zone, if one is named)."""
+    """A line for the log of the node, and of the zone if one is named."""
 
     level: Level
     text: str
@@ -153,19 +153,19 @@ Effect = Union[
     ModuleRunsChanged, Notice, GiveUp,
 ]
 
-# The name under which `Outbox.take_changed` has the state that belongs to no zone.
+# The name of the state that belongs to no zone, in `Outbox.take_changed`.
 BOX = ""
 
 
 def _changes_state(effect: Effect) -> bool:
-    """Whether a state that is worth saving changed with this effect of a run."""
+    """Whether an effect of a run means that a state to be saved has changed."""
     if isinstance(effect, SendState):
         return effect.how is How.CHANGE
     return not isinstance(effect, AimChannel)
 
 
 class Outbox:
-    """Collects the effects of an event, and the names of the states that changed with them."""
+    """Collects the effects of an event, and the names of the states that changed."""
 
     def __init__(self) -> None:
         self._effects: List[Effect] = []
@@ -192,19 +192,19 @@ class Outbox:
         self.emit(Notice(level, text, zone))
 
     def mark_changed(self, zone: str) -> None:
-        """The zone's state changes by more than its run."""
+        """Mark the zone's state as changed, for changes outside its run."""
         self._changed.add(zone)
 
     def place(self) -> int:
-        """The place behind the effects so far."""
+        """Return the position after the effects so far."""
         return len(self._effects)
 
     def insert(self, place: int, effect: Effect) -> None:
-        """Put an effect before those that were added since `place` was taken."""
+        """Insert an effect before those that were added after the call of `place`."""
         self._effects.insert(place, effect)
 
     def drop_since(self, place: int) -> None:
-        """Drop the effects that were added since `place` was taken."""
+        """Drop the effects that were added after the call of `place`."""
         del self._effects[place:]
 
     def take(self) -> List[Effect]:

@@ -1,6 +1,6 @@
-"""Messages in and out, as the core sees them: plain values, no protobuf.
+"""Messages as the core sees them: plain values, without protobuf.
 
-The node's glue turns datagrams and ROS messages into these and back. Numbers and names are those of
+The core's node converts datagrams and ROS messages to these and back. Numbers and names are those of
 docs/protocol.md, "Messages".
 """
 
@@ -45,7 +45,7 @@ class RobotReport(NamedTuple):
 
 
 class GoalMessage(NamedTuple):
-    """A goal as robots receive it, in the forms of all generations."""
+    """A goal in the forms of all generations of robots."""
 
     text: str = ""  # YAML, for robots of 2019; empty: not in this form
     pose: Optional[Tuple[float, float, float]] = None  # for robots of 2015: metres, metres, radians
@@ -65,7 +65,7 @@ class BoxMessage(NamedTuple):
     goal: GoalMessage = NO_GOAL  # in GOAL_TX
 
     def repeats(self, before: Optional["BoxMessage"]) -> bool:
-        """Whether it asks for the same as `before`. None: there was no message before."""
+        """Whether it requests the same as `before`; None: there was no message before."""
         return before is not None and self == before._replace(acknowledgement=self.acknowledgement)
 
     def lines(self) -> str:

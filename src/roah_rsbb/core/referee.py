@@ -1,4 +1,4 @@
-"""A referee's command: which run it names, who gives it, what was typed; and its refusal, with every reason."""
+"""What comes with a referee's command: the run it names, who gives it, their note; and the refusal with its reasons."""
 
 from typing import List, NamedTuple
 
@@ -8,7 +8,7 @@ MAX_WHO = 120
 
 
 class Refused(Exception):
-    """A referee's command was refused and changed nothing. `reasons` holds every reason, each with its remedy."""
+    """A referee's command was refused and changed nothing. `reasons` has every reason, each with its remedy."""
 
     def __init__(self, reasons: List[str]) -> None:
         super().__init__("; ".join(reasons))
@@ -16,17 +16,14 @@ class Refused(Exception):
 
 
 class RunName(NamedTuple):
-    """Which run of a zone is meant.
-
-    A run is named by its identity, so that a mark that was meant for one run never goes into the next one.
-    """
+    """Names a run of a zone by its identity, so that a mark for one run never goes into the next."""
 
     zone: str
     identity: str = ""  # empty: the run that is connected in the zone
 
 
 def one_line(text: str) -> str:
-    """Return what somebody typed as one line of text that can be shown anywhere."""
+    """Return a typed text as one line that can be shown anywhere."""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
@@ -39,10 +36,10 @@ def checked_note(text: str) -> str:
 
 
 def cut_note(text: str) -> str:
-    """Return a note or reason as one line, cut to what is kept."""
+    """Return a note or reason as one line, cut to the maximum length."""
     return one_line(text[:4 * MAX_NOTE])[:MAX_NOTE]
 
 
 def checked_who(who: str) -> str:
-    """Return a name as one line, cut to what is shown."""
+    """Return a name as one line, cut to the maximum length."""
     return one_line(who[:4 * MAX_WHO])[:MAX_WHO]

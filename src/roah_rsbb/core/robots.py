@@ -1,9 +1,9 @@
-"""Active robots: who was heard within `robot_timeout`, from where, and with which clock skew.
+"""Active robots: which ones were heard within `robot_timeout`, their addresses and clock skews.
 
-Anybody can send beacons, in the clear. So nothing here grows without bound, and a second sender under a robot's
-name takes nothing over while the first is still heard. A robot is confirmed once a message of it decrypted with its
-team's password. Robots that are not confirmed have quotas, by address and by team, so that whoever invents robots
-fills only a quota of their own.
+Anybody can send beacons, because they are not encrypted. Therefore nothing here grows without limit, and a second
+sender under a robot's name takes nothing over while the first is still heard. A robot is confirmed once one of its
+messages was decrypted with its team's password. Robots that are not confirmed have quotas by address and by team, so
+invented robots only use up the quota of their sender.
 """
 
 import collections
@@ -15,22 +15,22 @@ from roah_rsbb.core.link.skew import SkewEstimate
 from roah_rsbb.core.messages import NEVER
 from roah_rsbb.protocol import WireTime, wire_seconds
 
-# A robot sends every second. One that was not heard for this long is late.
+# A robot sends every second. After this many seconds without a message, it is late.
 LATE_S = 3.0
-# No robot has a longer name. Names are repeated to every panel ten times a second.
+# No robot has a longer name. Panels receive all names ten times a second.
 MAX_NAME = 100
 # More robots than any competition has.
 MAX_ROBOTS = 250
-# Robots that are not confirmed: of one address (a computer that simulates many), of one team, and of all teams that
+# Quotas of robots that are not confirmed: per address (a computer may simulate many), per team, and for all teams that
 # are not in the competition (misspelled names).
 MAX_AT_HOST = 25
 MAX_OF_TEAM = 30
 MAX_STRANGERS = 50
-# To find the robot that gives way takes a while. So an address or a team above its quota gets no more than one new
-# robot in this time.
+# Finding the robot to drop takes time. An address or team above its quota therefore gets at most one new robot in this
+# many seconds.
 DROP_OF_HOST_S = 0.1
 DROP_OF_TEAM_S = 0.02
-# So many addresses and teams are remembered to be above their quota.
+# Maximum number of addresses and teams that are remembered as above their quota.
 MAX_PAUSES = 500
 
 
@@ -52,9 +52,9 @@ class ActiveRobot:
         self.host = host
         self.first_heard = now
         self.last_heard = now
-        self.time: WireTime = NEVER  # that it said last
+        self.time: WireTime = NEVER  # the robot's own, from its last message
         self.skew = SkewEstimate()
-        self.confirmed_host: Optional[str] = None  # the last one that knew the team's password
+        self.confirmed_host: Optional[str] = None  # the last host that used the team's password
         self.rival: Optional[str] = None  # another host that uses the same name
         self.rival_skew = 0.0  # seconds
         self._rival_heard = 0.0
@@ -68,10 +68,10 @@ class ActiveRobot:
         return self.rival is not None and now.mono - self._rival_heard <= LATE_S
 
     def hear(self, now: Now, host: str, time: WireTime, certain: bool) -> None:
-        """Take a message from `host`, which is `certain` if it decrypted with the team's password.
+        """Take a message from `host`. It is `certain` if it was decrypted with the team's password.
 
-        A beacon from another host than before is a rival's, and changes nothing while the first is heard; unless
-        the first never knew the password and the other did.
+        A beacon from another host than before is a rival's, and changes nothing while the first host is heard. The
+        exception: the first host never used the password, and the other did.
         """
         if certain:
             self.confirmed_host = host
@@ -82,7 +82,7 @@ class ActiveRobot:
             self.rival = None
         if host != self.host and not certain and not self.is_late(now):
             self._note_rival(now, self.host, self.skew.seconds or 0.0)
-            self.skew.restart()  # the samples so far are of the other one's clock
+            self.skew.restart()  # the samples so far are of the other host's clock
         self.host = host
         self.last_heard = now
         self.time = time
@@ -94,7 +94,7 @@ class ActiveRobot:
 
 
 class _Pauses:
-    """Who has to wait before the next robot, and until when."""
+    """The addresses and teams that must wait before they get another robot, each with the end of its wait."""
 
     def __init__(self) -> None:
         self._until: Dict[Tuple[str, str], float] = {}
@@ -109,11 +109,11 @@ class _Pauses:
 
 
 class Squatter(NamedTuple):
-    """Who announces more robots than the list holds."""
+    """A host that announces more robots than the list accepts."""
 
     host: str
     team: str
-    robots: int  # not confirmed, listed at this host
+    robots: int  # not confirmed, in the list, from this host
 
 
 class ActiveRobots:
@@ -122,7 +122,7 @@ class ActiveRobots:
     def __init__(
         self, timeout: float, teams: Container[str], in_runs: Callable[[], Container[RobotId]] = frozenset
     ) -> None:
-        """`in_runs`: the robots that are in runs, which never give way to others."""
+        """`in_runs`: the robots that are in runs. They are never dropped for others."""
         self._timeout = timeout
         self._teams = teams
         self._in_runs = in_runs
@@ -133,8 +133,8 @@ class ActiveRobots:
     def hear(
         self, now: Now, robot_id: RobotId, host: str, time: WireTime, certain: bool = False
     ) -> Optional[ActiveRobot]:
-        """Take a robot's message (`certain`: it came on its private channel); None: there is no room for
-        another robot, or it has no usable name."""
+        """Take a robot's message (`certain`: it came on its private channel). Return None if the list is full, or the
+        robot's name is unusable."""
         robot = self._robots.get(robot_id)
         if robot is None:
             name_fits = 0 < len(robot_id.team) <= MAX_NAME and 0 < len(robot_id.robot) <= MAX_NAME
@@ -145,12 +145,12 @@ class ActiveRobots:
         return robot
 
     def take_squatter(self) -> Optional[Squatter]:
-        """Whose robot had to give way to the one heard last; None: none had to."""
+        """Return the host whose robot was dropped for the one heard last; None: none was dropped."""
         squatter, self._squatter = self._squatter, None
         return squatter
 
     def _make_room(self, now: Now, robot_id: RobotId, host: str, certain: bool) -> bool:
-        """Whether the list takes one more robot, for which another one may have to go."""
+        """Whether the list takes one more robot. Another one may be dropped for it."""
         stranger = robot_id.team not in self._teams
         team_name = "" if stranger else robot_id.team
         if not certain and (self._full.holds(now, ("host", host)) or self._full.holds(now, ("team", team_name))):
@@ -176,38 +176,38 @@ class ActiveRobots:
         return True
 
     def _drop_one(self, group: List[ActiveRobot], loose: List[ActiveRobot]) -> None:
-        """Drop a robot of the group: one of the host that announces most, there the one heard longest ago."""
+        """Drop the robot of the group that was heard longest ago, of the host that announces most."""
         at_host = collections.Counter(robot.host for robot in loose)
         dropped = max(group, key=lambda robot: (at_host[robot.host], -robot.last_heard.mono))
         self._squatter = Squatter(dropped.host, dropped.id.team, at_host[dropped.host])
         del self._robots[dropped.id]
 
     def forget(self, now: Now) -> None:
-        """Drop the robots that were not heard for the time-out."""
+        """Drop the robots that were not heard within the timeout."""
         gone = [i for i, r in self._robots.items() if now.mono - r.last_heard.mono > self._timeout]
         for robot_id in gone:
             del self._robots[robot_id]
 
     def has_password(self, team: str) -> bool:
-        """Whether a team is one of the competition's: only those have passwords."""
+        """Whether a team takes part in the competition: only those teams have passwords."""
         return team in self._teams
 
     def find(self, robot_id: RobotId) -> Optional[ActiveRobot]:
-        """The robot of that name, if it was heard at all."""
+        """Return the robot of that name, or None if it was not heard."""
         return self._robots.get(robot_id)
 
     def restart_skews(self) -> None:
-        """The box's clock was set: all samples so far mean nothing."""
+        """Drop all skew samples, because the box's clock was set."""
         for robot in self._robots.values():
             robot.skew.restart()
 
     def all(self, now: Now) -> List[ActiveRobot]:
-        """Active robots, by team and name."""
+        """Return the active robots, by team and name."""
         self.forget(now)
         return [self._robots[robot_id] for robot_id in sorted(self._robots)]
 
     def of_team(self, now: Now, team: str) -> List[ActiveRobot]:
-        """A team's active robots, the one to take first: those heard just now, longest known first."""
+        """Return a team's active robots in the order of preference: heard recently, then known longest."""
         self.forget(now)
         robots = [robot for robot in self._robots.values() if robot.id.team == team]
         return sorted(robots, key=lambda r: (r.is_late(now), r.first_heard.mono, r.id))

@@ -5,7 +5,7 @@ from typing import Dict
 
 
 class LogKind(enum.Enum):
-    """What an entry's value is; the node knows the ROS type of each."""
+    """The kind of an entry's value. The node maps each to a ROS type."""
 
     UINT8 = "uint8"
     STRING = "string"
@@ -33,7 +33,7 @@ MANUAL_OPERATION = "/rsbb_log/manual_operation"
 HOPF_RESULT = "/rsbb_log/opf_result"
 RESULT = "/rsbb_log/result"
 SWITCHES = "/rsbb_log/omf_switches"
-# The original's topics for the same: what was entered each time, and all of it once it was confirmed.
+# The original's topics for the same: each single entry, and all of them after the confirmation.
 OMF_BUTTON = "/rsbb_log/omf_button"
 OMF_DAMAGED = "/rsbb_log/omf_damaged"
 OMF_COMPLETE = "/rsbb_log/omf_complete"
@@ -45,7 +45,7 @@ def device_topic(device: str) -> str:
     return f"/rsbb_log/devices/{device}"
 
 
-# What a robot said, and what follows directly from it.
+# Messages of a robot, and their direct consequences.
 FROM_ROBOT = frozenset((
     CLIENT_STATE, CLIENT_PAYLOAD, NOTIFICATION, ACTIVATION_EVENT, VISITOR, COMMAND, HOPF_RESULT, RESULT, DISPLAY_MAP,
     *(device_topic(device) for device in DEVICES),

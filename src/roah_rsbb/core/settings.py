@@ -9,11 +9,11 @@ class Settings(NamedTuple):
     rsbb_port: int = 6666
     robot_timeout: float = 30.0  # without a beacon: no longer active
     allowed_skew: float = 0.1  # below it a benchmark may start
-    after_stop_duration: float = 120.0  # left after a stop, shown to the referee
+    after_stop_duration: float = 120.0  # time left after a stop, shown to the referee
     display_log_size: int = 3000  # characters
     check_messages_saved: bool = True
     check_messages_saved_timeout: float = 5.0
     max_datagram: int = 1024  # bytes that every robot of the competition can read
     auto_next: bool = True  # after a run that was completed, the zone moves to its next event
-    listen_duration: float = 5.0  # at first only listen, for another box
-    take_over: bool = False  # start although another box is heard
+    listen_duration: float = 5.0  # after the start, the box first only listens for another box
+    take_over: bool = False  # start although another box was heard

@@ -1,14 +1,14 @@
-"""The tablet: what it said last, whether that is new, and which view it must show.
+"""The tablet: its last beacon, whether that is new, and the view that it must show.
 
-TabletBeacons come in the clear from anybody, over a network that loses, doubles and reorders them. What the box
-forwards matters: original robots take every change of `tablet_call_time` in the beacon for a call, even a change back
-to an older time. A time that a ROS message cannot hold ends them.
+TabletBeacons are not encrypted, and come over a network that loses, duplicates and reorders them. What the box forwards
+matters: an original robot takes every change of `tablet_call_time` in the beacon as a call, even a change back to an
+older time. A time that a ROS message cannot hold crashes such a robot.
 
-So there is one tablet: the host that was heard first. Another host takes over once the first is silent. A time that
-is older than the forwarded one belongs to a delayed datagram. If the tablet keeps sending it, its clock was set back.
-A time of zero means "never" and changes nothing: the tablet or its program was restarted.
+So only one tablet counts: the host that was heard first. Another host takes over when the first becomes silent. A time
+that is older than the forwarded one belongs to a delayed datagram. If the tablet keeps sending it, its clock was set
+back. A time of zero means "never" and changes nothing: the tablet or its program was restarted.
 
-Only a few changes a second are accepted: each is saved and sent to all robots, so a flood of tablet beacons would
+Only a few changes a second are accepted. Each one is saved and sent to all robots, so a flood of tablet beacons would
 otherwise fill the disk and the network.
 """
 
@@ -24,21 +24,21 @@ T = TypeVar("T")
 
 # The tablet sends a beacon each second. Without one for this long, it is gone.
 SILENT_S = 5.0
-# Referees are warned of a silent tablet for this long if no zone needs it.
+# If no zone needs the tablet, the warning that it is silent ends after this long.
 REMEMBER_SILENT_S = 300.0
-# A delayed datagram is late by milliseconds. A tablet that repeats a value after this long means it.
+# A delayed datagram is late by milliseconds. If the tablet still sends a value after this long, the value is valid.
 MEANT_S = 0.5
-# Every change is saved and sent to all robots. A person presses and moves less often; a tablet repeats what it says.
+# Every change is saved and sent to all robots. People press and move less often, and a tablet repeats its values.
 CHANGES_AT_ONCE = 5
 CHANGES_PER_S = 4.0
-# What a ROS time holds, in seconds.
+# Range of a ROS time, in seconds.
 LAST_SECOND = 2**32 - 1
 # Farther from the map's origin than any test bed reaches, in metres.
 MAX_DISTANCE_M = 10_000.0
 
 
 class HeardTablet(NamedTuple):
-    """What is wrong with a TabletBeacon: at most one of these."""
+    """The problem with a TabletBeacon: at most one field is set."""
 
     absurd: Optional[str] = None  # what is wrong with its values
     rival_of: Optional[str] = None  # the host of the tablet that counts instead
@@ -52,7 +52,7 @@ class _Said(NamedTuple, Generic[T]):
 
 
 class _Newest(Generic[T]):
-    """The newest of the values that the tablet repeats, each with its time."""
+    """The newest of the values that the tablet repeats, with its time."""
 
     def __init__(self, value: T) -> None:
         self.said = _Said(NEVER, value)
@@ -60,7 +60,7 @@ class _Newest(Generic[T]):
         self._older_since = 0.0
 
     def take(self, now: Now, said: _Said, is_certain: bool) -> None:
-        """`is_certain`: no datagram can have been overtaken, as nothing was heard for a while."""
+        """`is_certain`: this datagram cannot be a delayed one, because nothing was heard for a while."""
         if said.time == NEVER:
             return
         if is_certain or wire_ns(said.time) >= wire_ns(self.said.time):
@@ -72,10 +72,10 @@ class _Newest(Generic[T]):
 
 
 class Tablet:
-    """The tablet as the box knows it."""
+    """The last known state of the tablet."""
 
     def __init__(self) -> None:
-        self.display_map = False  # the view it is to show: True: map, False: call button
+        self.display_map = False  # the view that it must show. True: map, False: call button
         self.heard: Optional[Now] = None
         self._host = ""
         self._changes = Budget(CHANGES_AT_ONCE, CHANGES_PER_S)
@@ -84,18 +84,18 @@ class Tablet:
 
     @property
     def state(self) -> TabletState:
-        """What the beacon says of the tablet."""
+        """Return the tablet's part of the beacon."""
         position = self._position.said
         return TabletState(self.display_map, self._call.said.time, position.time, *position.value)
 
     def restore(self, state: TabletState) -> None:
-        """Take what the beacon said before a restart: robots would take anything else for a call."""
+        """Take the state from the beacon before a restart: robots would take any other time as a call."""
         self.display_map = state.display_map
         self._call.said = _Said(state.call_time, None)
         self._position.said = _Said(state.position_time, (state.position_x, state.position_y))
 
     def hear(self, now: Now, host: str, beacon: TabletState) -> HeardTablet:
-        """Take a TabletBeacon from `host`. The box, not the tablet, decides which view is shown."""
+        """Take a TabletBeacon from `host`. The box decides which view is shown, not the tablet."""
         absurd = _absurd(beacon)
         if absurd:
             return HeardTablet(absurd=absurd)
@@ -113,19 +113,19 @@ class Tablet:
         return HeardTablet()
 
     def silence(self, now: Now) -> float:
-        """For how many seconds a tablet that was heard says nothing; 0.0: none was heard yet."""
+        """Return for how many seconds a tablet that was heard has been silent; 0.0 if none was heard yet."""
         return 0.0 if self.heard is None else now.mono - self.heard.mono
 
     def warnings(self, now: Now, is_needed: bool) -> List[str]:
-        """What every referee should know; `is_needed`: a zone is at the benchmark that uses the tablet."""
+        """Return the warnings for every referee. `is_needed`: a zone is at the benchmark that uses the tablet."""
         silence = self.silence(now)
         if silence <= SILENT_S or (silence > REMEMBER_SILENT_S and not is_needed):
             return []
-        return [f"The tablet is silent for {silence:.0f} s: check that it is on, connected, and showing its page"]
+        return [f"The tablet has been silent for {silence:.0f} s: check that it is on, connected, and showing its page"]
 
 
 def _absurd(beacon: TabletState) -> Optional[str]:
-    """What is wrong with the values of a beacon; None: nothing."""
+    """Describe the invalid value in a beacon; None: all are valid."""
     for seconds, nanoseconds in (beacon.call_time, beacon.position_time):
         if not (0 <= seconds <= LAST_SECOND and 0 <= nanoseconds < 1_000_000_000):
             return f"a time of {seconds} s {nanoseconds} ns: set its clock"

@@ -1,4 +1,4 @@
-"""What concerns every referee: another box, two robots of one name, steps of the box's clock."""
+"""Warnings for every referee: another box, two robots of one name, steps of the box's clock."""
 
 from typing import Dict, List, Optional, Tuple
 
@@ -12,14 +12,14 @@ REMEMBER_S = 10.0
 CLOCK_REMEMBER_S = 60.0
 NOTICE_REMEMBER_S = 60.0
 TROUBLE_REMEMBER_S = 300.0
-# This many causes of one kind are remembered. More are a flood.
+# This many causes of a kind are remembered. More than that are a flood.
 MAX_KEPT = 20
-# Two robots of one name whose clocks differ by this much are reported with their clocks.
+# If the clocks of two robots of one name differ by this much, the warning includes both skews.
 TWO_CLOCKS_S = 0.1
 
 
 class Watches:
-    """Warnings of the whole box. Methods that note something return its text when it is new, else None."""
+    """The warnings of the whole box. A method that adds a warning returns its text if it is new, else None."""
 
     def __init__(self, listen_duration: float) -> None:
         self._listen_duration = listen_duration
@@ -30,25 +30,25 @@ class Watches:
         self._journal_trouble = ""
 
     def start(self, now: Now) -> None:
-        """The first call begins the time in which the box only listens."""
+        """Begin the time in which the box only listens, in the first call."""
         if self._started is None:
             self._started = now.mono
 
     def listening_left(self, now: Now) -> float:
-        """For how many seconds the box still only listens."""
+        """Return for how many more seconds the box only listens."""
         if self._started is None:
             return self._listen_duration
         return max(0.0, self._started + self._listen_duration - now.mono)
 
     def foreign_box(self, now: Now, host: str) -> Optional[str]:
-        """Another box transmits: two boxes confuse every robot."""
+        """Warn of another box that transmits: two boxes confuse every robot."""
         return self._keep(
             now, ("box", host), f"ANOTHER RSBB is transmitting from {host}: stop it, robots obey both",
             REMEMBER_S,
         )
 
     def rivals(self, now: Now, robot: ActiveRobot) -> Optional[str]:
-        """Two hosts use one robot's name."""
+        """Warn of two hosts that use one robot's name."""
         confirmed = " (confirmed by its password)" if robot.host == robot.confirmed_host else ""
         text = (f"Two robots call themselves {robot.id}: {robot.host}{confirmed} and {robot.rival}. Give one another "
                 "robot_name")
@@ -58,47 +58,47 @@ class Watches:
         return self._keep(now, ("rival", robot.id), text, REMEMBER_S)
 
     def squatter(self, now: Now, squatter: Squatter) -> Optional[str]:
-        """Somebody announces more robots than there is room for."""
+        """Warn of a host that announces more robots than the list accepts."""
         where = (f"{squatter.host} announces at least {squatter.robots} robots" if squatter.robots > 1 else
                  f"Many addresses, such as {squatter.host}, announce robots")
         return self._keep(
             now, ("squatter", squatter.host if squatter.robots > 1 else None),
-            f"{where}, the last of team {squatter.team}, without ever showing a password. Only a part of them is "
+            f"{where}, the last of team {squatter.team}, but none with a password. Only some of them are "
             "listed. Find that computer and take it off the network",
             REMEMBER_S,
         )
 
     def complaint(self, now: Now, text: str) -> None:
-        """Datagrams that cannot be read arrive on the public channel; the latest such text stays a while."""
+        """Warn of unreadable datagrams on the public channel. The latest text stays for a while."""
         self._kept["complaint", None] = (now.mono + REMEMBER_S, text)
 
     def trouble(self, now: Now, text: str) -> Optional[str]:
-        """Something on this computer does not work."""
+        """Warn of something on this computer that does not work."""
         return self._keep(now, ("trouble", text), text, TROUBLE_REMEMBER_S)
 
     def notice(self, now: Now, text: str) -> Optional[str]:
-        """What this start found out about the time before it, such as a journal that is not continued."""
+        """Show what this start found out about the time before it, such as a journal that is not continued."""
         return self._keep(now, ("notice", text), text, NOTICE_REMEMBER_S)
 
     def repaired(self, text: str) -> None:
-        """A trouble of this text is over."""
+        """Remove the warning of a trouble with this text."""
         self._kept.pop(("trouble", text), None)
 
     def journal(self, text: str) -> bool:
-        """What keeps the journal from the disk, for as long as it does; empty: nothing. Returns whether it is news."""
+        """Set why the journal cannot be written, for as long as this lasts; empty: it can. Return whether it is new."""
         is_new, self._journal_trouble = text != self._journal_trouble, text
         return is_new
 
     def not_listed(self, now: Now, host: str) -> Optional[str]:
-        """A robot's beacon that is not listed: there is no room, or the name is unusable."""
+        """Warn of a robot that is not listed, because the list is full or the name is unusable."""
         return self._keep(
             now, ("not listed", None),
-            f"Beacons from {host} are ignored: too many robots, or a name empty or too long",
+            f"Beacons from {host} are ignored: too many robots, or the name is empty or too long",
             REMEMBER_S,
         )
 
     def tablet(self, now: Now, host: str, heard: HeardTablet) -> Optional[str]:
-        """A TabletBeacon that does not count, if it is one."""
+        """Warn of a TabletBeacon that does not count, if it is one."""
         if heard.absurd:
             return self._keep(now, ("tablet", "absurd"),
                               f"The tablet at {host} sends {heard.absurd}. Until then it is ignored", REMEMBER_S)
@@ -111,32 +111,32 @@ class Watches:
         return None
 
     def devices(self, connected: bool, text: str) -> None:
-        """The devices node reaches the devices' controller, or not, as `text` says."""
+        """Set whether the devices node reaches the devices' controller; `text` gives the reason if not."""
         self._devices_trouble = "" if connected else f"Home devices: {text}"
 
     def devices_warnings(self) -> List[str]:
-        """What is the matter with the devices' controller, for as long as it is."""
+        """Return the problem with the devices' controller, while it lasts."""
         return [self._devices_trouble] if self._devices_trouble else []
 
     def device_refused(self, now: Now, device: str, value: int, reason: str) -> str:
-        """A robot's command to a device could not be carried out."""
+        """Warn that a robot's command to a device failed."""
         text = f"{device} was not set to {value} as the robot commanded: {reason}"
         self._keep(now, ("device", device), text, REMEMBER_S)
         return text
 
     def clock_stepped(self, now: Now, step: float) -> str:
-        """The box's own clock was set by `step` seconds."""
+        """Warn that the box's own clock was set by `step` seconds."""
         text = f"The clock of this computer was set by {step:+.3f} s: skews are measured anew"
         self._keep(now, ("clock", None), text, CLOCK_REMEMBER_S)
         return text
 
     def restarted(self, now: Now, text: str) -> None:
-        """Runs continue after a restart of the core, so the box does not listen for another box first."""
+        """End the time in which the box only listens: runs continue after a restart of the core."""
         self._listen_duration = 0.0
         self._keep(now, ("restart", None), text, CLOCK_REMEMBER_S)
 
     def warnings(self, now: Now) -> List[str]:
-        """What every referee should know now."""
+        """Return the current warnings for every referee."""
         self._kept = {key: kept for key, kept in self._kept.items() if kept[0] >= now.mono}
         journal = [self._journal_trouble] if self._journal_trouble else []
         return journal + [text for _, text in self._kept.values()]

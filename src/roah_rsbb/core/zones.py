@@ -1,4 +1,4 @@
-"""Zones: each has a group of scheduled events, the current one, and its run (docs/organiser.md, "schedule.yaml")."""
+"""Zones: their scheduled events, the current event, and the run in it (docs/organiser.md, "schedule.yaml")."""
 
 from dataclasses import dataclass
 from typing import Dict, Iterable, List, NamedTuple, Optional
@@ -18,7 +18,7 @@ NO_RUN = "No run is connected: press connect first"
 
 
 class LastRun(NamedTuple):
-    """What a zone still shows of the run that was left last."""
+    """What a zone still shows of its last run."""
 
     end_reason: Optional[EndReason]  # None: it was never started
     log: str
@@ -26,7 +26,7 @@ class LastRun(NamedTuple):
 
 
 class EventKey(NamedTuple):
-    """What identifies an event of a schedule. The rest of it is in the benchmarks file."""
+    """Identifies an event of a schedule. Its other properties are in the benchmarks file."""
 
     benchmark: str  # code
     team: str
@@ -42,7 +42,7 @@ def key_of(event: ScheduledEvent) -> EventKey:
 
 @dataclass
 class ZoneState:
-    """The state of a zone. It has at most one run's state, and `for_module` only with `run`."""
+    """The state of a zone. It has the state of at most one run, and `for_module` only if it has `run`."""
 
     event: EventKey
     run: Optional[RunState] = None
@@ -63,7 +63,7 @@ class Zone:
 
     @property
     def event(self) -> ScheduledEvent:
-        """The event that the zone is at."""
+        """The zone's current event."""
         return self.events[self.index]
 
     @property
@@ -84,12 +84,12 @@ class Zone:
         return None
 
     def move(self, by: int) -> None:
-        """Go to another event of the schedule. The last run's log belongs to the event before, so drop it."""
+        """Go to another event of the schedule. Drop the last run's log, which belongs to the event before."""
         self.index += by
         self.last_run = None
 
     def saved(self) -> ZoneState:
-        """The state for the journal."""
+        """Return the state for the journal."""
         run = self.run
         return ZoneState(
             key_of(self.event),
@@ -100,8 +100,8 @@ class Zone:
         )
 
     def resume_at(self, state: ZoneState) -> bool:
-        """Go to the event that the zone was at before a restart. False: it is no longer in the schedule, and the
-        zone is at the one that follows it."""
+        """Go to the event at which the zone was before a restart. Return False if the schedule no longer has it; the
+        zone is then at the event that follows it."""
         keys = [key_of(event) for event in self.events]
         same = [i for i, key in enumerate(keys) if key == state.event]
         moved_in_time = [i for i, key in enumerate(keys) if key[:-1] == state.event[:-1]]
@@ -113,7 +113,7 @@ class Zone:
         return bool(found)
 
     def leave(self, auto_next: bool) -> None:
-        """Take out the run, which is closed. After one that ran to its end the zone moves to the next event."""
+        """Remove the closed run. After a run that was completed, the zone moves to the next event."""
         run, self.run = self.run, None
         assert run is not None, "there is a run to leave"
         self.last_run = LastRun(run.end_reason, run.log, run.online_data)
@@ -122,43 +122,43 @@ class Zone:
 
 
 class Zones(Dict[str, Zone]):
-    """All zones by their names, in the order of the schedule file; and the runs in them."""
+    """All zones by name, in the order of the schedule file, and the runs in them."""
 
     def __init__(self, plans: Iterable[ZonePlan]) -> None:
         super().__init__((plan.name, Zone(plan)) for plan in plans)
         self._run_at: Dict[int, Run] = {}  # see `run_at`
 
     def named(self, name: str) -> Zone:
-        """Return the zone of that name; raises `Refused` with the names that exist."""
+        """Return the zone of that name. Raises `Refused` with the existing names if there is none."""
         zone = self.get(name)
         if zone is None:
             raise Refused([f"no zone '{name}'{did_you_mean(name, self)}"])
         return zone
 
     def run_in(self, name: str) -> ZoneRun:
-        """Return the run in the zone of that name; raises `Refused` if there is no such zone, or no run in it."""
+        """Return the run in the zone of that name. Raises `Refused` if the zone or the run does not exist."""
         run = self.named(name).run
         if run is None:
             raise Refused([NO_RUN])
         return run
 
     def runs(self) -> List[ZoneRun]:
-        """The runs in the zones."""
+        """Return the runs in all zones."""
         return [zone.run for zone in self.values() if zone.run is not None]
 
     def members(self) -> List[Run]:
-        """All runs of single robots. Each has a private channel."""
+        """Return all runs of single robots. Each has a private channel."""
         return [member for run in self.runs() for member in run.members()]
 
     def run_of(self, robot_id: RobotId) -> Optional[Run]:
-        """The run that a robot is in. A robot is in one run at most in the whole box."""
+        """Return the run that a robot is in. A robot is in at most one run of the box."""
         return next((run for run in self.members() if run.robot == robot_id), None)
 
     def run_at(self, port: int) -> Optional[Run]:
-        """The run whose private channel has this port."""
+        """Return the run whose private channel has this port."""
         run = self._run_at.get(port)
         if run is None or not self._contains(run):
-            # Each datagram asks. An answer stays true until a zone's run changes, which is seldom.
+            # Called for each datagram. An answer stays valid until a zone's run changes, which is rare.
             self._run_at = {member.port: member for member in self.members()}
             run = self._run_at.get(port)
         return run

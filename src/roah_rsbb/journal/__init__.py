@@ -1,1 +1,1 @@
-"""The durable record: what must outlive the process and the power."""
+"""The journal: the durable record of a competition, and reading it."""

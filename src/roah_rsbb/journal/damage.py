@@ -1,7 +1,7 @@
-"""Finds damage in a journal: rows that are not as they were written, and rows that are missing.
+"""Finds damage in a journal: rows that changed after they were written, and missing rows.
 
-Each row carries a checksum (`schema.row_crc`). Entries and samples of links are numbered without gaps, so a missing
-one shows, too. SQLite itself sees only damage to the structure of its pages.
+Each row has a checksum (`schema.row_crc`). Entries and link samples are numbered without gaps, so missing ones are also
+found. SQLite itself only detects damage to the structure of its pages.
 """
 
 import sqlite3
@@ -14,7 +14,7 @@ NAMES = {
     "sessions": "starts of the core", "runs": "records of runs", "members": "robots of runs", "entries": "entries",
     "links": "link samples", "states": "saved states",
 }
-# What is shown of the names of damaged rows.
+# Maximum number of damaged rows that are named.
 _SHOWN = 5
 
 
@@ -22,13 +22,13 @@ class Damage(NamedTuple):
     """Rows of a table that are damaged or missing."""
 
     table: str
-    what: str  # which ones
-    from_utc: Optional[float]  # of the last good row before; None: there is none, or the rows have no order
+    what: str  # which rows
+    from_utc: Optional[float]  # of the last good row before; None: no such row, or the rows have no order
     to_utc: Optional[float]  # of the first good row after
 
 
 def find_damage(connection: sqlite3.Connection) -> List[Damage]:
-    """All damage in a journal of the present version; raises sqlite3.Error."""
+    """Return all damage in a journal of the present version. Raises sqlite3.Error."""
     found = [*_holes(connection, "entries", "id"), *_holes(connection, "links", "rowid")]
     for table, key in (("sessions", "id"), ("runs", "identity"), ("members", "port"), ("states", "name")):
         rows = connection.execute(f"SELECT {key} FROM {table} WHERE crc IS NOT {schema.crc_of(table)}").fetchall()
@@ -39,7 +39,7 @@ def find_damage(connection: sqlite3.Connection) -> List[Damage]:
 
 
 def _holes(connection: sqlite3.Connection, table: str, key: str) -> Iterator[Damage]:
-    """Damaged and missing rows of a table whose rows are numbered from 1."""
+    """Return the damaged and missing rows of a table whose rows are numbered from 1."""
     last, last_utc, bad = 0, None, 0
     rows = connection.execute(f"SELECT {key}, utc, crc IS {schema.crc_of(table)} FROM {table} ORDER BY {key}")
     for number, utc, is_good in rows:
@@ -55,7 +55,7 @@ def _holes(connection: sqlite3.Connection, table: str, key: str) -> Iterator[Dam
 
 
 def _last_number(connection: sqlite3.Connection, table: str) -> int:
-    """The number of the last row that was ever written, where SQLite keeps it."""
+    """Return the number of the last row that was ever written, if SQLite keeps it."""
     row = connection.execute("SELECT seq FROM sqlite_sequence WHERE name = ?", (table,)).fetchone()
     return row[0] if row is not None and isinstance(row[0], int) else 0
 
@@ -69,7 +69,7 @@ def _hole(
 
 
 def text_of(damage: Damage) -> str:
-    """What is damaged, and from when to when."""
+    """Describe what is damaged, and the period."""
     if damage.table not in ("entries", "links"):
         return f"{NAMES[damage.table]}: {damage.what}"
     begin = "the beginning" if damage.from_utc is None else moment(damage.from_utc)
@@ -78,11 +78,11 @@ def text_of(damage: Damage) -> str:
 
 
 def moment(utc: float) -> str:
-    """A moment, for a line of text."""
+    """Return a time of day for a line of text."""
     return time.strftime("%Y-%m-%d %H:%M:%S UTC", time.gmtime(utc))
 
 
 def last_moment(connection: sqlite3.Connection) -> str:
-    """When the newest entry was made that SQLite can read."""
+    """Return the time of the newest entry that SQLite can read."""
     row = connection.execute("SELECT utc FROM entries ORDER BY id DESC LIMIT 1").fetchone()
     return moment(row[0]) if row is not None and isinstance(row[0], float) else "the beginning"

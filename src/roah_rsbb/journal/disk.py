@@ -4,8 +4,8 @@ SQLite hands committed data to the operating system, where it survives this proc
 thread syncs it to the disk within `GROUP_S`, many commits at once. It also moves the write-ahead log into the database
 (a checkpoint), so that the log stays small and the database is nearly complete by itself. The loop never waits for it.
 
-After a failed fsync, a later success proves nothing, because Linux discards the pages that it could not write.
-Therefore, after a failure the data counts as saved only when a checkpoint has written all of it to the database.
+After a failed fsync, a later success proves nothing, because Linux discards the pages that it could not write. After a
+failure, data therefore counts as saved only when a checkpoint has written all of it to the database.
 """
 
 import os
@@ -14,8 +14,8 @@ import threading
 import time
 from typing import Callable, Optional
 
-# Commits within this time go to the disk together: half of what a power failure may lose (docs/architecture.md, "First
-# written, then done").
+# Commits within this time (s) are synced together. It is half of what a power failure may lose (docs/architecture.md,
+# "First written, then done").
 GROUP_S = 0.05
 # The write-ahead log is moved into the database when it is this large, or this old.
 CHECKPOINT_BYTES = 1_000_000

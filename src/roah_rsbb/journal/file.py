@@ -1,4 +1,4 @@
-"""The journal's file: finds, checks and migrates it, or puts it aside and begins a new one.
+"""The journal's file: finds, checks and migrates it, or sets it aside and begins a new one.
 
 A file from which the core cannot resume is never deleted. It is renamed, and `results --journal` can read it.
 """
@@ -28,7 +28,7 @@ COMPETITION = "competition"
 
 
 class CannotWrite(Exception):
-    """There is no journal at present: the folder is missing, full or read-only, possibly for some time only."""
+    """The journal cannot be written now: its folder is missing, full or read-only. This may be temporary."""
 
 
 class Resume(enum.Enum):
@@ -102,7 +102,7 @@ def lock(log_dir: str) -> Lock:
             return Lock(path, fd, tuple(holders))
     except OSError as error:
         raise CannotWrite(f"{log_dir}: {error.strerror}") from None
-    raise CannotWrite(f"{log_dir}: {MAX_CORES} cores keep their journals there: end some, or give another log_dir")
+    raise CannotWrite(f"{log_dir}: {MAX_CORES} cores have journals there: end some of them, or set another log_dir")
 
 
 def _pid_in(fd: int) -> int:
@@ -131,8 +131,8 @@ def _lock_file(path: str) -> int:
 def open_file(path: str, competition: str, resume: Resume, launch: str) -> File:
     """Open the journal for a competition (JSON: a list of its events, each a list), or begin a new one.
 
-    `launch`: of the new session. An existing journal is not changed, and may be read even if it cannot be written;
-    call `prepare` next. Raises `CannotWrite`.
+    `launch`: the id of the new session's roslaunch. An existing journal is not changed, and can be read even if it
+    cannot be written. Call `prepare` next. Raises `CannotWrite`.
     """
     warnings: List[str] = []
     if os.path.exists(path):
@@ -142,8 +142,8 @@ def open_file(path: str, competition: str, resume: Resume, launch: str) -> File:
         except sqlite3.OperationalError as error:
             raise CannotWrite(f"{path}: {error}") from None
         if why:
-            aside = put_aside(path)
-            warnings.append(f"The journal that was in {path} is not gone on with: {why}. It is kept as {aside}")
+            aside = set_aside(path)
+            warnings.append(f"The journal {path} is not continued: {why}. It is kept as {aside}")
         else:
             warnings += _damage(path)
     try:
@@ -165,15 +165,15 @@ def is_readable(connection: sqlite3.Connection) -> bool:
 
 
 def prepare(connection: sqlite3.Connection, competition: str) -> None:
-    """Bring an open journal up to date; raises sqlite3.Error."""
+    """Bring an open journal up to date. Raises sqlite3.Error."""
     if not _number(connection, "application_id"):
         schema.create(connection)
     schema.migrate(connection, _number(connection, "user_version"))
     connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (COMPETITION, competition))
 
 
-def put_aside(path: str) -> str:
-    """Rename a journal with its companions; returns its new path. Raises `CannotWrite`."""
+def set_aside(path: str) -> str:
+    """Rename a journal and its companion files; returns its new path. Raises `CannotWrite`."""
     base, suffix = os.path.splitext(path)
     stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
     names = (f"{base}_aside_{stamp}{number}{suffix}" for number in ("", *(f"_{n}" for n in range(2, 1000))))
@@ -183,13 +183,13 @@ def put_aside(path: str) -> str:
             if os.path.exists(path + companion):
                 os.rename(path + companion, aside + companion)
     except OSError as error:
-        raise CannotWrite(f"{path} cannot be put aside: {error.strerror}") from None
+        raise CannotWrite(f"{path} cannot be set aside: {error.strerror}") from None
     return aside
 
 
 def _replace_if_log_is_damaged(path: str) -> List[str]:
-    """Put a journal with a damaged write-ahead log aside, and write what can be read of it to a new file: SQLite would
-    silently drop everything behind the damage. Returns warnings."""
+    """Set a journal with a damaged write-ahead log aside, and write its readable part to a new file: SQLite would
+    silently drop everything after the damage. Returns warnings."""
     try:
         if not pages.has_damaged_log(path):
             torn = (f"The end of the write-ahead log of the journal {path} is torn or damaged: what happened last "
@@ -197,13 +197,13 @@ def _replace_if_log_is_damaged(path: str) -> List[str]:
             return [torn] if pages.has_torn_log(path) else []
     except OSError:
         return []
-    aside = put_aside(path)
+    aside = set_aside(path)
     kept = f"The write-ahead log of the journal {path} is damaged. It is kept as {aside}"
     try:
         recover(aside, path)
     except JournalError as error:
         return [f"{kept}. Nothing could be recovered from it: {error}"]
-    return [f"{kept}. The box resumes from what could be recovered"]
+    return [f"{kept}. The box resumes from the recovered part"]
 
 
 def _damage(path: str) -> List[str]:
@@ -222,12 +222,12 @@ def _connect(path: str) -> sqlite3.Connection:
     except sqlite3.OperationalError:
         if not (os.path.exists(path) and _is_at_rest(path)):
             raise
-    # The journal is closed, but SQLite cannot create its companions: read it without them.
+    # The journal is closed, but SQLite cannot create its companion files: read it without them.
     return _connect_as(path, f"{pathlib.Path(path).resolve().as_uri()}?immutable=1")
 
 
 def _is_at_rest(path: str) -> bool:
-    """Whether the journal is complete without its companions."""
+    """Whether the journal is complete without its companion files."""
     try:
         return os.stat(f"{path}-wal").st_size == 0
     except OSError:
@@ -252,13 +252,13 @@ def _connect_as(path: str, address: str) -> sqlite3.Connection:
 
 
 def _why_not(path: str, competition: str, resume: Resume, launch: str) -> str:
-    """Why the core cannot resume from a journal; empty if it can. Raises OperationalError if it cannot be read yet."""
+    """Return why the core cannot resume from a journal; empty: it can. Raises OperationalError if it is locked now."""
     try:
         connection = _connect(path)
     except sqlite3.OperationalError:
         raise
     except sqlite3.DatabaseError as error:
-        return f"it is damaged, or no journal at all ({error})"
+        return f"it is damaged, or not a journal ({error})"
     try:
         if _is_empty(connection):
             return ""  # the core ended before it wrote anything
@@ -277,20 +277,20 @@ def _is_empty(connection: sqlite3.Connection) -> bool:
 
 def _problem_of(connection: sqlite3.Connection, competition: str) -> str:
     if _number(connection, "application_id") != schema.APPLICATION_ID:
-        return "it is another program's"
+        return "it belongs to another program"
     version = _number(connection, "user_version")
     if version > schema.VERSION:
-        return f"a newer version of roah_rsbb wrote it (its tables have version {version}, known are {schema.VERSION})"
+        return f"a newer version of roah_rsbb wrote it (tables of version {version}, known up to {schema.VERSION})"
     if any(v not in schema.MIGRATIONS for v in range(version, schema.VERSION)):
-        return f"its tables have version {version}, which this version of roah_rsbb does not know any more"
+        return f"its tables have version {version}, which this version of roah_rsbb no longer reads"
     found = connection.execute("PRAGMA integrity_check(1)").fetchone()[0]
     if found != "ok":
         return f"it is damaged ({found})"
     if version == schema.VERSION and not schema.is_whole(connection):
-        return "it is damaged (its tables are not those of a journal)"
+        return "it is damaged (its tables are not a journal's)"
     row = connection.execute("SELECT value FROM meta WHERE key = ?", (COMPETITION,)).fetchone()
     if row is not None and not same_competition(row[0], competition):
-        return "it is of another competition: none of its events is in the schedule"
+        return "it belongs to another competition: none of its events is in the schedule"
     return ""
 
 
@@ -298,11 +298,11 @@ def _begins_anew(connection: sqlite3.Connection, resume: Resume, launch: str) ->
     row = connection.execute("SELECT launch FROM sessions ORDER BY id DESC LIMIT 1").fetchone()
     if row is None or resume is Resume.ALWAYS or (resume is Resume.LAUNCH and row[0] == launch):
         return ""
-    return f"this core was started to begin anew (its parameter resume is '{resume.value}')"
+    return f"the parameter resume of this core is '{resume.value}'"
 
 
 def same_competition(saved: str, present: str) -> bool:
-    """Whether two schedules have an event in common, at any time, because a schedule may change on the day.
+    """Whether two schedules have an event in common. Times are ignored, because they may change during the day.
 
     Raises ValueError for an invalid saved schedule.
     """
@@ -318,7 +318,7 @@ def _number(connection: sqlite3.Connection, pragma: str) -> int:
 
 
 def identity(path: str) -> Optional[Tuple[int, int]]:
-    """Identifies the file at a path; None if there is none. A deleted file stays writable, so compare identities."""
+    """Identify the file at a path; None if it is missing. A deleted file stays writable, so compare identities."""
     try:
         found = os.stat(path)
     except OSError:
@@ -327,7 +327,7 @@ def identity(path: str) -> Optional[Tuple[int, int]]:
 
 
 def copied(connection: sqlite3.Connection, path: str) -> sqlite3.Connection:
-    """Copy an open journal to a new file, completely or not at all; raises sqlite3.Error."""
+    """Copy an open journal to a new file, completely or not at all. Raises sqlite3.Error."""
     draft = f"{path}.draft"
     for companion in COMPANIONS:
         if os.path.exists(draft + companion):

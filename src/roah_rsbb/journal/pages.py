@@ -1,8 +1,8 @@
-"""Reads the pages of an SQLite file and of its write-ahead log without SQLite: also where SQLite gives up.
+"""Reads the pages of an SQLite file and of its write-ahead log without SQLite, including pages that SQLite cannot read.
 
-SQLite reads a write-ahead log up to the first damaged frame and silently drops the rest. Each frame has a checksum that
-begins with the stored one of the frame before. So each frame can be verified by itself, and those behind the damage
-still count (https://www.sqlite.org/fileformat2.html).
+SQLite reads a write-ahead log up to the first damaged frame and silently drops the rest. The checksum of each frame
+begins with the stored checksum of the frame before. Each frame can therefore be verified by itself, and the frames
+after the damage can still be used (https://www.sqlite.org/fileformat2.html).
 """
 
 import collections
@@ -57,7 +57,7 @@ def read_frames(path: str) -> List[Frame]:
     frames = []
     for at in places:
         if content[at + 8:at + 16] != salt and content[16:24] == salt and not _belongs(content, at, size, salt, places):
-            break  # what an earlier use of the file left behind
+            break  # the rest is from an earlier use of the file
         body = content[at + _FRAME_HEADER:at + _FRAME_HEADER + size]
         stored = struct.unpack_from(">II", content, at + 16)
         is_good = content[at + 8:at + 16] == salt and _checksum(order, before, content[at:at + 8] + body) == stored
@@ -74,12 +74,12 @@ def is_damaged(frames: List[Frame]) -> bool:
 
 
 def is_torn(frames: List[Frame]) -> bool:
-    """Whether the last frame cannot be read: it is damaged, or the computer was switched off while it was written."""
+    """Whether the last frame cannot be read: it is damaged, or a power failure interrupted its writing."""
     return bool(frames) and not frames[-1].is_good
 
 
 def _belongs(content: bytes, at: int, size: int, salt: bytes, places: range) -> bool:
-    """Whether later frames of this use of the file follow: then this frame is damaged, not old."""
+    """Whether later frames of the same use of the file follow. If so, this frame is damaged, not old."""
     return any(content[later + 8:later + 16] == salt for later in places if later > at)
 
 
@@ -89,7 +89,7 @@ def _page_size(content: bytes) -> int:
 
 
 def _order_and_sum(content: bytes) -> Tuple[str, Optional[Tuple[int, int]]]:
-    """Byte order of the checksums, and the header's own one; None: the header is damaged."""
+    """Return the byte order of the checksums, and the header's own checksum; None: the header is damaged."""
     order = _LOG_MAGIC.get(struct.unpack_from(">I", content)[0], "<")
     stored = struct.unpack_from(">II", content, 24)
     return order, stored if _checksum(order, (0, 0), content[:24]) == stored else None
@@ -110,7 +110,7 @@ def _checksum(order: str, before: Optional[Tuple[int, int]], content: bytes) -> 
 
 
 def read_image(path: str) -> bytes:
-    """The whole file with everything readable of its write-ahead log, as a file without one. Raises OSError."""
+    """Return the whole file, with the readable part of its write-ahead log merged into it. Raises OSError."""
     with open(path, "rb") as file:
         content = bytearray(file.read())
     size = _size_of_file(content)
@@ -129,8 +129,8 @@ def read_image(path: str) -> bytes:
                 waiting.clear()
     if len(content) >= 100:
         content.extend(bytes(-len(content) % size))
-        content[18:20] = b"\1\1"  # it has no write-ahead log any more
-        content[28:32] = struct.pack(">I", len(content) // size)  # SQLite refuses a file that is shorter than that
+        content[18:20] = b"\1\1"  # without a write-ahead log
+        content[28:32] = struct.pack(">I", len(content) // size)  # SQLite refuses a file shorter than this number
         content[92:96] = content[24:28]
     return bytes(content)
 
@@ -145,7 +145,7 @@ def _size_of_file(content: bytes) -> int:
 
 
 def records(image: bytes) -> Iterator[Record]:
-    """Every record that can be read in any page, also in pages that are not in use any more."""
+    """Return every readable record of all pages, including unused pages."""
     size = _size_of_file(bytearray(image[:100]))
     for at in range(0, len(image) - size + 1, size):
         yield from _records_of_page(image, at, size)
@@ -177,7 +177,7 @@ def _record(image: bytes, at: int, size: int, kind: int) -> Record:
 
 def _payload(image: bytes, at: int, size: int, length: int, kind: int) -> bytes:
     if length > MAX_RECORD:
-        raise ValueError("no record is as long")
+        raise ValueError("too long for a record")
     most = size - 35 if kind == _TABLE_LEAF else (size - 12) * 64 // 255 - 23
     if length <= most:
         return image[at:at + length]
@@ -207,7 +207,7 @@ def _values(payload: bytes) -> Tuple[object, ...]:
         value, at = _value(payload, at, kind)
         values.append(value)
     if at != len(payload):
-        raise ValueError("no record")
+        raise ValueError("not a record")
     return tuple(values)
 
 
@@ -219,7 +219,7 @@ def _value(payload: bytes, at: int, kind: int) -> Tuple[object, int]:
     if kind == 7:
         return struct.unpack_from(">d", payload, at)[0], at + 8
     if kind < 12:
-        raise ValueError("no such type")
+        raise ValueError("unknown type")
     length = (kind - 12) // 2
     content = payload[at:at + length]
     return content if kind % 2 == 0 else content.decode("utf-8"), at + length
@@ -235,11 +235,11 @@ def _varint(content: bytes, at: int) -> Tuple[int, int]:
         value = value << 7 | byte & 0x7F
         if byte < 0x80:
             return value, at + i + 1
-    raise ValueError("no number")
+    raise ValueError("not a number")
 
 
 def has_damaged_log(path: str) -> bool:
-    """Whether something is damaged in the write-ahead log of a file, with more behind it. Raises OSError."""
+    """Whether the write-ahead log of a file is damaged before its last good frame. Raises OSError."""
     return os.path.exists(f"{path}-wal") and is_damaged(read_frames(f"{path}-wal"))
 
 

@@ -1,9 +1,9 @@
 """The record of used private ports, so that none is used twice in a competition, even across restarts.
 
-A text file in the log directory, one port a line, appended before the port is used
-(docs/protocol.md, "Channels"). It then survives the process. A thread syncs it to the disk, because a slow disk
-must not delay the box. A line that a power failure truncated contains a smaller number or none. That does no harm,
-because only the largest number counts.
+It is a text file in the log directory with one port a line. A port is appended before it is used (docs/protocol.md,
+"Channels"), so the record survives the process. A thread syncs it to the disk, because a slow disk must not delay the
+box. A line that a power failure truncated contains a smaller number, or is empty. Both are harmless, because only the
+largest number counts.
 """
 
 import os
@@ -22,7 +22,7 @@ class PortRecord:
         self.path = os.path.join(log_dir, FILE_NAME)
 
     def read(self) -> Tuple[Optional[int], List[str]]:
-        """The largest used port (None if there is none), and warnings about invalid lines.
+        """Return the largest used port (None if no port was used), and warnings about invalid lines.
 
         Raises OSError if the file exists but cannot be read.
         """
@@ -34,7 +34,7 @@ class PortRecord:
         ports = [int(line) for line in lines if len(line) <= _DIGITS and line.isdigit() and int(line) <= LARGEST_PORT]
         warnings = []
         if len(ports) < len(lines):
-            warnings.append(f"{self.path}: {len(lines) - len(ports)} lines are no UDP port and were skipped")
+            warnings.append(f"{self.path}: {len(lines) - len(ports)} lines are not UDP ports and were skipped")
         return max(ports, default=None), warnings
 
     def add(self, port: int, on_problem: Callable[[OSError], None]) -> None:

@@ -1,4 +1,4 @@
-"""Reads a journal: of the present competition, of a past one, or a copy. Never changes it.
+"""Reads the journal of the present or a past competition, or a copy of one. It never changes the journal.
 
 While the box runs, it reads the state at the time of opening. It creates no files next to a journal that is not in use.
 If the folder is read-only, or the tables have an older version, it reads a temporary copy.
@@ -57,7 +57,7 @@ class JournalRun(NamedTuple):
     scheduled: float  # UTC seconds
     opened_utc: float  # UTC seconds of *connect*
     closed_utc: Optional[float]  # UTC seconds of *disconnect*; None: still connected
-    outcome: Dict[str, Any]  # the core's RunRecord, without fields that have their default; empty if there is none yet
+    outcome: Dict[str, Any]  # the core's RunRecord, without fields that have their default; empty: no record yet
 
 
 class JournalMember(NamedTuple):
@@ -123,7 +123,7 @@ class JournalReader:
         """Close the file."""
         self._cleanup.close()
 
-    # -- what is in it ------------------------------------------------------------------------------
+    # -- contents -----------------------------------------------------------------------------------
 
     def meta(self) -> Dict[str, str]:
         """Data about the whole journal, such as the competition's events (JSON)."""
@@ -185,7 +185,7 @@ class JournalReader:
 
     @property
     def damage(self) -> List[str]:
-        """What is damaged or missing in the journal, with from when to when. The rest is read all the same."""
+        """Return what is damaged or missing in the journal, and the periods. The rest can be read."""
         try:
             found = [text_of(damage) for damage in find_damage(self._connection)]
             if self._has(has_damaged_log):
@@ -198,7 +198,7 @@ class JournalReader:
         return found
 
     def _has(self, damage: Callable[[str], bool]) -> bool:
-        """A box may write while this looks: damage is found again."""
+        """Check for damage again if a box wrote at the same time."""
         with contextlib.suppress(OSError):
             return all(damage(self.path) for _ in range(COPIES))
         return False
@@ -208,8 +208,8 @@ class JournalReader:
     def _open(self) -> sqlite3.Connection:
         if not os.path.isfile(self.path):
             raise JournalError(
-                f"{self.path}: there is no such file. A box keeps its journal in its log_dir, from its first start "
-                "on: name it with --journal FILE"
+                f"{self.path}: the file is missing. A box creates its journal in its log_dir at its first start: "
+                "name it with --journal FILE"
             )
         try:
             connection = self._connect(self.path, "immutable=1" if self._is_at_rest() else "mode=ro")
@@ -221,7 +221,7 @@ class JournalReader:
         return connection if version == schema.VERSION else self._open_copy()
 
     def _is_at_rest(self) -> bool:
-        """Whether the file is not in use, so that SQLite need not create files next to it."""
+        """Whether the file is not in use, so SQLite need not create files next to it."""
         try:
             with open(self.path, "rb") as file:
                 header = file.read(READ_VERSION_AT + 1)
@@ -263,25 +263,25 @@ class JournalReader:
         return connection
 
     def _check(self, connection: sqlite3.Connection) -> int:
-        """See that this version can read the file; returns the version of its tables. From here on what is read is of
-        one moment. Raises sqlite3.Error, too."""
+        """Check that this version can read the file; returns the version of its tables. From here on, all data is of
+        the same moment. Raises sqlite3.Error, too."""
         connection.execute("BEGIN")
         if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0:
             if self._has(has_damaged_log):
                 raise self._damaged("its write-ahead log")
-            raise JournalError(f"{self.path}: nothing was written to this journal yet: connect a robot first")
+            raise JournalError(f"{self.path}: this journal is still empty: connect a robot first")
         if _pragma(connection, "application_id") != schema.APPLICATION_ID:
-            raise JournalError(f"{self.path}: this is another program's database: name a box's journal")
+            raise JournalError(f"{self.path}: this database belongs to another program: name a box's journal")
         version = _pragma(connection, "user_version")
         if version > schema.VERSION:
             raise JournalError(
-                f"{self.path}: a newer version of roah_rsbb wrote this journal (its tables have version {version}, "
-                f"known are {schema.VERSION}): read it with that version"
+                f"{self.path}: a newer version of roah_rsbb wrote this journal (tables of version {version}, known up "
+                f"to {schema.VERSION}): read it with that version"
             )
         if any(v not in schema.MIGRATIONS for v in range(version, schema.VERSION)):
             raise JournalError(
-                f"{self.path}: its tables have version {version}, which this version of roah_rsbb does not know any "
-                "more: read it with the version that wrote it"
+                f"{self.path}: its tables have version {version}, which this version of roah_rsbb no longer reads: "
+                "read it with the version that wrote it"
             )
         found = _pragma(connection, "integrity_check(1)")
         if found != "ok":
@@ -292,9 +292,9 @@ class JournalReader:
 
     def _damaged(self, what: str) -> JournalError:
         return JournalError(
-            f"{self.path}: this journal is damaged, or no journal at all ({what}). Look for another copy of it. What "
-            f"can be had of it: rosrun roah_rsbb results recover '{self.path}' NEW_FILE, then --journal NEW_FILE. "
-            "The run logs (.bag) are files of their own"
+            f"{self.path}: this journal is damaged, or not a journal ({what}). Look for another copy of it. To recover "
+            f"its readable part: rosrun roah_rsbb results recover '{self.path}' NEW_FILE, then --journal NEW_FILE. "
+            "The run logs (.bag) are separate files"
         )
 
 

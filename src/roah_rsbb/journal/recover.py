@@ -1,7 +1,7 @@
 """Copies the readable part of a damaged journal to a new one. The damaged file is not changed.
 
-Rows that SQLite can read come first, because it knows the present version of each row. Then all pages are searched for
-rows that SQLite no longer finds. Rows of the present version of the tables count only with a right checksum.
+Rows that SQLite can read come first, because SQLite knows the present version of each row. Then all pages are searched
+for rows that SQLite no longer finds. If the tables have the present version, rows need a correct checksum.
 """
 
 import contextlib
@@ -33,29 +33,29 @@ _MAY_BE_NULL = {("runs", "closed_utc"), ("runs", "outcome"), ("members", "log_fi
 
 
 class Recovered(NamedTuple):
-    """What was written to the new journal."""
+    """The contents of the new journal."""
 
     rows: Dict[str, int]  # their number by table
-    damage: List[Damage]  # what is missing
+    damage: List[Damage]  # in the new journal
 
 
 def recover(path: str, new: str) -> Recovered:
     """Copy the readable part of the journal at `path` to a new one. Raises JournalError."""
     if os.path.exists(new):
-        raise JournalError(f"{new}: there is such a file already: name another one")
+        raise JournalError(f"{new}: the file exists: name another one")
     try:
         image = pages.read_image(path)
         found = _read(image)
         if not any(found[table] for table in schema.CHECKED):
             raise JournalError(
-                f"{path}: nothing can be had of this journal. Look for another copy of it, and for the run logs (.bag)")
+                f"{path}: no part of this journal is readable. Look for another copy, and for the run logs (.bag)")
         return _write(found, _last_number(image), new)
     except OSError as error:
         raise JournalError(f"{error.filename}: {error.strerror}: name a journal, and a new file for it") from None
     except sqlite3.Error as error:
         with contextlib.suppress(FileNotFoundError):
             os.remove(new)
-        raise JournalError(f"{new}: cannot be written ({error}): name another place, or make room there") from None
+        raise JournalError(f"{new}: cannot be written ({error}): name another place, or free space there") from None
 
 
 def _read(image: bytes) -> Found:
@@ -74,7 +74,7 @@ def _read(image: bytes) -> Found:
 
 
 def _newest(table: str, rows: List[Row]) -> Optional[Row]:
-    """The latest of several versions of a row; None if unknown."""
+    """Return the latest of several versions of a row; None if unknown."""
     if table == "runs":
         return max(rows, key=lambda row: (row[-2] or 0.0, len(row[-1] or "")))
     if table == "states" and len(set(rows)) > 1:
@@ -86,7 +86,7 @@ def _newest(table: str, rows: List[Row]) -> Optional[Row]:
 
 
 def _rows_of_sqlite(image: bytes) -> Iterator[Tuple[str, Row]]:
-    """All rows up to the first that cannot be read, from both ends of each table."""
+    """Return all rows up to the first unreadable one, from both ends of each table."""
     with tempfile.TemporaryDirectory(prefix="roah_rsbb_journal_") as directory:
         copy = os.path.join(directory, "journal.sqlite3")
         with open(copy, "wb") as file:
@@ -112,7 +112,7 @@ def _rows_in_order(
 
 
 def _checked(table: str, values: Row) -> Optional[Row]:
-    """A row of the table from its values, with or without checksum; None if it is invalid."""
+    """Make a row of the table from its values, with or without checksum; None if it is invalid."""
     columns = COLUMNS[table]
     row = tuple(_value(table, name, value) for name, value in zip(columns, values))
     if _BAD in row or len(values) not in (len(columns), len(columns) + (table != "meta")):
@@ -125,7 +125,7 @@ _BAD = object()
 
 
 def _value(table: str, name: str, value: object) -> object:
-    """A value in the type of the column; `_BAD` if it does not fit."""
+    """Convert a value to the type of the column; `_BAD` if it does not fit."""
     if isinstance(value, bytes):
         try:
             value = value.decode("utf-8")
@@ -144,7 +144,7 @@ def _value(table: str, name: str, value: object) -> object:
 
 
 def _rows_of_pages(image: bytes) -> Iterator[Tuple[str, Row]]:
-    """All rows of the journal's tables in all pages."""
+    """Return all rows of the journal's tables in all pages."""
     for record in pages.records(image):
         for table in COLUMNS:
             row = _row_of(table, record)
@@ -171,7 +171,7 @@ def _row_of(table: str, record: pages.Record) -> Optional[Row]:
 
 
 def _last_number(image: bytes) -> int:
-    """The number of the latest entry that was ever written, if it is readable."""
+    """Return the number of the latest entry that was ever written, if it is readable."""
     numbers = [
         record.values[1] for record in pages.records(image)
         if record.rowid is not None and record.values[:1] == ("entries",) and len(record.values) == 2

@@ -51,7 +51,7 @@ def crc_of(table: str) -> str:
 
 
 def _bytes_of(column: str) -> str:
-    """SQL for a value as it is stored: Python refuses damaged text."""
+    """Return SQL for a value as it is stored, because Python refuses damaged text."""
     return (f"CASE typeof({column}) WHEN 'text' THEN CAST({column} AS BLOB) WHEN 'blob' THEN 0"
             f" ELSE {column} END")
 
@@ -66,7 +66,7 @@ MIGRATIONS: Dict[int, Tuple[str, ...]] = {
 
 
 def row_crc(*values: object) -> int:
-    """The checksum of a row's values. SQLite may keep a whole number in a column of real numbers: both count as one."""
+    """Return the checksum of a row's values. Real columns may store integers, so 1 and 1.0 have the same checksum."""
     words = []
     for value in values:
         if value is None:
@@ -79,20 +79,20 @@ def row_crc(*values: object) -> int:
 
 
 def add_functions(connection: sqlite3.Connection) -> None:
-    """Let a connection compute checksums."""
+    """Add the function that computes checksums to a connection."""
     connection.create_function("row_crc", -1, row_crc)
 
 
 def insertion(table: str, or_what: str = "") -> str:
-    """A statement that inserts the checked columns of a row, with their checksum."""
+    """Return a statement that inserts the checked columns of a row, with their checksum."""
     columns = CHECKED[table]
     values = ", ".join(f"?{i}" for i, _ in enumerate(columns, 1))
     return f"INSERT{or_what} INTO {table} ({', '.join(columns)}, crc) VALUES ({values}, row_crc({values}))"
 
 
 def change(table: str, changed: Tuple[str, ...]) -> str:
-    """A statement that changes some columns, with the checksum, of the row with a value in the table's first checked
-    column; the parameters are the new values in this order, then that value."""
+    """Return a statement that changes some columns of a row, and its checksum. The row is identified by the table's
+    first checked column. The parameters are the new values in this order, then that column's value."""
     sets = ", ".join(f"{name} = ?{i}" for i, name in enumerate(changed, 1))
     values = ", ".join(f"?{changed.index(name) + 1}" if name in changed else _bytes_of(name)
                        for name in CHECKED[table])
@@ -100,19 +100,19 @@ def change(table: str, changed: Tuple[str, ...]) -> str:
 
 
 def create(connection: sqlite3.Connection) -> None:
-    """Make the tables in an empty file."""
+    """Create the tables in an empty file."""
     _run(connection, SCHEMA, VERSION)
 
 
 def migrate(connection: sqlite3.Connection, version: int) -> None:
-    """Migrate a journal of an older `version`; raises KeyError if that is impossible."""
+    """Migrate a journal of an older `version`. Raises KeyError if that is impossible."""
     while version < VERSION:
         _run(connection, MIGRATIONS[version], version + 1)
         version += 1
 
 
 def is_whole(connection: sqlite3.Connection) -> bool:
-    """Whether a file of the present version has the right tables, without triggers and views."""
+    """Whether a file of the present version has the right tables, and no triggers or views."""
     return _shape(connection) == _whole_shape()
 
 
@@ -124,7 +124,7 @@ def _whole_shape() -> Dict[str, Tuple[str, ...]]:
 
 
 def _shape(connection: sqlite3.Connection) -> Dict[str, Tuple[str, ...]]:
-    """The columns of each table, and triggers and views, which no journal has."""
+    """Return the columns of each table, and any triggers and views, which a journal does not have."""
     found = connection.execute(
         "SELECT type, name FROM sqlite_master WHERE type != 'index' AND name NOT LIKE 'sqlite_%'").fetchall()
     return {

@@ -30,8 +30,8 @@ SYNC_TIMEOUT_S = 2.0
 # A disk that takes longer than this is reported.
 SLOW_S = 1.0
 
-# Reported when the trouble is over.
-MENDED = ""
+# Reported when a problem is over.
+REPAIRED = ""
 
 _AT_STAKE = "Runs continue, but what happens now is lost if the box ends or this computer is switched off"
 
@@ -42,7 +42,7 @@ class Journal:
     def __init__(
         self, log_dir: str, session: Session, competition: str, resume: Resume, on_trouble: Callable[[str], None]
     ) -> None:
-        """Never raises. `on_trouble` is called, in any thread, with a problem and its remedy, or with `MENDED`."""
+        """Never raises. `on_trouble` is called, in any thread, with a problem and its remedy, or with `REPAIRED`."""
         self._log_dir = log_dir
         self._session = session
         self._competition = competition
@@ -60,12 +60,12 @@ class Journal:
         self._problem = ""  # why the latest write failed
         self._is_slow = False
         self._is_log_begun = False
-        self._trouble = MENDED
-        self._disk_trouble = MENDED
+        self._trouble = REPAIRED
+        self._disk_trouble = REPAIRED
         self.path = os.path.join(log_dir, files.FILE_NAME)
         self.previous: PreviousSession = NOTHING
         self.warnings: Tuple[str, ...] = ()
-        self.holders: Tuple[Holder, ...] = ()  # other cores with a journal in the directory
+        self.holders: Tuple[Holder, ...] = ()  # other cores with journals in the directory
         self._resume = resume
         self._attempt(self._flush)
 
@@ -91,8 +91,8 @@ class Journal:
         if not self._trouble or self._is_slow:
             seconds = self._disk.waiting_s() if self._disk is not None else 0.0
             self._is_slow = seconds >= SLOW_S
-            self._tell(f"The disk of the journal {self.path} is slow. {_AT_STAKE}. Use another disk for log_dir"
-                       if self._is_slow else MENDED)
+            self._report(f"The disk of the journal {self.path} is slow. {_AT_STAKE}. Use another disk for log_dir"
+                       if self._is_slow else REPAIRED)
 
     @property
     def saved(self) -> int:
@@ -100,7 +100,7 @@ class Journal:
         return self._disk.synced if self._disk is not None else 0
 
     def why_not_saved(self, ticket: int) -> str:
-        """Wait for some time until this ticket is on the disk; returns "", or why it is not. For any thread."""
+        """Wait for some time until this ticket is on the disk; returns "" or why it is not. For any thread."""
         disk = self._disk
         if disk is not None and ticket <= self._committed and disk.wait(ticket, SYNC_TIMEOUT_S):
             return ""
@@ -133,15 +133,15 @@ class Journal:
         except (CannotWrite, sqlite3.Error, OSError) as error:
             self._retry_at = time.monotonic() + RETRY_S
             self._problem, self._is_slow = _plain(error), False
-            self._tell(f"The journal {self.path} cannot be written: {self._problem}. {_AT_STAKE}. "
+            self._report(f"The journal {self.path} cannot be written: {self._problem}. {_AT_STAKE}. "
                        "Free or repair the disk of log_dir")
             return
         self._retry_at = 0.0
         self._problem = ""
         if not self._is_slow:
-            self._tell(MENDED)
+            self._report(REPAIRED)
 
-    def _tell(self, trouble: str) -> None:
+    def _report(self, trouble: str) -> None:
         before, self._trouble = self._trouble, trouble
         if trouble != before:
             self._on_trouble(trouble or self._disk_trouble)
@@ -149,7 +149,7 @@ class Journal:
     def _on_disk_problem(self, problem: str) -> None:
         """Called in the thread of `Disk`."""
         text = f"The journal {self.path} does not reach the disk: {problem}. {_AT_STAKE}. Repair the disk of log_dir"
-        self._disk_trouble = text if problem else MENDED
+        self._disk_trouble = text if problem else REPAIRED
         self._on_trouble(self._trouble or self._disk_trouble)
 
     # -- steps --------------------------------------------------------------------------------------
@@ -166,7 +166,7 @@ class Journal:
         self.warnings += tuple(_held(holder, self.path) for holder in self.holders)
 
     def _begin_session(self) -> None:
-        """Read the previous session, which works even on a full or read-only disk. Then write."""
+        """Read the previous session, which is possible even on a full or read-only disk. Then write."""
         connection = self._connection
         self._begin_log()
         try:
@@ -225,7 +225,7 @@ class Journal:
         self._unlock()
         self._take_lock()
         if os.path.exists(self.path):
-            files.put_aside(self.path)
+            files.set_aside(self.path)
         new = files.copied(old, self.path)
         self._disk.end()
         self._take(new)
@@ -257,15 +257,15 @@ class Journal:
 
 
 def _held(holder: Holder, own: str) -> str:
-    """The warning that another core has the journal that this one would resume from."""
+    """Return the warning that another core uses the journal from which this one would resume."""
     state = ", which is stopped," if files.is_stopped(holder.pid) else ""
     who = f"process {holder.pid}{state}" if holder.pid else "an unknown process"
-    return (f"Another core ({who}) has the journal {holder.path}. This core does not know the runs in it, and uses "
+    return (f"Another core ({who}) uses the journal {holder.path}. This core does not have the runs in it, and uses "
             f"{own}. If the other core is not needed, end it and restart this: rosservice call /core/end_other_core")
 
 
 def _plain(error: Exception) -> str:
-    """The error of SQLite or the system in plain words."""
+    """Return the error of SQLite or the system in plain words."""
     text = str(error)
     return "the disk is full" if "disk is full" in text or getattr(error, "errno", 0) == errno.ENOSPC else text
 

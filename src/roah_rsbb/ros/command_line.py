@@ -15,30 +15,31 @@ Settings are ROS parameters, of the node or given as _name:=value. The launch fi
 'roslaunch --ros-args roah_rsbb FILE.launch' explains them.
 """
 _PANEL = """\
-It shows the zone of the client in whose namespace it is: __ns:=/some_client. Without that it is a client of its own.
+The panel shows the zone of the client in whose namespace it runs: __ns:=/some_client. Without __ns it selects its own
+zone.
 """
 
 
 def explain(doc: str, settings: str = _SETTINGS) -> None:
-    """Print what a program is and end, if that is asked for; end with status 2 for any other argument.
+    """Print the help of a program and end it if --help was given; end it with status 2 for any other argument.
 
-    `doc` is the docstring of the program's module. What ROS takes for itself (name:=value) is no argument here.
+    `doc` is the docstring of the program's module. ROS handles name:=value before, so those are not arguments here.
     """
     parser = Parser(os.path.basename(sys.argv[0]), doc.strip(), settings)
     parser.parse_args(rospy.myargv()[1:])
 
 
 def explain_panel(doc: str) -> None:
-    """The same for a panel in a window of its own."""
+    """As `explain`, for a panel in its own window."""
     explain(doc, _PANEL)
 
 
 def run_node(
     name: str, doc: str, make: Callable[[], Any], errors: Tuple[Type[Exception], ...] = (BadParams,), **options: Any
 ) -> None:
-    """Be a node: make it, call its `run`, and end with the exit status that `run` returns.
+    """Run a node: create it, call its `run`, and end with the exit status that `run` returns.
 
-    Its `errors` at the start become fatal log lines. `options` are those of `rospy.init_node`.
+    An exception of `errors` at the start becomes a fatal log line. `options` are those of `rospy.init_node`.
     """
     explain(doc)
     connections.init_node(name, **options)

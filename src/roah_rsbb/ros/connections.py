@@ -1,14 +1,14 @@
-"""Keeps strangers' TCP connections from stopping a node's services.
+"""Protects a node's services from foreign TCP connections.
 
-rospy reads the first bytes of a new connection in the thread that accepts connections, without a timeout. One
-client that connects and says nothing (a port scan, a browser) stops every service of the node, also STOP.
-`protect` replaces that part of rospy in this process, before the node starts:
+rospy reads the first bytes of a new connection in the thread that accepts connections, without a timeout. One client
+that connects and sends nothing (a port scan, a browser) blocks every service of the node, also STOP. `protect` replaces
+that part of rospy in this process, before the node starts:
 
-- The TCP port for topics and services hands a connection over once its whole handshake has arrived. A connection
+- The TCP port for topics and services passes a connection on once its whole handshake has arrived. A connection
   without a handshake is closed after `DEADLINE_S`.
-- The XML-RPC port closes a connection that sends nothing for `DEADLINE_S`, and refuses what a web browser sends: a
-  page on the internet can make the browser of a referee's computer send requests to ROS.
-- Of too many connections that wait, the oldest is closed.
+- The XML-RPC port closes a connection that sends nothing for `DEADLINE_S`. It refuses requests of web browsers, because
+  a page on the internet can make a browser on the referee's computer send requests to ROS.
+- If too many connections are waiting, the oldest is closed.
 """
 
 import collections
@@ -58,7 +58,7 @@ def protect() -> None:
     tcpros_base.TCPServer.run = _serve
     rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler = _RequestHandler
     rosgraph.xmlrpc.ThreadingXMLRPCServer = _XmlRpcServer
-    # Connections that wait must not use up the files that a run's log needs.
+    # Waiting connections must not use up the file descriptors that a run's log needs.
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft != hard:
         with contextlib.suppress(ValueError, OSError):
@@ -117,7 +117,7 @@ class Handshakes:
                 time.sleep(0.01)  # the connection stays in the queue, so that the selector returns at once
             return
         sock.setblocking(True)
-        # Linux wakes the selector only once so many bytes are there, or the other side has closed.
+        # Linux wakes the selector only when that many bytes have arrived, or the other side has closed.
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, _SIZE.size)
         self._waiting[sock.fileno()] = _Waiting(sock, address, time.monotonic() + DEADLINE_S)
         self._selector.register(sock, selectors.EVENT_READ, data=sock)
@@ -125,7 +125,7 @@ class Handshakes:
             self._drop_oldest()
 
     def _look(self, fd: int) -> None:
-        """Something arrived on a waiting connection, or it was closed."""
+        """Handle a waiting connection on which data arrived, or which was closed."""
         sock, address, _ = self._waiting[fd]
         wanted = _wanted(sock)
         if wanted is None:
@@ -152,7 +152,7 @@ class Handshakes:
         now_mono = time.monotonic()
         for fd, waiting in list(self._waiting.items()):
             if now_mono < waiting.until_mono:
-                return  # those after it came later
+                return  # the rest arrived later
             self._drop(fd)
 
     def _drop_oldest(self) -> None:
@@ -168,7 +168,7 @@ class Handshakes:
 
 
 def _wanted(sock: socket.socket) -> Optional[int]:
-    """How many bytes must be there for the next look; 0: the whole handshake is there; None: it is no handshake."""
+    """Return how many bytes must arrive before the next check. 0: the handshake is complete. None: it is none."""
     try:
         start = sock.recv(_SIZE.size, socket.MSG_PEEK | socket.MSG_DONTWAIT)
         if len(start) < _SIZE.size:
@@ -182,14 +182,14 @@ def _wanted(sock: socket.socket) -> Optional[int]:
     if came == total:
         return 0
     known = sock.getsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT)
-    return None if known == total else total  # woken again with less: the other side has closed
+    return None if known == total else total  # woken again with fewer bytes: the other side has closed
 
 
 # -- XML-RPC ----------------------------------------------------------------------------------------
 
 
 class _RequestHandler(rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler):
-    """Reads requests of ROS programs only, and waits for none longer than the deadline."""
+    """Reads requests of ROS programs only, and waits no longer than the deadline for each."""
 
     timeout = DEADLINE_S
 
@@ -217,8 +217,8 @@ class _RequestHandler(rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler):
 def is_browser(headers: Any) -> bool:
     """Whether an HTTP request comes from a web page.
 
-    Browsers name the page in a POST, and a page cannot leave that out. Without asking first they send no XML to
-    another site. Programs of ROS send XML, and do not name a page.
+    Browsers name the page in a POST, and a page cannot suppress that. Without permission of the other site, they do
+    not send XML to it. Programs of ROS send XML, and name no page.
     """
     kind = headers.get("Content-Type", "text/xml").split(";")[0].strip().lower()
     marks = ("Origin", "Referer", "Sec-Fetch-Site", "Sec-Fetch-Mode")
@@ -234,7 +234,7 @@ class _XmlRpcServer(rosgraph.xmlrpc.ThreadingXMLRPCServer):
         super().__init__(*args, **options)
 
     def process_request(self, request: socket.socket, client_address: Any) -> None:
-        """Serve a new connection; the oldest one gives way."""
+        """Serve a new connection. If there are too many, close the oldest."""
         oldest: List[socket.socket] = []
         with self._lock:
             self._open[request] = None
@@ -242,14 +242,14 @@ class _XmlRpcServer(rosgraph.xmlrpc.ThreadingXMLRPCServer):
                 oldest.append(self._open.popitem(last=False)[0])
         for sock in oldest:
             with contextlib.suppress(OSError):
-                sock.shutdown(socket.SHUT_RDWR)  # its thread reads the end, and closes it
+                sock.shutdown(socket.SHUT_RDWR)  # its thread then reads the end of the data, and closes it
         try:
             super().process_request(request, client_address)
         except RuntimeError:  # too many threads
             self.shutdown_request(request)
 
     def shutdown_request(self, request: socket.socket) -> None:
-        """A connection has ended."""
+        """Forget a connection that has ended."""
         with self._lock:
             self._open.pop(request, None)
         super().shutdown_request(request)

@@ -1,9 +1,9 @@
-"""Whether windows can be opened here. Qt is not imported: it may not work."""
+"""Checks whether windows can be opened here. It does not import Qt, which may be missing or broken."""
 
 import subprocess
 import sys
 
-# Qt aborts a process that cannot open a window, so another process tries first.
+# Qt aborts a process that cannot open a window, so a child process tries first.
 _TRY = "from roah_rsbb.rqt.qt import QApplication; QApplication([])"
 NO_DISPLAY = "No display: no window can be opened. Use 'rosrun roah_rsbb referee', or gui:=none."
 

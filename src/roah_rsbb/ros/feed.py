@@ -1,7 +1,7 @@
-"""Subscriptions whose newest message is kept until a Qt timer or a terminal takes it.
+"""Subscriptions that keep the newest message until a Qt timer or a terminal takes it.
 
-rospy calls back in threads of its own; a callback only puts the message down. Registering with the
-master blocks while the master cannot be reached, so a worker thread does that, too.
+rospy calls back in its own threads; a callback only stores the message. Registering with the master blocks while the
+master cannot be reached, so a worker thread does that.
 """
 
 import collections
@@ -12,8 +12,8 @@ from typing import Any, Deque, Dict, NamedTuple, Optional
 
 import rospy
 
-# rospy drops the oldest messages only of what it has read; one read must hold several whole messages,
-# or a slow panel falls behind. Logs of many zones make messages of some 100 kB.
+# rospy drops old messages only among those that it has read at once. One read must therefore hold several whole
+# messages, or a slow panel falls behind. Logs of many zones make messages of some 100 kB.
 BUFFER_BYTES = 4 * 1024 * 1024
 
 
@@ -40,30 +40,30 @@ class Feed:
         self._worker.start()
 
     def stop(self, timeout_s: float = 2.0) -> None:
-        """Unsubscribe. Does not wait for a master that is gone."""
+        """Unsubscribe. Does not wait for a master that does not answer."""
         self._wishes.put(False)
         self._worker.join(timeout_s)
 
     def renew(self) -> None:
         """Subscribe again, in the background.
 
-        Nothing else finds a core again whose computer lost its power (its connections stay half open) or
-        whose master was restarted (it knows nothing of us).
+        This is the only way to find a core again whose computer lost its power (its connections stay half open), or
+        whose master was restarted (it has no record of this subscriber).
         """
         if self._wishes.empty():
             self._wishes.put(True)
 
     def take(self, topic: str) -> Optional[Received]:
-        """Return the newest message since the last call, or None."""
+        """Return the newest message that arrived since the last call, or None."""
         try:
             return self._newest[topic].pop()
         except IndexError:
             return None
 
     def has_publisher(self, topic: str) -> bool:
-        """Whether a publisher is connected. Where messages come on change only, nothing else shows it."""
+        """Whether a publisher is connected. If messages only come on changes, nothing else shows this."""
         subscriber = self._subscribers.get(topic)
-        # rospy keeps broken connections in its list to connect again: only one with a socket counts.
+        # rospy keeps broken connections in its list to reconnect them. Only a connection with a socket counts.
         impl = None if subscriber is None else subscriber.impl
         return impl is not None and any(connection.socket is not None for connection in impl.connections)
 
@@ -75,7 +75,7 @@ class Feed:
                 for subscriber in self._subscribers.values():
                     subscriber.unregister()
                 self._subscribers = {name: self._subscribe(name) for name in self._topics} if wish else {}
-            except Exception as e:  # the master is gone: the user of this feed renews it when messages stay away
+            except Exception as e:  # the master is gone; the feed's user calls `renew` when messages stop
                 rospy.logdebug("subscribing to %s failed: %s", ", ".join(self._topics), e)
 
     def _subscribe(self, name: str) -> rospy.Subscriber:

@@ -1,6 +1,6 @@
-"""The asyncio loop in the main thread, to which rospy's threads hand over their calls.
+"""The asyncio loop in the main thread, in which rospy's threads have their calls executed.
 
-It is the one thread of docs/architecture.md, "One thread owns the core".
+It is the thread of docs/architecture.md, "One thread owns the core".
 """
 
 import asyncio
@@ -18,8 +18,8 @@ ANSWER_TIMEOUT_S = 5.0
 END_TASKS_S = 1.0
 
 
-def _tell(_loop: asyncio.AbstractEventLoop, context: Dict[str, Any]) -> None:
-    """Log a timer or reader that failed. The others continue."""
+def _log_failure(_loop: asyncio.AbstractEventLoop, context: Dict[str, Any]) -> None:
+    """Log the exception of a timer or reader. The others continue."""
     error = context.get("exception")
     trace = (type(error), error, error.__traceback__) if error is not None else None
     rospy.logerr("internal error, please report it: %s", context["message"], exc_info=trace)
@@ -30,7 +30,7 @@ class RosLoop:
 
     def __init__(self) -> None:
         self.loop = asyncio.new_event_loop()
-        self.loop.set_exception_handler(_tell)
+        self.loop.set_exception_handler(_log_failure)
         self._why = "shutdown"
 
     def call(self, function: Callable[[], T]) -> T:
@@ -51,7 +51,7 @@ class RosLoop:
         except concurrent.futures.TimeoutError:
             done.cancel()
             raise rospy.ServiceException(
-                f"{rospy.get_name()} did not answer within {ANSWER_TIMEOUT_S:.0f} s: look at its log"
+                f"{rospy.get_name()} did not answer within {ANSWER_TIMEOUT_S:.0f} s: check its log"
             ) from None
 
     def post(self, function: Callable[[], object]) -> None:

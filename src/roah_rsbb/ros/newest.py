@@ -1,4 +1,4 @@
-"""Passes on messages that carry a whole state, so that only the newest one of each sender matters."""
+"""Passes on messages that each carry a whole state, so that only the newest one of each sender matters."""
 
 import threading
 from typing import Callable, Dict, Generic, TypeVar
@@ -10,7 +10,8 @@ class Newest(Generic[T]):
     """Hands the newest message of each sender from rospy's threads to the loop. Older ones are dropped."""
 
     def __init__(self, post: Callable[[Callable[[], None]], None], take: Callable[[T], None], most: int) -> None:
-        """`post` schedules a function in the loop's thread, where `take` gets the messages. `most`: senders at most."""
+        """`post` schedules a function in the loop's thread. `take` gets the messages there. `most` limits the
+        senders."""
         self._post = post
         self._take = take
         self._most = most

@@ -12,7 +12,7 @@ class BadParams(Exception):
 
 
 class Params:
-    """Reads a node's private parameters, and collects all errors so that they can be reported at once."""
+    """Reads a node's private parameters. Collects all errors, to report them at once."""
 
     def __init__(self) -> None:
         self._wrong: List[str] = []
@@ -54,7 +54,7 @@ class Params:
         return os.path.abspath(os.path.expandvars(os.path.expanduser(path)))
 
     def done(self) -> None:
-        """Raise `BadParams` if there was any error."""
+        """Raise `BadParams` if there were any errors."""
         if self._wrong:
             raise BadParams("\n".join(self._wrong))
 

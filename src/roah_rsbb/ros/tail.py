@@ -1,4 +1,4 @@
-"""Follows a text of which only the end is published."""
+"""Finds what was added to a text of which only the end is published."""
 
 from typing import Optional
 
@@ -7,7 +7,8 @@ MIN_OVERLAP = 80
 
 
 def added(old: str, new: str) -> Optional[str]:
-    """Returns the text that `new` adds to `old`, although `new` may lack the beginning; None: it is another text."""
+    """Return the text that `new` adds to `old`. `new` may lack the beginning of `old`. None: it does not continue
+    it."""
     if new.startswith(old):
         return new[len(old):]
     # Find the longest end of `old` with which `new` begins: search `old` for the start of `new`.

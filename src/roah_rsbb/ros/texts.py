@@ -1,16 +1,17 @@
-"""Limits what a request may hold before anything is done with it: one huge text would hold up all zones."""
+"""Limits the texts and lists in a request. Processing a huge text would delay all zones."""
 
 from typing import Any
 
 import genpy
 
-# Characters of a text, and entries of a list. A note has at most 500, a list of a few dozen entries is the longest.
+# Characters of a text, and entries of a list. The longest valid note has 500 characters, the longest list a few dozen
+# entries.
 MAX_TEXT = 5000
 MAX_LIST = 1000
 
 
 def too_long(message: genpy.Message, at_most: int = MAX_TEXT) -> str:
-    """What in a message is too long, as an error says it; "": nothing is."""
+    """Describe the first text or list in a message that is too long, as an error message does; "": all are accepted."""
     for field in message.__slots__:
         problem = _problem(field, getattr(message, field), at_most)
         if problem:

@@ -1,4 +1,4 @@
-"""Times for ROS messages. Their range is smaller than what a clock or a robot may send."""
+"""Times for ROS messages. ROS times have a smaller range than the times that a clock or a robot may send."""
 
 import rospy
 

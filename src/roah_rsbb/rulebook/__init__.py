@@ -1,1 +1,1 @@
-"""What the files of a competition may say: benchmarks, schedule, passwords. Errors name file and line."""
+"""Reads and checks the configuration files: benchmarks, schedule, passwords. Errors name the file and the line."""

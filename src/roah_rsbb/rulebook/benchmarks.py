@@ -1,7 +1,7 @@
-"""What the box knows of each benchmark code by itself, and the types that a configuration is made of.
+"""The benchmark codes that the box knows, and the types that make up a configuration.
 
-The configuration files say what a benchmark is called, how long it takes and what the referee scores;
-which codes exist and how a run of each is driven is in the programs, hence here (docs/benchmarks.md, "The table").
+The programs define which codes exist and how a run of each one is driven (docs/benchmarks.md, "The table"). The
+configuration files define the name of each benchmark, its timeouts and its scoring items.
 """
 
 import enum
@@ -14,7 +14,7 @@ class BenchmarkKind(enum.Enum):
 
     TASK = "task"  # scored by the referee
     FUNCTIONALITY = "functionality"  # driven by a benchmarking module: goals, manual operations, score
-    REFEREE_ONLY = "referee only"  # all active robots at once, nothing is sent but the state
+    REFEREE_ONLY = "referee only"  # all active robots at once; they receive the state and nothing else
 
 
 KINDS: Dict[str, BenchmarkKind] = {
@@ -55,8 +55,8 @@ class ScoringItem:
 class Benchmark:
     """One benchmark of the benchmarks file.
 
-    `total_timeout` (s) ends the run and counts from *start*. `timeout` (s) is what panels show. Unless the file
-    says otherwise, both are the same. In a functionality benchmark `timeout` is that of one goal; the module's
+    `total_timeout` (s) ends the run and counts from *start*. Panels show `timeout` (s). Unless the file says
+    otherwise, both are the same. In a functionality benchmark, `timeout` is the time for one goal; the module's
     parameter `goal_timeout` ends the goal.
     """
 
@@ -94,7 +94,7 @@ class ZonePlan:
 
 @dataclass(frozen=True)
 class Config:
-    """What the three configuration files say. Passwords never show in its `repr`."""
+    """The contents of the three configuration files. Its `repr` omits the passwords."""
 
     benchmarks: Dict[str, Benchmark]  # by code
     passwords: Dict[str, str] = field(repr=False)  # by team

@@ -1,7 +1,7 @@
 """The configuration of the box: three YAML files, read and checked once, at the start.
 
-The files are described at the top of each file in ``config/``. Whatever is wrong in any of them is reported at once,
-and the box does not start. An error in one file is not reported again as its consequences in another.
+Comments at the top of each file in ``config/`` describe its format. All errors of all files are reported at once, and
+the box does not start. A name whose definition has an error is not reported again where another file uses it.
 """
 
 import os
@@ -31,7 +31,7 @@ __all__ = ["ConfigError", "ConfigErrors", "load"]
 def load(benchmarks_file: str, schedule_file: str, passwords_file: str) -> Tuple[Config, List[str]]:
     """Read all three files; return the configuration, and warnings for the log.
 
-    Raises `ConfigErrors` with all errors of all files, and nothing else, whatever the files hold.
+    Raises `ConfigErrors` with the errors of all files. No content of a file makes it raise anything else.
     """
     report = Report()
     benchmarks = BenchmarksFile(benchmarks_file, report)
@@ -61,10 +61,10 @@ _SCORE_KINDS = {"bool": ScoreKind.BOOL, "uint": ScoreKind.UINT}
 
 
 class BenchmarksFile:
-    """The file's benchmarks by code, and the codes that it means to describe.
+    """The file's benchmarks by code, and the codes of all its entries.
 
-    `codes` includes those of entries with errors. None: they are unknown, because the file or the code of an entry
-    cannot be read.
+    `codes` includes the codes of entries with errors. It is None if the file, or the code of an entry, cannot be
+    read: then any code may be in it.
     """
 
     def __init__(self, path: str, report: Report) -> None:
@@ -79,12 +79,12 @@ class BenchmarksFile:
         if entries is None:
             return
         found = [self._entry(entry) for entry in entries]
-        # With a code or a key twice, or without a code, another code may be meant.
+        # If a code or key is repeated, or a code is missing, the author may have meant another code.
         doubtful = None in found or len(set(found)) < len(found)
         self.codes = None if doubtful else {code for code in found if code}
 
     def _entry(self, node: Node) -> Optional[str]:
-        """Read one benchmark; return its code if that is sure, also if something else is wrong."""
+        """Read one benchmark. Return its code if the code itself has no error, even if other fields have."""
         report = self._report
         got = fields(report, node, "a benchmark", _BENCHMARK, _BENCHMARK_OPTIONAL)
         if got is None:
@@ -155,10 +155,10 @@ _PASSWORDS_SHAPE = "a line 'team: password' for each team"
 
 
 class PasswordsFile:
-    """Passwords by team, and the teams that the file means to list.
+    """Passwords by team, and the teams of all its lines.
 
-    `teams` includes those of lines with errors. None: they are unknown, because the file or the name of a team cannot
-    be read.
+    `teams` includes the teams of lines with errors. It is None if the file, or the name of a team, cannot be read:
+    then any team may be in it.
     """
 
     def __init__(self, path: str, report: Report) -> None:
@@ -181,12 +181,12 @@ class PasswordsFile:
             self.teams = {key.text for key, _ in root.pairs}
 
     def _line(self, key: Scalar, value: Node) -> bool:
-        """Read one team's line; return whether it is sure which team is meant.
+        """Read one team's line. Return whether its team is certain.
 
-        Errors do not show the name: it contains the password if a colon or a blank is missing.
+        Errors do not show the name: if a colon or a space is missing, the name contains the password.
         """
         if ":" in key.text:
-            expected = "'team: password' with a blank after the colon"
+            expected = "'team: password' with a space after the colon"
             self._report.error(key.place, "a colon in a team's name", expected)
             return False
         team = text(self._report, key, "team's name", MAX_TEAM_BYTES)
@@ -287,7 +287,7 @@ class ScheduleFile:
         return ScheduledEvent(benchmark, team, number, run, scheduled)
 
     def _check_team(self, code: Optional[str], team: str, place: Place) -> None:
-        """ALL with the referee-only benchmark and with no other; other teams with a password."""
+        """Check that only a referee-only benchmark has the team ALL, and that every other team has a password."""
         for_all = code is not None and KINDS[code] is BenchmarkKind.REFEREE_ONLY
         if team == ALL_TEAMS:
             if code is not None and not for_all:
@@ -310,7 +310,7 @@ class ScheduleFile:
             )
 
     def _report_unknown(self) -> None:
-        """One error for each unknown name, however often it is used."""
+        """Report each unknown name once, with all lines that use it."""
         file = self._benchmarks.path
         for code, places in self._codes_not_described.items():
             found = f"benchmark {quote(code)}{_also(places)}, which is not in {file}"
@@ -318,7 +318,7 @@ class ScheduleFile:
             self._report.error(places[0], found, f"one that is there ({codes}), or an entry for it there")
         file = self._passwords.path
         for team, places in self._teams_without_password.items():
-            # Only what is a team beyond doubt is shown of the passwords file.
+            # The suggestion must not show a password: only names that are certain to be teams are candidates.
             near = nearest(team, self._passwords.by_team)
             guess = f": did you mean {quote(near)}?" if near else ", or a line 'team: password' for it"
             found = f"team {quote(team)}{_also(places)}, which is not in {file}"

@@ -1,12 +1,12 @@
 """Errors in configuration files: collected from all of them, then reported at once.
 
-An organiser corrects a file with a text editor, so each error says where it is (file, line), what
-was found and what was expected (docs/architecture.md, "Errors name the remedy"), and all of them come in one go.
+An organiser corrects a file with a text editor. Each error therefore names the file and the line, what was found and
+what was expected (docs/architecture.md, "Errors name the remedy"). All errors are reported together.
 """
 
 from typing import Any, Dict, Iterable, List, NamedTuple
 
-# Nobody reads more. A hostile file must not make the report, or the time for it, unbounded.
+# Nobody reads more. The limit keeps the report short and reading fast, even for a malicious file.
 MAX_ERRORS = 1000
 
 _LONGEST_EXCERPT = 60
@@ -14,7 +14,7 @@ _LINES_SHOWN = 10
 
 
 class Place(NamedTuple):
-    """Where in a file: line and column count from 1; line 0 is the file as a whole."""
+    """A position in a file. Line and column count from 1. Line 0 is the file as a whole."""
 
     file: str
     line: int
@@ -25,9 +25,9 @@ class Place(NamedTuple):
 
 
 class ConfigError(NamedTuple):
-    """One error, for the eyes of an organiser. `line` and `column` count from 1.
+    """One error, as an organiser reads it. `line` and `column` count from 1.
 
-    Both are 0 where there is no line to point at: the file is missing, unreadable or too large.
+    Both are 0 if the error concerns the whole file: it is missing, unreadable or too large.
     """
 
     file: str
@@ -44,7 +44,7 @@ class ConfigError(NamedTuple):
 class ConfigErrors(Exception):
     """The configuration cannot be used. `errors` holds every error, in the order of files and lines.
 
-    `str()` is the whole report, one error a line. No password is ever part of it.
+    `str()` is the whole report, one error a line. It contains no passwords.
     """
 
     def __init__(self, errors: List[ConfigError]) -> None:
@@ -63,23 +63,23 @@ class Report:
         self.warnings: List[str] = []
 
     def error(self, place: Place, found: str, expected: str) -> None:
-        """Note an error; raises `ConfigErrors` at once when there are `MAX_ERRORS` of them."""
+        """Add an error. Raises `ConfigErrors` when there are `MAX_ERRORS` of them."""
         self.errors.append(ConfigError(place.file, place.line, place.column, found, expected))
         if len(self.errors) >= MAX_ERRORS:
             self.raise_errors()
 
     def once(self, seen: Dict[Any, Place], thing: Any, place: Place, found: str, expected: str) -> None:
-        """Note an error if `thing` was seen before; `seen` holds where each thing stands first."""
+        """Add an error if `thing` is already in `seen`, which holds the place of its first occurrence."""
         first = seen.setdefault(thing, place)
         if first is not place:
             self.error(place, found, f"{expected}: it is already in line {first.line}")
 
     def warn(self, place: Place, text: str) -> None:
-        """Note something that is allowed but probably not meant."""
+        """Warn of something that is allowed but probably a mistake."""
         self.warnings.append(f"{place}: {text}")
 
     def raise_errors(self) -> None:
-        """Raise `ConfigErrors` if there are any errors; each file's are put in the order of its lines."""
+        """Raise `ConfigErrors` if there are any errors, sorted by line within each file."""
         if not self.errors:
             return
         files = list(dict.fromkeys(error.file for error in self.errors))
@@ -88,7 +88,7 @@ class Report:
 
 
 def quote(text: str) -> str:
-    """A text of a file as an excerpt in a message: one line, in quotes, cut where it is long."""
+    """Quote text of a file for a message: in one line, shortened if it is long."""
     shown = text if len(text) <= _LONGEST_EXCERPT else text[: _LONGEST_EXCERPT - 3] + "..."
     visible = (c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in shown)
     return "'" + "".join(visible) + "'"

@@ -1,8 +1,8 @@
-"""Reads typed values from a `yaml_lines` tree. What is wrong goes into the report.
+"""Reads typed values from a `yaml_lines` tree, and reports errors.
 
-Each function takes the node, what it is called in messages, and what is allowed. It returns None after
-an error, which is then in the report, and accepts None and `Unusable` without an error. So a caller reads all it
-needs, and whatever is None is already reported.
+Each function takes a node, its name in messages, and the allowed values. It returns None after an error, which it has
+added to the report. Given None or an `Unusable`, it returns None without a further error. A caller can therefore read
+all its values first; each None among them is already in the report.
 """
 
 import datetime
@@ -30,14 +30,14 @@ _LAST_SECOND = 2**32 - 1
 # Control characters, line and paragraph separators.
 _NOT_IN_A_LINE = ("Cc", "Zl", "Zp")
 
-# What PyYAML, and so any other program that reads the file, takes an unquoted value for.
+# What PyYAML, and so any other program that reads the file, makes of an unquoted value.
 _RESOLVER = yaml.resolver.Resolver()
 _KINDS = {
     "tag:yaml.org,2002:int": "number",
     "tag:yaml.org,2002:float": "number",
     "tag:yaml.org,2002:bool": "yes-or-no value",
     "tag:yaml.org,2002:timestamp": "date",
-    "tag:yaml.org,2002:null": "word for nothing",
+    "tag:yaml.org,2002:null": "null value",
 }
 
 
@@ -46,7 +46,7 @@ def _tag(scalar: Scalar) -> str:
 
 
 def describe(node: Node) -> str:
-    """What stands in the file, for "found ..."; of a secret only its type and length."""
+    """Describe a node for "found ...". Only the type and length of a secret are shown."""
     if isinstance(node, Mapping):
         return "a map ('key: value')"
     if not isinstance(node, Scalar):
@@ -72,7 +72,7 @@ def _wrong(report: Report, node: Node, what: str, expected: str) -> None:
 
 
 def text(report: Report, node: Optional[Node], what: str, max_bytes: Optional[int] = None) -> Optional[str]:
-    """A text of one line, not empty, without blanks around it, of at most `max_bytes` bytes of UTF-8."""
+    """Read one line of text: not empty, no spaces at either end, and at most `max_bytes` bytes of UTF-8."""
     if node is None:
         return None
     if not isinstance(node, Scalar):
@@ -84,7 +84,7 @@ def text(report: Report, node: Optional[Node], what: str, max_bytes: Optional[in
     if any(unicodedata.category(c) in _NOT_IN_A_LINE for c in node.text):
         return _wrong(report, node, what, "a text of one line, without tabs and control characters")
     if node.text != node.text.strip():
-        return _wrong(report, node, what, "a text that neither begins nor ends with a blank")
+        return _wrong(report, node, what, "a text that neither begins nor ends with a space")
     size = len(node.text.encode("utf-8"))
     if max_bytes is not None and size > max_bytes:
         return _wrong(report, node, what, f"a text of at most {max_bytes} bytes; it has {size}")
@@ -94,7 +94,7 @@ def text(report: Report, node: Optional[Node], what: str, max_bytes: Optional[in
 def choice(
     report: Report, node: Optional[Node], what: str, choices: Tuple[str, ...], expected: str
 ) -> Optional[str]:
-    """One of `choices`; `expected` says what they are, e.g. "a benchmark code"."""
+    """Read one of `choices`. `expected` describes them, e.g. "a benchmark code"."""
     if node is None:
         return None
     word = node.text if isinstance(node, Scalar) else ""
@@ -117,14 +117,14 @@ def number(
     least: Optional[float] = None,
     most: Optional[float] = None,
 ) -> Optional[float]:
-    """A finite decimal number above `above` (or from `least`) up to `most`; `unit`, e.g. "seconds"."""
+    """Read a finite decimal number above `above` (or from `least`) up to `most`. `unit` is e.g. "seconds"."""
     if node is None:
         return None
     shape = _number_shape(unit, above, least, most)
     if not isinstance(node, Scalar) or not _DECIMAL.fullmatch(node.text):
         return _wrong(report, node, what, shape + ": digits only, '.' before decimals")
     if node.quoted:
-        return _wrong(report, node, what, shape + ": take the quotes away")
+        return _wrong(report, node, what, shape + ": remove the quotes")
     value = float(node.text)
     low = (above is None or value > above) and (least is None or value >= least)
     if not (low and (most is None or value <= most) and math.isfinite(value)):
@@ -133,22 +133,22 @@ def number(
 
 
 def integer(report: Report, node: Optional[Node], what: str, least: int, most: int) -> Optional[int]:
-    """A whole decimal number from `least` to `most`."""
+    """Read a whole decimal number from `least` to `most`."""
     if node is None:
         return None
     shape = f"a whole number from {least} to {most}"
     if not isinstance(node, Scalar) or not _INTEGER.fullmatch(node.text):
         return _wrong(report, node, what, shape)
     if node.quoted:
-        return _wrong(report, node, what, shape + ": take the quotes away")
+        return _wrong(report, node, what, shape + ": remove the quotes")
     value = int(node.text)
     return value if least <= value <= most else _wrong(report, node, what, shape)
 
 
 def utc_time(report: Report, node: Optional[Node], what: str) -> Optional[float]:
-    """A date, with or without a time of day, as UTC seconds since 1970.
+    """Read a date, with or without a time of day, as UTC seconds since 1970.
 
-    Quoted or not; without a zone it is UTC, with one ("+01:00") it is converted.
+    The value may be quoted. Without a time zone it is UTC; with one ("+01:00") it is converted.
     """
     if node is None:
         return None
@@ -158,7 +158,7 @@ def utc_time(report: Report, node: Optional[Node], what: str) -> Optional[float]
     try:
         seconds = _utc_seconds(found)
     except (ValueError, OverflowError):
-        return _wrong(report, node, what, "a day and time of day that exist, such as 2015-12-31 14:30:00")
+        return _wrong(report, node, what, "an existing day and time of day, such as 2015-12-31 14:30:00")
     if not 0 <= seconds <= _LAST_SECOND:
         return _wrong(report, node, what, "a date from 1970 to 2105")
     return seconds
@@ -177,7 +177,7 @@ def _utc_seconds(found: "re.Match[str]") -> float:
 def sequence(
     report: Report, node: Optional[Node], what: str, shape: str
 ) -> Optional[Tuple[Node, ...]]:
-    """The items of a sequence with at least one; `shape` says what of, e.g. "runs, '- {run: 1}'"."""
+    """Return the items of a sequence that is not empty. `shape` describes the items, e.g. "runs, '- {run: 1}'"."""
     if node is None:
         return None
     if not isinstance(node, Sequence):
@@ -188,15 +188,15 @@ def sequence(
 
 
 def _word(key: Scalar) -> str:
-    """What an unknown key was meant to be: only its beginning where the blank after the colon is missing."""
+    """Return the text of an unknown key without what follows a colon, as in ``run:1``."""
     return key.text.split(":")[0]
 
 
 def _why_no_value(key: Scalar, value: Node) -> str:
-    """Why an unknown key without value may be none at all, as in ``{run:1, desc: Hits, or damages}``."""
+    """Explain why an unknown key without a value may not be a key at all, as in ``{run:1, desc: Hits, or damages}``."""
     if not isinstance(value, Scalar) or value.text or value.quoted:
         return ""
-    return " (a blank after the colon)" if ":" in key.text else " (a text with a comma needs quotes)"
+    return " (a space after the colon)" if ":" in key.text else " (a text with a comma needs quotes)"
 
 
 def fields(
@@ -206,9 +206,9 @@ def fields(
     required: Dict[str, str],
     optional: Dict[str, str],
 ) -> Optional[Dict[str, Node]]:
-    """The values of a map with known keys, by key; keys that are missing are missing here, too.
+    """Return the values of a map by key. Missing keys are missing in the result, too.
 
-    `what` is e.g. "a benchmark"; `required` and `optional` map each key to an example of its value.
+    `what` is e.g. "a benchmark". `required` and `optional` map each known key to an example of its value.
     """
     if node is None:
         return None
@@ -222,7 +222,7 @@ def fields(
         if not isinstance(value, Unusable):
             expected = f"a key of {what}{did_you_mean(_word(key), known)}{_why_no_value(key, value)}"
             report.error(key.place, f"the unknown key {quote(key.text)} in {what}", expected)
-    # A misspelt key is one mistake, not two; and a pair that could not be read may be what is missing.
+    # Report a misspelt key once, not also as missing. A pair that could not be read may be the missing one.
     misspelt = {nearest(_word(key), known) for key, _ in unknown}
     missing = [key for key in required if key not in found and key not in misspelt]
     if missing and node.whole and not any(isinstance(value, Unusable) for _, value in unknown):

@@ -1,10 +1,9 @@
-"""Reads YAML files as a tree that knows its lines, so that errors can name them.
+"""Reads YAML files as a tree that knows its line numbers, so that errors can name them.
 
-Stricter than YAML, because these files are written by people in a hurry: a key may stand in a map
-only once (PyYAML silently takes the last), and anchors, aliases and tags are errors (no Python
-objects, no "billion laughs"). Whatever the file contains, the worst result is an entry in the
-report. `yaml_fields` takes typed values out of the tree. Passwords: a tree that was read with `secret`
-knows so, and no message shows its text.
+It is stricter than YAML, because people write these files in a hurry. A key may occur only once in a map (PyYAML
+silently takes the last one). Anchors, aliases and tags are errors, so a file cannot contain Python objects or a
+"billion laughs". Whatever the file contains, the worst result is an error in the report. `yaml_fields` reads typed
+values from the tree. No message shows the text of a tree that was read with `secret`: it contains passwords.
 """
 
 import bisect
@@ -19,7 +18,7 @@ import yaml
 from roah_rsbb.rulebook.errors import Place, Report, line_list, quote
 from roah_rsbb.wording.suggestions import nearest
 
-# A schedule of ten thousand runs. Reading this much takes PyYAML two to six seconds.
+# Enough for a schedule of ten thousand runs. PyYAML takes two to six seconds to read this much.
 MAX_BYTES = 1_000_000
 # Configuration files are at most seven levels deep.
 MAX_DEPTH = 20
@@ -30,19 +29,19 @@ _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 
 @dataclass(frozen=True)
 class Node:
-    """Anything in a file; `place` is where it begins."""
+    """A part of a file. `place` is its beginning."""
 
     place: Place
 
 
 @dataclass(frozen=True)
 class Unusable(Node):
-    """Something that is already in the report as an error. Do not report it again."""
+    """A part with an error that is already in the report. Do not report it again."""
 
 
 @dataclass(frozen=True)
 class Scalar(Node):
-    """A single value, as the text that stands in the file (quotes and escapes resolved)."""
+    """A single value, as text. Quotes and escapes are resolved."""
 
     text: str = field(repr=False)
     quoted: bool
@@ -58,10 +57,10 @@ class Sequence(Node):
 
 @dataclass(frozen=True)
 class Mapping(Node):
-    """Keys and values in the file's order; each key once.
+    """The keys and values of a map in the file's order. Each key occurs once.
 
-    `whole` is False if a pair could not be read, or a key stands twice: then that may be what seems to
-    be missing.
+    `whole` is False if a pair could not be read or a key was repeated. A key that seems to be missing may be in that
+    pair.
     """
 
     pairs: Tuple[Tuple[Scalar, Node], ...]
@@ -69,7 +68,7 @@ class Mapping(Node):
 
 
 class Explanation(NamedTuple):
-    """What is wrong, and whether it is wrong where the construct begins or where the parser stopped."""
+    """An error in words, and whether its place is the beginning of the construct or where the parser stopped."""
 
     at_begin: bool
     found: str
@@ -96,7 +95,7 @@ _SECOND_COLON = (
     "a second ': ' on the line", "one 'key: value' a line, and quotes around a text that contains ': '")
 _COLON = (
     "a ': ' that cannot stand here: its line is indented deeper than the one above, or the one above is not "
-    "'key: value'", "the keys of one map under each other, each with a colon and a blank after it")
+    "'key: value'", "the keys of one map under each other, each with a colon and a space after it")
 _AFTER_QUOTE = (
     "text after a closing quote",
     "a quote within a text doubled ('Granny''s'), or the other kind of quotes around it (\"Granny's\")")
@@ -124,10 +123,10 @@ _OTHER = (
 
 
 def explain(error: yaml.MarkedYAMLError, text: str, before: str) -> Explanation:
-    """Say what an organiser can do about PyYAML's `error`. `before` is the line up to where the parser stopped.
+    """Explain PyYAML's `error` to an organiser. `before` is the line up to where the parser stopped.
 
-    Only the places count that PyYAML reports: where the construct begins, and where the parser stopped. The
-    explanation never contains text of the file: it may be a password.
+    The explanation depends only on the two places that PyYAML reports: the beginning of the construct, and where the
+    parser stopped. It never contains text of the file, which may be a password.
     """
     stopped = text[error.problem_mark.index:][:1]
     begin = "" if error.context_mark is None else text[error.context_mark.index:][:1]
@@ -158,7 +157,7 @@ def explain(error: yaml.MarkedYAMLError, text: str, before: str) -> Explanation:
 
 
 class _Stop(Exception):
-    """The rest of the file cannot be read: a syntax error, reported by the catcher."""
+    """The rest of the file cannot be read, e.g. after a syntax error. Whoever catches it reports it."""
 
     def __init__(self, place: Place, found: str, expected: str) -> None:
         super().__init__(found)
@@ -166,11 +165,10 @@ class _Stop(Exception):
 
 
 def read_yaml(path: str, report: Report, what: str, shape: str, secret: bool = False) -> Optional[Node]:
-    """Read a file; None after an error that stops it (missing, unreadable, not YAML, empty).
+    """Read a file as a tree. Return None after an error that prevents this (missing, unreadable, not YAML, empty).
 
-    `what` names the file in messages, e.g. "the schedule file (parameter schedule_file)"; `shape` says
-    what it should contain. Errors that leave the rest readable are reported, and `Unusable` stands in
-    their place.
+    `what` names the file in messages, e.g. "the schedule file (parameter schedule_file)". `shape` describes its
+    content. Other errors are reported, and the parts that contain them become `Unusable`.
     """
     text = read_text(path, report, what)
     try:
@@ -181,7 +179,7 @@ def read_yaml(path: str, report: Report, what: str, shape: str, secret: bool = F
 
 
 def read_text(path: str, report: Report, what: str) -> Optional[str]:
-    """The text of a file that is no larger than a configuration file; None after an error."""
+    """Read the text of a file up to `MAX_BYTES`. Return None after an error."""
     try:
         return _decode(path, _read(path, what))
     except _Stop as stop:
@@ -194,7 +192,7 @@ def _read(path: str, what: str) -> bytes:
     if not path:
         raise _Stop(whole, "an empty file name", what)
     try:
-        # A pipe or a device might block for ever.
+        # Opening a pipe or a device could block forever.
         if not stat.S_ISREG(os.stat(path).st_mode):
             raise _Stop(whole, "a directory or a device", f"a file: {what}")
         with open(path, "rb") as file:
@@ -211,7 +209,7 @@ def _read(path: str, what: str) -> bytes:
 
 
 def _neighbour(path: str) -> str:
-    """The end of the message about a missing file: a file beside it with a similar name."""
+    """Return the end of the message about a missing file: a similar name in its directory, if there is one."""
     folder, name = os.path.split(os.path.abspath(path))
     try:
         near = nearest(name, os.listdir(folder))
@@ -233,14 +231,14 @@ def _decode(path: str, data: bytes) -> str:
 
 
 class _Builder:
-    """Makes the tree from PyYAML's events; these come one by one, so that depth can be limited."""
+    """Builds the tree from PyYAML's events. Events come one at a time, so the depth can be limited."""
 
     def __init__(self, path: str, text: str, report: Report, secret: bool) -> None:
         self._path = path
         self._text = text
         self._report = report
         self._secret = secret
-        # PyYAML also counts U+2028 and the like as line ends; editors do not.
+        # PyYAML also counts U+2028 and similar characters as line ends. Editors do not.
         self._line_starts = [0] + [m.end() for m in _LINE_END.finditer(text) if m.end() < len(text)]
         self._last: Optional[yaml.Event] = None
         self._open_brackets: List[Place] = []
@@ -251,7 +249,7 @@ class _Builder:
             raise _Stop(place, "a control character", "text: delete it and type it again") from None
 
     def build(self, shape: str) -> Node:
-        """The tree of the file's only document."""
+        """Build the tree of the file's only document."""
         self._next()
         event = self._next()
         if isinstance(event, yaml.StreamEndEvent):
@@ -271,7 +269,7 @@ class _Builder:
         except yaml.MarkedYAMLError as error:
             self._stop_at(error)
         except (yaml.YAMLError, ValueError, OverflowError):
-            # PyYAML lets these out at impossible escapes and version numbers.
+            # PyYAML raises ValueError for invalid escapes and version numbers.
             place = self._place(self._loader.index)
             raise _Stop(place, "an escape or a number that no program can read", "plain text") from None
 
@@ -293,7 +291,7 @@ class _Builder:
         raise _Stop(place, why.found + also, why.expected) from None
 
     def _other_tabs(self, line: int) -> str:
-        """A tab is seldom alone: name the other lines that are indented with one."""
+        """List the other lines that are indented with a tab: it is rarely only one."""
         lines = enumerate(_LINE_END.split(self._text), start=1)
         others = [number for number, text in lines if number != line and re.match(" *\t", text)]
         if not others:
@@ -368,7 +366,7 @@ class _Builder:
                     self._report.error(key.place, "a map or a sequence as key", "a text, e.g. 'name: value'")
             elif key.text in pairs:
                 again.append(key)
-                # Nobody knows which of the values is meant, and under which key.
+                # It is unclear which value belongs to which key.
                 pairs[key.text] = (pairs[key.text][0], Unusable(value.place))
             else:
                 pairs[key.text] = (key, value)
@@ -377,13 +375,13 @@ class _Builder:
         return Mapping(place, tuple(pairs.values()), whole and not again)
 
     def _report_again(self, pairs: Dict[str, Tuple[Scalar, Node]], again: List[Scalar]) -> None:
-        """Report keys that stand in a map for a second time."""
+        """Report the keys that are repeated in a map."""
         begin = next(iter(pairs), None)
         for key in again:
             name = "the same key" if self._secret else f"the key {quote(key.text)}"
             expected = f"each key once: it is already in line {pairs[key.text][0].place.line}"
             if key.text == begin and not self._secret:
-                # Two items have become one. Do not report their other keys, too.
+                # Two items became one. Do not report their other keys, too.
                 self._report.error(key.place, f"{name} again", f"{expected} (a new item begins with '- ')")
                 break
             self._report.error(key.place, f"{name} again", expected)

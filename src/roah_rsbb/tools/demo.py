@@ -1,8 +1,8 @@
-"""The demonstration: the dummy set-up on this machine alone (loopback; no network, no configuration).
+"""A demonstration on this machine alone: the dummy set-up on loopback, without a network or configuration.
 
-With a display it opens the referee's window and leaves the rest to the referee. Without one a scripted
-referee takes a dummy robot through one task benchmark and one functionality benchmark, whose manual operations it
-completes by itself; the exit status says whether both runs completed.
+With a display, it opens the referee's window. Without a display, a scripted referee takes a dummy robot through one
+task benchmark and one functionality benchmark, and completes the manual operations itself. The exit status shows
+whether both runs were completed.
 """
 
 import contextlib
@@ -16,31 +16,31 @@ from typing import Dict, Iterator, List
 from roah_rsbb.arguments import Parser
 
 ZONE = "Testing TestingTeam"
-# Benchmark: what the scripted referee does besides conducting the run.
+# For each benchmark, the scripted referee's options besides those that conduct the run.
 RUNS: Dict[str, List[str]] = {
     "HGTKMH": ["--score", "door=1", "--score", "moved furniture=2"],
     "HNF": ["--operations", "automatic"],
 }
 LOG_DIR = os.path.expanduser("~/.ros/roah_rsbb_demo")
 LAUNCH_LOG = os.path.join(LOG_DIR, "launch.log")
-# What a loopback demonstration needs: all on this machine, heard by nobody else.
+# The demonstration uses loopback addresses only, so no other machine receives it.
 BROADCAST_HOST, BOX_HOST = "127.255.255.255", "127.0.0.1"
 FIRST_UDP_PORT, UDP_PORT_STEP = 6666, 100
 FIRST_TABLET_PORT = 8080
-# A dummy run takes seconds; the robot is found after the box has listened for another one.
+# Seconds. A dummy run takes seconds; the robot is found after the box has listened for another box.
 WAIT_FOR_ROBOT_S = 40
 STOP_S = 15
-# Of what the programs printed, when something failed.
+# Lines of output that are shown after a failure.
 SHOWN_CHARACTERS = 1500
 
 
 def _free_port(kind: socket.SocketKind, host: str, first: int, step: int) -> int:
-    """The first port from `first` on that nobody uses on this machine; ports are tried `step` apart."""
+    """Return the first port from `first` that no program uses on this machine, in steps of `step`."""
     for port in range(first, 65000, step):
         with socket.socket(socket.AF_INET, kind) as probe, contextlib.suppress(OSError):
             probe.bind((host, port))
             return port
-    raise SystemExit(f"demo: no free port from {first} on; end what uses them and try again")
+    raise SystemExit(f"demo: no free port from {first}: end the programs that use these ports, and try again")
 
 
 def _launch_command(gui: str, master_port: int) -> List[str]:
@@ -55,7 +55,7 @@ def _launch_command(gui: str, master_port: int) -> List[str]:
 
 @contextlib.contextmanager
 def _launched(command: List[str], environment: Dict[str, str]) -> Iterator[None]:
-    """The dummy set-up in the background, its output in LAUNCH_LOG; it is ended however this is left."""
+    """Run the dummy set-up in the background, with its output in LAUNCH_LOG. It ends when the context ends."""
     with open(LAUNCH_LOG, "wb") as log:
         launch = subprocess.Popen(command, env=environment, stdout=log, stderr=log, start_new_session=True)
         try:
@@ -70,35 +70,35 @@ def _launched(command: List[str], environment: Dict[str, str]) -> Iterator[None]
 
 
 def _last_lines() -> str:
-    """The end of what the programs printed, where the reason is if they could not start."""
+    """Return the last lines of the programs' output, which show why they could not start."""
     with open(LAUNCH_LOG, encoding="utf-8", errors="replace") as log:
         return "".join(line for line in log.readlines() if line.strip())[-SHOWN_CHARACTERS:]
 
 
 def _scripted(environment: Dict[str, str], master_port: int) -> int:
-    print(f"No display here: a scripted referee takes a dummy robot through {' and '.join(RUNS)}.", flush=True)
+    print(f"No display: a scripted referee takes a dummy robot through {' and '.join(RUNS)}.", flush=True)
     with _launched(_launch_command("none", master_port), environment):
         for benchmark, does in RUNS.items():
             print(f"\n--- {benchmark}", flush=True)
             referee = ["rosrun", "roah_rsbb", "referee", "run", ZONE, "--benchmark", benchmark]
             status = subprocess.call([*referee, "--wait", str(WAIT_FOR_ROBOT_S), *does], env=environment)
             if status != 0:
-                print(f"demo: {benchmark} did not complete (the referee's exit status is {status}); the programs said "
-                      f"last:\n{_last_lines()}", file=sys.stderr)
+                print(f"demo: {benchmark} was not completed (the referee's exit status is {status}). Last output of the "
+                      f"programs:\n{_last_lines()}", file=sys.stderr)
                 break
-    print(f"Logs of the runs (rosbags) are in {LOG_DIR}; what the programs printed is in {LAUNCH_LOG}")
+    print(f"The logs of the runs (rosbags) are in {LOG_DIR}, and the output of the programs in {LAUNCH_LOG}")
     if status == 0:
-        # Whoever reads this has not sourced what `make demo` has.
+        # `make demo` has sourced setup.bash, but the reader's terminal has not.
         setup = os.path.join(os.environ["CMAKE_PREFIX_PATH"].split(os.pathsep)[0], "setup.bash")
-        print(f"Both score sheets as pages to print: source {setup}; "
+        print(f"To print both score sheets: source {setup}; "
               f"rosrun roah_rsbb results export --html sheets --log-dir {LOG_DIR}")
     return status
 
 
 def _with_window(environment: Dict[str, str], master_port: int) -> int:
-    print(f"Opening the referee's window. Choose zone '{ZONE}', then connect, start, and mark scores while the")
-    print("dummy robot works. In functionality benchmarks, such as HNF, the panel Manual Operation says what to do.")
-    print("End with Ctrl-C here, or with the exit button of Core Status.", flush=True)
+    print(f"Opening the referee's window. Choose the zone '{ZONE}', connect, start, and mark scores while the dummy")
+    print("robot works. In functionality benchmarks such as HNF, follow the panel Manual Operation.")
+    print("To end: Ctrl-C here, or the exit button of Core Status.", flush=True)
     try:
         return subprocess.call(_launch_command("auto", master_port), env=environment)
     except KeyboardInterrupt:
@@ -106,9 +106,9 @@ def _with_window(environment: Dict[str, str], master_port: int) -> int:
 
 
 def main() -> None:
-    """Entry point of `rosrun roah_rsbb demo`."""
+    """Run the program `rosrun roah_rsbb demo`."""
     parser = Parser("demo", __doc__)
-    parser.add_argument("--no-window", action="store_true", help="script the referee even where there is a display")
+    parser.add_argument("--no-window", action="store_true", help="use the scripted referee even if there is a display")
     options = parser.parse_args()
     os.makedirs(LOG_DIR, exist_ok=True)
     master_port = _free_port(socket.SOCK_STREAM, "127.0.0.1", 11311, 1)

@@ -1,4 +1,4 @@
-"""The IPv4 interfaces of this computer."""
+"""Finds the IPv4 interfaces of this computer."""
 
 import fcntl
 import socket
@@ -15,11 +15,11 @@ class Interface(NamedTuple):
 
     name: str
     address: str
-    broadcast: str  # empty: it has none
+    broadcast: str  # empty: no broadcast address
 
 
 def interfaces() -> List[Interface]:
-    """The interfaces of this computer that have an IPv4 address."""
+    """Return the interfaces of this computer that have an IPv4 address."""
     found = []
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asking:
         for _, name in socket.if_nameindex():

@@ -1,4 +1,4 @@
-"""Which TCP ports of this computer an interface opens to others: read from /proc, as far as this user may see."""
+"""Finds the TCP ports on which this computer accepts connections, from /proc, as far as this user may read it."""
 
 import contextlib
 import os
@@ -12,18 +12,18 @@ _EVERYWHERE = ("0.0.0.0", "::")
 
 
 class Listener(NamedTuple):
-    """A TCP port on which a program takes connections."""
+    """A TCP port on which a program accepts connections."""
 
     address: str
     port: int
-    program: str  # empty: another user's
+    program: str  # empty: of another user
 
     def __str__(self) -> str:
         return f"{self.port} ({self.program})" if self.program else str(self.port)
 
 
 def listeners(proc: str = "/proc") -> List[Listener]:
-    """All TCP ports on which this computer takes connections."""
+    """Return all TCP ports on which this computer accepts connections."""
     programs = _programs(proc)
     return [
         Listener(_address(address), int(port, 16), programs.get(inode, ""))
@@ -33,7 +33,7 @@ def listeners(proc: str = "/proc") -> List[Listener]:
 
 
 def open_to(found: List[Listener], address: str) -> List[Listener]:
-    """Those that are reached at an address of this computer, in the order of their ports, each once."""
+    """Return the listeners that can be reached at an address of this computer, by port, without duplicates."""
     reached = {listener.port: listener for listener in found if listener.address in (*_EVERYWHERE, address)}
     return [reached[port] for port in sorted(reached)]
 
@@ -51,16 +51,16 @@ def _sockets(path: str) -> Iterator[tuple]:
 
 
 def _address(text: str) -> str:
-    """An address as the kernel prints it: words of 32 bits in this computer's byte order."""
+    """Convert an address as the kernel prints it: words of 32 bits in this computer's byte order."""
     words = [int(text[i:i + 8], 16) for i in range(0, len(text), 8)]
     packed = struct.pack(f"={len(words)}I", *words)
-    if packed.startswith(b"\0" * 10 + b"\xff\xff"):  # IPv4 in IPv6
+    if packed.startswith(b"\0" * 10 + b"\xff\xff"):  # an IPv4 address in IPv6 form
         packed = packed[12:]
     return socket.inet_ntop(socket.AF_INET if len(packed) == 4 else socket.AF_INET6, packed)
 
 
 def _programs(proc: str) -> Dict[str, str]:
-    """The program's name by the inode of each socket that this user may see."""
+    """Return the program's name by the inode of each socket that this user may see."""
     found: Dict[str, str] = {}
     for process in pathlib.Path(proc).glob("[0-9]*"):
         with contextlib.suppress(OSError):

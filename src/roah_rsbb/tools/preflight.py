@@ -1,6 +1,6 @@
-"""Looks before a competition whether all is well: `rosrun roah_rsbb preflight --rsbb-host 192.168.1.255`.
+"""Checks the set-up before a competition: `rosrun roah_rsbb preflight --rsbb-host 192.168.1.255`.
 
-Prints a line for each thing, with the remedy where one is needed. Needs no ROS master and starts nothing.
+Prints a line for each check, with the remedy if something is wrong. It needs no ROS master and starts no nodes.
 """
 
 import argparse
@@ -21,13 +21,13 @@ from roah_rsbb.tools.preflight_checks import Finding, Level
 
 PROGRAM = "preflight"
 _DESCRIPTION = """\
-Look before a competition whether all is well, with the settings that roah_rsbb.launch will get: network, UDP
-ports, firewall, another box, clock, disk, configuration, passwords, sounds, display.
+Check the set-up before a competition, with the settings for roah_rsbb.launch: network, UDP ports, firewall, other
+boxes, clock, disk, configuration, passwords, sounds, display.
 """
 _EPILOG = """\
-The exit status is 0 if nothing failed (there may be warnings), 1 if something did, 2 for wrong usage.
+The exit status is 0 if no check failed (possibly with warnings), 1 if a check failed, 2 for wrong usage.
 
-Another box is listened for on the public UDP port: so run it while the own box does not.
+Run it while your box is not running: it listens for other boxes on the public UDP port.
 """
 FILES = ("benchmarks", "schedule", "passwords")
 _LOG_DIR = "~/.ros/roah_rsbb"  # roah_rsbb.launch's
@@ -41,27 +41,27 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--rsbb-port", type=int, default=6666, help="public UDP port (default: %(default)s)")
     parser.add_argument("--bind-host", default="0.0.0.0", help="own address to use (default: all)")
     parser.add_argument("--competition", metavar="DIR",
-                        help="a directory that new_competition made: its files and its log are looked at")
+                        help="a folder that new_competition created: check its files and its log")
     for name in FILES:
         parser.add_argument(f"--{name}-file", metavar="FILE",
-                            help="default: that of the competition, or the shipped one")
+                            help="default: the competition's, or the included one")
     parser.add_argument("--modules-dir", metavar="DIR",
-                        help="the benchmarking modules' parameters (default: modules/ of the competition if it is "
-                        "there, else the shipped ones)")
-    parser.add_argument("--log-dir", metavar="DIR", help=f"default: log/ of the competition, or {_LOG_DIR}")
+                        help="the parameters of the benchmarking modules (default: the competition's modules/ if it "
+                        "exists, else the included ones)")
+    parser.add_argument("--log-dir", metavar="DIR", help=f"default: the competition's log/, or {_LOG_DIR}")
     parser.add_argument("--listen", type=number(0.0, 3600.0), default=5.0, metavar="S",
-                        help="how long to listen for another box, seconds; 0: not at all (default: %(default)s)")
+                        help="seconds to listen for another box; 0: do not listen (default: %(default)s)")
     return parser
 
 
 def complete(options: argparse.Namespace, config_dir: str) -> None:
-    """Set the files and directories that were not given."""
+    """Set the files and directories that were not given to their defaults."""
     folder = options.competition or config_dir
     for name in FILES:
         if getattr(options, f"{name}_file") is None:
             setattr(options, f"{name}_file", os.path.join(folder, f"{name}.yaml"))
     if options.modules_dir is None:
-        # The launch file of a competition without a folder of its own uses the shipped one.
+        # A competition without a modules folder uses the included one, as its launch file does.
         own = os.path.join(folder, MODULES)
         options.modules_dir = own if os.path.isdir(own) else os.path.join(config_dir, MODULES)
     if options.log_dir is None:
@@ -69,7 +69,7 @@ def complete(options: argparse.Namespace, config_dir: str) -> None:
 
 
 def findings(options: argparse.Namespace) -> List[Finding]:
-    """All that was found, in the order in which an organiser would look."""
+    """Return the results of all checks, in the order in which an organiser would check."""
     files = {f"{name}_file": getattr(options, f"{name}_file") for name in FILES}
     own = interfaces()
     network = checks.check_network(options.rsbb_host, own)

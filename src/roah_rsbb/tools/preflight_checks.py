@@ -1,6 +1,6 @@
-"""What can keep a competition from running, looked at before it begins: a line each, with the remedy.
+"""The checks before a competition. Each gives a line for what it found, with the remedy.
 
-Each check returns its findings and raises nothing. `roah_rsbb.tools.preflight` is the program.
+A check returns its findings and raises nothing. `roah_rsbb.tools.preflight` is the program.
 """
 
 import asyncio
@@ -22,20 +22,20 @@ from roah_rsbb.tools.competition.check import module_errors, scheduled_modules
 from roah_rsbb.tools.interfaces import Interface
 from roah_rsbb.tools.open_ports import Listener, open_to
 
-# A competition's run logs take megabytes; below the first a disk is a worry, below the second it will be full.
+# GiB. The run logs of a competition take megabytes. Below the first value, warn; below the second, the disk will fill.
 ENOUGH_BYTES = 2 * 1024**3
 FULL_BYTES = 200 * 1024**2
-# Private channels above the public port that are looked at: no port is used twice in a competition.
+# Number of private ports above the public port to check: no port is used twice in a competition.
 PORTS = 50
-# Those of config/passwords.yaml as it is shipped: it may have been edited in its place.
+# The passwords of the included config/passwords.yaml, which may have been edited in place since.
 SHIPPED_PASSWORDS = frozenset({"PASSWORD", "DefaultKey", "randomkey", "t9Kd2wQx", "Hb7mZ4pe", "vR3sY8nu", "J6cfW1ga"})
-# Open TCP ports that a line names.
+# Maximum number of open TCP ports in a line.
 MAX_SHOWN = 10
-_TIME_ERROR = 5  # of adjtimex: the clock is not synchronised
+_TIME_ERROR = 5  # result of adjtimex: the clock is not synchronised
 
 
 class Level(enum.IntEnum):
-    """How bad it is."""
+    """Severity of a finding."""
 
     OK = 0
     WARNING = 1
@@ -43,7 +43,7 @@ class Level(enum.IntEnum):
 
 
 class Finding(NamedTuple):
-    """One line of the report."""
+    """A line of the report."""
 
     level: Level
     text: str
@@ -51,20 +51,20 @@ class Finding(NamedTuple):
 
 
 def check_network(rsbb_host: str, found: List[Interface]) -> Finding:
-    """Whether robots can be reached at `rsbb_host`."""
+    """Check that robots can be reached at `rsbb_host`."""
     there_are = ", ".join(f"{i.broadcast} ({i.name}, {i.address})" for i in found if i.broadcast) or "none"
     for interface in found:
         if rsbb_host == interface.broadcast:
             if interface.address.startswith("127."):
-                return Finding(Level.WARNING, f"rsbb_host {rsbb_host} is this computer alone",
-                               f"good for a try-out; robots in a network need its broadcast address: {there_are}")
+                return Finding(Level.WARNING, f"rsbb_host {rsbb_host} reaches this computer only",
+                               f"good for a test; for robots in a network, use its broadcast address: {there_are}")
             return Finding(Level.OK, f"rsbb_host {rsbb_host} is the broadcast address of {interface.name}")
-    return Finding(Level.FAILED, f"rsbb_host {rsbb_host} is no broadcast address of this computer's networks",
+    return Finding(Level.FAILED, f"rsbb_host {rsbb_host} is not a broadcast address of this computer's networks",
                    f"connect the network with the robots, or set rsbb_host to one of: {there_are}")
 
 
 def list_firewall() -> Optional[str]:
-    """The loaded firewall table, as nft prints it; "": it is not loaded; None: this user may not see it."""
+    """Return the loaded firewall table as nft prints it; "": it is not loaded; None: this user may not see it."""
     for nft in ("nft", "/usr/sbin/nft"):
         try:
             asked = subprocess.run([nft, "list", "table", "inet", firewall.TABLE], capture_output=True, timeout=10,
@@ -80,9 +80,9 @@ def list_firewall() -> Optional[str]:
 def check_exposure(
     rsbb_host: str, found: List[Interface], listening: List[Listener], loaded: Optional[str], file: str
 ) -> List[Finding]:
-    """Whether the robots' network reaches more of this computer than the box.
+    """Check that the robots' network reaches nothing on this computer except the box.
 
-    `listening`: all TCP ports that are open; `loaded`: see `list_firewall`; `file`: the firewall's.
+    `listening`: all open TCP ports; `loaded`: see `list_firewall`; `file`: the firewall's file.
     """
     interface = next((i for i in found if i.broadcast == rsbb_host and not i.address.startswith("127.")), None)
     if interface is None:
@@ -92,29 +92,29 @@ def check_exposure(
     remedy = f"load the firewall: sudo nft -f {file}"
     if loaded:
         return [Finding(Level.WARNING, f"the firewall is loaded, but not for {interface.name}",
-                        f"write that name into {file}, and load it again: sudo nft -f {file}")]
+                        f"write that name into {file}, and load the file again: sudo nft -f {file}")]
     if loaded is None:
-        remedy += f", or see whether it is: sudo nft list table inet {firewall.TABLE}"
+        remedy += f", or check whether it is loaded: sudo nft list table inet {firewall.TABLE}"
     reached = [port for port in open_to(listening, interface.address) if port.port != firewall.TABLET_PORT]
     shown = ", ".join(map(str, reached[:MAX_SHOWN])) + (", …" if len(reached) > MAX_SHOWN else "")
-    text = f"robots' network on {interface.name}: no firewall of the box is seen there, and ROS has no password"
+    text = f"robots' network on {interface.name}: the box's firewall was not found there, and ROS has no password"
     if reached:
         text += f"; open now: TCP {shown}"
     return [Finding(Level.WARNING, text, remedy)]
 
 
 def check_ports(bind_host: str, port: int) -> List[Finding]:
-    """Whether the UDP ports are free."""
+    """Check that the UDP ports are free."""
     taken = [number for number in range(port, port + PORTS + 1) if not _is_free(bind_host, number)]
     if not taken:
         return [Finding(Level.OK, f"UDP ports {port} to {port + PORTS} are free")]
     if taken[0] == port:
         return [Finding(Level.FAILED, f"UDP port {port} is used by another program",
-                        f"end it ('ss -ulpn sport = :{port}' shows it; perhaps a box that runs), or choose another "
+                        f"end it ('ss -ulpn sport = :{port}' shows it; it may be a running box), or choose another "
                         "rsbb_port")]
     numbers = ", ".join(map(str, taken))
     return [Finding(Level.WARNING, f"UDP ports are used by other programs: {numbers}",
-                    "the box will pass over them; robots behind a firewall may not")]
+                    "the box will skip them, but a firewall may not allow the ports that it uses instead")]
 
 
 def _is_free(bind_host: str, port: int) -> bool:
@@ -126,7 +126,7 @@ def _is_free(bind_host: str, port: int) -> bool:
 
 
 def check_other_box(rsbb_host: str, port: int, bind_host: str, seconds: float) -> Finding:
-    """Whether another box transmits: listens for so many seconds, as the box itself does."""
+    """Check that no other box transmits: listen for `seconds`, as the box itself does."""
     heard: List[str] = []
     loop = asyncio.new_event_loop()
 
@@ -141,18 +141,18 @@ def check_other_box(rsbb_host: str, port: int, bind_host: str, seconds: float) -
         loop.call_later(seconds, loop.stop)
         loop.run_forever()
     except OSError as error:
-        return Finding(Level.FAILED, f"the network cannot be listened to: {error}", "see the lines above")
+        return Finding(Level.FAILED, f"cannot listen to the network: {error}", "see the lines above")
     finally:
         channel.close()
         loop.close()
     if heard:
         return Finding(Level.FAILED, f"another RSBB transmits from {heard[0]}",
-                       "end it: robots obey both. If it is this computer's own, all is well, and it runs already")
+                       "end it: robots obey both. If it is your own box, it is already running")
     return Finding(Level.OK, f"no other RSBB was heard in {seconds:g} s")
 
 
 def is_synchronised() -> Optional[bool]:
-    """Whether the kernel's clock is kept right by NTP; None: nobody knows."""
+    """Whether NTP synchronises the kernel's clock; None: unknown."""
     try:
         state = ctypes.CDLL(None).adjtimex(ctypes.create_string_buffer(512))
     except (OSError, AttributeError):
@@ -161,17 +161,17 @@ def is_synchronised() -> Optional[bool]:
 
 
 def check_clock(synchronised: Optional[bool]) -> Finding:
-    """Robots whose clocks differ from the box's by 0.1 s cannot start."""
+    """Check this computer's clock: robots whose clocks differ from it by 0.1 s cannot start."""
     if synchronised:
         return Finding(Level.OK, "this computer's clock is synchronised")
-    what = "is not synchronised" if synchronised is False else "may not be synchronised: the system does not say"
+    what = "is not synchronised" if synchronised is False else "may not be synchronised: the system does not report it"
     return Finding(Level.WARNING, f"this computer's clock {what}",
-                   "let it and all robots follow one NTP server (chrony, systemd-timesyncd); without the Internet "
-                   "this computer can be that server")
+                   "synchronise it and all robots with one NTP server (chrony, systemd-timesyncd). Without the "
+                   "Internet, this computer can be that server")
 
 
 def check_log_dir(log_dir: str, usage: Callable[[str], object] = shutil.disk_usage) -> List[Finding]:
-    """Whether logs can be written, and for long enough."""
+    """Check that logs can be written, and that the disk has enough space."""
     try:
         os.makedirs(log_dir, exist_ok=True)
         with tempfile.TemporaryFile(dir=log_dir) as trial:
@@ -181,7 +181,7 @@ def check_log_dir(log_dir: str, usage: Callable[[str], object] = shutil.disk_usa
         free = usage(log_dir).free
     except OSError as error:
         return [Finding(Level.FAILED, f"log_dir {log_dir} cannot be written: {error.strerror}",
-                        "choose another log_dir, or give this user the right to write there")]
+                        "choose another log_dir, or give this user write permission")]
     found = [Finding(Level.OK, f"log_dir {log_dir} can be written")]
     text = f"{free / 1024**3:.1f} GiB are free there"
     if free < ENOUGH_BYTES:
@@ -193,19 +193,19 @@ def check_log_dir(log_dir: str, usage: Callable[[str], object] = shutil.disk_usa
 
 
 def check_configuration(files: Dict[str, str], modules_dir: str) -> List[Finding]:
-    """The configuration files; `files`: benchmarks_file, schedule_file, passwords_file."""
+    """Check the configuration files. `files`: benchmarks_file, schedule_file, passwords_file."""
     try:
         loaded, warnings = config.load(files["benchmarks_file"], files["schedule_file"], files["passwords_file"])
     except config.ConfigErrors as errors:
         return [Finding(Level.FAILED, line, "") for line in str(errors).splitlines()]
     events = sum(len(zone.events) for zone in loaded.zones)
-    found = [Finding(Level.OK, f"the configuration is good: {len(loaded.zones)} zones, {events} events")]
+    found = [Finding(Level.OK, f"the configuration is valid: {len(loaded.zones)} zones, {events} events")]
     found += [Finding(Level.WARNING, warning, "") for warning in warnings]
     return [*found, *_check_modules(loaded, modules_dir), _check_passwords(loaded)]
 
 
 def _check_modules(loaded: Config, modules_dir: str) -> List[Finding]:
-    """The parameters of the benchmarking modules that the schedule needs."""
+    """Check the parameters of the benchmarking modules that the schedule needs."""
     codes = scheduled_modules(loaded)
     if not codes:
         return []
@@ -216,27 +216,27 @@ def _check_modules(loaded: Config, modules_dir: str) -> List[Finding]:
 
 
 def _check_passwords(loaded: Config) -> Finding:
-    """The shipped passwords are known to the whole world."""
+    """Check that no team uses an included password, which is public."""
     taking_part = {event.team for zone in loaded.zones for event in zone.events}
     weak = sorted(team for team in taking_part if loaded.passwords.get(team) in SHIPPED_PASSWORDS)
     if weak:
-        return Finding(Level.WARNING, f"passwords that are shipped with the software: {', '.join(weak)}",
-                       "give every team a new one: anybody can read these")
-    return Finding(Level.OK, "no team has a password that is shipped with the software")
+        return Finding(Level.WARNING, f"passwords from the included passwords file: {', '.join(weak)}",
+                       "give each team a new password: anybody can read these")
+    return Finding(Level.OK, "no team has a password from the included passwords file")
 
 
 def check_player(command: str, installed: Callable[[str], Optional[str]] = shutil.which) -> Finding:
-    """Whether the bell and the end of time can be heard; `command`: the program that plays."""
+    """Check that the bell and the timeout can be heard. `command`: the program that plays sounds."""
     if installed(command):
         return Finding(Level.OK, f"sounds are played by {command}")
-    return Finding(Level.WARNING, f"there is no {command}: neither the bell nor the end of time will be heard",
+    return Finding(Level.WARNING, f"{command} is not installed: neither the bell nor the timeout will be heard",
                    "install alsa-utils, or set bell_ring_command and timeout_ring_command")
 
 
 def check_display(there_is_one: bool) -> Finding:
-    """Whether the referee's window can open."""
+    """Check that the referee's window can open."""
     if there_is_one:
         return Finding(Level.OK, "windows can be opened here")
     return Finding(Level.WARNING, "no window can be opened here",
-                   "log in at a desktop; or referees use other computers (roah_rsbb_client.launch) or a terminal "
+                   "log in at a desktop, or let referees use other computers (roah_rsbb_client.launch) or a terminal "
                    "(rosrun roah_rsbb referee)")

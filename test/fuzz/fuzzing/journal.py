@@ -191,7 +191,7 @@ def _change(value: Any, reader: Reader) -> None:
 
 
 def start_steps(data: bytes) -> Iterator[Step]:
-    """A core starts with this journal, goes on from it or puts it aside, and writes."""
+    """A core starts with this journal, goes on from it or sets it aside, and writes."""
     folder = _FOLDERS.fresh()
     path = folder / FILE_NAME
     _written(path, data)

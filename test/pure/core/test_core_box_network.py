@@ -183,7 +183,7 @@ def test_names_that_no_robot_has_are_told_and_not_listed(team, name):
     driver.taken()
     driver.event(driver.box.on_robot_beacon, "10.0.0.5", team, name, (0, 0))
     assert driver.notices() == [
-        "Beacons from 10.0.0.5 are ignored: too many robots, or a name empty or too long"
+        "Beacons from 10.0.0.5 are ignored: too many robots, or the name is empty or too long"
     ]
     assert views.robots(driver.box, driver.now) == []
 
@@ -221,7 +221,7 @@ def test_a_copy_of_what_the_robot_said_changes_nothing_and_is_told_if_it_comes_f
         driver.event(driver.box.on_robot_copy, robot.port, robot.host)
     driver.event(driver.box.on_robot_copy, 9999, "10.0.0.66")
     told, = driver.notices(Level.WARNING)
-    assert told.startswith("Messages for this run come from 10.0.0.66, too")
+    assert told.startswith("Messages for this run also come from 10.0.0.66")
     assert driver.run_in().link.sample(driver.now, 0).duplicates == 10
 
 
@@ -233,7 +233,7 @@ def test_a_robot_whose_messages_are_not_read_is_told_of():
         driver.event(driver.box.on_robot_overload, robot.port, 100)
         driver.run(1)
     first, = (text for text in driver.notices(Level.WARNING) if "sends too much" in text)
-    assert first.startswith("Robot sends too much: 0 new strings were not logged, 100 messages not read")
+    assert first.startswith("Robot sends too much: 0 new strings were not logged, 100 messages were not read")
 
 
 def test_a_robot_that_always_says_something_new_is_logged_as_far_as_its_budget_goes():

@@ -37,7 +37,7 @@ def _all_off(driver, zone="tbm"):
 NOTHING_CONNECTED = {
     "disconnect": ["No run is connected"],
     "start": ["No run is connected: press connect first"],
-    "stop": ["No run is connected: there is nothing to stop"],
+    "stop": ["No run is connected, so there is nothing to stop"],
 }
 
 
@@ -95,7 +95,7 @@ def test_connect_while_the_box_listens_names_all_that_is_missing():
     driver.robot(skew=0.15).beacon()
     listening, skew, ports, size = _refused(driver, "connect")
     assert listening == "The box is still listening for another box, for 5 s"
-    assert skew.startswith("Clock skew of robot r1 of team Alpha is +0.150 s, it must be below 0.100 s")
+    assert skew.startswith("Clock skew of robot r1 of team Alpha is +0.150 s, but must be below 0.100 s")
     assert "synchronise" in skew
     assert ports.startswith("All UDP ports up to 65535 are used up")
     assert size.startswith("The beacon may need 132 bytes with one more robot, and robots may read only 50")
@@ -110,7 +110,7 @@ def test_connect_and_start_need_a_skew_below_the_allowed_one(skew, fits):
     robot.beacon()
     if not fits:
         reason, = _refused(driver, "connect")
-        assert f"is {skew:+.3f} s, it must be below 0.125 s" in reason
+        assert f"is {skew:+.3f} s, but must be below 0.125 s" in reason
         robot.skew = 0.0
         robot.beacon()  # the clock was put right: believed after the window
         driver.run(3.0)
@@ -123,7 +123,7 @@ def test_connect_and_start_need_a_skew_below_the_allowed_one(skew, fits):
         driver.command("start")
     else:
         reason, = _refused(driver, "start")
-        assert reason.startswith(f"Clock skew of the robot is {skew:+.3f} s, it must be below 0.125 s")
+        assert reason.startswith(f"Clock skew of the robot is {skew:+.3f} s, but must be below 0.125 s")
 
 
 def test_the_command_itself_checks_the_skew_not_what_the_button_showed():
@@ -271,7 +271,7 @@ def test_scores_and_other_calls_need_a_run_in_a_zone():
 def test_calls_that_make_no_sense_in_a_task_benchmark():
     driver = BoxDriver()
     driver.connected()
-    with pytest.raises(Refused, match="no manual operation is asked for in zone 'tbm'"):
+    with pytest.raises(Refused, match="zone 'tbm' has no manual operation now"):
         driver.event(driver.box.modules.complete_operation, "tbm")
     modules = driver.box.modules
     for method, arguments in (

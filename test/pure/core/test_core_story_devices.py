@@ -82,7 +82,7 @@ def test_in_other_benchmarks_devices_are_ignored_with_one_warning(code):
     taken = driver.taken()
     assert not any(isinstance(effect, SetDevice) for effect in taken)
     warnings = [e.text for e in taken if isinstance(e, effects.Notice) and e.level is Level.WARNING]
-    assert warnings == [f"Robot commands devices or tablet in {code}: ignored, only HCFGAC has that"]
+    assert warnings == [f"Robot commands devices or tablet in {code}: ignored, because only HCFGAC allows that"]
     assert driver.view().log.count("ignored") == 1
 
 
@@ -91,7 +91,7 @@ def test_more_than_100_per_cent_is_a_warning():
     robot.says(dimmer=101)
     taken = driver.taken()
     assert not any(isinstance(effect, SetDevice) for effect in taken)
-    assert "Robot sets dimmer to 101: not obeyed, it takes 0 to 100 per cent" in driver.view().log
+    assert "Robot sets dimmer to 101: ignored, because the range is 0 to 100 per cent" in driver.view().log
 
 
 def test_the_beacon_shows_the_tablets_view_at_once():

@@ -173,8 +173,8 @@ def test_a_silent_tablet_is_told_until_it_is_heard(box):
     box.run(SILENT_S)
     assert silent(box) == []
     box.run(1.0)
-    assert silent(box) == ["The tablet is silent for 6 s: check that it is on, connected, and showing its page"]
-    assert "The tablet is silent" in views.status(box.box, box.now)
+    assert silent(box) == ["The tablet has been silent for 6 s: check that it is on, connected, and showing its page"]
+    assert "The tablet has been silent" in views.status(box.box, box.now)
     box.hear(said())
     assert silent(box) == []
 

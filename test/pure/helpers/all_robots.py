@@ -6,7 +6,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import RobotState
 
 R1, R2, R3 = "r1 of team Alpha", "r2 of team Beta", "r3 of team Gamma"
-SKEW = "Clock skew of the robot is +0.500 s, it must be below 0.100 s: synchronise the robot's clock"
+SKEW = "Clock skew of the robot is +0.500 s, but must be below 0.100 s: synchronise the robot's clock"
 NO_ANSWER = "Robot has not answered on the private channel yet"
 
 

@@ -17,7 +17,7 @@ ENTRY = NewEntry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "notice", "")
 
 @pytest.fixture
 def start(tmp_path):
-    """Starts a core's journal in the folder; returns it, all that it told of, and what was put aside."""
+    """Starts a core's journal in the folder; returns it, all that it told of, and what was set aside."""
     opened = []
 
     def start():
@@ -53,14 +53,14 @@ def test_a_file_in_which_is_nothing_is_begun(start, tmp_path, makes):
     "CREATE TRIGGER no BEFORE INSERT ON states BEGIN SELECT RAISE(ABORT, 'no'); END",
     "UPDATE meta SET value = '[1]'", "UPDATE meta SET value = '{'", f"UPDATE meta SET value = '{'[' * 5000}'",
 ])
-def test_a_file_with_other_tables_is_put_aside(start, tmp_path, statement):
+def test_a_file_with_other_tables_is_set_aside(start, tmp_path, statement):
     start()[0].close()
     with sqlite3.connect(str(tmp_path / FILE_NAME)) as connection:
         connection.execute(statement)
     connection.close()
     journal, told, aside = start()
     assert len(aside) == 1
-    assert len(told) == 1 and "is not gone on with" in told[0]
+    assert len(told) == 1 and "is not continued" in told[0]
     assert journal.previous == NOTHING
 
 
@@ -90,7 +90,7 @@ def test_a_file_that_only_says_that_it_is_a_journal(start, tmp_path):
         connection.execute(f"PRAGMA user_version = {VERSION}")
     connection.close()
     _, told, aside = start()
-    assert len(aside) == 1 and "its tables are not those of a journal" in told[0]
+    assert len(aside) == 1 and "its tables are not a journal's" in told[0]
 
 
 def test_a_core_resumes_behind_a_damaged_write_ahead_log(start, tmp_path):

@@ -177,13 +177,13 @@ def test_a_torn_journal(path, tmp_path):
     assert 50 < len(numbers(new)) < COUNT
 
 
-def test_what_is_no_journal_or_gone(path, tmp_path):
+def test_a_file_that_is_not_a_journal_or_missing_is_refused(path, tmp_path):
     new = str(tmp_path / "new")
     spoil(path, 0, os.path.getsize(path) // PAGE)
-    with pytest.raises(JournalError, match="nothing can be had"):
+    with pytest.raises(JournalError, match="no part of this journal is readable"):
         recover(path, new)
     assert not os.path.exists(new)
     with pytest.raises(JournalError, match="No such file"):
         recover(str(tmp_path / "none"), new)
-    with pytest.raises(JournalError, match="already"):
+    with pytest.raises(JournalError, match="the file exists"):
         recover(path, path)

@@ -1,4 +1,4 @@
-"""The journal's writer: what is written is there, what cannot be written waits, what is not ours is put aside."""
+"""The journal's writer: what is written is there, what cannot be written waits, what is not ours is set aside."""
 
 import contextlib
 import json
@@ -22,7 +22,7 @@ from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, RunOutcome
 from roah_rsbb.journal.damage import find_damage
 from roah_rsbb.journal.file import FILE_NAME, Resume, Session, same_competition
 from roah_rsbb.journal.previous_session import NOTHING
-from roah_rsbb.journal.store import MENDED, Journal
+from roah_rsbb.journal.store import REPAIRED, Journal
 
 COMPETITION = json.dumps([["Home", "HNF", "Alpha", 1, 1, 0.0], ["Home", "HWV", "Beta", 1, 1, 900.0]])
 ENTRY = NewEntry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "command", '{"command":"start"}')
@@ -132,7 +132,7 @@ def test_a_disk_that_fails_is_reported_and_a_later_sync_proves_nothing(journals,
         assert ENTRY.value.encode() not in database.read_bytes()
     assert journal.why_not_saved(ticket) == ""
     assert ENTRY.value.encode() in database.read_bytes(), "it was written again, to the database"
-    assert journal.troubles[-1] == MENDED
+    assert journal.troubles[-1] == REPAIRED
 
 
 def test_a_slow_disk_is_reported(journals, monkeypatch):
@@ -150,7 +150,7 @@ def test_a_slow_disk_is_reported(journals, monkeypatch):
     assert journal.why_not_saved(ticket) == ""
     monkeypatch.setattr(stores, "SLOW_S", 30.0)
     journal.look()
-    assert journal.troubles[-1] == MENDED
+    assert journal.troubles[-1] == REPAIRED
 
 
 def test_a_sign_off_is_moved_into_the_database(journals):
@@ -199,7 +199,7 @@ def test_what_cannot_be_written_waits_in_its_order(journals, monkeypatch):
     blocked.execute("ROLLBACK")
     blocked.close()
     journal.look()
-    assert journal.troubles[-1] == MENDED
+    assert journal.troubles[-1] == REPAIRED
     assert rows(journal, "value") == [("0",), ("1",), ("2",)]
     assert rows(journal, "name, state", "states") == [("zone:Home", "2")]
 
@@ -225,11 +225,11 @@ def test_a_directory_that_was_removed_and_cannot_be_made_again_is_told_until_it_
         journal.look()
         journal.write(Batch(entries=(ENTRY,)))
     assert "cannot be written" in journal.troubles[-1]
-    assert MENDED not in journal.troubles
+    assert REPAIRED not in journal.troubles
     assert len(journal.entries_of(6667)) == 4
     (tmp_path / "log").unlink()
     journal.look()
-    assert journal.troubles[-1] == MENDED
+    assert journal.troubles[-1] == REPAIRED
     assert len(rows(journal)) == 4
 
 
@@ -242,7 +242,7 @@ def test_a_directory_that_cannot_be_made_until_later(tmp_path):
     (tmp_path / "log").unlink()
     journal.look()
     assert len(rows(journal)) == 1
-    assert troubles[-1] == MENDED
+    assert troubles[-1] == REPAIRED
     journal.close()
 
 
@@ -257,12 +257,12 @@ def test_two_cores_with_one_log_dir_keep_journals_of_their_own(journals):
 
 
 @pytest.mark.parametrize("spoil, why", [
-    (lambda path: path.write_bytes(b"no database" * 1000), "damaged, or no journal at all"),
-    (lambda path: _execute(path, "PRAGMA application_id = 7"), "another program's"),
+    (lambda path: path.write_bytes(b"no database" * 1000), "damaged, or not a journal"),
+    (lambda path: _execute(path, "PRAGMA application_id = 7"), "another program"),
     (lambda path: _execute(path, f"PRAGMA user_version = {schema.VERSION + 1}"), "newer version"),
     (lambda path: _damage(path), "damaged"),
 ])
-def test_what_cannot_be_gone_on_with_is_put_aside(journals, tmp_path, spoil, why):
+def test_a_journal_that_cannot_be_continued_is_set_aside(journals, tmp_path, spoil, why):
     journal = journals()
     for _ in range(50):
         journal.write(BATCH)

@@ -351,7 +351,7 @@ def test_a_state_that_makes_no_sense_costs_its_zone_alone(tmp_path):
     assert driver.run_in("tbm").phase is Phase.CONNECTED
     assert driver.run_in("fbm") is None
     assert list(driver.channels) == [driver.run_in("tbm").port]
-    assert any("HNF, team Beta" in text and "makes no sense" in text for text in driver.box.warnings(driver.now))
+    assert any("HNF, team Beta" in text and "is invalid" in text for text in driver.box.warnings(driver.now))
 
 
 def test_no_port_is_given_twice(tmp_path):

@@ -42,7 +42,7 @@ def test_a_run_whose_event_is_gone_is_told(tmp_path):
     assert any("cannot continue" in text for text in driver.box.warnings(driver.now))
 
 
-def test_the_journal_of_another_competition_is_put_aside(tmp_path):
+def test_the_journal_of_another_competition_is_set_aside(tmp_path):
     driver = box(tmp_path)
     driver.executing("tbm")
     driver.kill(config=competition(other=["HGTKMH"]))

@@ -84,7 +84,7 @@ def test_a_journal_without_runs(run, tmp_path):
     (("standings", "--rules", "/nowhere/rules"), 1, "the rules of the standings are invalid:\n/nowhere/rules"),
     (("standings", "--runs", "worst"), 2, "best"),
     ((), 2, "COMMAND"),
-    (("--journal", "/nowhere/j", "list"), 1, "there is no such file"),
+    (("--journal", "/nowhere/j", "list"), 1, "the file is missing"),
 ])
 def test_what_cannot_be_done_is_told(run, arguments, status, told):
     found, out, err = run(*arguments)
@@ -136,7 +136,7 @@ def test_the_journals_of_a_log_dir(run, journal, tmp_path):
     status, out, _ = run("journals", "--utc", "--log-dir", tmp_path, source=())
     assert status == 0
     first, second, aside = out.splitlines()
-    assert "no journal at all" in second
+    assert "or not a journal" in second
     assert aside.endswith("started 2025-11-21 11:00:00Z, 5 runs, last connected 2025-11-21 16:00:00Z")
     assert first.endswith("roah_rsbb_journal.sqlite3: started 2025-11-21 11:00:00Z, 0 runs")
     assert "there are no journals in" in run("journals", "--log-dir", tmp_path / "none", source=())[2]

@@ -11,7 +11,7 @@ SECONDS = "as timeout; expected a number of seconds above 0 and at most 86400"
 # What is replaced, by what, and parts of the message. The error is in the line of the replacement.
 MISTAKES = [
     ("timeout: 600", 'timeout: "ten"', ["found the text 'ten'", SECONDS]),
-    ("timeout: 600", 'timeout: "600"', ["the quoted text '600'", SECONDS, "take the quotes away"]),
+    ("timeout: 600", 'timeout: "600"', ["the quoted text '600'", SECONDS, "remove the quotes"]),
     ("timeout: 600", "timeout: -5", ["found the number '-5'", SECONDS]),
     ("timeout: 600", "timeout: 0", ["found the number '0'", SECONDS]),
     ("timeout: 600", "timeout: 0.0", ["found the number '0.0'", SECONDS]),
@@ -39,8 +39,8 @@ MISTAKES = [
     ("name: Task Benchmark 1", "name: 2015", ["the number '2015' as name", "a text: put it in quotes"]),
     ("name: Task Benchmark 1", "name: 2015-12-31", ["the date '2015-12-31'", "put it in quotes"]),
     ("name: Task Benchmark 1", "name: No", ["'No' (to YAML, a yes-or-no value)", "put it in quotes"]),
-    ("name: Task Benchmark 1", "name: ~", ["'~' (to YAML, a word for nothing)", "put it in quotes"]),
-    ("name: Task Benchmark 1", "name: ' Task'", ["neither begins nor ends with a blank"]),
+    ("name: Task Benchmark 1", "name: ~", ["'~' (to YAML, a null value)", "put it in quotes"]),
+    ("name: Task Benchmark 1", "name: ' Task'", ["neither begins nor ends with a space"]),
     ("name: Task Benchmark 1", 'name: "Task\\n1"', [r"'Task\n1'", "a text of one line"]),
     ("desc: Getting", "desc: ''  # Getting", ["an empty text as desc"]),
     ("desc: Welcoming", "code: Welcoming", ["the key 'code' again", "already in line"]),
@@ -52,7 +52,7 @@ MISTAKES = [
     ("desc: Stops working", "desc:", ["found nothing as desc of a scoring item"]),
     ("desc: Stops working", "descr: Stops working", ["unknown key 'descr'", "did you mean 'desc'?"]),
     ("desc: Stops working", "desc: Stops, or sleeps", ["unknown key 'or sleeps'", "comma needs quotes"]),
-    ("desc: Stops working", "desc:Stops", ["unknown key 'desc:Stops'", "did you mean 'desc'? (a blank after"]),
+    ("desc: Stops working", "desc:Stops", ["unknown key 'desc:Stops'", "did you mean 'desc'? (a space after"]),
     ("{ type: uint, desc: Stops working }", "Stops working", ["a scoring item; expected a map 'type: bool, desc:"]),
     ("- Penalized Behaviors:", "- Penalized Behaviors: []\n    - More:", ["an empty sequence as items"]),
     ("- Penalized Behaviors:", "- Penalized\n    - More:", ["'Penalized' in scoring; expected groups"]),

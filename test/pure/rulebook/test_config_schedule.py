@@ -9,7 +9,7 @@ from helpers.config_files import TEXTS, changed, line_of
 EVENT = "{ benchmark: HWV,    team: TestingTeam, round: 1, run: 1, scheduled_time: 2015-12-31 00:01:00 }"
 LINE = line_of(TEXTS["schedule"], EVENT)
 UTC = "expected a date and time in UTC such as 2015-12-31 14:30:00"
-EXIST = "expected a day and time of day that exist"
+EXIST = "expected an existing day and time of day"
 WHOLE = "expected a whole number from 1 to 255"
 
 
@@ -29,10 +29,10 @@ MISTAKES = [
     ("run: 1", "run: 1.5", ["the number '1.5' as run", WHOLE]),
     ("run: 1", "run: one", ["the text 'one' as run", WHOLE]),
     ("run: 1", "run: true", ["'true'", WHOLE]),
-    ("run: 1", "run: '1'", ["the quoted text '1'", WHOLE, "take the quotes away"]),
+    ("run: 1", "run: '1'", ["the quoted text '1'", WHOLE, "remove the quotes"]),
     ("run: 1", "run: " + "9" * 9000, ["as run", WHOLE]),
     ("run: 1, ", "", ["an event without run", "'run: 1'"]),
-    ("run: 1", "run:1", ["the unknown key 'run:1'", "a blank after the colon"]),
+    ("run: 1", "run:1", ["the unknown key 'run:1'", "a space after the colon"]),
     ("team:", "taem:", ["the unknown key 'taem' in an event", "did you mean 'team'?"]),
     ("HWV", "HVW", ["'HVW' as benchmark", "did you mean 'HWV'?"]),
     ("TestingTeam", "ALL", ["team ALL in HWV", "the name of one team"]),

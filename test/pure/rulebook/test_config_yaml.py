@@ -13,7 +13,7 @@ SYNTAX = [
     ("  code: HWV", "\tcode: HWV", "\tcode: HWV", ["found a tab;", "expected spaces"]),
     ("code: HWV", "code:\tHWV", "code:\tHWV", ["found a tab;"]),
     ("name: Task Benchmark 2", "name: Task: 2", "Task: 2", ["a second ': ' on the line", "quotes"]),
-    ("name: Task Benchmark 2", "name:Task 2", "Welcoming", ["a ': ' that cannot stand here", "a blank after it"]),
+    ("name: Task Benchmark 2", "name:Task 2", "Welcoming", ["a ': ' that cannot stand here", "a space after it"]),
     ("  code: HWV", "   code: HWV", "code: HWV", ["a ': ' that cannot stand here", "indented deeper"]),
     ("  code: HWV", " code: HWV", "code: HWV", ["does not continue what stands above", "under each other"]),
     ("  code: HWV", "  code:HWV", "code:HWV", ["a line without 'key: value'", "a colon and a space"]),

@@ -155,7 +155,7 @@ class TestServices(BoxCase):
     def test_commands_that_make_no_sense_now(self) -> None:
         no_run = "No run is connected: press connect first"
         for command, why in (
-            ("start", no_run), ("stop", "No run is connected: there is nothing to stop"),
+            ("start", no_run), ("stop", "No run is connected, so there is nothing to stop"),
             ("disconnect", "No run is connected"), ("previous", "This is the zone's first event"),
             ("manual_operation_complete", no_run), ("omf_switches/complete", no_run),
         ):

@@ -107,7 +107,7 @@ class TestAttacks(BoxCase):
         self.told("does not decrypt")
         attacker.send(port, result_of(time.time() - 3600.0), team="Alpha")  # recorded an hour ago
         attacker.send(port, result_of(time.time() + 10.0), team="Alpha")
-        self.told(f"come from {ATTACKER}, too: they do not count, the robot is at {host_of('Alpha')}")
+        self.told(f"also come from {ATTACKER}. They are ignored: the robot is at {host_of('Alpha')}")
         attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Alpha", robot_name="Robot", time=wire(time.time() + 9.0)))
         # A robot that is in a run is known by what it says there.
         self.told("Two robots call themselves Robot of team Alpha")
@@ -154,7 +154,7 @@ class TestAttacks(BoxCase):
         self.told("not encrypted")  # so the box has read all before it, too
         details = box.zone_details("Home")
         self.assertEqual((details.phase, details.box_state), ("running", "WAITING_RESULT"))
-        self.told(f"come from {ATTACKER}, too")
+        self.told(f"also come from {ATTACKER}.")
 
 
 class TestConnections(BoxCase):

@@ -183,7 +183,7 @@ class TestCatering(DevicesCase):
     def test_in_another_benchmark_they_are_ignored_with_one_warning(self):
         robot = self.run_of("Beta", "Visitors")
         robot.tell("set_device", "switch_1", True)
-        self.wait_log("Visitors", "ignored, only HCFGAC has that")
+        self.wait_log("Visitors", "ignored, because only HCFGAC allows that")
         robot.tell("set_device", "dimmer", 50)
         robot.tell("notify", "after the dimmer")
         robot.wait_said()

@@ -25,7 +25,7 @@ class TestCrashes(FaultsCase):
         before = self.box.zone_details("STB").module_scores
         modules.kill()
         details = self.box.wait_details("STB", lambda d: d.held and d, "the run is held")
-        self.assertIn("Benchmarking module not connected: the run is held", details.warnings[0])
+        self.assertIn("Benchmarking module not connected: the run is paused", details.warnings[0])
         self.assertEqual((details.phase, details.module_scores), ("running", before))
         self.modules()
         back = "Benchmarking module is back, at step 3: the run continues"
@@ -65,7 +65,7 @@ class TestCrashes(FaultsCase):
         self.answer("HNF 2")
         robot.wait_did("execute HNF")
         self.modules("second")
-        two = "2 nodes drive HNF: end all but one, only the first is listened to"
+        two = "2 nodes drive HNF: end all but one. The first one counts"
         self.box.wait_details("HNF 2", lambda d: two in d.warnings, "the referee is told")
         robot.let("execute")
         robot.wait_did("execute HNF", 2)

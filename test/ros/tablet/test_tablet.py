@@ -46,7 +46,7 @@ class TestTablet(BoxCase):
         robot.tell("display_map", False)
         tablet.wait_printed("the box requests the view: call button", 2)
         tablet.close()
-        wait_until(lambda: "The tablet is silent" in self.box.gui.status, lambda: f"silence is told: {self.box.gui}")
+        wait_until(lambda: "The tablet has been silent" in self.box.gui.status, lambda: str(self.box.gui))
 
     def test_a_flood_makes_no_storm_and_its_last_word_gets_through(self) -> None:
         listener, tablet = self.participant(LISTENER), self.participant(TABLET)
@@ -93,7 +93,7 @@ class TestTablet(BoxCase):
     def wait_no_tablet(self) -> None:
         """Wait until the box has forgotten the tablet of the test before."""
         wait_until(
-            lambda: not self.box.gui.tablet_last_beacon.to_sec() or "The tablet is silent" in self.box.gui.status,
+            lambda: not self.box.gui.tablet_last_beacon.to_sec() or "The tablet has been silent" in self.box.gui.status,
             "no tablet is there",
         )
 

@@ -1,1 +1,1 @@
-"""What is known of a robot's link: freshness, clock skew, quality over time."""
+"""A robot's link: freshness of messages, clock skew, quality over time."""

@@ -1,6 +1,6 @@
-"""What the box knows of the robot at the other end of a private channel.
+"""The box's view of the robot at the other end of a private channel.
 
-Staleness, skew, silence and clock steps are detected here. `roah_rsbb.core.runs.run` decides what they mean for the
+This file detects staleness, skew, silence and clock steps. `roah_rsbb.core.runs.run` decides what they mean for the
 run.
 """
 
@@ -15,26 +15,26 @@ from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.protocol import RobotState, WireTime, wire_ns, wire_seconds
 from roah_rsbb.wording import times
 
-# A robot sends every second. After this long without a message something is wrong.
+# A robot sends every second. After this long without a message, something is wrong.
 SILENT_S = 3.0
-# A forward step of the robot's clock shows as a sudden rise of the skew: nothing else makes it larger.
+# A forward step of the robot's clock shows as a sudden rise of the skew. Nothing else increases the skew.
 JUMP_S = 0.1
-# One late message alone would look like a robot behind whose clock then jumps: ask for this many.
+# After only one sample, a late message looks like a slow clock that then jumps. This many samples are required.
 SURE_SAMPLES = 3
 # A warning about a single event is shown for this long.
 REMEMBER_S = 30.0
-# While the robot was heard within this time, no other host with its team's password is taken for it.
+# For this long after the robot's last message, another host with its team's password does not replace it.
 HERE_S = 2.5
-# This many messages that are not newer than the last one, in a silence, are not delayed datagrams.
+# In a silence, this many messages that are not newer than the last one are not merely delayed.
 OLD_TOLD = 3
-# An unreadable datagram is reported for this long, unless a readable one came since.
+# The warning about an unreadable datagram is shown for this long, or until a readable datagram arrives.
 BAD_S = 10.0
 
 NO_ANSWER = "Robot has not answered on the private channel yet"
 
 
 class HeardReport(NamedTuple):
-    """What one message meant."""
+    """The result of taking a message."""
 
     fresh: bool
     new_host: bool
@@ -47,13 +47,13 @@ STALE = HeardReport(False, False, False, ())
 
 @dataclass
 class LinkState:
-    """What the robot said last, and from where."""
+    """The robot's last message and its sender."""
 
     host: Optional[str] = None
     last: Optional[RobotReport] = None
     last_heard: Optional[Now] = None
     timeline: TimelineState = field(default_factory=TimelineState)
-    skew: Optional[SkewSample] = None  # the robot's clock minus the box's; None: not known
+    skew: Optional[SkewSample] = None  # robot's clock minus box's; None: not known
     told_invalid: bool = False
 
 
@@ -61,14 +61,14 @@ class RobotLink:
     """One robot's messages on its private channel."""
 
     def __init__(self, allowed_skew: float, now: Now, state: Optional[LinkState] = None) -> None:
-        """The channel is opened `now`; `allowed_skew` in seconds. After a restart the robot is not silent because
-        nobody listened."""
+        """The channel is opened `now`. `allowed_skew` is in seconds. After a restart, the silence counts from `now`,
+        because the box did not listen before."""
         self.state = state or LinkState()
         self._allowed_skew = allowed_skew
         self._timeline = Timeline(self.state.timeline)
         self._skew = SkewEstimate(self.state.skew)
         self._listens_since = now.mono
-        self._old = 0  # messages since the last fresh one that were not newer than that
+        self._old = 0  # messages since the last fresh one that were not newer than it
         self._told_silent = False
         self._step: Optional[str] = None
         self._step_mono = 0.0
@@ -87,12 +87,12 @@ class RobotLink:
 
     @property
     def last(self) -> Optional[RobotReport]:
-        """The robot's last message; None: none yet."""
+        """The robot's last message; None: no message yet."""
         return self.state.last
 
     @property
     def last_heard(self) -> Optional[Now]:
-        """When the last message came; None: never."""
+        """When the last message arrived; None: no message yet."""
         return self.state.last_heard
 
     @property
@@ -103,28 +103,30 @@ class RobotLink:
 
     @property
     def times_valid(self) -> bool:
-        """Whether the robot's times mean anything: only within the allowed skew (docs/protocol.md, "Timing")."""
+        """Whether the robot's times are meaningful: only within the allowed skew (docs/protocol.md, "Timing")."""
         return within(self.skew, self._allowed_skew)
 
     @property
     def robot_state(self) -> Optional[RobotState]:
-        """What the robot last reported; None: nothing yet."""
+        """The state that the robot reported last; None: no report yet."""
         return None if self.last is None else self.last.state
 
     @property
     def messages_saved(self) -> int:
-        """Messages of offline data that the robot says it saved."""
+        """The number of saved messages of offline data that the robot reports."""
         return 0 if self.last is None else self.last.messages_saved
 
     def expect_after(self, heard: Now, time: WireTime) -> None:
-        """The robot said this time before, in its beacon or its last run: what is older now is a recording.
+        """Note a time that the robot sent before, in its beacon or its last run. Messages with older times are
+        recordings.
 
-        If that was not the robot, or its clock was set back since, its times soon make a timeline of their own.
+        If another host sent that time, or the robot's clock was set back since, the robot's times soon make a new
+        timeline.
         """
         self._timeline.begin_after(heard.mono, wire_ns(time))
 
     def hear(self, now: Now, host: str, report: RobotReport) -> HeardReport:
-        """Judge a message that arrived from `host`, and remember it if it is fresh."""
+        """Judge a message from `host`, and keep it if it is fresh."""
         if self._is_elsewhere(now, host):
             return STALE._replace(notices=self._note_rival(now, host))
         verdict = self._timeline.judge(now.mono, wire_ns(report.time))
@@ -144,20 +146,20 @@ class RobotLink:
         return HeardReport(True, new_host, state_changed, tuple(notices))
 
     def hear_copy(self, now: Now, host: str, count: int = 1) -> Tuple[str, ...]:
-        """Copies of messages that were taken before arrived, the last from `host`: notices of it.
+        """Handle copies of messages that arrived before, the last from `host`. Return notices.
 
-        The network doubles datagrams. From another host a copy is a recording, also while the robot is silent.
+        Networks duplicate datagrams. A copy from another host is a recording, even while the robot is silent.
         """
         self._old += count
         self.record.old(duplicate=True, count=count)
         return () if self.host in (None, host) else self._note_rival(now, host)
 
     def on_bad_datagram(self, now: Now, text: str) -> None:
-        """Something arrived that could not be read; `text` says from whom, and what it likely means."""
+        """Note an unreadable datagram. `text` says from whom it came, and the likely cause."""
         self._bad, self._bad_mono = text, now.mono
 
     def restart_skew(self) -> None:
-        """The box's clock was set: all samples so far mean nothing."""
+        """Drop all skew samples, because the box's clock was set."""
         self._skew.restart()
         self.state.skew = None
         self.record.clock_set()
@@ -167,22 +169,22 @@ class RobotLink:
         return self.record.sample(now, self.skew, self.host, unreadable)
 
     def tick(self, now: Now) -> List[str]:
-        """Notices that are due because time went by."""
+        """Return the notices that are due by now."""
         if self.is_silent(now) and not self._told_silent:
             self._told_silent = True
             return [self._silence_text(now)]
         return []
 
     def deadline(self) -> Optional[float]:
-        """Monotonic time (s) at which `tick` has a notice if nothing is heard before; None: it was given."""
+        """Monotonic time (s) at which `tick` has a notice unless a message comes first; None: it had it."""
         return None if self._told_silent else self._silent_from()
 
     def is_silent(self, now: Now) -> bool:
-        """Whether the robot should have been heard by now."""
+        """Whether the robot has been silent for too long."""
         return now.mono >= self._silent_from()
 
     def warnings(self, now: Now) -> List[str]:
-        """What the referee should know of the robot and its link right now."""
+        """Return the referee's current warnings about the robot and its link."""
         found: List[str] = []
         if self.is_silent(now):
             found.append(self._silence_text(now))
@@ -191,7 +193,7 @@ class RobotLink:
         if self.last is not None and not self.times_valid and self.skew is not None:
             found.append(
                 f"Robot's times are INVALID: clock skew {times.skew(self.skew)}, "
-                f"allowed are {self._allowed_skew:.3f} s: synchronise the robot's clock"
+                f"must be below {self._allowed_skew:.3f} s: synchronise the robot's clock"
             )
         if self._step is not None and now.mono - self._step_mono <= REMEMBER_S:
             found.append(self._step)
@@ -202,7 +204,7 @@ class RobotLink:
         return found
 
     def not_ready(self, now: Now) -> List[str]:
-        """Why the robot cannot be started now, every reason; empty: it can."""
+        """Return every reason why the robot cannot be started now; empty: it can."""
         if self.last is None:
             reasons = [NO_ANSWER]
             return reasons + [w for w in self.warnings(now) if w not in reasons]
@@ -222,31 +224,31 @@ class RobotLink:
             return NO_ANSWER
         text = f"No message from the robot for {now.mono - self.last_heard.mono:.0f} s"
         if self._old >= OLD_TOLD:
-            return f"{text} but old ones: check whether its clock stands still or is set back repeatedly"
+            return f"{text} but old ones: check whether its clock is stopped or set back repeatedly"
         return text
 
     def _is_elsewhere(self, now: Now, host: str) -> bool:
-        """Whether a message comes from another host than the robot, while that is there."""
+        """Whether a message comes from another host than the robot, while the robot is still heard."""
         return host != self.host and self.last_heard is not None and now.mono - self.last_heard.mono < HERE_S
 
     def _note_rival(self, now: Now, host: str) -> Tuple[str, ...]:
-        """Another robot of the team, or a recording, uses this channel. This is reported once in a while."""
+        """Report another robot of the team, or a recording, that uses this channel, at most once per interval."""
         if self._rival is not None and now.mono - self._rival_mono <= REMEMBER_S:
             return ()
         self._rival_mono = now.mono
-        self._rival = (f"Messages for this run come from {host}, too: they do not count, the robot is at {self.host}. "
-                       "Give that one another robot_name, or switch it off")
+        self._rival = (f"Messages for this run also come from {host}. They are ignored: the robot is at {self.host}. "
+                       "Give the other robot another robot_name, or switch it off")
         return (self._rival,)
 
     def _note_host(self, now: Now, before: str, host: str) -> List[str]:
-        """Two robots of one name change the address with every message. This is reported once in a while."""
+        """Report a changed address, at most once per interval: two robots of one name change it with every message."""
         if self._moved is not None and now.mono - self._moved_mono <= REMEMBER_S:
             return []
         self._moved, self._moved_mono = f"Robot's address changed from {before} to {host}", now.mono
         return [self._moved]
 
     def _note_clock(self, now: Now, verdict: Verdict, report: RobotReport) -> List[str]:
-        """Take the skew sample, and the record; return what to report of the robot's clock."""
+        """Take the skew sample, and update the link record. Return what to report of the robot's clock."""
         sample = wire_seconds(report.time) - now.utc
         before = self.skew
         step = None

@@ -1,13 +1,14 @@
-"""The link record: the quality of the wireless link, second by second, to be read after the run.
+"""The link record: the quality of the wireless link in each second, for analysis after the run.
 
-The box sees only its own end of the link. Everything here follows from what arrived and when, from the robot's time
-in it, and from the rules by which both sides send (docs/protocol.md, "Timing"): each second, and ten times at 50 ms
-after a change of state. `LinkSample` says for each number what it is based on and what it cannot know. Where the rules
-allow two numbers, the smaller one is taken: the original client's ten begin with the change, those of this project's
-client follow it. So no loss is invented for a robot that follows the rules, but some losses are not seen.
+The box sees only its own end of the link. Everything here follows from the arrival of messages, from the robot's time
+in them, and from the rules by which both sides send (docs/protocol.md, "Timing"): each second, and ten times at 50 ms
+after a change of state. `LinkSample` explains for each number what it is based on and what it cannot show. If the rules
+allow two numbers, the smaller one is taken: the original client's ten begin with the change, while those of this
+project's client follow it. A robot that follows the rules therefore never shows losses that did not happen, but some
+losses remain unseen.
 
-A busy computer looks like a slow network. If only one robot is affected, check that robot and its radio. If all
-robots are affected in the same second, check the box and the access point.
+A busy computer looks like a slow network. If only one robot is affected, check that robot and its radio. If all robots
+are affected in the same second, check the box and the access point.
 """
 
 from typing import FrozenSet, List, NamedTuple, Optional, Tuple
@@ -16,21 +17,21 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.protocol import BURST_COUNT, BURST_INTERVAL_S, PERIOD_S, BoxState, RobotState, sent_after_change, wire_ns
 
-# No robot needs longer to answer. A later answer is not one to the first datagrams.
+# No robot needs longer to answer. A later answer is not an answer to the first datagrams.
 ANSWER_S = 0.5
-# A robot's burst ends this many seconds after it began: one and a half times its length, for slow robots.
+# A robot's burst ends after this many seconds: one and a half times its regular length, for slow robots.
 BURST_OVER_S = 1.5 * BURST_COUNT * BURST_INTERVAL_S
-# The interval of a slow robot in a burst that the next change cuts short.
+# The interval (s) between a slow robot's datagrams, for a burst that the next change cuts short.
 SLOW_INTERVAL_S = 1.25 * BURST_INTERVAL_S
-# A robot that was heard this often within a burst sends bursts.
+# A robot from which this many datagrams of a burst arrived is known to send bursts.
 IS_BURST = 6
 # No datagram travels longer (s). If it seems so, the robot's clock jumped.
 MOST_LATE_S = 5.0
-# This many acknowledgements are remembered.
+# Maximum number of acknowledgements that are remembered.
 MAX_ACKNOWLEDGED = 64
 
-# The robot's states (docs/protocol.md, "Robot's next state") in which it must do something at the
-# box's new state at once, and those that show that it did.
+# The robot's states (docs/protocol.md, "Robot's next state") in which it must react to the box's new state at once, and
+# the states that show that it reacted.
 _MUST_ANSWER = {
     BoxState.STOP: frozenset(RobotState) - {RobotState.STOP},
     BoxState.PREPARE: frozenset({RobotState.STOP, RobotState.RESULT_TX}),
@@ -46,42 +47,41 @@ _ANSWERS = {
 
 
 class LinkSample(NamedTuple):
-    """What was seen of a robot's link since the previous sample, usually for a second.
+    """Measurements of a robot's link since the previous sample, usually for one second.
 
     From the robot to the box:
     `received`: datagrams that were newer than all before.
-    `lost`: datagrams that the robot must have sent, but that did not arrive in their turn. This is based on the
-    robot's times: the next message is due a second after each message, and ten in half a second after a change of
-    state. They are counted when the next message arrives, so during a silence only `gap_s` grows. Unknown: losses at
-    the end of a run, bursts of a robot that was never heard to send one, bursts after new online data, and most of a
-    burst that was cut short. Too large for a robot that sends less often than the rules say. A delayed datagram
-    counts as lost, and as `stale` when it arrives.
+    `lost`: datagrams that the robot must have sent, but that did not arrive in order. This is based on the robot's
+    times: the next message is due a second after each message, and ten in half a second after a change of state. They
+    are counted when the next message arrives, so during a silence only `gap_s` grows. Not counted: losses at the end of
+    a run, bursts of a robot from which no burst was received yet, bursts after new online data, and most of a burst
+    that was cut short. Too large for a robot that sends less often than the rules require. A delayed datagram counts as
+    lost, and as `stale` when it arrives.
     `skipped_states`: states that the robot went through without the box receiving them. Usually their datagrams were
     lost. A robot that goes through two states at once sends none for the first.
     `duplicates`, `stale`: datagrams that arrived twice, or after a newer one. Copies of older ones are stale, too.
     `unreadable`: datagrams that could not be decrypted or parsed, whoever sent them to this port.
     `gap_s`: the longest time without a newer message up to the sample, in seconds, including the part before the
     previous sample. Up to about 1 s is normal.
-    `late_s`: how much later the slowest message came than the fastest of the last 2.5 s, in seconds. Causes are a
-    waiting or repeating radio, and a busy computer. The delay that all messages have is not included.
+    `late_s`: the difference in delay between the slowest message and the fastest of the last 2.5 s, in seconds. Causes
+    are a radio that waits or repeats, and a busy computer. The delay common to all messages is not included.
 
-    From the box to the robot, and back. The robot does not acknowledge what it receives. So only what it must react to
-    shows this direction: the box's changes of state, and the acknowledgement of online data.
-    `answers`: how many of them the robot reacted to.
-    `unanswered`: datagrams of the box, at least `ANSWER_S` old, that a newer message of the robot does not react to.
-    They were lost, or the robot is slow. Too large for a robot that repeats what was acknowledged.
-    `round_trip_s`, `round_trip_max_s`: the shortest and the longest time, in seconds, from sending something for the
-    first time to the arrival of the reaction. This includes the robot's own delay (up to 0.2 s if it reads its
-    messages five times a second), and repetitions if the first datagrams were lost. The shortest one of a run is
-    closest to the network's. None: nothing was sent that needs a reaction.
+    From the box to the robot, and back. The robot does not acknowledge what it receives. This direction is therefore
+    only visible where the robot must react: to the box's changes of state, and to the acknowledgement of online data.
+    `answers`: how many of these the robot reacted to. `unanswered`: datagrams of the box, at least `ANSWER_S` old, that
+    a newer message of the robot does not react to. They were lost, or the robot is slow. Too large for a robot that
+    repeats acknowledged strings. `round_trip_s`, `round_trip_max_s`: the shortest and the longest time, in seconds,
+    from first sending something to the arrival of the reaction. This includes the robot's own delay (up to 0.2 s if it
+    reads its messages five times a second), and repetitions if the first datagrams were lost. The shortest one of a run
+    is closest to the network's. None: nothing was sent that needs a reaction.
 
     Clocks, robot's minus box's, in seconds:
-    `skew_s`: the largest difference of the last 2.5 s between a message's time and its arrival. The true skew is not
-    smaller; it is larger by the fastest message's travel time. None: nothing was heard since a clock was set.
-    `skew_max_s`: the true skew is not larger. This follows from reactions, which are sent after what they react to.
+    `skew_s`: the largest difference of the last 2.5 s between a message's time and its arrival. The true skew is
+    larger than this by the travel time of the fastest message. None: nothing was heard since a clock was set.
+    `skew_max_s`: an upper limit of the true skew. A reaction is sent after what it reacts to, which gives the limit.
     """
 
-    seconds: float  # since the sample before
+    seconds: float  # since the previous sample
     received: int = 0
     lost: int = 0
     skipped_states: int = 0
@@ -100,9 +100,9 @@ class LinkSample(NamedTuple):
 
 
 def skipped_states(before: RobotState, state: RobotState) -> int:
-    """How many states a robot went through between two that it reported one after the other, at least.
+    """Return the least number of states that a robot skipped between two successive reports.
 
-    From anywhere it may stop, or prepare again (docs/protocol.md, "Robot's next state").
+    It may stop or prepare again from any state (docs/protocol.md, "Robot's next state").
     """
     if state is RobotState.STOP or state == before:
         return 0
@@ -117,10 +117,10 @@ class _Burst:
     def __init__(self) -> None:
         self.age_s = 0.0  # from the change to the last message
         self.got = 0  # datagrams so far
-        self.sends_bursts = False  # the robot has been heard to send one
+        self.sends_bursts = False  # a burst of this robot was received
 
     def lost(self, passed: float, changed: bool) -> int:
-        """Datagrams that are missing before a message that was sent `passed` seconds after the one before."""
+        """Return the number of datagrams missing before a message sent `passed` seconds after the previous one."""
         lost = 0
         if self.got:
             self.age_s += passed
@@ -135,7 +135,7 @@ class _Burst:
         return lost + max(0, int(passed / PERIOD_S + 0.5) - 1)
 
     def _close(self) -> int:
-        """The burst is over, or cut short by another one."""
+        """End the burst: it is over, or cut short by another one."""
         due = min(BURST_COUNT, 1 + int(self.age_s / SLOW_INTERVAL_S))
         self.sends_bursts = self.sends_bursts or self.got >= IS_BURST
         lost = max(0, due - self.got) if self.sends_bursts else 0
@@ -151,7 +151,7 @@ class _Question(NamedTuple):
 
 
 class LinkRecorder:
-    """Takes the record of one robot's link. Cheap: it stands between a datagram and its answer."""
+    """Keeps the record of one robot's link. It must be fast, because it runs between a datagram and its answer."""
 
     def __init__(self, now: Now) -> None:
         """The box listens from `now` on."""
@@ -161,10 +161,10 @@ class LinkRecorder:
         self._state: Optional[RobotState] = None
         self._said: Optional[BoxState] = None
         self._question: Optional[_Question] = None
-        self._no_answer_to = 0  # datagrams of the question that are counted as unanswered
+        self._no_answer_to = 0  # datagrams of the question that were counted as unanswered
         self._had_strings = False
         self._strings: FrozenSet[Tuple[int, str]] = frozenset()  # acknowledged, and not dropped yet
-        self._acknowledged: List[Now] = []  # when
+        self._acknowledged: List[Now] = []  # the times of acknowledgements
         self._first_acknowledged: Optional[Now] = None
         self._unreadable = 0  # at the last sample
         self._sampled_mono = now.mono
@@ -178,18 +178,18 @@ class LinkRecorder:
         self._round_trip_max_s: Optional[float] = None
         self._skew_max_s: Optional[float] = None
 
-    # -- what happens -------------------------------------------------------------------------------
+    # -- events ---------------------------------------------------------------------------------------
 
     def old(self, duplicate: bool, count: int = 1) -> None:
-        """Messages that were not newer than all before."""
+        """Count messages that were not newer than all before."""
         if duplicate:
             self._duplicates += count
         else:
             self._stale += count
 
     def heard(self, now: Now, report: RobotReport, late_s: float, clock_set: bool) -> None:
-        """A message that was newer. `late_s`: how much later than the fastest one it came. `clock_set`: the robot's
-        clock was set since the one before: their times cannot be compared."""
+        """Take a message that was newer. `late_s`: its delay compared with the fastest one. `clock_set`: the robot's
+        clock was set since the previous message, so their times cannot be compared."""
         time_ns = wire_ns(report.time)
         self._received += 1
         if late_s > self._late_s:
@@ -210,7 +210,7 @@ class LinkRecorder:
         self._last_ns, self._heard_mono, self._state = time_ns, now.mono, state
 
     def box_says(self, now: Now, state: BoxState) -> None:
-        """The box sends this state at once, and the burst after it."""
+        """Note that the box sends this state at once, and then its burst."""
         if state is self._said:
             return
         self._said = state
@@ -218,11 +218,11 @@ class LinkRecorder:
         self._no_answer_to = 0
 
     def clock_set(self) -> None:
-        """The box's clock was set: what was asked before it cannot be compared with the robot's times."""
+        """Drop open questions: the box's clock was set, so their times cannot be compared with the robot's."""
         self._question, self._strings = None, frozenset()
 
     def sample(self, now: Now, skew_s: Optional[float], host: Optional[str], unreadable: int) -> LinkSample:
-        """What was seen since the last sample. `unreadable`: all unreadable datagrams of this channel so far."""
+        """Return the measurements since the last sample. `unreadable`: all unreadable datagrams of this channel."""
         sample = LinkSample(
             seconds=_rounded(now.mono - self._sampled_mono), received=self._received, lost=self._lost,
             skipped_states=self._skipped, duplicates=self._duplicates, stale=self._stale,
@@ -249,10 +249,11 @@ class LinkRecorder:
         self._no_answer_to = known
 
     def _look_at_strings(self, now: Now, time_ns: int, report: RobotReport, changed: bool) -> None:
-        """Online data is sent until it is acknowledged, and the box acknowledges each message with any at once.
+        """Take reactions to acknowledgements. Robots send online data until it is acknowledged, and the box
+        acknowledges each message that contains any at once.
 
-        Only strings that come after a message without any are looked at: it is known when those were acknowledged
-        first. With a change of its state a robot may drop strings for another reason.
+        Only strings that follow a message without any are considered, because only for those is the time of the first
+        acknowledgement known. With a change of its state, a robot may drop strings for another reason.
         """
         has_strings = bool(report.notifications or report.activation_event or report.visitor or report.final_command)
         if not has_strings and not self._strings:
@@ -271,7 +272,7 @@ class LinkRecorder:
         self._had_strings = has_strings
 
     def _note_unheard(self, now: Now) -> None:
-        """The robot repeats what was acknowledged: the acknowledgements that it should have by now were lost."""
+        """Count acknowledgements as lost that the robot should have by now, because it repeats acknowledged data."""
         unheard = [then for then in self._acknowledged if then.mono <= now.mono - ANSWER_S]
         self._unanswered += len(unheard)
         self._acknowledged = [*self._acknowledged[len(unheard):], now][-MAX_ACKNOWLEDGED:]
@@ -294,5 +295,5 @@ def _strings_of(report: RobotReport) -> FrozenSet[Tuple[int, str]]:
 
 
 def _rounded(seconds: Optional[float]) -> Optional[float]:
-    """To the microsecond: more would only be more to write."""
+    """Round to microseconds, to write less."""
     return None if seconds is None else round(seconds, 6)

@@ -1,9 +1,9 @@
 """Clock skew of a robot, estimated from the times in its messages.
 
-Skew is the robot's clock minus the box's: positive is ahead. Every message gives one sample,
-`time` minus the moment of arrival. The way through the network (and a busy box) can only make a
-sample smaller than the truth, never larger, so the largest sample of the last few seconds is the
-best one. Benchmarks may start only within `allowed_skew` (docs/protocol.md, "Timing").
+Skew is the robot's clock minus the box's: positive means that the robot's clock is ahead. Every message gives a sample:
+its `time` minus the moment of arrival. A delay in the network or in a busy box makes a sample smaller than the true
+skew, never larger. The largest sample of the last few seconds is therefore the best one. Benchmarks may start only
+within `allowed_skew` (docs/protocol.md, "Timing").
 """
 
 from collections import deque
@@ -12,9 +12,9 @@ from typing import Deque, List, NamedTuple, Optional, Tuple
 from roah_rsbb.core.restart.saved import Mono
 from roah_rsbb.wording import times
 
-# Three beacons: a clock that was put right is believed after this long.
+# Three beacons: after this long, a corrected clock has replaced all old samples.
 WINDOW_S = 2.5
-# A window of a robot that sends every few milliseconds is still enough with so many samples.
+# For robots that send every few milliseconds, this many samples are enough.
 MAX_SAMPLES = 64
 
 
@@ -37,7 +37,7 @@ class SkewEstimate:
 
     @property
     def count(self) -> int:
-        """How many samples the estimate rests on."""
+        """The number of samples behind the estimate."""
         return len(self._samples)
 
     def sample(self, mono: float, skew: float) -> float:
@@ -46,15 +46,15 @@ class SkewEstimate:
         while self._samples and self._samples[0][0] < mono - WINDOW_S:
             self._samples.popleft()
         if last is not None and not self._samples:
-            # The first message after a silence may have waited for its way to be found again, for seconds:
-            # alone it would make a robot with a right clock look wrong.
+            # The first message after a silence may have been delayed for seconds while the network found a route. As
+            # the only sample, it would make a correct clock look wrong.
             self._samples.append((mono, last[1]))
         self._samples.append((mono, skew))
         self.seconds = max(sample for _, sample in self._samples)
         return self.seconds
 
     def restart(self) -> None:
-        """Forget all samples: one of the two clocks was set."""
+        """Drop all samples, because one of the two clocks was set."""
         self._samples.clear()
         self.seconds = None
 
@@ -65,10 +65,10 @@ def within(skew: Optional[float], allowed: float) -> bool:
 
 
 def skew_off(whose: str, skew: Optional[float], allowed: float) -> List[str]:
-    """Why a skew (s) keeps a robot from a benchmark; empty: it does not."""
+    """Return why a skew (s) prevents a benchmark; empty: it does not."""
     if within(skew, allowed):
         return []
     if skew is None:
         return [f"Clock skew of {whose} is not known yet"]
-    return [f"Clock skew of {whose} is {times.skew(skew)}, it must be below {allowed:.3f} s: "
+    return [f"Clock skew of {whose} is {times.skew(skew)}, but must be below {allowed:.3f} s: "
             "synchronise the robot's clock"]

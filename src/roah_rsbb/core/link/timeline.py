@@ -1,11 +1,10 @@
-"""Which of a robot's messages are new: the order of their `time` decides, not that of arrival.
+"""Decides which of a robot's messages are new, by their `time` rather than by their arrival.
 
-UDP reorders and duplicates, and a stale datagram must never move the state machine (docs/protocol.md, "State
-machines"). A robot may also have its clock set back; it would then be stale for ever. Such a
-robot differs from a reordering network in this: nothing newer arrives any more, while several older
-times arrive in rising order. As long as the first timeline lives, replayed datagrams have no chance.
-What falls below the rising times begins them anew, or one straggler from just before the clock was set
-back would stand above all that follows.
+UDP reorders and duplicates datagrams, and a stale one must never change the state (docs/protocol.md, "State machines").
+A robot's clock may also be set back; then all its messages would be stale forever. Such a robot differs from a network
+that reorders: nothing newer arrives any more, and several older times arrive in rising order. While messages arrive on
+the first timeline, replayed datagrams therefore have no effect. A time below the rising ones restarts the count;
+otherwise one delayed message from just before the clock was set back would be newer than all that follow.
 """
 
 import enum
@@ -14,10 +13,10 @@ from typing import Optional
 
 from roah_rsbb.core.restart.saved import Mono
 
-# For this long nothing may have come on the old timeline before a new one is believed. A robot sends
-# every second: it may lose one datagram and still be taken for alive.
+# A new timeline is accepted only if nothing has arrived on the old one for this long. A robot sends every second, so it
+# may lose one datagram and still count as active.
 QUIET_S = 2.5
-# So many messages with rising times make a new timeline.
+# This many messages with rising times make a new timeline.
 RISING = 3
 
 
@@ -27,12 +26,12 @@ class Verdict(enum.Enum):
     FRESH = "fresh"
     DUPLICATE = "duplicate"
     STALE = "stale"
-    CLOCK_SET_BACK = "clock set back"  # accept it: the robot's timeline starts anew here
+    CLOCK_SET_BACK = "clock set back"  # accept it: it begins a new timeline
 
 
 @dataclass
 class TimelineState:
-    """The newest time of a robot's messages. What was old before a restart is old after it, too."""
+    """The newest time of a robot's messages. Older messages stay old after a restart."""
 
     newest: Optional[int] = None  # nanoseconds, the robot's clock
     newest_mono: Mono = 0.0
@@ -47,11 +46,11 @@ class Timeline:
         self._rising = 0
 
     def begin_after(self, mono: float, time_ns: int) -> None:
-        """A time that came at `mono` (s), but not on this channel."""
+        """Start from a time that came at `mono` (s) on another channel."""
         self._accept(mono, time_ns)
 
     def judge(self, mono: float, time_ns: int) -> Verdict:
-        """Judge a message that arrived at `mono` (s) and carries `time_ns`; accepted ones count."""
+        """Judge a message that arrived at `mono` (s) and carries `time_ns`. An accepted one moves the timeline."""
         newest = self.state.newest
         if newest is None or time_ns > newest:
             self._accept(mono, time_ns)

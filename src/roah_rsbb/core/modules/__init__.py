@@ -1,1 +1,1 @@
-"""What the core knows of benchmarking modules, and what it exchanges with them."""
+"""The core's side of benchmarking modules: messages, presence, requests."""

@@ -1,4 +1,4 @@
-"""Functionality benchmarks: what the benchmarking modules say, and what the referee does for them."""
+"""Functionality benchmarks: takes the messages of benchmarking modules, and the referee's answers to them."""
 
 from typing import Callable, List, Optional, Tuple
 
@@ -11,7 +11,7 @@ from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.zones import Zones
 
-# The benchmark with switches that the referee watches.
+# The benchmark in which the referee enters switches.
 HOMF = "HOMF"
 
 
@@ -19,7 +19,7 @@ class ModuleDesk:
     """Takes the modules' and the referee's messages about functionality runs."""
 
     def __init__(self, tick: Callable[[Now], None], zones: Zones, modules: Modules, record: CommandRecord) -> None:
-        """`tick` does what is due by now: every event does that first."""
+        """`tick` does what is due by now. Every event calls it first."""
         self._tick = tick
         self._zones = zones
         self._modules = modules
@@ -30,20 +30,19 @@ class ModuleDesk:
     def complete_operation(
         self, now: Now, zone_name: str, operation: int = 0, answer: str = "", who: str = ""
     ) -> None:
-        """The referee did what a benchmarking module asked for; raises `Refused`.
+        """The referee has done the manual operation that a benchmarking module requested. Raises `Refused`.
 
-        `operation`: the number of the request that was answered; 0: the present one. An empty answer means the
-        first choice.
+        `operation`: the number of the answered request; 0: the current one. An empty answer selects the first choice.
         """
         self._tick(now)
         with self._record.of(RunName(zone_name), who, "manual_operation", operation=operation, answer=answer):
             run = self._zones.run_in(zone_name)
             if not isinstance(run, FunctionalityRun):
-                raise Refused([f"no manual operation is asked for in zone '{zone_name}'"])
+                raise Refused([f"zone '{zone_name}' has no manual operation now"])
             run.complete_operation(now, operation, answer)
 
     def press_switch(self, now: Now, zone_name: str, switch: int, who: str = "") -> None:
-        """HOMF: the referee saw a switch change, numbered from 1; raises `Refused`."""
+        """HOMF: the referee saw a switch change, numbered from 1. Raises `Refused`."""
         self._tick(now)
         with self._record.of(RunName(zone_name), who, "omf_button", switch=switch):
             run = self._homf_run(zone_name)
@@ -51,7 +50,7 @@ class ModuleDesk:
             run.switches_entered(now, run_log.OMF_BUTTON, switch)
 
     def damage_switches(self, now: Now, zone_name: str, damaged: int, who: str = "") -> None:
-        """HOMF: the referee enters how many switches were damaged; raises `Refused`."""
+        """HOMF: the referee enters how many switches were damaged. Raises `Refused`."""
         self._tick(now)
         with self._record.of(RunName(zone_name), who, "omf_damaged", damaged=damaged):
             run = self._homf_run(zone_name)
@@ -59,7 +58,7 @@ class ModuleDesk:
             run.switches_entered(now, run_log.OMF_DAMAGED, damaged)
 
     def complete_switches(self, now: Now, zone_name: str, who: str = "") -> None:
-        """HOMF: the referee has entered all that the robot changed; raises `Refused`."""
+        """HOMF: the referee confirms the entered switches. Raises `Refused`."""
         self._tick(now)
         with self._record.of(RunName(zone_name), who, "omf_complete"):
             self._homf_run(zone_name).complete_switches(now)
@@ -73,13 +72,13 @@ class ModuleDesk:
     # -- the benchmarking modules -------------------------------------------------------------------
 
     def on_modules(self, now: Now, state: ModulesState) -> None:
-        """A node of benchmarking modules says what it drives, and where it is in its runs."""
+        """A node of benchmarking modules reports its benchmarks and its progress in runs."""
         self._tick(now)
         self._modules.hear(now, state)
         self._tell_runs(now)
 
     def runs(self) -> Tuple[RunForModule, ...]:
-        """What benchmarking modules need to know of the runs that they drive."""
+        """Return what benchmarking modules need to know of the functionality runs."""
         return tuple(run.for_module() for run in self._functionality_runs())
 
     def deadline(self) -> Optional[float]:
@@ -87,7 +86,7 @@ class ModuleDesk:
         return self._modules.deadline()
 
     def tick(self, now: Now) -> None:
-        """Hold the runs of nodes that are gone by now, from then on. What was due earlier comes first."""
+        """Pause the runs whose node is missing by now. Earlier events come first."""
         due = self._modules.deadline()
         while due is not None and due <= now.mono:
             then = Now(due, now.utc + (due - now.mono))

@@ -1,12 +1,13 @@
-"""What the core and the benchmarking modules say to each other, as plain values.
+"""The messages between the core and the benchmarking modules, as plain values.
 
-Theory of operation. The core owns the run: its state, its clocks, what the referee and the robot said. A
-module owns the rules: it asks for one thing after the other (a *request*), and the core answers each with
-an *outcome*; both together are a *step*. Requests are numbered 1, 2, … within an *attempt* (one start of a run). Both
-sides always repeat all that they know: the core sends a `RunForModule` for each run, with all steps of the attempt,
-and the module a `Progress`, with its latest request. So a message that comes twice, late or in another order changes
-nothing, and a message about another run or attempt is recognised by its identity. A restarted module gets all steps
-back, goes through its rules with the outcomes that are already there, and so arrives where it was.
+Theory of operation. The core owns the run: its state, its clocks, the robot's messages and the referee's entries. A
+module owns the rules. It makes one *request* after the other, and the core answers each with an *outcome*; both
+together are a *step*. Requests are numbered 1, 2, … within an *attempt* (one start of a run).
+
+Both sides always repeat everything. The core sends a `RunForModule` for each run, with all steps of the attempt; the
+module sends a `Progress` with its latest request. A message that arrives twice, late or in another order therefore
+changes nothing, and the identity shows messages about another run or attempt. A restarted module gets all steps back.
+It runs its rules with the known outcomes, until it reaches the current step.
 """
 
 import enum
@@ -17,32 +18,32 @@ from roah_rsbb.core.scoring.sheet import ScoreGroup
 
 
 class RequestKind(enum.IntEnum):
-    """What a module asks for; the numbers are those of ModuleRequest.msg."""
+    """The kind of a module's request. The numbers are those of ModuleRequest.msg."""
 
     REFEREE = 1  # a manual operation
     GOAL = 2  # a goal for the robot
     SWITCHES = 3  # HOMF: the referee enters which switches changed and how many were damaged
-    NOTE = 4  # nothing to do, but to be remembered: a pose that was measured, say
+    NOTE = 4  # no action; a value to remember, e.g. a measured pose
 
 
 class Request(NamedTuple):
-    """One thing that a module asks for."""
+    """A request of a module."""
 
     number: int
     kind: RequestKind
-    text: str = ""  # REFEREE, SWITCHES: what the referee should do. GOAL: what it is about, for the referee
-    choices: Tuple[str, ...] = ()  # REFEREE: the answers to choose from, the usual one first
+    text: str = ""  # REFEREE, SWITCHES: what the referee should do. GOAL: a description for the referee
+    choices: Tuple[str, ...] = ()  # REFEREE: the possible answers, the usual one first
     asks_text: bool = False  # REFEREE: an answer may be typed
     goal: str = ""  # GOAL: YAML, as robots of 2019 read it; empty: no explicit goal
     pose: Optional[Tuple[float, float, float]] = None  # GOAL: as robots of 2015 read it; metres, radians
-    initial_state: Tuple[bool, ...] = ()  # GOAL: HOMF, of the switches
-    switches: Tuple[int, ...] = ()  # GOAL: HOMF, to toggle, in this order
-    timeout: float = 0.0  # GOAL: seconds; 0: only the run's own timeout ends it
+    initial_state: Tuple[bool, ...] = ()  # GOAL: HOMF, initial state of the switches
+    switches: Tuple[int, ...] = ()  # GOAL: HOMF, switches to toggle, in this order
+    timeout: float = 0.0  # GOAL: seconds; 0: no limit except the run's timeout
     note: str = ""  # NOTE: JSON
 
     @property
     def explicit_goal(self) -> bool:
-        """Whether the robot is sent a goal. Otherwise it only executes."""
+        """Whether the robot receives a goal. Otherwise it only executes."""
         return bool(self.goal or self.pose is not None or self.initial_state or self.switches)
 
 
@@ -58,10 +59,10 @@ class Outcome(NamedTuple):
 
     kind: OutcomeKind
     answer: str = ""  # REFEREE: chosen or typed
-    result: str = ""  # GOAL: YAML, as robots of 2019 write it; from the other form where only that came
-    executing_s: float = 0.0  # GOAL: seconds from telling the robot to execute to its result, or to the timeout
+    result: str = ""  # GOAL: YAML, as robots of 2019 write it; converted if the robot only sent the other form
+    executing_s: float = 0.0  # GOAL: seconds from the request to execute until the result or the timeout
     ended_utc: float = 0.0  # UTC seconds
-    changed: Tuple[int, ...] = ()  # SWITCHES: the switches that changed, in order, as often as they did
+    changed: Tuple[int, ...] = ()  # SWITCHES: the changes, in order; a switch that changed twice occurs twice
     damaged: int = 0  # SWITCHES: how many were damaged
 
 
@@ -73,28 +74,28 @@ class Step(NamedTuple):
 
 
 class RunForModule(NamedTuple):
-    """All that a module needs to know of a run."""
+    """Everything that a module needs to know of a run."""
 
-    run: str  # identity: no other run of this or another competition has it
-    attempt: int  # 1 from the first start on, one more with each start; 0: not started yet
+    run: str  # identity, unique among all competitions
+    attempt: int  # counts the starts; 0: not started yet
     zone: str
     benchmark: str  # code
     team: str
     round: int
     number: int  # of the run in its round
-    running: bool  # whether the attempt is under way
-    end_reason: str = ""  # why it is over, as in ZoneDetails
-    elapsed_s: float = 0.0  # seconds that count of the attempt, when it ended
+    running: bool  # whether the attempt is in progress
+    end_reason: str = ""  # why the attempt ended, as in ZoneDetails
+    elapsed_s: float = 0.0  # counted seconds of the attempt, when it ended
     goal_timeout: float = 0.0  # seconds, from the benchmarks file
     total_timeout: float = 0.0  # seconds, from the benchmarks file
-    told_utc: float = 0.0  # UTC seconds when the robot was first asked to execute the present goal; 0: not yet
-    sheet: Tuple[ScoreGroup, ...] = ()  # the referee's own scores
+    told_utc: float = 0.0  # UTC seconds when the robot was first requested to execute the current goal; 0: not yet
+    sheet: Tuple[ScoreGroup, ...] = ()  # the referee's scores
     steps: Tuple[Step, ...] = ()
-    kept: str = ""  # JSON that the module asked to keep
+    kept: str = ""  # JSON that the core keeps for the module
 
 
 class Progress(NamedTuple):
-    """Where a module is in an attempt."""
+    """A module's progress in an attempt."""
 
     run: str
     attempt: int
@@ -102,21 +103,21 @@ class Progress(NamedTuple):
     scores: Tuple[ScoreValue, ...] = ()
     status: str = ""  # for the referee, in a line
     warnings: Tuple[str, ...] = ()
-    kept: str = ""  # JSON to get back after a restart
-    finished: bool = False  # the rules are through
-    failed: str = ""  # why the module cannot continue
+    kept: str = ""  # JSON that the module gets back after a restart
+    finished: bool = False  # the rules are complete
+    failed: str = ""  # why the module cannot continue; empty: it can
 
 
 class ModuleInfo(NamedTuple):
     """A benchmark that a node of modules drives."""
 
     benchmark: str  # code
-    problems: Tuple[str, ...] = ()  # why no run can be started: wrong parameters
+    problems: Tuple[str, ...] = ()  # why no run can be started, e.g. wrong parameters
     warnings: Tuple[str, ...] = ()
 
 
 class ModulesState(NamedTuple):
-    """What a node of modules says, on change and twice a second."""
+    """The message of a node of modules, sent on change and twice a second."""
 
     node: str  # identity of the process
     modules: Tuple[ModuleInfo, ...] = ()

@@ -1,7 +1,8 @@
-"""Which benchmarks are driven, by which nodes of benchmarking modules, and whether these are there.
+"""Tracks which nodes of benchmarking modules are present, and which benchmarks each drives.
 
-A node of modules says what it drives twice a second. One that was not heard for `GONE_S` is gone, and so is one
-that says at its end that it drives nothing. When two drive the same benchmark, the one that was first keeps it.
+A node of modules sends the list of its benchmarks twice a second. It is missing after `GONE_S` without a message, or
+after a message with an empty list, which it sends at its end. If two nodes drive the same benchmark, the first keeps
+it.
 """
 
 from typing import Dict, List, NamedTuple, Optional
@@ -9,9 +10,9 @@ from typing import Dict, List, NamedTuple, Optional
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress
 
-# Four of its messages in a row are missing.
+# Seconds: four messages in a row are missing.
 GONE_S = 2.0
-# No competition has more nodes. More are a fault that must not grow.
+# No competition has more nodes. The limit keeps a fault from growing.
 MAX_NODES = 32
 
 
@@ -21,7 +22,7 @@ class _HeardNode(NamedTuple):
 
 
 class Driver(NamedTuple):
-    """Who drives a benchmark."""
+    """The node that drives a benchmark."""
 
     node: str  # identity of the process
     info: ModuleInfo
@@ -34,7 +35,7 @@ class Modules:
         self._heard: Dict[str, _HeardNode] = {}
 
     def hear(self, now: Now, state: ModulesState) -> None:
-        """A node says what it drives; one that drives nothing has left."""
+        """Take a node's message. An empty list of benchmarks means that the node has ended."""
         if not state.modules:
             self._heard.pop(state.node, None)
             return
@@ -45,24 +46,24 @@ class Modules:
         self._heard[state.node] = _HeardNode(state, now.mono)
 
     def forget_gone(self, now: Now) -> None:
-        """Forget the nodes that were not heard for too long. A node that comes back is the last in order."""
+        """Forget the nodes that have been silent for too long. A node that comes back is the last in the order."""
         self._heard = {node: heard for node, heard in self._heard.items() if now.mono < heard.mono + GONE_S}
 
     def deadline(self) -> Optional[float]:
-        """Monotonic time (s) at which the next node is gone if it is not heard before; None: there is none."""
+        """Monotonic time (s) at which the next node counts as missing unless a message comes first; None: no nodes."""
         return min((heard.mono + GONE_S for heard in self._heard.values()), default=None)
 
     def driver(self, now: Now, code: str) -> Optional[Driver]:
-        """Who drives the benchmark `code`; None: nobody does."""
+        """Return the driver of the benchmark `code`; None: it has no driver."""
         return next(iter(self._drivers(now, code)), None)
 
     def progress(self, node: str) -> Dict[str, Progress]:
-        """What a node last said of each run, by the run's identity."""
+        """Return a node's last progress in each run, by the run's identity."""
         heard = self._heard.get(node)
         return {} if heard is None else {progress.run: progress for progress in heard.state.progress}
 
     def start_off(self, now: Now, code: str) -> List[str]:
-        """Why no run of a functionality benchmark can be started."""
+        """Return why no run of a functionality benchmark can be started; empty: one can."""
         driver = self.driver(now, code)
         if driver is None:
             return [f"Benchmarking module not connected: no node drives {code}. Is roah_rsbb_modules running, and is "
@@ -70,11 +71,11 @@ class Modules:
         return list(driver.info.problems)
 
     def warnings(self, now: Now, code: str) -> List[str]:
-        """What the referee should know of the module of a benchmark."""
+        """Return the referee's warnings about the module of a benchmark."""
         drivers = self._drivers(now, code)
         found = list(drivers[0].info.warnings) if drivers else []
         if len(drivers) > 1:
-            found.append(f"{len(drivers)} nodes drive {code}: end all but one, only the first is listened to")
+            found.append(f"{len(drivers)} nodes drive {code}: end all but one. The first one counts")
         return found
 
     def _drivers(self, now: Now, code: str) -> List[Driver]:

@@ -1,4 +1,4 @@
-"""Goals, results and scores as texts: for the run log, and results in one form for the modules."""
+"""Goals, results and scores as texts. Run logs store them, and modules get results in one form."""
 
 import json
 from typing import NamedTuple, Tuple
@@ -6,8 +6,8 @@ from typing import NamedTuple, Tuple
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.modules.messages import Request, ScoreValue
 
-# Characters of a result. It is kept with every step and repeated to the modules. They refuse a longer one
-# (`roah_rsbb.bmbox.framework.results`), so one that is cut here is refused there.
+# Characters of a result. It is kept with every step and repeated to the modules. Modules refuse longer results
+# (`roah_rsbb.bmbox.framework.results`), so a result that is cut here is refused there.
 MAX_RESULT = 4000
 
 
@@ -23,9 +23,9 @@ _OBJECT_FIELDS = (
 
 
 def result_text(report: RobotReport) -> str:
-    """A robot's result as YAML, whichever form it came in (docs/protocol.md, "Goals and results"); empty: none.
+    """Return a robot's result as YAML, whichever form it came in (docs/protocol.md, "Goals and results").
 
-    It is cut at `MAX_RESULT`.
+    It is cut at `MAX_RESULT`. Empty: the report has no result.
     """
     if report.generic_result is not None:
         return report.generic_result[:MAX_RESULT]

@@ -1,1 +1,1 @@
-"""What a restarted core continues from."""
+"""Saving the core's state, and continuing from it after a restart."""

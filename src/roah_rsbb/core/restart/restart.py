@@ -1,11 +1,11 @@
-"""What a restart of the core does not lose: the saved state of the box, and continuing from it.
+"""Continues from the saved state of the box after a restart of the core.
 
-Theory of operation. Whatever changes the state of a zone marks it. Whoever drives the box takes the marked ones
-with `Box.take_changed`, and records their saved state before carrying out any effect. After a restart `resume`
-builds every zone from its state: each run continues in its state, with its clocks, scores, strings and private
-port. Robots notice a gap of some seconds, and nothing else.
+Theory of operation. Whatever changes the state of a zone marks the zone. The driver of the box takes the marked zones
+with `Box.take_changed`, and records their state before it carries out any effect. After a restart, `resume` builds
+every zone from its state: each run continues with its state, clocks, scores, strings and private port. Robots only
+notice a gap of a few seconds.
 
-Active robots and nodes of benchmarking modules are not saved: both repeat everything that matters each second.
+Active robots and nodes of benchmarking modules are not saved. Both repeat everything important each second.
 """
 
 from typing import Dict, List, NamedTuple, Optional, Tuple
@@ -22,19 +22,19 @@ from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones, ZoneState
 from roah_rsbb.wording import times
 
-# A run that continued after a restart is marked for this long.
+# After a restart, a continued run shows this for so long.
 MARK_S = 60.0
 
 
 class BoxSaved(NamedTuple):
-    """The saved state of what belongs to no zone."""
+    """The saved state that belongs to no zone."""
 
     devices: DevicesState = DevicesState()
     tablet: TabletState = TabletState()
 
 
 class Saved(NamedTuple):
-    """Everything that a restart continues from, and when it was saved."""
+    """Everything from which a restarted core continues, and when it was saved."""
 
     utc: float  # UTC seconds of the last record before the restart
     box: BoxSaved
@@ -43,7 +43,7 @@ class Saved(NamedTuple):
 
 
 class Restart:
-    """Continues the runs of the core before, and marks them for a while."""
+    """Continues the previous core's runs, and marks them for a while."""
 
     def __init__(
         self, zones: Zones, finished: FinishedRuns, connections: Connections, watches: Watches, outbox: Outbox
@@ -53,7 +53,7 @@ class Restart:
         self._connections = connections
         self._watches = watches
         self._outbox = outbox
-        self._restarted: Optional[Tuple[float, str]] = None  # monotonic time (s), and what is said of it
+        self._restarted: Optional[Tuple[float, str]] = None  # monotonic time (s), and the warning's text
 
     def resume(self, now: Now, saved: Saved) -> None:
         """Continue all runs that can be continued."""
@@ -61,7 +61,7 @@ class Restart:
         for name, state in saved.zones.items():
             zone = self._zones.get(name)
             if zone is None:
-                self._lost(now, state, f"zone '{name}' is not in the schedule any more")
+                self._lost(now, state, f"zone '{name}' is no longer in the schedule")
             else:
                 self._try_to_resume(now, zone, state)
         runs = self._zones.runs()
@@ -79,14 +79,14 @@ class Restart:
             self._outbox.emit(effects.SendBeacon())
 
     def warnings(self, now: Now, run: ZoneRun) -> List[str]:
-        """What the referee of a run should know of a restart, for a while."""
+        """Return the warning about the restart for the referee of a run, for a while."""
         if self._restarted is None or now.mono - self._restarted[0] > MARK_S:
             return []
         was_there = any(member.resumed for member in run.members())
         return [f"{self._restarted[1]}: the run continued"] if was_there else []
 
     def _give_up(self, record: RunRecord, utc: float) -> None:
-        """Close a run that cannot continue, at the time when the core was last there. It can still be corrected."""
+        """Close a run that cannot continue, at the time when the previous core ended. It can still be corrected."""
         record = left_behind(record, utc)
         self._finished.add(record)
         self._outbox.emit(effects.RecordChanged(record))
@@ -97,12 +97,12 @@ class Restart:
             if zone.resume_at(state):
                 self._connections.reopen(now, zone, state)
             else:
-                self._lost(now, state, f"its event is not in the schedule of zone '{zone.name}' any more")
+                self._lost(now, state, f"its event is no longer in the schedule of zone '{zone.name}'")
         except Exception as error:
-            # One zone's invalid state must not stop the other zones, or every new start.
+            # One zone's invalid state must stop neither the other zones nor every new start.
             self._outbox.drop_since(place)
             zone.run = None
-            self._lost(now, state, f"its saved state makes no sense ({type(error).__name__}: {error})")
+            self._lost(now, state, f"its saved state is invalid ({type(error).__name__}: {error})")
 
     def _lost(self, now: Now, state: ZoneState, why: str) -> None:
         """Report a run that cannot continue. Its scores are in the journal."""

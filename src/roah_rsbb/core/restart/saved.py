@@ -1,15 +1,15 @@
-"""Saved state: what outlives the process, as values that JSON can hold.
+"""Saved state: what survives the process, as values that JSON can represent.
 
-Theory of operation. Each object with a state that a restart must not lose keeps it in one dataclass, its `state`,
-and works on that. Its constructor takes either no state, or one that was saved. `freeze` makes JSON's values of a
-state, `thaw` makes the state again: by the names of its fields and their types, so that a state which an older
-version wrote can still be read, as long as new fields have defaults.
+Theory of operation. Each object whose state a restart must keep has it in one dataclass, its `state`, and works on
+that. Its constructor takes either no state or a saved one. `freeze` converts a state to JSON values. `thaw` converts
+these back, using the names and types of the fields. A state that an older version wrote can therefore still be read if
+new fields have defaults.
 
-A moment on the monotonic clock means nothing after a restart of the computer. Fields of that kind are declared as
-`Mono`, and `thaw` moves all of them by the same amount (see `Anchor`).
+A monotonic time is meaningless after a restart of the computer. Fields with such times are declared as `Mono`, and
+`thaw` moves all of them by the same amount (see `Anchor`).
 
-Why no library: each rule of the journal's format (enumerations by name, defaults left out, moments moved, exact types)
-would need a hook of its own, and the library would have to be packaged for every system that the box runs on.
+Why this uses no library: each rule of the journal's format (enumerations by name, defaults omitted, times moved, exact
+types) would need its own hook, and the library would have to be packaged for every system that the box runs on.
 """
 
 import dataclasses
@@ -19,12 +19,12 @@ from typing import Any, Callable, Dict, NamedTuple, NewType, Optional, Tuple, Ty
 
 from roah_rsbb.core.clock import Now
 
-# A moment on the monotonic clock, in seconds.
+# A monotonic time, in seconds.
 Mono = NewType("Mono", float)
 
-# No clock shows so many seconds.
+# No clock reaches this many seconds.
 _LAST_MOMENT = 1e12
-# Stands for the default of a field that has none.
+# Marks a field without a default.
 _REQUIRED = object()
 
 T = TypeVar("T")
@@ -36,17 +36,17 @@ class BadState(Exception):
 
 
 class Anchor(NamedTuple):
-    """One moment on both clocks, and which start of the computer the monotonic one belongs to."""
+    """One moment on both clocks, and the boot of the computer to which the monotonic time belongs."""
 
     mono: float
     utc: float
     boot: str
 
     def shift(self, now: Now, boot: str) -> float:
-        """Return by how many seconds to move the moments that were saved at this anchor, now and in this `boot`.
+        """Return by how many seconds to move the times that were saved at this anchor, now and in this `boot`.
 
-        Within one start of the computer the monotonic clock is right. Otherwise UTC must do: if it went backwards
-        in between, no time passed.
+        Within one boot, the monotonic clock is right. After a reboot, UTC is used; if it was set back in between, the
+        elapsed time counts as zero.
         """
         if boot == self.boot:
             return 0.0
@@ -55,7 +55,7 @@ class Anchor(NamedTuple):
 
 
 def freeze(value: Any) -> Any:
-    """Return JSON's form of a state. Fields that have their default are left out."""
+    """Convert a state to JSON values. Fields with their default value are omitted."""
     if value is None or value.__class__ in (bool, int, float, str):
         return value
     if isinstance(value, enum.Enum):
@@ -74,7 +74,7 @@ def freeze(value: Any) -> Any:
 
 @functools.lru_cache(maxsize=None)
 def _defaults(cls: type) -> Tuple[Tuple[str, Any], ...]:
-    """The names of a state's fields, each with its default."""
+    """Return the names of a state's fields, each with its default."""
     if hasattr(cls, "_fields"):
         return tuple((name, cls._field_defaults.get(name, _REQUIRED)) for name in cls._fields)
     return tuple((field.name, _default(field)) for field in dataclasses.fields(cls))
@@ -87,7 +87,7 @@ def _default(field: dataclasses.Field) -> Any:
 
 
 def thaw(cls: Callable[..., T], data: Any, shift: float = 0.0) -> T:
-    """Return the state of type `cls` that `freeze` made `data` of, with moments moved by `shift` seconds.
+    """Return the state of type `cls` that `freeze` converted to `data`. Times are moved by `shift` seconds.
 
     Raises `BadState`.
     """
@@ -107,7 +107,7 @@ def _moment(data: Any) -> float:
 
 @functools.lru_cache(maxsize=None)
 def _thaw_of(hint: Any) -> _Thaw:
-    """How values of a type are read."""
+    """Return the function that reads values of a type."""
     if hint is Mono:
         return lambda data, shift: _moment(data) + shift
     if hint is Now:

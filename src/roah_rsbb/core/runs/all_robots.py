@@ -1,11 +1,11 @@
 """A run of all robots at once (HSUF): a member for each robot, and one clock, score sheet and log for all.
 
-Theory of operation. Each member is a whole `Run` with its own port, channel, run log and state machine, so that one
-robot's failure does not end another robot's run. What all share is here: the referee's commands go to all members,
-the run ends with the last of them, and their messages are shown with the robot's name.
+Theory of operation. Each member is a `Run` with its own port, channel, run log and state machine, so one robot's
+failure does not end another robot's run. This file has what they share: the referee's commands go to all members, the
+run ends with the last of them, and their messages are shown with the robot's name.
 
-*Start* waits a moment for robots that were just connected or just stopped. Robots that are not ready then are left
-out, and join as soon as they are ready.
+*Start* waits briefly for robots that were just connected or just stopped. Robots that are not ready then are left out,
+and join as soon as they are ready.
 """
 
 from typing import Dict, List, NamedTuple, Optional, Tuple
@@ -26,21 +26,21 @@ SETTLE_S = SILENT_S
 
 
 class Counts(NamedTuple):
-    """How many robots do what, by the states that the box sends. The sum is the number of robots."""
+    """How many robots are doing what, by the states that the box sends. The sum is the number of robots."""
 
     preparing: int
     executing: int
     stopped: int
 
 
-# What a member's end is called where all are counted.
+# How the ends of the members are worded where they are counted.
 ENDS: Dict[EndReason, str] = {
     EndReason.COMPLETED: "completed",
     EndReason.STOPPED: "stopped by the referee",
     EndReason.TIMEOUT: "out of time",
     EndReason.NO_MESSAGES_SAVED: "saved no offline data",
 }
-# What the end of the whole run is called.
+# How the end of the whole run is worded.
 WHOLE_ENDS: Dict[EndReason, str] = {
     EndReason.COMPLETED: "All robots have ended",
     EndReason.STOPPED: EndReason.STOPPED.value,
@@ -53,7 +53,7 @@ DOINGS: Dict[BoxState, str] = {
 
 
 class MemberRun(Run):
-    """One robot's part in a run of all robots. In phase *connected* it is left out, as long as the others run."""
+    """One robot's part in a run of all robots. It is left out while it is in phase *connected* and others run."""
 
     def __init__(
         self, now: Now, whole: "AllRobotsRun", assignment: Assignment, context: RunContext,
@@ -64,12 +64,12 @@ class MemberRun(Run):
         self.clock, self.state.clock = whole.clock, whole.clock.state
 
     def leave_out(self, now: Now) -> None:
-        """The others start without this robot, which is not ready."""
+        """Note that the others start without this robot, which is not ready."""
         self.state.phase, self.state.end_reason = Phase.CONNECTED, None
         self.say(now, Level.WARNING, f"left out until it is ready: {self.why_not_ready(now)}")
 
     def why_not_ready(self, now: Now) -> str:
-        """Why the robot cannot be started now; empty: it can."""
+        """Return why the robot cannot be started now; empty: it can."""
         return "; ".join(self.link.not_ready(now))
 
     def on_report(self, now: Now, host: str, report: RobotReport) -> bool:
@@ -79,7 +79,7 @@ class MemberRun(Run):
         return is_fresh
 
     def doing(self, now: Now) -> str:
-        """What the robot is doing, in a few words."""
+        """Return what the robot is doing, in a few words."""
         if self.phase is Phase.CONNECTED:
             why = self.why_not_ready(now)
             return f"not ready: {why}" if why else "ready"
@@ -87,30 +87,30 @@ class MemberRun(Run):
         return f"{done}, messages saved: {self.link.messages_saved}"
 
     def _time_out(self, now: Now) -> None:
-        """The bell rings once for all."""
+        """Do nothing: the whole run rings the bell, once."""
         self._end(now, EndReason.TIMEOUT)
 
     def _record_changed(self, now: Now) -> None:
-        """The whole run has one record for all."""
+        """Report the change to the whole run, which has the only record."""
 
     def say(self, now: Now, level: Level, text: str) -> None:
-        """The log is one for all; it names the robot."""
+        """Log a line in the shared log, with the robot's name."""
         self._whole.say(now, level, f"{self.robot}: {text}")
 
     def tell_online(self, now: Now, text: str) -> None:
-        """The same for online data."""
+        """As `say`, for online data."""
         self._whole.tell_online(now, f"{self.robot}: {text}")
 
 
 class AllRobotsRun(ZoneRun):
-    """See `ZoneRun`. It has at least one member whenever somebody looks at it."""
+    """See `ZoneRun`. It always has at least one member outside its constructor."""
 
     state: AllRobotsState
 
     def __init__(
         self, now: Now, first: Assignment, context: RunContext, state: Optional[AllRobotsState] = None
     ) -> None:
-        """`first`: the robot that is added first. `state`: of a run that continues after a restart of the core."""
+        """`first`: the first robot. `state`: of a run that continues after a restart of the core."""
         super().__init__(first.zone, first.event, context, state or AllRobotsState(
             first.identity(now), now.utc, Phase.CONNECTED, None, "", CountdownState(), BookState()))
         self._context = context
@@ -123,7 +123,7 @@ class AllRobotsRun(ZoneRun):
     # -- members ------------------------------------------------------------------------------------
 
     def add(self, now: Now, assignment: Assignment) -> None:
-        """Add one more robot, whose channel is being opened."""
+        """Add a robot whose channel is being opened."""
         member = MemberRun(now, self, assignment, self._context)
         self._members.append(member)
         self.state.members.append(member.state)
@@ -131,7 +131,7 @@ class AllRobotsRun(ZoneRun):
         member.open(now)
 
     def resume(self) -> None:
-        """Continue where the run was when the core ended."""
+        """Continue in the saved state."""
         for member in self._members:
             member.resume()
 
@@ -146,7 +146,7 @@ class AllRobotsRun(ZoneRun):
         return self if self._members else None
 
     def on_member_heard(self, now: Now, member: MemberRun) -> None:
-        """A message of a robot was taken: it may join the others, or have been the last to end."""
+        """Handle a message that a member took. The member may now join the others, or be the last to end."""
         if self.phase is Phase.RUNNING and member.phase is Phase.CONNECTED and not member.why_not_ready(now):
             self.say(now, Level.INFO, f"{member.robot} is ready now, and joins the run")
             member.start(now)
@@ -155,7 +155,7 @@ class AllRobotsRun(ZoneRun):
     # -- the referee --------------------------------------------------------------------------------
 
     def start(self, now: Now) -> None:
-        """See `ZoneRun`. The members start the clock that they share, and stop it when they end."""
+        """See `ZoneRun`. All members share the clock: they start it, and stop it when they end."""
         self.state.phase, self.state.end_reason = Phase.RUNNING, None
         self._note_start(now)
         for member in self._members:
@@ -181,7 +181,7 @@ class AllRobotsRun(ZoneRun):
     # -- time ---------------------------------------------------------------------------------------
 
     def deadline(self) -> Optional[float]:
-        """See `ZoneRun`. The members share the clock: whoever of them runs knows when it is over."""
+        """See `ZoneRun`. Any running member knows when the shared clock is over."""
         times = [member.deadline() for member in self._members]
         return min((t for t in times if t is not None), default=None)
 
@@ -212,7 +212,7 @@ class AllRobotsRun(ZoneRun):
         self._note_end(now, self.desc, by)
         self.say(now, Level.INFO, self.desc)
 
-    # -- for the referee's eyes ---------------------------------------------------------------------
+    # -- for the referee ------------------------------------------------------------------------------
 
     def start_off(self, now: Now) -> List[str]:
         """See `ZoneRun`. A robot that is not ready delays the start only for a moment, unless no robot is ready."""
@@ -245,13 +245,13 @@ class AllRobotsRun(ZoneRun):
         ]
 
     def counts(self) -> Counts:
-        """How many robots do what."""
+        """Return how many robots are doing what."""
         states = [member.message.state for member in self._members]
         preparing, stopped = states.count(BoxState.PREPARE), states.count(BoxState.STOP)
         return Counts(preparing, len(states) - preparing - stopped, stopped)
 
     def robots(self, now: Now) -> List[str]:
-        """Each robot and what it is doing, a line each."""
+        """Return a line for each robot: its name and what it is doing."""
         return [f"{member.robot}: {member.doing(now)}" for member in self._members]
 
     def _robot_names(self) -> Tuple[str, ...]:

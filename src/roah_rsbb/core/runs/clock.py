@@ -1,4 +1,4 @@
-"""The times of a run: its countdowns, and the watch on the robot's offline data.
+"""The times of a run: its countdowns, and the check that the robot saves offline data.
 
 Both use the monotonic clock only (docs/architecture.md, "Two clocks").
 """
@@ -15,9 +15,9 @@ from roah_rsbb.protocol import BoxState, RobotState
 
 @dataclass
 class CountdownState:
-    """Where a countdown is."""
+    """The state of a countdown."""
 
-    deadline: Optional[Mono] = None  # as if there were no more pauses; None: not started
+    deadline: Optional[Mono] = None  # without further pauses; None: not started
     paused_at: Optional[Mono] = None
     stopped_at: Optional[Mono] = None  # of a run's clock only
 
@@ -30,7 +30,7 @@ class Countdown:
         self.state = state or CountdownState()
 
     def start(self, now: Now) -> None:
-        """Start it. Only the first call has an effect."""
+        """Start counting. Later calls have no effect."""
         if self.state.deadline is None:
             self.state.deadline = now.mono + self._seconds
 
@@ -40,13 +40,13 @@ class Countdown:
             self.state.paused_at = now.mono
 
     def resume(self, now: Now) -> None:
-        """Count again."""
+        """Continue counting."""
         if self.state.paused_at is not None:
             self.state.deadline += now.mono - self.state.paused_at
             self.state.paused_at = None
 
     def set_paused(self, now: Now, paused: bool) -> None:
-        """Pause or resume, whatever it is now."""
+        """Pause or resume, whichever state it is in."""
         (self.pause if paused else self.resume)(now)
 
     @property
@@ -61,11 +61,11 @@ class Countdown:
 
     @property
     def paused(self) -> bool:
-        """Whether time does not count at the moment."""
+        """Whether the countdown is paused."""
         return self.state.paused_at is not None
 
     def deadline(self) -> Optional[float]:
-        """Monotonic time (s) of its end; None: it is not started, or paused."""
+        """Monotonic time (s) of the end; None: not started, or paused."""
         return None if self.paused else self.state.deadline
 
     def is_over(self, now: Now) -> bool:
@@ -80,24 +80,25 @@ class Countdown:
         return max(0.0, self.state.deadline - (self.state.paused_at if self.paused else now.mono))
 
     def elapsed(self, now: Now) -> float:
-        """Seconds that counted so far, at most all."""
+        """Seconds counted so far, at most the whole countdown."""
         return self._seconds - self.left(now)
 
 
 class RunClock(Countdown):
-    """Counts from the first start to the timeout. Stopped time counts (docs/protocol.md, "State machines")."""
+    """Counts from the first start to the timeout. It keeps counting after a stop (docs/protocol.md, "State
+    machines")."""
 
     def __init__(self, timeout: float, after_stop: float, state: Optional[CountdownState] = None) -> None:
         super().__init__(timeout, state)
         self._after_stop = after_stop
 
     def start(self, now: Now) -> None:
-        """The first start sets the deadline, a later one keeps it."""
+        """Set the deadline at the first start. Later starts keep it."""
         super().start(now)
         self.state.stopped_at = None
 
     def stop(self, now: Now) -> None:
-        """The run was stopped. The deadline stays, and a pause ends with the run."""
+        """Note that the run was stopped. The deadline stays, and a pause ends."""
         self.resume(now)
         self.state.stopped_at = now.mono
 
@@ -106,19 +107,19 @@ class RunClock(Countdown):
         return 0.0 if self.state.stopped_at is None else max(0.0, self.state.stopped_at + self._after_stop - now.mono)
 
     def shown(self, now: Now, ended: bool) -> float:
-        """Seconds left until the timeout or, in a run that ended, of the time after the stop; at least 0."""
+        """Return the seconds left until the timeout or, if the run ended, of the time after the stop; at least 0."""
         return self.after_stop(now) if ended and self.state.stopped_at is not None else self.left(now)
 
 
 class SavingWatch:
-    """Ends a run whose robot executes for some time with `messages_saved` at 0 (docs/protocol.md, "Timing")."""
+    """Ends a run if its robot executes for some time with `messages_saved` at 0 (docs/protocol.md, "Timing")."""
 
     def __init__(self, settings: Settings) -> None:
         self._timeout = settings.check_messages_saved_timeout if settings.check_messages_saved else None
         self._since: Optional[float] = None
 
     def see(self, now: Now, box: BoxState, report: RobotReport) -> None:
-        """Take a fresh message of the robot."""
+        """Take a fresh message from the robot."""
         executing = box is BoxState.WAITING_RESULT and report.state is RobotState.EXECUTING
         if not executing or report.messages_saved > 0:
             self._since = None
@@ -126,7 +127,7 @@ class SavingWatch:
             self._since = now.mono
 
     def deadline(self) -> Optional[float]:
-        """Monotonic time (s) at which the run ends if nothing is saved before."""
+        """Monotonic time (s) at which the run ends if the robot saves nothing before."""
         if self._timeout is None or self._since is None:
             return None
         return self._since + self._timeout

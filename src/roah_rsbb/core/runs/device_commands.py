@@ -1,9 +1,9 @@
 """A robot's commands to the home devices and the tablet's display.
 
-They are obeyed in HCFGAC only. In every other benchmark they are ignored, and that is reported once
-(docs/benchmarks.md, "HCFGAC"). Robots repeat their wishes in every message, so a command is obeyed once per change: a
-repeated value never undoes what the referee operated since. The first values count as a change, but not those of the
-first message: there a client of 2015 still sends the wishes of its previous run (docs/protocol.md, "Device commands").
+They are obeyed in HCFGAC only. In every other benchmark they are ignored, which is reported once (docs/benchmarks.md,
+"HCFGAC"). Robots repeat their commands in every message. Therefore each change is obeyed once, and a repeated value
+never undoes what the referee operated in the meantime. The first values count as a change, except those of the first
+message, in which a client of 2015 still sends the commands of its previous run (docs/protocol.md, "Device commands").
 """
 
 from dataclasses import dataclass
@@ -17,22 +17,22 @@ SWITCHES = ("switch_1", "switch_2", "switch_3")
 PERCENTAGES = ("dimmer", "blinds")
 FIELDS = SWITCHES + PERCENTAGES + ("display_map",)
 
-# Values of FIELDS; None: not wished.
+# Values of FIELDS; None: no command.
 Wishes = Tuple[object, ...]
 NO_WISHES: Wishes = (None,) * len(FIELDS)
 
 
 class Taken(NamedTuple):
-    """What follows from one message."""
+    """The consequences of a message."""
 
     commands: List[Tuple[str, int]]  # device and value: switches 0 or 1, the others per cent
-    display_map: Optional[bool]  # switch the tablet to this; None: leave it
+    display_map: Optional[bool]  # the tablet's new view; None: unchanged
     problems: List[str]  # for the referee
 
 
 @dataclass
 class DeviceCommandsState:
-    """What was obeyed in a run. It is not obeyed again when the robot repeats it."""
+    """The commands that were obeyed in a run. Repetitions of these are not obeyed again."""
 
     had_first: bool = False
     told_ignored: bool = False
@@ -40,7 +40,7 @@ class DeviceCommandsState:
 
 
 class DeviceCommands:
-    """The wishes of the robot in one run."""
+    """The robot's commands in one run."""
 
     def __init__(self, code: str, state: Optional[DeviceCommandsState] = None) -> None:
         self._obeys = code == CATERING
@@ -48,7 +48,7 @@ class DeviceCommands:
         self.state = state or DeviceCommandsState()
 
     def take(self, report: RobotReport) -> Taken:
-        """Take a fresh message; only what changed since the messages before is a command."""
+        """Take a fresh message. A command is only what changed since the earlier messages."""
         taken = Taken([], None, [])
         wishes = tuple(getattr(report, field) for field in FIELDS)
         had_first, self.state.had_first = self.state.had_first, True
@@ -56,7 +56,7 @@ class DeviceCommands:
             return taken
         if not self._obeys:
             return taken._replace(problems=self._tell_ignored())
-        # A field that is not sent any more is neither a command nor forgotten.
+        # A field that the robot stops sending is no command, and its last value is kept.
         before = self.state.wishes
         self.state.wishes = tuple(old if new is None else new for old, new in zip(before, wishes))
         for field, old, new in zip(FIELDS, before, self.state.wishes):
@@ -65,7 +65,7 @@ class DeviceCommands:
             if field == "display_map":
                 taken = taken._replace(display_map=bool(new))
             elif field in PERCENTAGES and new > 100:
-                taken.problems.append(f"Robot sets {field} to {new}: not obeyed, it takes 0 to 100 per cent")
+                taken.problems.append(f"Robot sets {field} to {new}: ignored, because the range is 0 to 100 per cent")
             else:
                 taken.commands.append((field, int(new)))
         return taken
@@ -74,4 +74,4 @@ class DeviceCommands:
         if self.state.told_ignored:
             return []
         self.state.told_ignored = True
-        return [f"Robot commands devices or tablet in {self._code}: ignored, only {CATERING} has that"]
+        return [f"Robot commands devices or tablet in {self._code}: ignored, because only {CATERING} allows that"]

@@ -1,7 +1,7 @@
-"""A run of a functionality benchmark: the module asks, the core does it and answers.
+"""A run of a functionality benchmark: the module sends requests, the core carries them out and answers.
 
-See `roah_rsbb.core.modules.messages` for how both talk. The core knows goals, manual operations and
-timeouts, but no rule of any benchmark.
+`roah_rsbb.core.modules.messages` has their messages. The core knows goals, manual operations and timeouts, but no rule
+of any benchmark.
 """
 
 import json
@@ -32,23 +32,23 @@ from roah_rsbb.core.scoring.book import Marked
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.protocol import BoxState
 
-# No benchmark has more steps. The module is out of control.
+# No benchmark has more steps. A module with more is out of control.
 MAX_STEPS = 2000
 
 HOPF = "HOPF"
-HPFF = "HPFF"  # a robot that follows until the timeout has done its task
+HPFF = "HPFF"  # the robot has completed its task if it follows until the timeout
 
 
 @dataclass
 class FunctionalityState:
-    """What a functionality run has besides the state of every run."""
+    """What the state of a functionality run has besides the state of every run."""
 
     attempt: int
     steps: List[Step] = field(default_factory=list)
     scores: Tuple[ScoreValue, ...] = ()
     switches: Optional[SwitchesState] = None
-    held: bool = False  # the module is gone: time does not count
-    kept: str = ""  # JSON that the module asked to keep
+    held: bool = False  # the module is missing, so the run is paused
+    kept: str = ""  # JSON that the core keeps for the module
     goal: Optional[GoalState] = None  # of the last step
 
 
@@ -59,7 +59,7 @@ class FunctionalityRun(Run):
         self, now: Now, assignment: Assignment, context: RunContext, modules: Modules,
         state: Optional[RunState] = None, of_module: Optional[FunctionalityState] = None,
     ) -> None:
-        """`state` and `of_module`: of a run that continues after a restart of the core."""
+        """`state` and `of_module` belong to a run that continues after a restart of the core."""
         super().__init__(now, assignment, context, state)
         self.of_module = of_module or FunctionalityState(0)
         self.switches = None if self.of_module.switches is None else Switches(self.of_module.switches)
@@ -77,7 +77,7 @@ class FunctionalityRun(Run):
 
     @property
     def steps(self) -> List[Step]:
-        """What the module asked for in this attempt, and what came of it."""
+        """The module's requests in this attempt, and their outcomes."""
         return self.of_module.steps
 
     @property
@@ -87,7 +87,7 @@ class FunctionalityRun(Run):
 
     @property
     def held(self) -> bool:
-        """Whether the module is gone, so that time does not count."""
+        """Whether the run is paused because the module is missing."""
         return self.of_module.held
 
     def open(self, now: Now) -> None:
@@ -96,49 +96,49 @@ class FunctionalityRun(Run):
         self._changed()
 
     def resume(self) -> None:
-        """See `Run.resume`. Modules continue by themselves, as after a restart of their own."""
+        """See `Run.resume`. Modules continue by themselves, as after their own restart."""
         super().resume()
         self._changed()
 
     # -- the referee --------------------------------------------------------------------------------
 
     def _begin(self, now: Now) -> None:
-        """A new attempt; the module begins anew."""
+        """Begin a new attempt. The module begins again, too."""
         self.of_module = FunctionalityState(self.attempt + 1)
         self.switches, self._goal, self._node, self._progress = None, None, "", None
         self._set_state(now, BoxState.STOP, "Started: the benchmarking module begins")
         self._changed()
 
     def _score_changed(self, now: Now, marked: Marked) -> None:
-        """As for every run; the module can read the referee's scores."""
+        """See `ZoneRun._score_changed`. Modules can read the referee's scores."""
         super()._score_changed(now, marked)
         self._changed()
 
     @property
     def asked(self) -> Optional[Request]:
-        """What the referee is asked to do now; None: nothing."""
+        """The manual operation that the referee must do now; None: no operation."""
         request = self._open_request()
         wanted = (RequestKind.REFEREE, RequestKind.SWITCHES)
         return request if request is not None and request.kind in wanted else None
 
     def complete_operation(self, now: Now, operation: int, answer: str) -> None:
-        """The referee did what was asked for; raises `Refused` (see `check_answer`)."""
+        """The referee has done the manual operation. Raises `Refused` (see `check_answer`)."""
         asked = self.asked
         if asked is None or asked.kind is not RequestKind.REFEREE:
-            raise Refused([f"no manual operation is asked for in zone '{self.zone}'"])
+            raise Refused([f"zone '{self.zone}' has no manual operation now"])
         answer = check_answer(asked, operation, answer)
         self._emit(effects.RunLogged(self.port, run_log.MANUAL_OPERATION, f"{asked.text}: done {answer}".rstrip()))
         self.say(now, Level.INFO, f"Manual operation done: {asked.text} {answer}".rstrip())
         self._answer_referee(now, Outcome(OutcomeKind.DONE, answer=answer, ended_utc=now.utc))
 
     def sheet_of_switches(self) -> Switches:
-        """HOMF: where the referee enters switches; raises `Refused` when there are none."""
+        """HOMF: return the switches that the referee enters. Raises `Refused` if the run has none now."""
         if self.switches is None or self.phase is not Phase.RUNNING:
-            raise Refused([f"zone '{self.zone}' has no switches to enter: only HOMF has them, from its goal on"])
+            raise Refused([f"zone '{self.zone}' has no switches to enter: only HOMF has them, from its first goal"])
         return self.switches
 
     def switches_entered(self, now: Now, topic: str, value: int) -> None:
-        """The referee says of a switch, or of damaged ones, what the run keeps; `topic` and `value` of the log."""
+        """Keep what the referee entered about a switch or about damaged ones; `topic` and `value` are for the log."""
         switches = self.sheet_of_switches()
         self._emit(effects.RunLogged(self.port, topic, value))
         text = json.dumps({"changed": switches.changed, "on": switches.on, "damaged": switches.damaged})
@@ -146,7 +146,7 @@ class FunctionalityRun(Run):
         self.say(now, Level.INFO, f"Switches changed: {switches.changed or 'none'}, damaged: {switches.damaged}")
 
     def complete_switches(self, now: Now) -> None:
-        """HOMF: the referee confirms what was entered; raises `Refused`."""
+        """HOMF: the referee confirms the entered switches. Raises `Refused`."""
         asked = self.asked
         if asked is None or asked.kind is not RequestKind.SWITCHES:
             raise Refused(["the switches cannot be confirmed yet: the robot has not finished"])
@@ -165,7 +165,7 @@ class FunctionalityRun(Run):
     # -- the module ---------------------------------------------------------------------------------
 
     def on_modules(self, now: Now) -> None:
-        """A node of modules was heard, or is gone: see who drives this run, and what it wants."""
+        """A node of modules was heard or is missing: update this run's driver, and take its progress."""
         driver = self._modules.driver(now, self.event.benchmark.code)
         self._note_driver(now, driver)
         if driver is None or not self.attempt:
@@ -183,7 +183,7 @@ class FunctionalityRun(Run):
             if not self.held:
                 self.of_module.held = True
                 self._set_pauses(now)
-                self.say(now, Level.ERROR, "Benchmarking module is gone: the run is held, its time does not count")
+                self.say(now, Level.ERROR, "Benchmarking module is missing: the run is paused")
             return
         if self._node not in ("", driver.node):
             self.say(now, Level.WARNING, f"Benchmarking module is back, at step {len(self.steps)}: the run continues")
@@ -195,9 +195,9 @@ class FunctionalityRun(Run):
             self._set_pauses(now)
 
     def _take(self, now: Now, progress: Progress) -> None:
-        """Do what the module asks for. Its scores count even after the attempt."""
+        """Do what the module requests. Its scores count even after the attempt."""
         if _number(progress) < len(self.steps) and not progress.failed:
-            return  # it was restarted, and has not caught up yet
+            return  # it was restarted, and has not yet reached the current step
         before, self._progress = self._progress, progress
         if progress.scores != self.scores:
             self.of_module.scores = progress.scores
@@ -221,7 +221,8 @@ class FunctionalityRun(Run):
             self._open(now, progress.request)
 
     def _end_by_module(self, now: Now) -> None:
-        """The module has no more requests. Only a robot that completed a goal completed the benchmark."""
+        """End the run: the module has no more requests. The benchmark counts as completed if the robot completed a
+        goal."""
         ends = [step.outcome.kind for step in self.steps
                 if step.request.kind is RequestKind.GOAL and step.outcome is not None]
         late = 0 if self.event.benchmark.code == HPFF else ends.count(OutcomeKind.TIMED_OUT)
@@ -250,14 +251,14 @@ class FunctionalityRun(Run):
         self._changed()
 
     def _problem(self, request: Request) -> str:
-        """What is wrong with a request. The module is at fault, not the robot."""
+        """Return what is wrong with a request; empty: nothing. The module is at fault, not the robot."""
         if len(self.steps) >= MAX_STEPS:
-            return f"it asked for more than {MAX_STEPS} things"
+            return f"it made more than {MAX_STEPS} requests"
         size = len(request.goal.encode()) + len(request.initial_state) * 2 + len(request.switches) * 6
         if size > self._max_goal:
-            return f"its goal takes {size} bytes, and a datagram has room for {self._max_goal}"
+            return f"its goal takes {size} bytes, and a datagram can carry {self._max_goal}"
         if request.kind is RequestKind.SWITCHES and self.switches is None:
-            return "it asks for switches, but no goal had any"
+            return "it requests switches, but none of its goals had any"
         return ""
 
     def _answer(self, outcome: Outcome) -> None:
@@ -273,7 +274,7 @@ class FunctionalityRun(Run):
         self._emit(effects.ModuleRunsChanged())
 
     def for_module(self) -> RunForModule:
-        """What the module needs to know of the run."""
+        """Return what the module needs to know of the run."""
         event, goal = self.event, self.of_module.goal
         return RunForModule(
             self.identity, self.attempt, self.zone, event.benchmark.code, event.team, event.round, event.run,
@@ -302,7 +303,7 @@ class FunctionalityRun(Run):
         self._set_state(now, BoxState.PREPARE, "Requested the robot to prepare for a new goal")
 
     def _step(self, now: Now, report: RobotReport) -> None:
-        """Only a goal moves the machine. Between goals the robot waits."""
+        """React to a message of the robot, if there is a goal. Between goals, the robot waits."""
         goal = self._goal
         if goal is None:
             return
@@ -319,7 +320,7 @@ class FunctionalityRun(Run):
         elif reaction is Reaction.AWAIT_RESULT:
             self._set_state(now, BoxState.WAITING_RESULT, "Robot received the goal, waiting for its result")
         elif reaction is Reaction.RETRY:
-            self._set_state(now, BoxState.PREPARE, f"Robot fell back to {report.state.name}: asked to prepare again")
+            self._set_state(now, BoxState.PREPARE, f"Robot fell back to {report.state.name}: preparing again")
         elif reaction is Reaction.GOAL_DONE:
             self._goal_done(now, goal, result_text(report))
 
@@ -348,18 +349,18 @@ class FunctionalityRun(Run):
     # -- time ---------------------------------------------------------------------------------------
 
     def _set_pauses(self, now: Now) -> None:
-        """Time does not count while the referee works or the module is absent."""
+        """Pause the clock and the goal while the referee works or the module is missing."""
         self.clock.set_paused(now, self.held or self.asked is not None)
         if self._goal is not None:
             self._goal.clock.set_paused(now, self.held)
 
     def deadline(self) -> Optional[float]:
-        """See `Run.deadline`; a goal's timeout, too."""
+        """See `Run.deadline`. Includes the goal's timeout."""
         goal = None if self._goal is None else self._goal.clock.deadline()
         return min((t for t in (super().deadline(), goal) if t is not None), default=None)
 
     def tick(self, now: Now) -> None:
-        """See `Run.tick`. A goal that ends before or with the run ends first."""
+        """See `Run.tick`. A goal that ends before or together with the run ends first."""
         goal = self._goal
         if goal is not None and self.phase is Phase.RUNNING and goal.clock.is_over(now):
             due = goal.clock.deadline()
@@ -379,10 +380,10 @@ class FunctionalityRun(Run):
         super().close(now, by)
         self._changed()
 
-    # -- for the referee's eyes ---------------------------------------------------------------------
+    # -- for the referee ------------------------------------------------------------------------------
 
     def timer(self, now: Now) -> float:
-        """Seconds left of the present goal, or of the run if there is none."""
+        """Seconds left of the current goal, or of the run if it has no goal now."""
         left = super().timer(now)
         return left if self._goal is None else min(left, self._goal.clock.left(now))
 
@@ -399,14 +400,14 @@ class FunctionalityRun(Run):
         return "the benchmarking module is missing" if self.held else "manual operation"
 
     def start_off(self, now: Now) -> List[str]:
-        """Why the run cannot be started: the module first."""
+        """Return why the run cannot be started. Reasons of the module come first."""
         return self._modules.start_off(now, self.event.benchmark.code) + super().start_off(now)
 
     def warnings(self, now: Now) -> List[str]:
-        """What the referee should check now, the module first."""
+        """Return the referee's warnings. Those of the module come first."""
         found: List[str] = []
         if self.held:
-            found.append("Benchmarking module not connected: the run is held until it is back. Its time does not count")
+            found.append("Benchmarking module not connected: the run is paused until it is back")
         found += self._modules.warnings(now, self.event.benchmark.code)
         if self._progress is not None:
             found += self._progress.warnings
@@ -414,17 +415,17 @@ class FunctionalityRun(Run):
 
     @property
     def module_status(self) -> str:
-        """What the module says it is doing."""
+        """What the module reports that it is doing."""
         return "" if self._progress is None else self._progress.status
 
     def status_lines(self, now: Now) -> List[str]:
-        """What is asked of the referee, how long the run may take, what the module says."""
+        """Return the open manual operation, the time left for the benchmark, and what the module reports."""
         lines: List[str] = []
         if self.phase is Phase.RUNNING:
             if self.asked is not None:
                 lines.append(f"Manual operation: {self.asked.text}")
             minutes, seconds = divmod(int(self.clock.left(now)), 60)
-            paused = " (does not count now)" if self.clock.paused else ""
+            paused = " (paused)" if self.clock.paused else ""
             lines.append(f"Benchmark timeout: {minutes:02d}:{seconds:02d}{paused}")
         return lines + ([self.module_status] if self.module_status else []) + super().status_lines(now)
 

@@ -1,12 +1,12 @@
-"""The box's state machine: what a message of the robot does to the state that the box sends.
+"""The box's state machine: how a message of the robot changes the state that the box sends.
 
-Theory of operation. The box asks (STOP, PREPARE, GOAL_TX, WAITING_RESULT), the robot answers with
-what it is doing, and both repeat themselves until the other has understood. So each incoming message makes a pair
-(state that the box sends, state that the robot reports), and `TABLE` has the reaction to it. Pass only fresh messages:
-a stale one must never move the machine (see `roah_rsbb.core.link.timeline`). The referee's start and stop and the
-timeouts are not in the table. They set PREPARE and STOP from outside.
+Theory of operation. The box sends a request (STOP, PREPARE, GOAL_TX, WAITING_RESULT), and the robot reports what it is
+doing. Both repeat themselves until the other has understood. Each incoming message therefore makes a pair (state that
+the box sends, state that the robot reports), and `TABLE` has the reaction to each pair. Pass fresh messages only: a
+stale one must never change the state (see `roah_rsbb.core.link.timeline`). The table does not contain the referee's
+start and stop, nor the timeouts. These set PREPARE and STOP from outside.
 
-docs/protocol.md, "Box's next state" shows the table, with rows and columns swapped.
+docs/protocol.md, "Box's next state" shows the table with rows and columns swapped.
 """
 
 import enum
@@ -16,12 +16,12 @@ from roah_rsbb.protocol import BoxState, RobotState
 
 
 class Reaction(enum.Enum):
-    """What to do after a message of the robot."""
+    """What the box does after a message of the robot."""
 
     KEEP = "keep the state"
     EXECUTE = "send the goal, or without an explicit goal wait for the result"
     AWAIT_RESULT = "the robot has the goal: wait for the result"
-    RETRY = "the robot is not where it should be: ask it to prepare again"
+    RETRY = "the robot is in an unexpected state: request it to prepare again"
     RETRY_WITH_GOAL = "the robot forgot its goal: prepare again; without an explicit goal, keep"
     GOAL_DONE = "the robot finished: prepare the next goal, or stop after the last"
 
@@ -34,7 +34,7 @@ TABLE: Dict[Tuple[BoxState, RobotState], Reaction] = {
     (_BOX.STOP, _ROBOT.WAITING_GOAL): Reaction.KEEP,
     (_BOX.STOP, _ROBOT.EXECUTING): Reaction.KEEP,
     (_BOX.STOP, _ROBOT.RESULT_TX): Reaction.KEEP,
-    # A robot that hears PREPARE late, or was busy with something else, is asked again.
+    # The robot received PREPARE late, or was busy with something else: request it again.
     (_BOX.PREPARE, _ROBOT.STOP): Reaction.KEEP,
     (_BOX.PREPARE, _ROBOT.PREPARING): Reaction.KEEP,
     (_BOX.PREPARE, _ROBOT.WAITING_GOAL): Reaction.EXECUTE,
@@ -47,7 +47,7 @@ TABLE: Dict[Tuple[BoxState, RobotState], Reaction] = {
     (_BOX.GOAL_TX, _ROBOT.RESULT_TX): Reaction.GOAL_DONE,
     (_BOX.WAITING_RESULT, _ROBOT.STOP): Reaction.RETRY,
     (_BOX.WAITING_RESULT, _ROBOT.PREPARING): Reaction.RETRY,
-    # Without an explicit goal this is normal until the robot has heard of WAITING_RESULT.
+    # Without an explicit goal, this is normal until the robot has received WAITING_RESULT.
     (_BOX.WAITING_RESULT, _ROBOT.WAITING_GOAL): Reaction.RETRY_WITH_GOAL,
     (_BOX.WAITING_RESULT, _ROBOT.EXECUTING): Reaction.KEEP,
     (_BOX.WAITING_RESULT, _ROBOT.RESULT_TX): Reaction.GOAL_DONE,
@@ -55,7 +55,7 @@ TABLE: Dict[Tuple[BoxState, RobotState], Reaction] = {
 
 
 def react(box: BoxState, robot: RobotState, explicit_goal: bool) -> Reaction:
-    """What a fresh message of the robot does; `explicit_goal`: this goal is sent to the robot."""
+    """Return the reaction to a fresh message of the robot. `explicit_goal`: this goal is sent to the robot."""
     found = TABLE[(box, robot)]
     if found is Reaction.RETRY_WITH_GOAL:
         return Reaction.RETRY if explicit_goal else Reaction.KEEP

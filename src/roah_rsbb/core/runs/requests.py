@@ -1,6 +1,6 @@
-"""What a benchmarking module can ask for: a goal for the robot, manual operations, and HOMF's switches.
+"""The requests of a benchmarking module: a goal for the robot, manual operations, and HOMF's switches.
 
-These are plain records of what was asked for and what came of it. The run decides what follows.
+These are plain records of requests and their outcomes. The run decides what follows.
 """
 
 from dataclasses import dataclass, field
@@ -12,19 +12,19 @@ from roah_rsbb.core.modules.messages import Request
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs.clock import Countdown, CountdownState
 
-# What else is in a datagram that carries a goal: frame, cipher, code, state, acknowledgement, a pose.
+# Bytes for the rest of a datagram that carries a goal: frame, cipher, code, state, acknowledgement, a pose.
 GOAL_OVERHEAD = 140
 # An answer is shown, logged and sent to the module.
 MAX_ANSWER = 1000
 # `uint8` on the ROS interface.
 MAX_DAMAGED = 255
-# No referee presses more often; something lies on the keyboard.
+# No referee makes more changes. Something is lying on the keyboard.
 MAX_CHANGES = 1000
 
 
 @dataclass
 class GoalState:
-    """How far a goal is."""
+    """The progress of a goal."""
 
     clock: CountdownState = field(default_factory=CountdownState)
     told: Optional[Now] = None  # when the robot was first asked to execute
@@ -40,24 +40,24 @@ class Goal:
         self.clock = Countdown(request.timeout or float("inf"), self.state.clock)
 
     def start(self, now: Now) -> None:
-        """Count its time from now on, if it has a timeout."""
+        """Start the countdown if the goal has a timeout."""
         if self.request.timeout:
             self.clock.start(now)
 
     def executing_s(self, mono: float) -> float:
-        """Seconds that the robot has executed it until `mono` (s); 0.0: it was not asked to yet."""
+        """Return for how many seconds the robot has been executing the goal at `mono` (s); 0.0: not yet."""
         told = self.state.told
         return 0.0 if told is None else max(0.0, mono - told.mono)
 
 
 def check_answer(request: Request, operation: int, answer: str) -> str:
-    """The answer to a manual operation that counts; raises `Refused`.
+    """Return the answer to a manual operation. Raises `Refused` if it is not valid.
 
-    `operation`: number of the request that was answered, 0: whatever is asked. No answer means the first
-    choice, the usual one.
+    `operation`: number of the answered request; 0: the current one. An empty answer selects the first choice, which is
+    the usual one.
     """
     if operation not in (0, request.number):
-        raise Refused([f"that manual operation is over; now the referee is asked to: {request.text}"])
+        raise Refused([f"that manual operation is over; the current one is: {request.text}"])
     if not answer:
         return request.choices[0] if request.choices else ""
     if len(answer) > MAX_ANSWER:
@@ -65,13 +65,13 @@ def check_answer(request: Request, operation: int, answer: str) -> str:
     if answer in request.choices or request.asks_text:
         return answer
     if request.choices:
-        raise Refused([f"'{answer}' is no answer to '{request.text}': there are {', '.join(request.choices)}"])
-    raise Refused([f"'{request.text}' takes no answer: complete it without one"])
+        raise Refused([f"'{answer}' is not an answer to '{request.text}': choose from {', '.join(request.choices)}"])
+    raise Refused([f"'{request.text}' has no choices: complete it without an answer"])
 
 
 @dataclass
 class SwitchesState:
-    """What the referee entered."""
+    """The referee's entries."""
 
     initial_state: Tuple[bool, ...]
     changed: List[int] = field(default_factory=list)
@@ -79,14 +79,14 @@ class SwitchesState:
 
 
 class Switches:
-    """HOMF: the switches as the referee sees them; they are numbered from 1."""
+    """HOMF: the switches as the referee sees them, numbered from 1."""
 
     def __init__(self, state: SwitchesState) -> None:
         self.state = state
 
     @property
     def changed(self) -> List[int]:
-        """The switches that changed, in order, as often as they did."""
+        """The switches that changed, in order. A switch that changed twice occurs twice."""
         return self.state.changed
 
     @property
@@ -95,18 +95,18 @@ class Switches:
         return self.state.damaged
 
     def press(self, switch: int) -> None:
-        """The referee saw a switch change; raises `Refused`."""
+        """Note that the referee saw a switch change. Raises `Refused`."""
         count = len(self.state.initial_state)
         if not 1 <= switch <= count:
             raise Refused([f"there is no switch {switch}: they are numbered 1 to {count}"])
         if len(self.changed) >= MAX_CHANGES:
-            raise Refused([f"more than {MAX_CHANGES} changes of switches are not counted"])
+            raise Refused([f"no more than {MAX_CHANGES} changes of switches can be entered"])
         self.changed.append(switch)
 
     def damage(self, damaged: int) -> None:
-        """The referee says how many switches were damaged; raises `Refused`."""
+        """Set how many switches were damaged. Raises `Refused`."""
         if not 0 <= damaged <= MAX_DAMAGED:
-            raise Refused([f"the number of damaged switches is 0 to {MAX_DAMAGED}, not {damaged}"])
+            raise Refused([f"the number of damaged switches must be from 0 to {MAX_DAMAGED}, not {damaged}"])
         self.state.damaged = damaged
 
     @property

@@ -1,11 +1,10 @@
 """A run: one robot, one event of the schedule, from *connect* to *disconnect*.
 
-`ZoneRun` is what zones, commands and views need of a run. `Run` is one, for a single robot, and
-`roah_rsbb.core.runs.all_robots.AllRobotsRun` another, which has many members.
+`ZoneRun` is the interface of a run for zones, commands and views. `Run` implements it for a single robot, and
+`roah_rsbb.core.runs.all_robots.AllRobotsRun` for many members.
 
-A `Run` is what the referee starts and stops. It holds the box's state machine, the run's clock, the score sheet and
-all that the robot said, and turns events into effects. `roah_rsbb.core.commands` decides who may start or stop it,
-and when.
+A `Run` contains the box's state machine, the run's clock, the score sheet and the robot's messages, and turns events
+into effects. `roah_rsbb.core.commands` decides who may start or stop it, and when.
 """
 
 import abc
@@ -31,9 +30,10 @@ from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, ScheduledEvent
 from roah_rsbb.wording import times
 
-# The referee is warned this often that messages of a robot are dropped.
+# The least interval between two warnings that messages of a robot were dropped.
 DROPPED_PERIOD_S = 10.0
-# The robot state that a robot leaves as soon as it hears the box's state, and after how long a hint is given.
+# The robot state that a robot leaves when it receives the box's state, and the time after which the referee gets a
+# hint.
 STUCK = {BoxState.PREPARE: RobotState.STOP, BoxState.GOAL_TX: RobotState.WAITING_GOAL}
 STUCK_S = 10.0
 
@@ -54,7 +54,7 @@ ONLINE_FIELDS = (
 
 
 class Assignment(NamedTuple):
-    """Who runs what, where."""
+    """The robot, the event and the place of a run."""
 
     zone: str
     event: ScheduledEvent
@@ -62,22 +62,22 @@ class Assignment(NamedTuple):
     port: int  # UDP port of the private channel; it identifies the run in the whole competition
 
     def identity(self, now: Now) -> str:
-        """The name of the run that begins now: no other run of this or another competition has it."""
+        """Return the identity of the run that begins now. It is unique among all competitions."""
         return f"{self.event.benchmark.code}-{self.port}-{now.utc:.3f}"
 
 
 @dataclass
 class RunState:
-    """Where a run is, and what came of it so far."""
+    """The state and the results of a run so far."""
 
     port: int
     robot: RobotId
-    identity: str  # no other run of this or another competition has it
+    identity: str  # unique among all competitions
     opened_utc: float  # UTC seconds of *connect*
     phase: Phase
     end_reason: Optional[EndReason]
-    desc: str  # the state of the run, in one line
-    message: BoxMessage  # that the box sends
+    desc: str  # describes the state of the run in one line
+    message: BoxMessage  # what the box sends
     link: LinkState
     clock: CountdownState
     book: BookState
@@ -88,7 +88,7 @@ class RunState:
 
 
 def new_state(now: Now, assignment: Assignment) -> RunState:
-    """The state of a run that is connected now."""
+    """Return the state of a run that is connected now."""
     return RunState(
         assignment.port, assignment.robot, assignment.identity(now), now.utc, Phase.CONNECTED, None, "",
         BoxMessage(assignment.event.benchmark.code, BoxState.STOP), LinkState(), CountdownState(), BookState(),
@@ -112,12 +112,12 @@ class AllRobotsState:
 
 
 class RunContext(NamedTuple):
-    """What a run may use of the box."""
+    """The parts of the box that a run uses."""
 
     settings: Settings
 
     emit: Callable[[Effect], None]
-    show_map: Callable[[bool], None]  # switch the tablet: True: map, False: call button
+    show_map: Callable[[bool], None]  # sets the tablet's view. True: map, False: call button
 
 
 class ZoneRun(abc.ABC):
@@ -142,7 +142,7 @@ class ZoneRun(abc.ABC):
 
     @property
     def identity(self) -> str:
-        """The name of the run: no other run of this or another competition has it."""
+        """The identity of the run, unique among all competitions."""
         return self.state.identity
 
     @property
@@ -152,7 +152,7 @@ class ZoneRun(abc.ABC):
 
     @property
     def phase(self) -> Phase:
-        """Where the run is."""
+        """The phase of the run."""
         return self.state.phase
 
     @property
@@ -162,7 +162,7 @@ class ZoneRun(abc.ABC):
 
     @property
     def desc(self) -> str:
-        """The state of the run, in one line."""
+        """A description of the run's state in one line."""
         return self.state.desc
 
     @property
@@ -177,7 +177,7 @@ class ZoneRun(abc.ABC):
 
     @property
     def sheet(self) -> ScoreSheet:
-        """What the referee marks."""
+        """The referee's marks."""
         return self.book.sheet
 
     @abc.abstractmethod
@@ -186,22 +186,22 @@ class ZoneRun(abc.ABC):
 
     @abc.abstractmethod
     def without(self, member: "Run") -> Optional["ZoneRun"]:
-        """What is left of the run without one of its members, which was closed; None: nothing."""
+        """Return the run without one of its members, which was closed; None: no member is left."""
 
     @abc.abstractmethod
     def start_off(self, now: Now) -> List[str]:
-        """Why the run cannot be started, apart from its clock's reasons."""
+        """Return why the run cannot be started. The reasons of its clock are not included."""
 
     @abc.abstractmethod
     def warnings(self, now: Now) -> List[str]:
-        """What the referee should check now."""
+        """Return the referee's current warnings."""
 
     @abc.abstractmethod
     def status_lines(self, now: Now) -> List[str]:
-        """What the referee should know of the run besides `desc` and the warnings."""
+        """Return the status lines for the referee besides `desc` and the warnings."""
 
     def timer(self, now: Now) -> float:
-        """Seconds left: until the timeout; once ended, of the time after the stop."""
+        """Seconds left until the timeout or, once ended, of the time after the stop."""
         return self.clock.shown(now, ended=self.phase is Phase.ENDED)
 
     @property
@@ -218,40 +218,40 @@ class ZoneRun(abc.ABC):
 
     @abc.abstractmethod
     def deadline(self) -> Optional[float]:
-        """The monotonic time (s) at which `tick` has something to do, if nothing happens before."""
+        """The monotonic time (s) at which `tick` has something to do unless an event comes first."""
 
     @abc.abstractmethod
     def tick(self, now: Now) -> None:
         """Do what is due by now, in all members."""
 
-    # -- the referee's commands; whether they are allowed was checked before -------------------------
+    # -- the referee's commands; the caller has checked that they are allowed --------------------------
 
     @abc.abstractmethod
     def start(self, now: Now) -> None:
-        """Start, or start again after a stop. The run's clock has kept running then."""
+        """Start, or start again after a stop. The run's clock has kept running since the stop."""
 
     @abc.abstractmethod
     def stop(self, now: Now, by: By = NOBODY) -> None:
-        """The referee ends the run."""
+        """Stop the run."""
 
     @abc.abstractmethod
     def close(self, now: Now, by: By = NOBODY) -> None:
-        """Leave the run, with all its channels."""
+        """Leave the run. This closes all its channels."""
 
     def warn(self, now: Now, text: str) -> None:
-        """Log what goes wrong around this run."""
+        """Log a problem around this run."""
         self.say(now, Level.WARNING, text)
 
     def mark(self, now: Now, who: str, mark: Mark) -> None:
-        """The referee marks a scoring item; raises `Refused` if there is no such item or value."""
+        """Mark a scoring item. Raises `Refused` if the item or the value does not exist."""
         self._score_changed(now, self.book.mark(now, who, mark))
 
     def withdraw_score(self, now: Now, by: By, number: int) -> None:
-        """The referee withdraws an entry of the score sheet; raises `Refused`."""
+        """Withdraw an entry of the score sheet. Raises `Refused`."""
         self._score_changed(now, self.book.withdraw(now, by, number))
 
     def give_stop_reason(self, now: Now, by: By, number: int) -> None:
-        """The referee says why the run was stopped; raises `Refused`."""
+        """Set the reason why the run was stopped. Raises `Refused`."""
         self.say(now, Level.INFO, self.book.give_reason(number, by))
         self._record_changed(now)
 
@@ -266,7 +266,7 @@ class ZoneRun(abc.ABC):
     # -- texts --------------------------------------------------------------------------------------
 
     def say(self, now: Now, level: Level, text: str) -> None:
-        """Tell the referee, in the log of the run and in that of the node."""
+        """Log a line for the referee, in the log of the run and in the node's log."""
         mark = "" if level is Level.INFO else f"{level.name}: "
         self.state.log = with_line(self.state.log, f"{times.time_with_zone(now.utc)} {mark}{text}", self._display_size)
         self._emit(effects.Notice(level, text, self.zone))
@@ -282,7 +282,7 @@ class ZoneRun(abc.ABC):
     def _robot_names(self) -> Sequence[str]: ...
 
     def record(self, now: Now) -> RunRecord:
-        """All that would remain of the run if it were over now."""
+        """Return the record of the run as if it ended now."""
         event = self.event
         record = self.book.into(RunRecord(
             self.identity, self.zone, event.benchmark.code, event.team, event.round, event.run, event.scheduled,
@@ -297,13 +297,13 @@ class ZoneRun(abc.ABC):
         self._record_changed(now)
 
     def _note_end(self, now: Now, desc: str, by: By) -> None:
-        """Write down that the run ended just now, as `end_reason` says."""
+        """Record that the run ended just now. `end_reason` is set."""
         assert self.end_reason is not None, "it ended"
         self.book.ended(now, self.end_reason.name.lower(), desc, by, self.clock.elapsed(now))
         self._record_changed(now)
 
     def _note_close(self, now: Now, by: By) -> None:
-        """Write down that the run is left. One that is in progress is stopped by that."""
+        """Record that the run is left. This also stops a run in progress."""
         self._closed_utc = now.utc
         if self.phase is Phase.RUNNING:
             self.state.end_reason, self.state.phase = EndReason.STOPPED, Phase.ENDED
@@ -315,14 +315,14 @@ class ZoneRun(abc.ABC):
 
 
 class Run(ZoneRun):
-    """One run of a task benchmark: its robot has no explicit goal."""
+    """A run of a task benchmark: the robot gets no explicit goal."""
 
     state: RunState
 
     def __init__(
         self, now: Now, assignment: Assignment, context: RunContext, state: Optional[RunState] = None
     ) -> None:
-        """`state`: of a run that continues after a restart of the core."""
+        """`state` belongs to a run that continues after a restart of the core."""
         super().__init__(
             assignment.zone, assignment.event, context, new_state(now, assignment) if state is None else state)
         self.robot = assignment.robot
@@ -340,19 +340,19 @@ class Run(ZoneRun):
 
     @property
     def message(self) -> BoxMessage:
-        """The message that the box sends."""
+        """The message that the box currently sends."""
         return self.state.message
 
     def open(self, now: Now) -> None:
-        """Begin. `resume` is the other way to begin."""
-        # Where all robots run at once, a team may have several.
+        """Begin a new run. A run from a saved state begins with `resume` instead."""
+        # A run of all robots may include several robots of a team.
         name = self.robot.robot if self.event.team == ALL_TEAMS else ""
         self._emit(effects.RunOpened(self.port, self.robot.team, self.event.round, self.event.run, name))
         self._record_changed(now)
         self._set_state(now, BoxState.STOP, "Connected: waiting for the robot's first message")
 
     def resume(self) -> None:
-        """Continue where the run was when the core ended."""
+        """Continue in the saved state."""
         self._emit(effects.RunResumed(self.port))
         self._emit(effects.SendState(self.port, self.message, How.CHANGE))
 
@@ -363,7 +363,7 @@ class Run(ZoneRun):
     def without(self, member: "Run") -> None:
         """See `ZoneRun`: without its robot the run ends."""
 
-    # -- the referee's commands; whether they are allowed was checked before -----------------------
+    # -- the referee's commands; the caller has checked that they are allowed ------------------------
 
     def start(self, now: Now) -> None:
         """See `ZoneRun`."""
@@ -380,7 +380,7 @@ class Run(ZoneRun):
         self._end(now, EndReason.STOPPED, by=by)
 
     def close(self, now: Now, by: By = NOBODY) -> None:
-        """Leave the run. The box sends no last message: its state simply ends."""
+        """Leave the run. The box sends no last message."""
         self._note_close(now, by)
         self.say(now, Level.INFO, "Disconnected")
         self._emit(effects.RunLogged(self.port, run_log.END, None))
@@ -390,14 +390,14 @@ class Run(ZoneRun):
     # -- time ---------------------------------------------------------------------------------------
 
     def deadline(self) -> Optional[float]:
-        """The monotonic time (s) at which `tick` has something to do, if nothing happens before."""
+        """The monotonic time (s) at which `tick` has something to do unless an event comes first."""
         times = [self.link.deadline()]
         if self.phase is Phase.RUNNING:
             times += [self.clock.deadline(), self.saving.deadline()]
         return min((t for t in times if t is not None), default=None)
 
     def tick(self, now: Now) -> None:
-        """Do what is due by now: end by timeout, or because nothing is saved, whatever was due first."""
+        """End the run if it has timed out or the robot saves nothing. If both are due, the earlier one counts."""
         for notice in self.link.tick(now):
             self.say(now, Level.WARNING, notice)
         if self.phase is not Phase.RUNNING:
@@ -415,7 +415,7 @@ class Run(ZoneRun):
     # -- the robot ----------------------------------------------------------------------------------
 
     def on_report(self, now: Now, host: str, report: RobotReport) -> bool:
-        """Take a message of the robot that arrived from `host`; False: it was stale, nothing changed."""
+        """Take a message of the robot from `host`. Return False if it was stale and nothing changed."""
         heard = self.link.hear(now, host, report)
         for notice in heard.notices:
             self.say(now, Level.WARNING, notice)
@@ -436,7 +436,7 @@ class Run(ZoneRun):
         return True
 
     def on_copy(self, now: Now, host: str, count: int) -> None:
-        """Copies of datagrams of the robot arrived, the last from `host`: they change nothing."""
+        """Handle copies of datagrams of the robot, the last from `host`. They change nothing in the run."""
         for notice in self.link.hear_copy(now, host, count):
             self.say(now, Level.WARNING, notice)
 
@@ -446,7 +446,7 @@ class Run(ZoneRun):
             self._set_state(now, BoxState.WAITING_RESULT, "Robot prepared, executing (no explicit goal)")
         elif reaction is Reaction.RETRY:
             self._set_state(now, BoxState.PREPARE,
-                            f"Robot fell back to {report.state.name}: asked to prepare again")
+                             f"Robot fell back to {report.state.name}: preparing again")
         elif reaction is Reaction.GOAL_DONE:
             self._end(now, EndReason.COMPLETED)
 
@@ -468,18 +468,18 @@ class Run(ZoneRun):
         return any_text
 
     def on_overload(self, now: Now, count: int) -> None:
-        """So many datagrams of the robot were not read."""
+        """Handle `count` datagrams of the robot that were not read."""
         self._unread += count
         self._say_dropped(now)
 
     def _say_dropped(self, now: Now) -> None:
-        """Report what was dropped, once in a while."""
+        """Warn of dropped messages, at most once per interval."""
         if now.mono < self._say_dropped_from:
             return
         self._say_dropped_from = now.mono + DROPPED_PERIOD_S
         self.say(now, Level.WARNING,
                  f"Robot sends too much: {self._dropped_strings} new strings were not logged, {self._unread} messages "
-                 "not read. Its program must send each text once")
+                 "were not read. Its program must send each text only once")
 
     def _take_commands(self, now: Now, report: RobotReport) -> None:
         taken = self.devices.take(report)
@@ -517,7 +517,7 @@ class Run(ZoneRun):
         self._emit(effects.SendState(self.port, self.message, How.CHANGE))
 
     def _log_report(self, report: RobotReport) -> None:
-        """Log what the robot says whenever it changes, and when its times become valid or invalid."""
+        """Log a report of the robot if it differs from the last, or if its times become valid or invalid."""
         said = (report._replace(time=(0, 0)), self.link.times_valid)
         if said == self._last_logged:
             return
@@ -529,33 +529,33 @@ class Run(ZoneRun):
     def _robot_names(self) -> Tuple[str, ...]:
         return (self.robot.robot,)
 
-    # -- for the referee's eyes --------------------------------------------------------------------
+    # -- for the referee -----------------------------------------------------------------------------
 
     @property
     def robot_state(self) -> Optional[RobotState]:
-        """What the robot last reported; None: nothing yet."""
+        """The state that the robot reported last; None: no report yet."""
         return self.link.robot_state
 
     def start_off(self, now: Now) -> List[str]:
-        """Why the run cannot be started, apart from its clock's reasons."""
+        """Return why the run cannot be started. The reasons of its clock are not included."""
         return self.link.not_ready(now)
 
     def warnings(self, now: Now) -> List[str]:
-        """What the referee should check now."""
+        """Return the referee's current warnings."""
         return self.link.warnings(now) + self._stuck(now)
 
     def _stuck(self, now: Now) -> List[str]:
-        """What may keep the robot from following the box's state."""
+        """Warn of a robot that does not follow the box's state, with the likely cause."""
         state, waited_s = self.message.state, now.mono - self._state_mono
         if state not in STUCK or STUCK[state] is not self.robot_state or waited_s < STUCK_S or self.link.is_silent(now):
             return []
         code = self.event.benchmark.code
         if state is BoxState.PREPARE:
             return [f"The robot has stayed in STOP for {waited_s:.0f} s after the start. Its program may not know "
-                    f"benchmark {code}, or may not be ready: check the robot's own log"]
+                    f"benchmark {code}, or may not be ready: check the robot's log"]
         return [f"The robot has not taken its goal for {waited_s:.0f} s. Its program may be too old for the goals of "
-                f"{code}: check the robot's own log"]
+                f"{code}: check the robot's log"]
 
     def status_lines(self, now: Now) -> List[str]:
-        """What the referee should know of the run besides `desc` and the warnings."""
+        """Return the status lines for the referee besides `desc` and the warnings."""
         return [] if self.robot_state is None else [f"Messages saved: {self.link.messages_saved}"]

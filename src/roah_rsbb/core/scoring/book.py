@@ -1,8 +1,8 @@
-"""Books of runs: score sheet, starts and ends, and why a run was stopped; and the books of finished runs.
+"""The book of a run (score sheet, starts, ends, reasons of stops), and the books of finished runs.
 
-A run in progress has a book, and so has a finished one. Each change of a finished run is a correction. A run is
-finished when it was started at least once and then left (*disconnect*): before that it may be started again and its
-score may change. The referee may correct a finished run until it is signed off.
+A run is finished when it was started at least once and then left (*disconnect*). Before that, it can be started again,
+and its score can change. The referee may correct a finished run until it is signed off; each such change is a
+correction.
 """
 
 import itertools
@@ -24,9 +24,9 @@ from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_tex
 from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent, ScoreKind, ScoringItem
 from roah_rsbb.wording import sheets, times
 
-# No referee stops a run more often. Then the oldest stop without a typed reason is dropped.
+# No referee stops a run more often. After more stops, the oldest one without a typed reason is dropped.
 MAX_STOPS = 100
-# More than any competition has.
+# More than the runs of any competition.
 MAX_KEPT = 400
 
 _KINDS = {kind.name.lower(): kind for kind in ScoreKind}
@@ -34,18 +34,18 @@ _KINDS = {kind.name.lower(): kind for kind in ScoreKind}
 
 @dataclass
 class BookState:
-    """What is written down of a run."""
+    """The content of a run's book."""
 
     sheet: SheetState = field(default_factory=SheetState)
     stops: List[StopRecord] = field(default_factory=list)
     started_utc: float = 0.0  # UTC seconds of the last start; 0.0: never started
-    elapsed_s: float = 0.0  # seconds that counted from the last start to its end; 0.0: not ended
+    elapsed_s: float = 0.0  # counted seconds from the last start to its end; 0.0: not ended
 
 
 class Marked(NamedTuple):
-    """What came of a change of the score sheet."""
+    """The result of a change of the score sheet."""
 
-    item: Optional[ItemRecord]  # as it is now; None: no longer in the benchmarks file
+    item: Optional[ItemRecord]  # after the change; None: no longer in the benchmarks file
     text: str  # for the referee
 
 
@@ -55,7 +55,7 @@ class RunBook:
     def __init__(
         self, items: Tuple[ScoringItem, ...], state: Optional[BookState] = None, over: bool = False
     ) -> None:
-        """`over`: the run is over, changes are corrections."""
+        """`over`: the run is over, so changes are corrections."""
         self.state = state or BookState()
         self.sheet = ScoreSheet(items, self.state.sheet)
         self._over = over
@@ -63,11 +63,11 @@ class RunBook:
     # -- starts and ends ----------------------------------------------------------------------------
 
     def started(self, now: Now) -> None:
-        """The run was started, perhaps again."""
+        """Note a start or restart of the run."""
         self.state.started_utc, self.state.elapsed_s = now.utc, 0.0
 
     def ended(self, now: Now, end_reason: str, desc: str, by: By, elapsed_s: float) -> None:
-        """The run ended, `elapsed_s` seconds that count after its start."""
+        """Note that the run ended, after `elapsed_s` counted seconds."""
         self.state.elapsed_s = elapsed_s
         reason_by = by.who if by.reason else ""
         stops = self.state.stops
@@ -76,15 +76,15 @@ class RunBook:
             del stops[next((i for i, stop in enumerate(stops) if not stop.reason), 0)]
 
     def give_reason(self, number: int, by: By) -> str:
-        """Say why the run was stopped: `number` counts its ends from 1, 0 is the last one.
+        """Set why the run was stopped. `number` counts its ends from 1; 0 is the last one.
 
-        A reason that was typed before is replaced. Returns a text for the referee; raises `Refused`.
+        The new reason replaces an earlier one. Returns a text for the referee. Raises `Refused`.
         """
         stops = self.state.stops
         if not stops:
-            raise Refused(["the run was not stopped yet: there is nothing to give a reason for"])
+            raise Refused(["the run was not stopped yet, so it cannot have a reason"])
         if not 0 <= number <= len(stops):
-            raise Refused([f"the run has no stop {number}: there is 1 to {len(stops)}, or 0 for the last one"])
+            raise Refused([f"the run has no stop {number}: choose from 1 to {len(stops)}, or 0 for the last one"])
         index = (number or len(stops)) - 1
         stop = stops[index]
         stops[index] = stop._replace(reason=by.reason, reason_by=by.who)
@@ -115,7 +115,7 @@ class RunBook:
     # -- the record ---------------------------------------------------------------------------------
 
     def into(self, record: RunRecord) -> RunRecord:
-        """The record with what stands in this book."""
+        """Return the record with the content of this book."""
         return record._replace(
             items=self.sheet.items(), history=self.sheet.history, stops=tuple(self.state.stops),
             started_utc=self.state.started_utc, elapsed_s=self.state.elapsed_s,
@@ -123,18 +123,18 @@ class RunBook:
 
 
 class FinishedResult(NamedTuple):
-    """What the public may be shown of a run that is over, and of those alone."""
+    """All that the public may see of a run that is over."""
 
     zone: str
     event: ScheduledEvent
     end_reason: str  # name of an `EndReason`, in lower case
     disconnected_utc: float  # UTC seconds of *disconnect*
     items: Tuple[ItemRecord, ...]  # the referee's score sheet
-    module_scores: Tuple[ScoreValue, ...]  # what a benchmarking module scored
+    module_scores: Tuple[ScoreValue, ...]  # the scores of the benchmarking module
 
 
 class FinishedRun:
-    """A finished run. Its score sheet keeps its items, even if the benchmarks file has changed since."""
+    """A finished run. Its score sheet keeps its items even if the benchmarks file has changed."""
 
     def __init__(self, record: RunRecord, benchmark: Benchmark) -> None:
         self.record = record
@@ -147,22 +147,22 @@ class FinishedRun:
         self.result = self._result()
 
     def mark(self, now: Now, who: str, mark: Mark) -> str:
-        """Correct a scoring item. Returns a text for the referee, as all corrections do; raises `Refused`."""
+        """Correct a scoring item. Returns a text for the referee, as all corrections do. Raises `Refused`."""
         self._check_open()
         return self._changed(self._book.mark(now, who, mark).text)
 
     def withdraw_score(self, now: Now, by: By, number: int) -> str:
-        """Withdraw an entry of the score sheet; raises `Refused`."""
+        """Withdraw an entry of the score sheet. Raises `Refused`."""
         self._check_open()
         return self._changed(self._book.withdraw(now, by, number).text)
 
     def give_stop_reason(self, _now: Now, by: By, number: int) -> str:
-        """See `RunBook.give_reason`; raises `Refused`."""
+        """See `RunBook.give_reason`. Raises `Refused`."""
         self._check_open()
         return self._changed(self._book.give_reason(number, by))
 
     def sign_off(self, now: Now, who: str) -> str:
-        """The score sheet is final from now on; raises `Refused` if it was already, or if `who` has no name."""
+        """Make the score sheet final. Raises `Refused` if it already is, or if `who` has no name."""
         self._check_open()
         if sheets.person(who) in ("", sheets.NO_NAME):
             raise Refused(["a sign-off needs the name of the referee: enter it, in the terminal with --by"])
@@ -174,7 +174,7 @@ class FinishedRun:
         if signed is not None:
             raise Refused([
                 f"the score sheet of run {self.record.identity} was signed off by {signed.who or 'somebody'} at "
-                f"{times.time_with_zone(signed.utc)}: it is final, an objection goes to the technical committee"
+                f"{times.time_with_zone(signed.utc)}: it is final. Take an objection to the technical committee"
             ])
 
     def _changed(self, text: str) -> str:
@@ -191,7 +191,7 @@ class FinishedRun:
 
 
 def left_behind(record: RunRecord, utc: float) -> RunRecord:
-    """The record of a run that was in progress when the core ended, at `utc`, and does not continue."""
+    """Return the record of a run that was in progress when the core ended, at `utc`, and that does not continue."""
     record = record._replace(closed_utc=utc)
     if not record.started_utc or record.end_reason:
         return record
@@ -200,10 +200,10 @@ def left_behind(record: RunRecord, utc: float) -> RunRecord:
 
 
 class FinishedRuns:
-    """The newest runs that are over."""
+    """The most recent runs that are over."""
 
     def __init__(self, benchmarks: Dict[str, Benchmark]) -> None:
-        """`benchmarks`: what is known of each, by its code."""
+        """`benchmarks`: the configured benchmarks by code."""
         self._benchmarks = benchmarks
         self._runs: Dict[str, FinishedRun] = {}  # by identity, the oldest first
 
@@ -212,7 +212,7 @@ class FinishedRuns:
         if not record.end_reason:
             return
         benchmark = self._benchmarks.get(record.benchmark)
-        if benchmark is None:  # a record of a competition whose configuration was changed since
+        if benchmark is None:  # the configuration was changed since this record
             benchmark = Benchmark(record.benchmark, record.benchmark, "", 0.0, 0.0, ())
         self._runs.pop(record.identity, None)
         self._runs[record.identity] = FinishedRun(record, benchmark)
@@ -220,33 +220,33 @@ class FinishedRuns:
             del self._runs[next(iter(self._runs))]
 
     def restore(self, records: Iterable[RunRecord]) -> None:
-        """After a restart: the records of all runs that were left, in any order."""
+        """Take the records of all runs that were left before a restart, in any order."""
         for record in sorted(records, key=lambda record: record.closed_utc):
             if record.closed_utc:
                 self.add(record)
 
     def find(self, identity: str) -> FinishedRun:
-        """The run of that identity; raises `Refused`."""
+        """Return the run of that identity. Raises `Refused`."""
         run = self._runs.get(identity)
         if run is None:
             raise Refused([
-                f"no run '{identity}' was started and is over, or it is not one of the newest {MAX_KEPT}: see 'rosrun "
+                f"'{identity}' is not one of the newest {MAX_KEPT} runs that were started and are over: see 'rosrun "
                 "roah_rsbb results'"
             ])
         return run
 
     def records(self, count: int = MAX_KEPT) -> List[RunRecord]:
-        """The records of the newest runs, the one that was left last first."""
+        """Return the records of the newest runs, the most recently left first."""
         return [run.record for run in itertools.islice(reversed(self._runs.values()), count)]
 
     def last_of(self, zone: str, event: ScheduledEvent) -> Optional[RunRecord]:
-        """The record of the last run of an event; None: it has none."""
+        """Return the record of the last run of an event; None: it has none."""
         found = (run.record for run in reversed(self._runs.values()) if run.result.zone == zone)
         wanted = (event.benchmark.code, event.team, event.round, event.run, event.scheduled)
         return next((r for r in found if (r.benchmark, r.team, r.round, r.run, r.scheduled) == wanted), None)
 
     def newest(self, count: int = MAX_KEPT) -> Tuple[FinishedResult, ...]:
-        """The newest results first. Of a repeated run only the last one."""
+        """Return the newest results first. If a run was repeated, only the last result counts."""
         results: Dict[Tuple[str, ScheduledEvent], FinishedResult] = {}
         for run in reversed(self._runs.values()):
             results.setdefault((run.result.zone, run.result.event), run.result)

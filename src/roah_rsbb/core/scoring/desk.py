@@ -1,4 +1,4 @@
-"""The referee's scores: marks, withdrawals, reasons and sign-offs, of runs in progress and of finished ones."""
+"""The referee's scores: marks, withdrawals, reasons and sign-offs, in runs in progress and finished runs."""
 
 from typing import Callable, List, Optional, Union
 
@@ -13,12 +13,12 @@ from roah_rsbb.core.scoring.records import By, Phase, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import Zones
 
-# Finished runs in the list of results: more than a day of any competition.
+# Finished runs in the list of results: more than the runs of one day in any competition.
 MAX_LISTED = 100
 
 
 class ScoreDesk:
-    """Takes what the referee says of one run, which is named by its identity or by its zone."""
+    """Takes the referee's scores for a run, which is named by its identity or its zone."""
 
     def __init__(
         self,
@@ -28,7 +28,7 @@ class ScoreDesk:
         record: CommandRecord,
         outbox: Outbox,
     ) -> None:
-        """`tick` does what is due by now: every event does that first."""
+        """`tick` does what is due by now. Every event calls it first."""
         self._tick = tick
         self._zones = zones
         self._finished = finished
@@ -38,18 +38,18 @@ class ScoreDesk:
     # -- looking ------------------------------------------------------------------------------------
 
     def records(self, now: Now) -> List[RunRecord]:
-        """The records of the runs in the zones, in their order, then of the newest finished runs, the last first."""
+        """Return the records of the runs in the zones, in their order, then of finished runs, the newest first."""
         return [run.record(now) for run in self._zones.runs()] + self._finished.records(MAX_LISTED)
 
     def record_of(self, now: Now, name: RunName) -> RunRecord:
-        """The record of a run; raises `Refused`."""
+        """Return the record of a run. Raises `Refused`."""
         run = self._named(name)
         return run.record if isinstance(run, FinishedRun) else run.record(now)
 
     # -- scores -------------------------------------------------------------------------------------
 
     def mark(self, now: Now, name: RunName, mark: Mark, who: str = "") -> None:
-        """Mark a scoring item; in a finished run that is a correction. Raises `Refused`."""
+        """Mark a scoring item. In a finished run, this is a correction. Raises `Refused`."""
         self._tick(now)
         asked = {"group": mark.group, "item": mark.desc, "note": mark.note}
         asked.update({"not_attempted": True} if mark.not_attempted else {"value": mark.value})
@@ -59,7 +59,7 @@ class ScoreDesk:
             self._report_correction(run, run.mark(now, checked_who(who), mark))
 
     def withdraw(self, now: Now, name: RunName, number: int, who: str = "", note: str = "") -> None:
-        """Withdraw an entry of a score sheet. The other entries stay as they are. Raises `Refused`."""
+        """Withdraw an entry of a score sheet. The other entries do not change. Raises `Refused`."""
         self._tick(now)
         with self._record.of(name, who, "withdraw", entry=number, note=note):
             by = By(checked_who(who), checked_note(note))
@@ -67,7 +67,7 @@ class ScoreDesk:
             self._report_correction(run, run.withdraw_score(now, by, number))
 
     def give_stop_reason(self, now: Now, name: RunName, reason: str, who: str = "", number: int = 0) -> None:
-        """Say why a run was stopped, until it is signed off; see `RunBook.give_reason`. Raises `Refused`."""
+        """Set why a run was stopped, until it is signed off; see `RunBook.give_reason`. Raises `Refused`."""
         self._tick(now)
         with self._record.of(name, who, "stop_reason", reason=reason, stop=number):
             by = By(checked_who(who), checked_note(reason))
@@ -75,11 +75,11 @@ class ScoreDesk:
             self._report_correction(run, run.give_stop_reason(now, by, number))
 
     def sign_off(self, now: Now, name: RunName, who: str = "") -> None:
-        """Make the score sheet of a finished run final; raises `Refused`."""
+        """Make the score sheet of a finished run final. Raises `Refused`."""
         self._tick(now)
         with self._record.of(name, who, "sign_off"):
             if not name.identity:
-                raise Refused(["say which run is signed off: only one that is over can be"])
+                raise Refused(["name the run to sign off: only a run that is over can be signed off"])
             run = self._named(name)
             if not isinstance(run, FinishedRun):
                 raise Refused([f"run {name.identity} is still connected: disconnect it first"])
@@ -88,9 +88,9 @@ class ScoreDesk:
     # -- stop ---------------------------------------------------------------------------------------
 
     def stop(self, now: Now, name: RunName, who: str = "") -> None:
-        """Stop the named run; raises `Refused`.
+        """Stop the named run. Raises `Refused`.
 
-        A run that ended by itself a moment before stays as it is. The command *stop* would leave it.
+        A run that has just ended by itself does not change, while the command *stop* would leave it.
         """
         self._tick(now)
         with self._record.of(name, who, "stop"):
@@ -101,12 +101,12 @@ class ScoreDesk:
                 return
             zone = self._zones.get(name.zone)
             if zone is not None and zone.run is not None and zone.run.phase is Phase.RUNNING:
-                # A panel with late details names the run before: its referee must not believe that this one stopped.
+                # A panel with old details names the previous run. Its referee must not think that this run stopped.
                 raise Refused([f"run {name.identity} is over, but run {zone.run.identity} is running in zone "
                                f"'{name.zone}': stop again"])
 
     def _named(self, name: RunName) -> Union[ZoneRun, FinishedRun]:
-        """The run of that name; raises `Refused`."""
+        """Return the run of that name. Raises `Refused`."""
         if not name.identity:
             return self._zones.run_in(name.zone)
         zone = self._zones.get(name.zone)  # the zone of a finished run may no longer be in the schedule
@@ -118,7 +118,7 @@ class ScoreDesk:
         return run
 
     def _report_correction(self, run: Union[ZoneRun, FinishedRun], text: Optional[str]) -> None:
-        """Report what was corrected in a finished run. A run in progress reports its changes itself."""
+        """Report a correction of a finished run. A run in progress reports its changes itself."""
         if not isinstance(run, FinishedRun):
             return
         record = run.record

@@ -1,6 +1,6 @@
-"""The record of a run: who scored what, why it ended, who signed it off. It is what remains of a run.
+"""The record of a run: who scored what, why the run ended, who signed it off.
 
-It is made by the core with every change, kept in the journal, and read by whoever shows or exports results.
+The core updates it with every change, and the journal keeps it. Results and exports are made from it.
 """
 
 import enum
@@ -8,7 +8,7 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 
 class Phase(enum.Enum):
-    """Where a run is, in the referee's eyes."""
+    """The phase of a run, as the referee sees it."""
 
     CONNECTED = "connected"
     RUNNING = "running"
@@ -16,7 +16,7 @@ class Phase(enum.Enum):
 
 
 class EndReason(enum.Enum):
-    """Why a run ended; the text is what the referee reads."""
+    """Why a run ended. The text is shown to the referee."""
 
     STOPPED = "Benchmark stopped by the referee"
     COMPLETED = "Benchmark completed by the robot"
@@ -26,33 +26,33 @@ class EndReason(enum.Enum):
     MODULE_FAILED = "Stopped: the benchmarking module cannot continue"
 
 
-# The benchmark ran to its end, so the zone moves on to its next event.
+# With these ends, the benchmark ran to completion, so the zone moves to its next event.
 RAN_TO_THE_END = (EndReason.COMPLETED, EndReason.GOALS_TIMED_OUT)
 
 
 class ScoreValue(NamedTuple):
     """One line of a module's score."""
 
-    group: str  # of what it is one of several, such as "waypoint 2"; empty: of the whole run
+    group: str  # what it belongs to, such as "waypoint 2"; empty: the whole run
     name: str  # such as distance_error
-    value: str  # JSON: a number, true, false, a text, or null while there is none
+    value: str  # JSON: a number, true, false, a text, or null if not known
     unit: str  # m, rad, s, or empty
     desc: str = ""  # for the referee
 
 
 class ItemRecord(NamedTuple):
-    """A scoring item of the referee's sheet, as it stands."""
+    """The current state of a scoring item of the referee's sheet."""
 
     group: str
     desc: str
     kind: str  # "bool" or "uint"
     value: int
-    not_attempted: bool = False  # the robot did not try, which is not the same as a 0 that it earned
-    corrected: bool = False  # its value has changed since the run was over
+    not_attempted: bool = False  # the robot did not try, unlike a 0 that it earned
+    corrected: bool = False  # its value has changed since the run ended
 
 
 def grouped(items: Iterable[ItemRecord]) -> Dict[str, List[ItemRecord]]:
-    """The items of a sheet by their group, in the sheet's order."""
+    """Return the items of a sheet by group, in the sheet's order."""
     groups: Dict[str, List[ItemRecord]] = {}
     for item in items:
         groups.setdefault(item.group, []).append(item)
@@ -60,7 +60,7 @@ def grouped(items: Iterable[ItemRecord]) -> Dict[str, List[ItemRecord]]:
 
 
 class ScoreEntry(NamedTuple):
-    """One change of the score sheet. An entry that is withdrawn stays in the history, and counts no more."""
+    """A change of the score sheet. A withdrawn entry stays in the history, but no longer counts."""
 
     number: int  # 1, 2, … within the run
     utc: float  # UTC seconds
@@ -73,20 +73,20 @@ class ScoreEntry(NamedTuple):
     note: str = ""
     old_not_attempted: bool = False
     correction: bool = False  # made after the run was over
-    withdrawn_utc: float = 0.0  # UTC seconds; 0.0: it counts
+    withdrawn_utc: float = 0.0  # UTC seconds; 0.0: not withdrawn
     withdrawn_by: str = ""
     withdrawn_note: str = ""
     withdrawal_corrects: bool = False  # withdrawn after the run was over
 
 
 class StopRecord(NamedTuple):
-    """One end of a run; a run that was started again after a stop has several."""
+    """An end of a run. A run that was started again after a stop has several."""
 
     utc: float  # UTC seconds
-    who: str  # who stopped it; empty: nobody, it ended by itself
+    who: str  # who stopped it; empty: it ended by itself
     end_reason: str  # name of an `EndReason`, in lower case
-    desc: str  # what the referee read
-    reason: str = ""  # what the referee typed, then or later
+    desc: str  # the text for the referee
+    reason: str = ""  # typed by the referee, with the stop or later
     reason_by: str = ""  # who typed it
 
 
@@ -98,7 +98,7 @@ class SignOff(NamedTuple):
 
 
 class RunRecord(NamedTuple):
-    """All that remains of a run."""
+    """The complete record of a run."""
 
     identity: str
     zone: str
@@ -110,22 +110,22 @@ class RunRecord(NamedTuple):
     opened_utc: float  # UTC seconds of *connect*
     started_utc: float = 0.0  # UTC seconds of the last *start*; 0.0: it was never started
     closed_utc: float = 0.0  # UTC seconds of *disconnect*; 0.0: still connected
-    end_reason: str = ""  # name of an `EndReason`, in lower case; empty: it was never started, or it runs
-    elapsed_s: float = 0.0  # seconds that counted until the last end; of a run that runs, so far
+    end_reason: str = ""  # name of an `EndReason`, in lower case; empty: never started, or running
+    elapsed_s: float = 0.0  # counted seconds until the last end, or until now if it is running
     items: Tuple[ItemRecord, ...] = ()
     history: Tuple[ScoreEntry, ...] = ()
     module_scores: Tuple[ScoreValue, ...] = ()  # of the benchmarking module
     stops: Tuple[StopRecord, ...] = ()
     sign_off: Optional[SignOff] = None
-    robots: Tuple[str, ...] = ()  # their names, without the team where it is one
+    robots: Tuple[str, ...] = ()  # their names, without the team if all are of one team
 
 
 class By(NamedTuple):
-    """Who gave a command, and why, if that was said."""
+    """Who gave a command, and the reason if one was given."""
 
     who: str = ""
     reason: str = ""
 
 
-# Nobody gave the command: the run ended by itself.
+# For a run that ended by itself.
 NOBODY = By()

@@ -1,15 +1,16 @@
-"""The score sheet of a run: what the referee marks, item by item, and who changed what when.
+"""The score sheet of a run: the referee's marks for each item, and who changed what and when.
 
 Items, their types and groups come from the benchmarks file (docs/benchmarks.md, "Scoring items of the TBMs").
 
-Theory of operation. The sheet is its history. The value of an item is that of its last entry that is not withdrawn,
-or 0 without one. So one entry can be withdrawn without changing the others. A saved history can be read whatever
-changed in the benchmarks file: entries of items that the file no longer has stay in the history.
+Theory of operation. The sheet is its history. The value of an item is the value of its last entry that is not
+withdrawn, or 0 if there is no such entry. One entry can therefore be withdrawn without changing the others. A saved
+history can be read even if the benchmarks file has changed: entries of items that the file no longer has stay in the
+history.
 
-The history is bounded. Changes of an item by one person within a moment are one entry, because a referee who counts
-with the mouse wheel makes ten changes a second. If there are too many entries, the oldest plain one that was replaced
-is dropped, if possible one of the same person. So notes, withdrawals, and the values at the end of the run are never
-lost. The run log and the journal have each change in any case.
+The history has a maximum length. Changes of an item by one person within a moment become one entry, because a referee
+who counts with the mouse wheel makes ten changes a second. If there are too many entries, the oldest plain one that was
+replaced is dropped, preferably one of the same person. Notes, withdrawals, and the values at the end of the run are
+therefore never lost. The run log and the journal have each change in any case.
 """
 
 from dataclasses import dataclass, field
@@ -25,7 +26,7 @@ from roah_rsbb.wording.suggestions import did_you_mean
 MAX_VALUE = 2**31 - 1
 # Changes of an item by the same person within this time (s) after an entry belong to that entry.
 ONE_ENTRY_S = 1.0
-# Entries besides two for each item; and how many of them may have a note or be withdrawn.
+# Maximum number of entries besides two for each item, and how many of these may have a note or be withdrawn.
 MAX_ENTRIES = 200
 MAX_NOTED = 100
 
@@ -33,17 +34,17 @@ Key = Tuple[str, str]  # group and description of an item
 
 
 def standing_text(value: int, not_attempted: bool) -> str:
-    """The value of an item, for the referee."""
+    """Return the value of an item as text for the referee."""
     return "not attempted" if not_attempted else str(value)
 
 
 def score_text(group: str, desc: str, old: str, value: str) -> str:
-    """An item's change for the referee's eyes; both are texts of `standing_text`."""
+    """Describe an item's change to the referee. Both values are texts of `standing_text`."""
     return f"Score: {group}: {desc} {old} -> {value}"
 
 
 class ScoreGroup(NamedTuple):
-    """A group as the panels show it: items and their values, in the file's order."""
+    """A group as the panels show it: its items and their values, in the file's order."""
 
     name: str
     items: Tuple[Tuple[ScoringItem, int], ...]
@@ -51,23 +52,23 @@ class ScoreGroup(NamedTuple):
 
 @dataclass
 class SheetState:
-    """A score sheet is its history. Items of the benchmarks file may come or go over a restart."""
+    """The state of a score sheet is its history. A restart may change the items of the benchmarks file."""
 
     history: List[ScoreEntry] = field(default_factory=list)
 
 
 class Mark(NamedTuple):
-    """What the referee wants an item to be."""
+    """A change of an item that the referee requests."""
 
     group: str
     desc: str
     value: int = 0
-    not_attempted: bool = False  # the robot did not try; the value does not count then
+    not_attempted: bool = False  # the robot did not try; then the value is ignored
     note: str = ""
 
 
 class ScoreSheet:
-    """All scoring items of one run with their history; all begin at 0."""
+    """All scoring items of one run with their history. Each begins at 0."""
 
     def __init__(self, items: Tuple[ScoringItem, ...], state: Optional[SheetState] = None) -> None:
         self.state = state or SheetState()
@@ -81,7 +82,7 @@ class ScoreSheet:
 
     @property
     def history(self) -> Tuple[ScoreEntry, ...]:
-        """All entries, the oldest first."""
+        """All entries, oldest first."""
         return tuple(self._history)
 
     # -- changing -----------------------------------------------------------------------------------
@@ -92,14 +93,15 @@ class ScoreSheet:
         if item is None:
             raise Refused([self._unknown(group, desc)])
         if item.kind is ScoreKind.BOOL and value not in (0, 1):
-            raise Refused([f"'{desc}' is yes or no: its value is 0 or 1, not {value}"])
+            raise Refused([f"'{desc}' is yes or no: its value must be 0 or 1, not {value}"])
         if not 0 <= value <= MAX_VALUE:
-            raise Refused([f"'{desc}' counts: its value is 0 or more, not {value}"])
+            raise Refused([f"'{desc}' is a count: its value must be 0 or more, not {value}"])
 
     def set(self, now: Now, who: str, mark: Mark, correction: bool = False) -> ItemRecord:
-        """Set an item, or mark it as not attempted; returns how it stood before, raises as `check` does.
+        """Set an item, or mark it as not attempted. Returns the item before the change. Raises as `check` does.
 
-        A value takes the mark away. What changes nothing and has no note is no entry. `correction`: the run is over.
+        A value removes the mark. A call without a change and without a note makes no entry. `correction`: the run is
+        over.
         """
         value = 0 if mark.not_attempted else mark.value
         self.check(mark.group, mark.desc, value)
@@ -124,7 +126,7 @@ class ScoreSheet:
         return before
 
     def withdraw(self, now: Now, who: str, number: int, note: str = "", correction: bool = False) -> ScoreEntry:
-        """Withdraw an entry. The item gets the value of the entry before, or 0. Returns the entry as it was; raises
+        """Withdraw an entry. The item gets the value of the entry before, or 0. Returns the withdrawn entry. Raises
         `Refused`."""
         index = next((i for i, entry in enumerate(self._history) if entry.number == number), None)
         if index is None:
@@ -142,7 +144,7 @@ class ScoreSheet:
         return entry
 
     def _same_moment(self, now: Now, entry: ScoreEntry) -> Optional[int]:
-        """The index of the item's newest entry, if this one belongs to it."""
+        """Return the index of the item's newest entry if this change belongs to it."""
         for index in reversed(range(len(self._history))):
             last = self._history[index]
             if (last.group, last.desc) == (entry.group, entry.desc):
@@ -154,7 +156,7 @@ class ScoreSheet:
     def _replace(self, index: int, entry: ScoreEntry) -> None:
         first = self._history[index]
         if (entry.value, entry.not_attempted) == (first.old, first.old_not_attempted):
-            del self._history[index]  # a slip that was taken back at once
+            del self._history[index]  # a slip that was undone at once
             del self._begun[first.number]
         else:
             self._history[index] = entry._replace(
@@ -176,9 +178,9 @@ class ScoreSheet:
             self._begun.pop(gone.number, None)
 
     def _replaced_pairs(self) -> List[Tuple[int, int]]:
-        """The indices of plain entries and of the next, plain entry of the same item; the oldest last.
+        """Return the indices of plain entries, each with that of the next plain entry of the same item; oldest last.
 
-        There are always some where there are too many entries, because few may be no plain ones.
+        If there are too many entries, some are always plain, because the number of others is limited.
         """
         pairs: List[Tuple[int, int]] = []
         newer: Dict[Key, int] = {}  # index of the next entry of the item
@@ -192,19 +194,19 @@ class ScoreSheet:
 
     def _check_noted(self, instead: str) -> None:
         if sum(1 for entry in self._history if not _is_plain(entry)) >= MAX_NOTED:
-            raise Refused([f"{MAX_NOTED} entries of the score sheet have a note or are withdrawn already: {instead}"])
+            raise Refused([f"{MAX_NOTED} entries of the score sheet already have a note or are withdrawn: {instead}"])
 
     def _next_number(self) -> int:
         return 1 + max((entry.number for entry in self._history), default=0)
 
     def _numbers(self) -> str:
         numbers = [str(entry.number) for entry in self._history if not entry.withdrawn_utc]
-        return f"there is {', '.join(numbers)}" if numbers else "it has none that could be withdrawn"
+        return f"choose from {', '.join(numbers)}" if numbers else "no entry can be withdrawn"
 
     # -- looking ------------------------------------------------------------------------------------
 
     def groups(self) -> Tuple[ScoreGroup, ...]:
-        """All items with their values, group by group, in the file's order; the same object until one changes."""
+        """Return all items with their values by group, in the file's order. The same object until one changes."""
         if self._groups is None:
             grouped: Dict[str, List[Tuple[ScoringItem, int]]] = {}
             for key, item in self._items.items():
@@ -213,14 +215,14 @@ class ScoreSheet:
         return self._groups
 
     def not_attempted(self) -> Tuple[bool, ...]:
-        """Whether each item is marked as not attempted, in the order of `groups`."""
+        """Return for each item whether it is marked as not attempted, in the order of `groups`."""
         if self._marks is None:
             keys = [(item.group, item.desc) for group in self.groups() for item, _ in group.items]
             self._marks = tuple(key in self._standing and self._standing[key].not_attempted for key in keys)
         return self._marks
 
     def items(self) -> Tuple[ItemRecord, ...]:
-        """All items as they stand, in the file's order."""
+        """Return all items, in the file's order."""
         return tuple(self._item(key) for key in self._items)
 
     def _item(self, key: Key) -> ItemRecord:
@@ -232,7 +234,7 @@ class ScoreSheet:
         )
 
     def item(self, group: str, desc: str) -> ItemRecord:
-        """An item as it stands; raises `Refused` if there is none."""
+        """Return an item. Raises `Refused` if it does not exist."""
         self.check(group, desc, 0)
         return self._item((group, desc))
 
@@ -240,7 +242,7 @@ class ScoreSheet:
         return self._standing[key].value if key in self._standing else 0
 
     def _is_corrected(self, key: Key, standing: Optional[ScoreEntry]) -> bool:
-        """Whether the item stood otherwise when the run was over."""
+        """Whether the item's value differs from the value at the end of the run."""
         if standing is not None and standing.correction:
             return True
         number = 0 if standing is None else standing.number
@@ -268,7 +270,7 @@ def _is_plain(entry: ScoreEntry) -> bool:
 
 
 def _is_alike(last: ScoreEntry, entry: ScoreEntry) -> bool:
-    """Whether both may be one entry; "not attempted" is worth one of its own."""
+    """Whether both changes may become one entry. A change to "not attempted" is always an entry of its own."""
     same = (last.who, last.correction, last.not_attempted) == (entry.who, entry.correction, entry.not_attempted)
     return same and not last.note and not entry.note
 

@@ -1,18 +1,18 @@
-"""Which parts of the runs' records are not on the disk yet.
+"""Tracks which parts of the runs' records are not on the disk yet.
 
-A score or sign-off counts as soon as it is given, also while the disk cannot take it. Referees see what would be lost.
+A score or sign-off counts at once, even while the disk cannot be written. Referees see what would be lost.
 """
 
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.scoring.records import RunRecord
 
-# The disk takes what happens within a moment; only what waits longer is shown.
+# Seconds. Usually the disk is faster, so only what waits longer is shown.
 SHOWN_AFTER_S = 0.5
 
 
 class UnsavedParts(NamedTuple):
-    """What of a run's record is not on the disk yet."""
+    """The parts of a run's record that are not on the disk yet."""
 
     identity: str
     zone: str
@@ -28,7 +28,7 @@ class _Waiting(NamedTuple):
 
 
 def unsaved_parts(saved: Optional[RunRecord], present: RunRecord) -> UnsavedParts:
-    """What the present record has and the saved one has not; None: nothing of the run is saved."""
+    """Compare the present record with the saved one. None: no record of the run is saved."""
     known = set() if saved is None else set(saved.history)
     stops = () if saved is None else saved.stops
     return UnsavedParts(
@@ -40,22 +40,22 @@ def unsaved_parts(saved: Optional[RunRecord], present: RunRecord) -> UnsavedPart
 
 
 class Unsaved:
-    """Compares the records that are on the disk with the present ones."""
+    """Compares the present records with those on the disk."""
 
     def __init__(self) -> None:
         self._saved: Dict[str, RunRecord] = {}
         self._waiting: List[_Waiting] = []
 
     def restore(self, records: Iterable[RunRecord]) -> None:
-        """Records that were read from the disk."""
+        """Take the records that were read from the disk."""
         self._saved.update((record.identity, record) for record in records)
 
     def changed(self, mono: float, ticket: int, record: RunRecord) -> None:
-        """A record was handed to the journal with this ticket."""
+        """Note that a record was passed to the journal with this ticket."""
         self._waiting.append(_Waiting(ticket, mono, record))
 
     def look(self, mono: float, saved_ticket: int) -> Tuple[UnsavedParts, ...]:
-        """What has been waiting for the disk for a while; tickets up to `saved_ticket` are on it."""
+        """Return what has been waiting for the disk for a while. Tickets up to `saved_ticket` are on it."""
         done = [w for w in self._waiting if w.ticket <= saved_ticket]
         self._waiting = [w for w in self._waiting if w.ticket > saved_ticket]
         self._saved.update((w.record.identity, w.record) for w in done)

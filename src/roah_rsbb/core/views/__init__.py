@@ -1,1 +1,1 @@
-"""What referees, the public and benchmarking modules are shown."""
+"""What the referees, the public and the benchmarking modules see."""

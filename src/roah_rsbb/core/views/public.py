@@ -1,6 +1,6 @@
-"""The box as the public may see it: plain values, made from the box at one moment.
+"""What the public may see of the box at one moment, as plain values.
 
-What the organisers do not allow is not in here at all: it never leaves the core.
+It contains only what the organisers allow. Everything else stays in the core.
 """
 
 import enum
@@ -13,17 +13,17 @@ from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason, Phase
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 
-# More fits on no screen.
+# No screen has space for more.
 MAX_FOLLOWING = 40
 MAX_FINISHED = 40
 
 
 class PublicResults(enum.Enum):
-    """What the organisers let the public see of runs that have ended."""
+    """What the organisers show the public of ended runs."""
 
     NONE = "none"
     OUTCOMES = "outcomes"  # how each run ended
-    SCORES = "scores"  # and its scores
+    SCORES = "scores"  # also its scores
 
 
 class PublicRun(NamedTuple):
@@ -32,10 +32,10 @@ class PublicRun(NamedTuple):
     zone: str
     event: ScheduledEvent
     phase: Phase
-    end_reason: Optional[EndReason]  # None: it has not ended, or the public may not know
-    teams: Tuple[str, ...]  # of all robots in it
-    counting: bool  # its time runs
-    left: float  # seconds until its time is up
+    end_reason: Optional[EndReason]  # None: it has not ended, or the public may not see this
+    teams: Tuple[str, ...]  # the teams of all robots in it
+    counting: bool  # its clock is running
+    left: float  # seconds left
 
 
 class Following(NamedTuple):
@@ -54,12 +54,12 @@ class PublicView(NamedTuple):
     finished: Tuple[FinishedResult, ...]  # the newest first
 
     def without_time(self) -> "PublicView":
-        """The same at any moment, for as long as nothing happens."""
+        """Return the view without its times. It only changes when something happens."""
         return self._replace(runs=tuple(run._replace(left=0.0) for run in self.runs))
 
 
 def public_view(box: Box, now: Now, results: PublicResults) -> PublicView:
-    """What the public may see now."""
+    """Return what the public may see now."""
     following = [line for zone in box.zones.values() for line in _following(zone)]
     following.sort(key=lambda line: line.event.scheduled)
     return PublicView(
@@ -82,7 +82,7 @@ def _run(zone: Zone, now: Now, results: PublicResults) -> PublicRun:
 
 
 def _following(zone: Zone) -> List[Following]:
-    """What comes in a zone. An event whose run is connected, or was completed, comes no more."""
+    """Return a zone's coming events. Events whose run is connected or was completed are not among them."""
     last = zone.last_run
     is_over = zone.run is not None or (last is not None and last.end_reason in RAN_TO_THE_END)
     return [Following(zone.name, event) for event in zone.events[zone.index + is_over:]]

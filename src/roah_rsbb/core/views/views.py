@@ -1,4 +1,4 @@
-"""The box as the referees and the public see it: plain values, made from the box at one moment."""
+"""What the referees see of the box at one moment, as plain values."""
 
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
@@ -16,7 +16,7 @@ from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent
 
-# A zone without a run has no phase of a run.
+# The phase of a zone without a run.
 IDLE = "idle"
 
 _COMMAND_INDEX = {command: index for index, command in enumerate(COMMANDS)}
@@ -32,11 +32,11 @@ class RobotView(NamedTuple):
 
 
 class ModuleView(NamedTuple):
-    """What a run has that a benchmarking module drives."""
+    """The part of a run's view that concerns its benchmarking module."""
 
-    operation: Optional[Request] = None  # the manual operation that is asked for
-    switches: Optional[Switches] = None  # HOMF, from the goal on
-    switches_asked: bool = False  # the referee is to confirm them
+    operation: Optional[Request] = None  # the current manual operation
+    switches: Optional[Switches] = None  # HOMF, from the first goal
+    switches_asked: bool = False  # the referee must confirm them
     held: bool = False
     status: str = ""
     scores: Tuple[ScoreValue, ...] = ()
@@ -70,21 +70,21 @@ class RobotInRunView(NamedTuple):
 
     robot: str
     port: int
-    box_state: str  # that the box sends
-    robot_state: str  # that it last reported; empty: none yet
+    box_state: str  # sent by the box
+    robot_state: str  # last reported by the robot; empty: not yet
     messages_saved: int
     skew: Optional[float]  # seconds, robot's clock minus the box's; None: not known
     last_heard: Optional[float]  # UTC seconds; None: never
 
     def without_time(self) -> "RobotInRunView":
-        """The same, but for values that change with each message; whether they are known stays."""
+        """Return the view without values that change with each message. Whether they are known is kept."""
         return self._replace(
             skew=None if self.skew is None else 0.0, last_heard=None if self.last_heard is None else 0.0
         )
 
 
 class AllRobotsView(NamedTuple):
-    """What a run has in which all robots take part."""
+    """The part of the view of a run of all robots that other runs do not have."""
 
     first_port: int
     counts: Counts
@@ -98,46 +98,46 @@ class ZoneView(NamedTuple):
     event: ScheduledEvent
     timer: float  # seconds left
     state: str  # for the referee, one or more lines
-    off: Tuple[Tuple[str, ...], ...]  # for each of COMMANDS, in their order: why it is refused
+    off: Tuple[Tuple[str, ...], ...]  # for each of COMMANDS, in their order, the reasons why it is refused
     log: str
     online_data: str
     scoring: Tuple[ScoreGroup, ...]
     not_attempted: Tuple[bool, ...]  # for each item of `scoring`
     warnings: Tuple[str, ...]
     phase: str
-    identity: str  # of the run; empty: there is none
+    identity: str  # of the run; empty: no run
     end_reason: str  # empty: it has not ended
     module: ModuleView
     clock: ClockView
-    robot: Optional[RobotInRunView]  # where one runs
-    all_robots: Optional[AllRobotsView]  # where all run at once
+    robot: Optional[RobotInRunView]  # of a run of one robot
+    all_robots: Optional[AllRobotsView]  # of a run of all robots
 
     def reasons_off(self, command: str) -> Tuple[str, ...]:
-        """Why a command would be refused; empty: it is allowed."""
+        """Return why a command would be refused; empty: it is allowed."""
         return self.off[_COMMAND_INDEX[command]]
 
     def without_time(self) -> "ZoneView":
-        """The same, but for values that change all the time although nothing happens."""
+        """Return the view without values that change even when nothing happens."""
         robot = None if self.robot is None else self.robot.without_time()
         return self._replace(timer=0.0, clock=self.clock.without_time(), robot=robot)
 
 
 class ScheduleLine(NamedTuple):
-    """An event as the public sees it."""
+    """An event of the schedule, for panels and the public display."""
 
     event: ScheduledEvent
     running: bool
 
 
 def robots(box: Box, now: Now) -> List[RobotView]:
-    """All active robots, by team and name."""
+    """Return all active robots, by team and name."""
     return [
         RobotView(r.id.team, r.id.robot, r.skew.seconds or 0.0, r.last_heard.utc) for r in box.robots.all(now)
     ]
 
 
 def status(box: Box, now: Now) -> str:
-    """The box's state in one line: OK, or what it does or complains of."""
+    """Return the box's state in one line: OK, what it is doing, or its warnings."""
     left = box.listening_left(now)
     if left > 0:
         return f"Listening for another box before transmitting: {left:.0f} s"
@@ -145,12 +145,12 @@ def status(box: Box, now: Now) -> str:
 
 
 def zones(box: Box, now: Now) -> List[ZoneView]:
-    """All zones, in the order of the schedule file."""
+    """Return all zones, in the order of the schedule file."""
     return [_zone(box, zone, now) for zone in box.zones.values()]
 
 
 def schedule(box: Box) -> List[ScheduleLine]:
-    """What runs and what comes next, all zones together, by scheduled time."""
+    """Return the current and coming events of all zones, by scheduled time."""
     lines = [
         ScheduleLine(event, running=zone.run is not None and index == zone.index)
         for zone in box.zones.values()
@@ -187,7 +187,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
 
 
 def _texts(zone: Zone) -> Tuple[str, str]:
-    """Log and online data: of the run, or of the one before."""
+    """Return the log and online data of the run, or of the last run."""
     if zone.run is not None:
         return zone.run.log, zone.run.online_data
     last = zone.last_run
@@ -240,7 +240,7 @@ def _all_robots(run: AllRobotsRun, now: Now) -> AllRobotsView:
 
 
 def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:
-    """What is the matter first, then what the referee must know, a line each."""
+    """Return the lines for the referee: warnings and requests first."""
     run = zone.run
     if run is None:
         lines = list(view.reasons_off("connect")) or [_ready(box.commands.robots_to_connect(now, zone))]

@@ -48,7 +48,7 @@ class HeardDatagram(NamedTuple):
     kind: DatagramKind
     private: bool  # whether it was on a private channel
     speaker: Optional[Speaker]  # None: unknown
-    team: str  # of the private channel or the speaker; empty if unknown or none
+    team: str  # of the private channel or the speaker; empty: unknown, or no team
     message: Any = None  # for MESSAGE
     text: str = ""  # for other kinds: the reason
     reason: Optional[Reason] = None  # for ERROR

@@ -58,7 +58,7 @@ def _udp_content(content: bytes, udp_length: int) -> Optional[bytes]:
     return content[:size] if 0 <= size <= len(content) else None
 
 
-# XXDOC py: What this Linux machine's network looks like, from the tables in /proc.
+# The network of this Linux machine, from the tables in /proc.
 
 
 LOOPBACK = "lo"

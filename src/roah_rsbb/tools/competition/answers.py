@@ -1,4 +1,4 @@
-"""What an organiser must decide: options, questions at a terminal, and the reading of the answers."""
+"""The organiser's decisions: options, questions at a terminal, and reading the answers."""
 
 import argparse
 import datetime
@@ -20,7 +20,7 @@ ZoneWish = Tuple[str, Tuple[str, ...]]  # a zone's name, and its benchmarks if g
 
 
 def split(given: str) -> List[str]:
-    """Split at commas and strip blanks."""
+    """Split at commas and strip spaces."""
     return [part.strip() for part in given.split(",")]
 
 
@@ -96,7 +96,7 @@ def share(
     if left and not plain:
         report.error(place, f"no zone for {listing(left)}", "each benchmark in a zone, or a zone without benchmarks")
     if len(plain) > len(left):
-        report.error(place, f"nothing to do in zone {quote(plain[len(left)])}", "at most one zone per benchmark")
+        report.error(place, f"no benchmark left for zone {quote(plain[len(left)])}", "at most one zone per benchmark")
     shared = {name: left[number::len(plain)] for number, name in enumerate(plain)}
     return {name: own or shared[name] for name, own in zones}
 

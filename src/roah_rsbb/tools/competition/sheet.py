@@ -109,7 +109,7 @@ class _Sheet:
                 begin = reader.line_num + 1
         except csv.Error:
             self._report.error(Place(self._path, begin, 1), "an unclosed quote, or text after a closing one",
-                               'cells without quotes, or with one at each end; a quote within is written twice: ""')
+                               'cells without quotes, or with one at each end; write a quote within a cell twice: ""')
 
     def _read_header(self, number: int) -> bool:
         known = len(self._report.errors)
@@ -137,7 +137,7 @@ class _Sheet:
             if content and not (index < len(self._header) and self._header[index]):
                 report.error(Place(self._path, number, index + 1),
                              f"{quote(content)} in column {column_name(index + 1)}, which has no name",
-                             "a name for it in the first row, or nothing")
+                             "a name for it in the first row, or an empty cell")
         cell = {name: Scalar(Place(self._path, number, index + 1), cells[index] if index < len(cells) else "",
                              False, False) for name, index in self._columns.items()}
         zone = text(report, Scalar(cell["zone"].place, cell["zone"].text, True, False), self._what("zone"))
@@ -162,7 +162,7 @@ class _Sheet:
             if cell.text in ("", ALL_TEAMS):
                 return ALL_TEAMS
             return self._report.error(cell.place, f"{quote(cell.text)} as {what} in {code}",
-                                      f"{ALL_TEAMS} or nothing: all robots do it at once")
+                                      f"{ALL_TEAMS} or an empty cell: all robots do it at once")
         return self._known(team_name(self._report, cell.place, cell.text, what), cell, what, self._teams)
 
     def _code(self, cell: Scalar) -> Optional[str]:
@@ -198,7 +198,7 @@ def _plan(report: Report, rows: List[_Row]) -> Plan:
 
 
 def _warn_of_names(report: Report, rows: List[_Row]) -> None:
-    """Warn of names that differ only in case or blanks, because they are probably the same."""
+    """Warn of names that differ only in case or spaces, because they are probably the same."""
     for what, names in (("team", [(row.team, row.place) for row in rows]),
                         ("zone", [(row.zone, row.place) for row in rows])):
         first: Dict[str, str] = {}

@@ -111,7 +111,7 @@ def test_a_late_robot_is_named_until_the_start_and_comes_with_the_next_connect()
     driver, robots = connected()
     late = driver.robot("Gamma", "late", "10.0.0.9")
     late.beacon()
-    text = "late of team Gamma is active, but not in this run: disconnect and connect again to have it"
+    text = "late of team Gamma is active, but not in this run: disconnect and connect again to include it"
     assert driver.view().warnings == (text,)
     driver.command("start")
     assert driver.view().warnings == ()
@@ -243,7 +243,8 @@ def test_a_robot_without_a_channel_does_not_take_part_and_the_others_do():
     robots = connect_all(driver, robots_of(driver))
     assert [robot.port for robot in robots] == [65533, None, 65535]
     assert f"No private channel could be opened: {R2} does not take part" in driver.notices(Level.ERROR)
-    assert driver.view().warnings == (f"{R2} is active, but not in this run: disconnect and connect again to have it",)
+    text = f"{R2} is active, but not in this run: disconnect and connect again to include it"
+    assert driver.view().warnings == (text,)
     start_all(driver, [robots[0], robots[2]])
     assert counts(driver) == (0, 2, 0)
 

@@ -68,7 +68,7 @@ def test_device_commands_are_ignored_and_said_once_a_robot():
 
 def test_manual_operations_and_switches_are_refused():
     driver, _ = running()
-    with pytest.raises(Refused, match="no manual operation is asked for in zone 'tbm'"):
+    with pytest.raises(Refused, match="zone 'tbm' has no manual operation now"):
         driver.event(driver.box.modules.complete_operation, "tbm")
     with pytest.raises(Refused, match="only HOMF has switches"):
         driver.event(driver.box.modules.complete_switches, "tbm")

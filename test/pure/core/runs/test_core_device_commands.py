@@ -64,7 +64,7 @@ def test_a_field_that_is_left_out_for_a_while_is_no_change(devices, in_between):
 def test_more_than_100_per_cent_is_told_once_and_not_obeyed(devices, field, value):
     taken = devices.take(_report(**{field: value, "switch_1": True}))
     assert taken.commands == [("switch_1", 1)]
-    assert taken.problems == [f"Robot sets {field} to {value}: not obeyed, it takes 0 to 100 per cent"]
+    assert taken.problems == [f"Robot sets {field} to {value}: ignored, because the range is 0 to 100 per cent"]
     assert devices.take(_report(**{field: value, "switch_1": True})) == NOTHING
     assert devices.take(_report(**{field: 50})).commands == [(field, 50)]
 
@@ -94,7 +94,7 @@ def test_in_every_other_benchmark_they_are_ignored_and_that_is_said_once(code):
     devices.take(_report(switch_1=True))
     taken = devices.take(_report(switch_1=True, display_map=True))
     assert (taken.commands, taken.display_map) == ([], None)
-    assert taken.problems == [f"Robot commands devices or tablet in {code}: ignored, only HCFGAC has that"]
+    assert taken.problems == [f"Robot commands devices or tablet in {code}: ignored, because only HCFGAC allows that"]
     assert devices.take(_report(switch_1=False, blinds=3, display_map=False)) == NOTHING
 
 

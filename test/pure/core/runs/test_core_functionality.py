@@ -198,12 +198,12 @@ def test_between_goals_nothing_that_the_robot_says_moves_the_state():
 
 def test_what_the_referee_does_not_know_is_refused():
     driver, modules, _ = started()
-    with pytest.raises(Refused, match="no manual operation is asked for"):
+    with pytest.raises(Refused, match="has no manual operation now"):
         driver.event(driver.box.modules.complete_operation, "tbm")
     modules.asks(RequestKind.REFEREE, text="Try again?", choices=("try again", "skip"))
     with pytest.raises(Refused, match="there are try again, skip"):
         driver.event(driver.box.modules.complete_operation, "tbm", 1, "perhaps")
-    with pytest.raises(Refused, match="is over; now the referee is asked to: Try again"):
+    with pytest.raises(Refused, match="is over; the current one is: Try again"):
         driver.event(driver.box.modules.complete_operation, "tbm", 7, "skip")
     driver.event(driver.box.modules.complete_operation, "tbm", 1, "skip")
     assert modules.outcome().answer == "skip"
@@ -213,7 +213,7 @@ def test_what_the_referee_does_not_know_is_refused():
     driver.event(driver.box.modules.complete_operation, "tbm")
     assert modules.outcome().answer == "try again", "no answer is the usual one"
     modules.asks(RequestKind.REFEREE, text="Place it")
-    with pytest.raises(Refused, match="takes no answer"):
+    with pytest.raises(Refused, match="has no choices"):
         driver.event(driver.box.modules.complete_operation, "tbm", 0, "done")
     driver.event(driver.box.modules.complete_operation, "tbm")
     modules.asks(RequestKind.REFEREE, text="Which one?", asks_text=True)
@@ -252,7 +252,7 @@ def test_the_referee_sees_what_is_asked_and_what_the_module_says():
     modules.says(status="Waypoint 1 of 3", warnings=("frame robot is 3 s old",))
     state = driver.view().state
     assert "Manual operation: Place it" in state
-    assert "Benchmark timeout: 10:00 (does not count now)" in state
+    assert "Benchmark timeout: 10:00 (paused)" in state
     assert "Waypoint 1 of 3" in state
     assert "WARNING: frame robot is 3 s old" in state
     assert [n for n in driver.notices() if "3 s old" in n] == ["Benchmarking module: frame robot is 3 s old"]

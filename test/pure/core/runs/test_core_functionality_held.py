@@ -33,14 +33,14 @@ def test_a_run_whose_module_is_gone_is_held_and_its_clocks_stand():
     driver.run(0.01)
     assert driver.run_in().held
     assert driver.notices(Level.ERROR) == [
-        "Benchmarking module is gone: the run is held, its time does not count"
+        "Benchmarking module is missing: the run is paused"
     ]
     run_left, goal_left = driver.run_in().clock.left(driver.now), driver.view().timer
     driver.run(500.0)
     robot.says(after=0.0)
     assert driver.run_in().clock.left(driver.now) == pytest.approx(run_left) == pytest.approx(598.0)
     assert driver.view().timer == pytest.approx(goal_left) == pytest.approx(58.0)
-    assert "Benchmarking module not connected: the run is held until it is back" in driver.view().state
+    assert "Benchmarking module not connected: the run is paused until it is back" in driver.view().state
     again = rejoined(driver, modules)
     again.beat()
     assert not driver.run_in().held

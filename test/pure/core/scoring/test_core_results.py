@@ -204,5 +204,5 @@ def test_what_is_signed_off_is_final():
 
 
 def test_a_run_that_is_not_there_is_refused():
-    with pytest.raises(Refused, match="no run 'HNF-1-2' was started and is over"):
+    with pytest.raises(Refused, match="'HNF-1-2' is not one of the newest"):
         _runs(run_record(1)).find("HNF-1-2")

@@ -251,7 +251,7 @@ def test_no_stop_is_refused_for_many_words(driver):
 def test_a_reason_can_be_typed_after_the_stop_also_of_an_earlier_one(driver):
     robot = driver.executing()
     assert _refused(driver, driver.box.scores.give_stop_reason, RunName("tbm"), "x") == [
-        "the run was not stopped yet: there is nothing to give a reason for"
+        "the run was not stopped yet, so it cannot have a reason"
     ]
     driver.command("stop")
     robot.says(RobotState.STOP)
@@ -262,7 +262,7 @@ def test_a_reason_can_be_typed_after_the_stop_also_of_an_earlier_one(driver):
     assert [(stop.reason, stop.reason_by) for stop in _record(driver).stops] == [("first", "Ben"), ("second", "Anna")]
     assert "Benchmark stopped by the referee: second" in driver.view().log
     assert _refused(driver, driver.box.scores.give_stop_reason, RunName("tbm"), "x", "", 3) == [
-        "the run has no stop 3: there is 1 to 2, or 0 for the last one"
+        "the run has no stop 3: choose from 1 to 2, or 0 for the last one"
     ]
     assert _refused(driver, driver.box.scores.give_stop_reason, RunName("tbm"), "x", "", -1)
 
@@ -314,14 +314,14 @@ def test_only_a_run_that_is_over_is_signed_off(driver):
         f"run {name.identity} is still connected: disconnect it first"
     ]
     assert _refused(driver, driver.box.scores.sign_off, RunName("tbm")) == [
-        "say which run is signed off: only one that is over can be"
+        "name the run to sign off: only a run that is over can be signed off"
     ]
     driver.command("disconnect")
     driver.connected()
     never = driver.run_in().identity
     driver.command("disconnect")
     (reason,) = _refused(driver, driver.box.scores.sign_off, RunName("tbm", never))
-    assert f"no run '{never}' was started and is over" in reason
+    assert f"'{never}' is not one of the newest" in reason
 
 
 def test_a_run_of_another_zone_is_refused(driver):

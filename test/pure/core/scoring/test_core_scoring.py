@@ -76,7 +76,7 @@ def test_values_that_are_taken(referee, item, value):
 
 
 @pytest.mark.parametrize("group, desc, value, reason", [
-    ("Achievements", DOOR.desc, 2, "is yes or no: its value is 0 or 1, not 2"),
+    ("Achievements", DOOR.desc, 2, "is yes or no: its value must be 0 or 1, not 2"),
     ("Achievements", DOOR.desc, -1, "is yes or no"),
     ("Achievements", OBJECTS.desc, -1, "its value is 0 or more, not -1"),
     ("Achievements", OBJECTS.desc, MAX_VALUE + 1, "its value is"),

@@ -227,7 +227,7 @@ def test_an_error_in_the_passwords_file_is_told_with_its_line_and_without_the_pa
     (["--port", "0"], "'0' is not a UDP port"),
     (["--port", "65536"], "'65536' is not a UDP port"),
     (["--port", "²"], "'²' is not a UDP port"),
-    (["--duration", "nan"], "'nan' is no number from 0"),
+    (["--duration", "nan"], "'nan' is not a number from 0"),
     (["--write", "a", "--read", "b"], "not allowed with argument"),
     (["--password", "a", "--password-file", "b"], "not allowed with argument"),
     (["--message", "Beacon"], "invalid choice"),

@@ -84,7 +84,7 @@ def test_benchmarks_that_cannot_be_shared_out():
     assert not_shared([("A", ("STB",)), ("B", ("STB",))], ["STB"])[0].startswith("found benchmark STB in two zones")
     assert not_shared([("A", ("HNF",))], ["STB"])[0] == (
         "found benchmark HNF in a zone; expected one of the competition's benchmarks: STB")
-    assert not_shared([("A", ()), ("B", ())], ["STB"])[0].startswith("found nothing to do in zone 'B'")
+    assert not_shared([("A", ()), ("B", ())], ["STB"])[0].startswith("found no benchmark left for zone 'B'")
 
 
 def test_usual_zones():

@@ -105,7 +105,7 @@ def test_every_bad_cell_is_named_with_line_column_and_the_expected_form(errors):
     assert told[4] == ("found '9h' as time (column G); expected a time of day from 0:00 to 23:59, such as 09:30")
     assert told[5] == "found the number '0' as round (column D); expected a whole number from 1 to 255"
     assert told[6] == "found the text 'x' as run (column E); expected a whole number from 1 to 255"
-    assert told[7] == "found 'A' as team (column C) in HSUF; expected ALL or nothing: all robots do it at once"
+    assert told[7] == "found 'A' as team (column C) in HSUF; expected ALL or an empty cell: all robots do it at once"
 
 
 def test_empty_columns_beside_the_sheet(good):

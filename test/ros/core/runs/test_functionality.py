@@ -86,7 +86,7 @@ class TestReferee(ModulesCase):
         number = self.wait_asked("Hands", "Place it")
         self.assertEqual((number, list(self.box.zone_details("Hands").operation_choices)), (1, []))
         self.assertIn("Manual operation: Place it", self.box.zone("Hands").state)
-        self.assertRefused("takes no answer", "Hands", 1, "yes")
+        self.assertRefused("has no choices", "Hands", 1, "yes")
         self.box.command("manual_operation_complete", "Hands")
         self.assertEqual(self.fbm.wait_outcome("Hands").answer, "")
         self.box.wait_zone("Hands", lambda z: not z.manual_operation, "nothing is asked any more")
@@ -142,7 +142,7 @@ class TestReferee(ModulesCase):
         self.fbm.wait_outcome("Switches")
         self.fbm.asks("Switches", SWITCHES, text="Enter the switches")
         self.box.wait_zone("Switches", lambda z: z.omf_complete, "the switches are to be confirmed")
-        self.assertRefused("no manual operation is asked for", "Switches", 0, "")
+        self.assertRefused("has no manual operation now", "Switches", 0, "")
         self.switches_refused("numbered 1 to 3", "button", 4)
         self.box.call("omf_switches/button", ZoneUInt8, "Switches", 1)
         self.box.call("omf_switches/damaged", ZoneUInt8, "Switches", 1)
@@ -162,7 +162,7 @@ class TestReferee(ModulesCase):
     def test_zones_without_a_module(self) -> None:
         self.robot("Theta")
         self.box.connect("Task")
-        self.assertRefused("no manual operation is asked for", "Task", 0, "")
+        self.assertRefused("has no manual operation now", "Task", 0, "")
         for name, request in (("button", (1,)), ("damaged", (1,)), ("complete", ())):
             self.switches_refused("only HOMF has switches", name, *request, zone="Task")
         self.assertRefused("no zone 'Tusk'", "Tusk", 0, "")

@@ -35,7 +35,7 @@ class TestModulesThatComeAndGo(ModulesCase):
         for modules in list(self._made):
             modules.close()
         details = self.box.wait_details("Gone", lambda d: d.held and d, "the run is held")
-        self.assertIn("Benchmarking module not connected: the run is held", details.warnings[0])
+        self.assertIn("Benchmarking module not connected: the run is paused", details.warnings[0])
         left = self.box.zone("Gone").timer
         robot.let("execute")
         self.box.wait_zone("Gone", lambda z: "Goal completed by the robot" in z.log, "the robot's result is taken")
@@ -91,7 +91,7 @@ class TestModulesThatComeAndGo(ModulesCase):
         self.started("Late")
         self.fbm.asks("Late", REFEREE, text="of the first")
         other = self.modules("STB", node="second")
-        two = "2 nodes drive STB: end all but one, only the first is listened to"
+        two = "2 nodes drive STB: end all but one. The first one counts"
         self.box.wait_details("Late", lambda d: two in d.warnings, "the referee is told")
         other.wait_run("Late", lambda run: run.steps, "the second one knows all")
         other.says("Late", request=Request(2, REFEREE, "of the second"), failed="wrong rules")

@@ -97,7 +97,7 @@ class TestClocks(BoxCase):
         self.assertRegex(
             box.refusal("connect", zone),
             rf"^Clock skew of robot Robot of team {team} is \{skew:+.1f}\d\d s, "
-            r"it must be below 0\.100 s: synchronise the robot's clock$",
+            r"but must be below 0\.100 s: synchronise the robot's clock$",
         )
         self.assertEqual(box.zone_details(zone).phase, "idle")
 

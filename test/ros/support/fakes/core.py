@@ -99,7 +99,7 @@ class FakeZone:
             "connect": [] if free else ["Already connected"],
             "disconnect": ["No run is connected"] if free else [],
             "start": ["No run is connected: press connect first"] if free else ["Already started"] if running else [],
-            "stop": [] if running else ["No run is connected: there is nothing to stop"] if free
+            "stop": [] if running else ["No run is connected, so there is nothing to stop"] if free
             else ["The run is over: disconnect to leave it"],
             "previous": ([] if free else ["A run is connected: disconnect it first"])
             + (["This is the zone's first event"] if self.index == 0 else []),
