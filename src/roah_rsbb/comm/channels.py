@@ -15,7 +15,7 @@ from roah_rsbb.comm.sockets import ANY_HOST
 
 OnMessage = Callable[[Any, Address], None]
 OnComplaint = Callable[[str], None]
-_COPY = object()  # in the place of a message that was taken before
+_COPY = object()  # instead of a message that was accepted before
 
 
 class _Channel:
@@ -189,7 +189,7 @@ class PrivateChannel(_Channel):
         return self._peer.send(frame.encode(message, self._cipher, self._key), host)
 
     def remember(self) -> None:
-        """Within `on_message`: what is being handed over was taken, and no copy of it is read from now on."""
+        """Within `on_message`: note that the message was accepted. Copies of it are not read from now on."""
         if self._seen is not None:
             self._seen.add(self._ciphertext)
 

@@ -138,8 +138,8 @@ def open_private(datagram: bytes) -> PrivateFrame:
     ciphertext = datagram[start:]
     if not ciphertext or len(ciphertext) % BLOCK_SIZE:
         raise BadDatagram(Reason.SIZE, f"{len(datagram)} bytes do not fit a frame of {cipher.label}")
-    # The original counts initialisation vector and padding. Some descriptions leave out one of them or both, and the
-    # original reads such frames, too: it goes by the length of the datagram.
+    # The original counts initialisation vector and padding. Some descriptions omit one or both of them, and the
+    # original reads such frames, too, because it uses the length of the datagram.
     came = len(datagram) - _HEADER.size
     if not len(ciphertext) - BLOCK_SIZE <= size <= came:
         raise BadDatagram(Reason.SIZE, f"the header says {size} bytes, but {came} arrived")
@@ -157,7 +157,7 @@ def decrypt(datagram: bytes, key: Key) -> bytes:
 
 
 def decrypt_frame(opened: PrivateFrame, key: Key) -> bytes:
-    """The same of a frame that was opened before."""
+    """As `decrypt`, for a frame that is already open."""
     cipher, iv, ciphertext = opened
     payload = key.decrypt(cipher, iv, ciphertext)
     if payload is None:

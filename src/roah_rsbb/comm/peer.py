@@ -199,8 +199,8 @@ class Peer:
     def _source_host(self) -> Optional[str]:
         """The address that this peer's broadcasts come from.
 
-        A peer on 0.0.0.0 must ask the system, which has no answer while the network is away and another
-        one after a new lease: asked again each second, if it matters.
+        A peer on 0.0.0.0 must ask the system, which has no answer while the network is down and may have a different
+        one after a new lease. It asks again each second if necessary.
         """
         if self._bind_host != sockets.ANY_HOST:
             return self._bind_host

@@ -1,16 +1,16 @@
-"""Remembers the ciphertexts of a whole competition, so that recorded datagrams are not taken a second time.
+"""Remembers the ciphertexts of a whole competition, so that recorded datagrams are not accepted again.
 
-A sender encrypts each datagram with a new random initialisation vector, so no ciphertext comes twice but as a copy: the
-network doubled it, or somebody recorded it and sends it again. Nothing in the protocol itself tells a copy (docs/
-protocol.md, "Frame").
+A sender encrypts each datagram with a new random initialisation vector, so only a copy has a known ciphertext: the
+network duplicated it, or somebody recorded it and sends it again. The protocol itself cannot distinguish a copy
+(docs/protocol.md, "Frame").
 
-This is a Bloom filter. It never forgets one of the last `CAPACITY` ciphertexts, and takes one in a few thousand new
-ones for a copy, which is one more lost datagram. Two filters take turns, so that it does not fill up.
+This is a Bloom filter. It never forgets one of the last `CAPACITY` ciphertexts, and mistakes one in a few thousand new
+ones for a copy, which then counts as a lost datagram. Two filters take turns, so that neither fills up.
 """
 
 from typing import List
 
-# Ciphertexts that one filter of a size takes: then one in 2,000 new ones is taken for a copy.
+# Ciphertexts that a filter of each size holds: then it mistakes one in 2,000 new ones for a copy.
 BITS_PER_ENTRY = 24
 _PROBES = 4
 
@@ -19,12 +19,12 @@ class Seen:
     """A set of ciphertexts of bounded size."""
 
     def __init__(self, bits: int = 2**26) -> None:
-        """`bits`: of each of two filters, a power of two. The memory is used as it fills."""
+        """`bits`: size of each of the two filters, a power of two. Memory is used only as they fill."""
         self._bits = bits
         self._capacity = bits // BITS_PER_ENTRY
         self._count = 0
         self._filter = bytearray(bits // 8)
-        self._before = bytearray()  # the filter that was filled before; empty: none was
+        self._before = bytearray()  # the previous, full filter; empty: none yet
 
     def add(self, ciphertext: bytes) -> None:
         """Remember a ciphertext."""

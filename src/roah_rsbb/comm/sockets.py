@@ -34,7 +34,7 @@ def listen(host: str, port: int, shared: bool) -> socket.socket:
 
 
 def speak(host: str) -> socket.socket:
-    """The same on a port that the system chooses, for a participant that only sends."""
+    """A socket as `listen` returns, on a port that the system chooses, for a participant that only sends."""
     return _bound(host, 0, shared=False)
 
 

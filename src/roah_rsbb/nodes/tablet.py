@@ -87,7 +87,7 @@ class TabletNode:
 
     def _on_box(self, changed: bool) -> None:
         if changed:
-            self._server.tell()
+            self._server.publish()
 
     def _on_presence(self, there: bool) -> None:
         self._radio.present = there

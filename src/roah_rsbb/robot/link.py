@@ -38,7 +38,7 @@ class MessageTimes:
     """Assigns times to the messages of one channel, and finds a message's number by its time.
 
     The box orders a robot's messages by their `time` and ignores older ones (docs/protocol.md, "State machines").
-    Therefore times always rise, even if the clock stands still or NTP sets it back a little. If the clock is set back
+    Therefore times always rise, even if the clock is stopped or NTP sets it back a little. If the clock is set back
     by more than `SET_BACK_S`, the times follow it: hiding that would show the referee a skew that no longer exists.
     """
 

@@ -66,7 +66,7 @@ BOX_TABLE: Dict[Tuple[BoxState, RobotState], Transition] = {
     (BoxState.PREPARE, _R.STOP): Transition(_R.PREPARING, _PREPARE),
     (BoxState.PREPARE, _R.PREPARING): Transition(_R.PREPARING, _KEEP),
     (BoxState.PREPARE, _R.WAITING_GOAL): Transition(_R.WAITING_GOAL, _KEEP),
-    # The box may not know yet that the robot executes. See also PREPARE_ENDS_GOAL.
+    # The box may not have received EXECUTING yet. See also PREPARE_ENDS_GOAL.
     (BoxState.PREPARE, _R.EXECUTING): Transition(_R.EXECUTING, _KEEP),
     (BoxState.PREPARE, _R.RESULT_TX): Transition(_R.PREPARING, _PREPARE),
 

@@ -1,6 +1,6 @@
 """The web server of the tablet: a page, its map, and a WebSocket for each browser that shows it.
 
-Everybody in the network may open it; so nothing that a browser sends is kept or costs much.
+Anybody on the network may open it. Therefore nothing from a browser is stored or takes much time.
 """
 
 import asyncio
@@ -16,13 +16,13 @@ from roah_rsbb.comm.sockets import ANY_HOST, OpenError
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
 
-# More than one venue has tablets.
+# No venue has more tablets.
 MAX_PAGES = 32
-# A browser opens up to six at once; those that show a page do not count.
+# A browser opens up to six at once. Connections that show a page are not counted.
 MAX_CONNECTIONS = 200
-# A page says that it is there every two seconds; a phone that sleeps does not say that it goes.
+# A page sends a message every two seconds. A phone that goes to sleep does not close its page.
 PAGE_SILENT_S = 6.0
-# More messages a second are no fingers' work.
+# Nobody touches a page more often than this per second.
 MAX_MESSAGES_A_SECOND = 20
 _MAX_MESSAGE_BYTES = 1024
 _MAX_BODY_BYTES = 1024
@@ -30,7 +30,7 @@ _MAX_HEADER_BYTES = 16 * 1024
 _IDLE_S = 30.0
 _TELL_PERIOD_S = 1.0
 
-# Nothing from elsewhere is loaded or runs, and no other site shows this one in a frame.
+# Pages load and run nothing from other sites, and no other site may show them in a frame.
 _HEADERS = {
     "Content-Security-Policy": "default-src 'self'; connect-src 'self' ws: wss:; frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
@@ -41,9 +41,9 @@ _HEADERS = {
 
 
 class _HTTPServer(httpserver.HTTPServer):
-    """Serves a bounded number of connections: of too many that show no page, the oldest is closed.
+    """Serves a limited number of connections. If too many show no page, the oldest of them is closed.
 
-    Otherwise slow connections use up all files of the process, and nobody else is let in.
+    Otherwise slow connections would use up all file descriptors of the process, and no browser could connect.
     """
 
     def initialize(self, *args: Any, **options: Any) -> None:
@@ -51,21 +51,21 @@ class _HTTPServer(httpserver.HTTPServer):
         self._waiting: Dict[iostream.IOStream, None] = {}  # oldest first
 
     def handle_stream(self, stream: iostream.IOStream, address: Any) -> Any:
-        """A connection was accepted."""
+        """Accept a connection."""
         self._waiting[stream] = None
         if len(self._waiting) > MAX_CONNECTIONS:
             next(iter(self._waiting)).close()
-        # Tornado sets a callback of its own for what it serves.
+        # Tornado sets its own callback for connections that it serves.
         self._waiting = {waiting: None for waiting in self._waiting if not waiting.closed()}
         return super().handle_stream(stream, address)
 
     def keep(self, stream: Optional[iostream.IOStream]) -> None:
-        """A connection shows a page: these have a number of their own."""
+        """Stop counting a connection that shows a page: pages have their own limit."""
         self._waiting.pop(stream, None)
 
 
 class TabletServer:
-    """Serves one tablet to any number of browsers; all methods belong to the thread of the asyncio loop."""
+    """Serves one tablet to any number of browsers. Call all methods in the thread of the asyncio loop."""
 
     def __init__(
         self,
@@ -76,8 +76,8 @@ class TabletServer:
         on_touch: Callable[[], None],
         on_presence: Callable[[bool], None],
     ) -> None:
-        """`folder`: the page's files. `on_touch()` is called when a page touched the tablet, `on_presence(there)`
-        each second: whether any page is open."""
+        """`folder`: the page's files. `on_touch()` is called when a page touched the tablet, `on_presence(there)` each
+        second with whether any page is open."""
         self._loop = loop
         self._pages = pages
         self._on_touch = on_touch
@@ -102,19 +102,19 @@ class TabletServer:
         )
 
     def open(self, host: str, port: int) -> int:
-        """Begin to serve (port 0: any free one); returns the port. Raises OSError whose text names the remedy."""
+        """Start serving (port 0: any free port); returns the port. Raises OSError whose text names the remedy."""
         try:
-            # IPv4 only, as the rest; without address re-use by another program.
+            # IPv4 only, like everything else. Other programs cannot share the address.
             self._listening = netutil.bind_sockets(port, None if host == ANY_HOST else host, socket.AF_INET)
         except OSError as error:
             raise OpenError(error.errno, f"cannot serve the tablet's page on {host}:{port}: "
                                          f"{_remedy(error, port)}") from error
         self._http.add_sockets(self._listening)
-        self._tell_each_second()
+        self._publish_each_second()
         return self._listening[0].getsockname()[1]
 
     def close(self) -> None:
-        """End all of it; does nothing if closed."""
+        """Stop serving; has no effect if closed."""
         if self._timer is not None:
             self._timer.cancel()
         for page in list(self._sockets):
@@ -122,58 +122,58 @@ class TabletServer:
         self._http.stop()
         self._listening = []
 
-    def tell(self) -> None:
-        """Something changed: tell all pages now."""
+    def publish(self) -> None:
+        """Send the current state to all pages."""
         text = self._pages.text(self._loop.time())
         for page in list(self._sockets):
-            page.tell(text)
+            page.send(text)
 
-    def _tell_each_second(self) -> None:
-        self._timer = self._loop.call_later(_TELL_PERIOD_S, self._tell_each_second)
+    def _publish_each_second(self) -> None:
+        self._timer = self._loop.call_later(_TELL_PERIOD_S, self._publish_each_second)
         now = self._loop.time()
         for page, heard in list(self._sockets.items()):
             if now - heard > PAGE_SILENT_S:
                 self.forget(page)
                 page.close()
         self._note_presence()
-        self.tell()
+        self.publish()
 
     def _note_presence(self) -> None:
-        # A page that was just closed still counts: its last touch is still being sent.
+        # A page that was just closed still counts, because its last touch is still being sent.
         now = self._loop.time()
         if self._sockets:
             self._present_until_mono = now + PAGE_SILENT_S
         self._on_presence(now <= self._present_until_mono)
 
-    # -- for its pages' sockets ---------------------------------------------------------------------
+    # -- for the pages' sockets ---------------------------------------------------------------------
 
     def add(self, page: "PageSocket") -> bool:
-        """A browser opened the page; False: there are too many."""
+        """Add a browser that opened the page; returns False if there are too many."""
         if len(self._sockets) >= MAX_PAGES:
             return False
         self._sockets[page] = self._loop.time()
         self._http.keep(getattr(page.ws_connection, "stream", None))
         self._note_presence()
-        page.tell(self._pages.text(self._loop.time()))
+        page.send(self._pages.text(self._loop.time()))
         return True
 
     def forget(self, page: "PageSocket") -> None:
-        """A browser left."""
+        """Forget a browser that left."""
         self._sockets.pop(page, None)
 
     def receive(self, page: "PageSocket", text: object) -> None:
-        """A page says or asks for something."""
+        """Handle a message of a page."""
         if page not in self._sockets:
-            return  # one too many, or silent for too long: it is being closed
+            return  # too many pages, or silent for too long: it is being closed
         now = self._sockets[page] = self._loop.time()
         try:
             touched = self._pages.do(now, time.time_ns(), text)
         except Refusal as refusal:
-            page.tell(refusal_text(refusal))
+            page.send(refusal_text(refusal))
             return
         if touched:
             self._on_touch()
-            self.tell()
+            self.publish()
 
 
 class PageSocket(websocket.WebSocketHandler):
@@ -199,8 +199,8 @@ class PageSocket(websocket.WebSocketHandler):
     def on_close(self) -> None:
         self._server.forget(self)
 
-    def tell(self, text: str) -> None:
-        """Send a text; a browser that does not read is left behind."""
+    def send(self, text: str) -> None:
+        """Send a text. Forget a browser whose connection is closed."""
         try:
             self.write_message(text)
         except websocket.WebSocketClosedError:
@@ -224,7 +224,7 @@ class MapHandler(web.RequestHandler):
 
 
 class FileHandler(web.StaticFileHandler):
-    """The page's own files."""
+    """The files of the page."""
 
     def set_extra_headers(self, path: str) -> None:
         _set_headers(self)

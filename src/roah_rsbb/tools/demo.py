@@ -83,8 +83,8 @@ def _scripted(environment: Dict[str, str], master_port: int) -> int:
             referee = ["rosrun", "roah_rsbb", "referee", "run", ZONE, "--benchmark", benchmark]
             status = subprocess.call([*referee, "--wait", str(WAIT_FOR_ROBOT_S), *does], env=environment)
             if status != 0:
-                print(f"demo: {benchmark} was not completed (the referee's exit status is {status}). Last output of the "
-                      f"programs:\n{_last_lines()}", file=sys.stderr)
+                print(f"demo: {benchmark} was not completed (the referee's exit status is {status}). Last output of "
+                      f"the programs:\n{_last_lines()}", file=sys.stderr)
                 break
     print(f"The logs of the runs (rosbags) are in {LOG_DIR}, and the output of the programs in {LAUNCH_LOG}")
     if status == 0:
