@@ -14,8 +14,8 @@ for (const id of ["call-view", "call", "map-view", "frame", "sheet", "map", "no-
 }
 
 let connection = null;
-let told = null;  // the node's last message
-let toldAt = -Infinity;
+let state = null;  // the node's last message
+let stateAt = -Infinity;
 let refused = "";
 let refusedAt = -Infinity;
 let cross = null;  // position selected with the keyboard
@@ -30,7 +30,7 @@ function connect() {
   opening.onclose = () => {
     if (connection === opening) {
       connection = null;
-      toldAt = -Infinity;
+      stateAt = -Infinity;
       show();
       setTimeout(connect, RECONNECT_MS);
     }
@@ -48,15 +48,15 @@ function receive(message) {
     refused = message.refused;
     refusedAt = performance.now();
   } else {
-    told = message;
-    toldAt = performance.now();
+    state = message;
+    stateAt = performance.now();
   }
   show();
 }
 
 function watch() {
   // A lost connection sends nothing, and the browser notices it only after minutes.
-  if (connection && connection.readyState === WebSocket.OPEN && performance.now() - toldAt > NODE_SILENT_MS) {
+  if (connection && connection.readyState === WebSocket.OPEN && performance.now() - stateAt > NODE_SILENT_MS) {
     connection.close();
     connection.onclose();
   }
@@ -64,11 +64,11 @@ function watch() {
 }
 
 function hasNode() {
-  return performance.now() - toldAt <= NODE_SILENT_MS;
+  return performance.now() - stateAt <= NODE_SILENT_MS;
 }
 
 function isUsable() {
-  return hasNode() && told.box;
+  return hasNode() && state.box;
 }
 
 function touch(message) {
@@ -86,7 +86,7 @@ function show() {
   set(parts.alarm, alarm);
   parts.alarm.hidden = alarm === "";
   parts.call.disabled = !isUsable();
-  const view = told ? told.view : "call";
+  const view = state ? state.view : "call";
   parts["call-view"].hidden = view !== "call";
   parts["map-view"].hidden = view !== "map";
   showMap();
@@ -96,24 +96,24 @@ function show() {
 
 function alarmText() {
   if (!hasNode()) {
-    return "No connection: look at the network. Nothing can be sent now.";
+    return "No connection: check the network. Nothing can be sent now.";
   }
-  return told.box ? "" : "The referee's box is silent. Nothing can be sent now.";
+  return state.box ? "" : "The referee's box is silent. Nothing can be sent now.";
 }
 
 function saidText(view) {
   if (refused && performance.now() - refusedAt < REFUSED_MS) {
     return refused;
   }
-  if (!told) {
+  if (!state) {
     return "";
   }
   if (view === "call") {
-    return outcome(told.call, "Call", "The robot was called", "");
+    return outcome(state.call, "Call", "The robot was called", "");
   }
-  const place = told.place;
+  const place = state.place;
   const where = `x ${place.x.toFixed(2)} m, y ${place.y.toFixed(2)} m`;
-  return outcome(place, "Position", `Position sent: ${where}`, "Touch where the robot is to go.");
+  return outcome(place, "Position", `Position sent: ${where}`, "Touch where the robot should go.");
 }
 
 function outcome(touched, name, done, nothing) {
@@ -121,14 +121,14 @@ function outcome(touched, name, done, nothing) {
     return nothing;
   }
   const time = new Date(touched.time).toLocaleTimeString([], {hour12: false});
-  if (touched.told) {
+  if (touched.acknowledged) {
     return `✓ ${done} (${time})`;
   }
-  return told.unanswered ? `${name} of ${time} not confirmed by the box. Is another tablet on?` : `${name} is being sent …`;
+  return state.unanswered ? `${name} of ${time} not confirmed by the box. Is another tablet on?` : `${name} is being sent …`;
 }
 
 function showMap() {
-  const plan = told && told.map;
+  const plan = state && state.map;
   parts["no-map"].hidden = Boolean(plan);
   parts.sheet.hidden = !plan;
   if (!plan || parts["map-view"].hidden) {
@@ -141,9 +141,9 @@ function showMap() {
   const scale = Math.min(parts.frame.clientWidth / plan.width, parts.frame.clientHeight / plan.height);
   parts.sheet.style.width = `${plan.width * scale}px`;
   parts.sheet.style.height = `${plan.height * scale}px`;
-  const place = told.place;
+  const place = state.place;
   putAt(parts.mark, place.time ? place : null);
-  parts.mark.classList.toggle("waiting", !place.told);
+  parts.mark.classList.toggle("waiting", !place.acknowledged);
   putAt(parts.cross, cross);
 }
 

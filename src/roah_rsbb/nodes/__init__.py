@@ -1,1 +1,1 @@
-"""One file per ROS node: it connects the other rooms to rospy and contains no rule of the game."""
+"""The ROS nodes, one file each: they connect the other folders to rospy and contain no rule of the game."""

@@ -91,7 +91,7 @@ class DevicesNode:
     def _set(self, device: str, value: int) -> None:
         self._client.send(self._home.set(device, value))
         if not self._client.connected:
-            rospy.logwarn("%s is set to %d: the controller gets it when it is connected", device, value)
+            rospy.logwarn("%s is set to %d, which the controller receives when it is connected", device, value)
         self._publish()
 
     def _set_door(self, opened: bool) -> None:

@@ -1,11 +1,11 @@
-"""A ROS master that refuses calls from web pages, and that silent connections do not hold up.
+"""A ROS master that refuses calls from web pages, and that silent connections do not block.
 
 Start it before the launch file, which then uses it:
 
     rosrun roah_rsbb protected_master
 
-A page in a browser on any computer that reaches an ordinary master can make the browser send it calls that kill
-nodes or redirect their services. It is the master of ROS otherwise. ROS_MASTER_URI sets its port.
+A page in a browser on any computer that reaches an ordinary master can make the browser send calls that end nodes or
+redirect their services. In all other respects it is the master of ROS. ROS_MASTER_URI sets its port.
 """
 
 import signal
@@ -21,7 +21,7 @@ from roah_rsbb.ros.command_line import explain
 
 
 def main() -> None:
-    """Entry point of the program."""
+    """Run the program."""
     explain(__doc__, "")
     uri = rosgraph.get_master_uri()
     _, port = parse_http_host_and_port(uri)

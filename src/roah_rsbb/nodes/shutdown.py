@@ -1,10 +1,10 @@
-"""Nodes roah_rsbb_core_shutdown and roah_rsbb_shutdown: their end is the end of their launch.
+"""Nodes roah_rsbb_core_shutdown and roah_rsbb_shutdown: when one ends, its launch ends.
 
-Launch files start one as *required*. Its service `roah_rsbb_shutdown` (in the node's namespace) ends it,
+Launch files start one of them as *required*. Its service `roah_rsbb_shutdown` (in the node's namespace) ends the node,
 and with it the whole RSBB, or only one client (docs/ros_interface.md, "Core node").
 
-The node also ends when roslaunch was killed: a killed roslaunch leaves its nodes running, and this one could end
-nothing any more.
+The node also ends when roslaunch was killed. A killed roslaunch leaves its nodes running, and the service could no
+longer end them.
 """
 
 import os
@@ -18,7 +18,7 @@ from roah_rsbb.ros.command_line import explain
 
 # Delay of the shutdown, so that the caller gets its answer.
 ANSWER_S = 0.2
-# How often to check that roslaunch is still there.
+# How often to check that roslaunch is still running, in seconds.
 LOOK_S = 0.5
 
 

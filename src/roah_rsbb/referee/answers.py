@@ -31,7 +31,7 @@ class GivenUp(Exception):
 
 
 class Automatic:
-    """Completes each manual operation with its first answer, and confirms switches as they are."""
+    """Completes each manual operation with its first answer, and confirms switches without changes."""
 
     def __init__(self, link, note: Note) -> None:
         self._link = link
@@ -42,7 +42,7 @@ class Automatic:
         self._not_before = 0.0
 
     def look(self, zone: ZoneSnapshot) -> None:
-        """Complete what a running zone asks for; raises `GivenUp`."""
+        """Complete what a running zone requests. Raises `GivenUp`."""
         operation = zone.operation
         if operation is not None and operation.number != self._done:
             self._complete(zone, operation)
@@ -65,7 +65,7 @@ class Automatic:
 class Typed:
     """Asks in the terminal. `lines` returns what was typed since its last call, without waiting.
 
-    `ahead`: lines that come before a question answer it. Scripts write so; what a human typed earlier is no answer.
+    `ahead`: lines typed before a question answer it. Scripts do this; a human's earlier lines are not answers.
     """
 
     def __init__(self, link, note: Note, lines: Callable[[], List[str]], ahead: bool) -> None:
@@ -74,11 +74,11 @@ class Typed:
         self._lines = lines
         self._ahead = ahead
         self._asked: Optional[object] = None
-        self._done: Optional[object] = None  # the zone shows it for a moment longer
+        self._done: Optional[object] = None  # the completed request, which the zone shows a moment longer
         self._typed: List[str] = []
 
     def look(self, zone: ZoneSnapshot) -> None:
-        """Show what a running zone asks for, and pass on what was typed."""
+        """Show what a running zone requests, and pass on what was typed."""
         self._typed += self._lines()
         asked = _asked(zone)
         if asked != self._done:
@@ -119,7 +119,7 @@ class Typed:
 
 
 def _asked(zone: ZoneSnapshot) -> Optional[object]:
-    """Return what the referee is asked now, in a form that can be compared."""
+    """Return the referee's current request in a form that can be compared."""
     if zone.operation is not None:
         return zone.operation
     return "switches" if zone.switches is not None and zone.switches.to_confirm else None
@@ -136,7 +136,7 @@ def _prompt(operation: Optional[ManualOperation]) -> str:
 
 
 def _ignoring_others(job: Callable[[], None]) -> bool:
-    """Returns whether it was done. Another referee may be quicker, and a core that is gone asks again."""
+    """Return whether the job was done. Another referee may be quicker, and a core that restarts asks again."""
     try:
         job()
     except (Refused, NoCore):

@@ -49,7 +49,7 @@ def parser() -> argparse.ArgumentParser:
         prog=PROG, formatter_class=_formatter,
         description="The referee in a terminal: for ssh, for scripts, and beside the panels.\n"
                     "'referee COMMAND --help' shows a command's options and examples.",
-        epilog=_EXITS + "\nWith --json every command prints JSON: see docs/referee.md for its fields.\n"
+        epilog=_EXITS + "\nWith --json, every command prints JSON. docs/referee.md explains the fields.\n"
                         "Colour is used on a terminal only, and never where NO_COLOR is set.",
     )
     top.add_argument("--json", action="store_true", help="print JSON; watch and run: one object a line")
@@ -143,7 +143,7 @@ def _sheets(commands) -> None:
     one = _add(commands, "reason", "record why a run was stopped, until it is signed off",
                [f"{PROG} reason 'Home A' 'fire alarm'", f"{PROG} reason 'Home A' 'hit the vase' --run last --end 1"])
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
-    one.add_argument("text", metavar="TEXT", help="the reason; it replaces the one before")
+    one.add_argument("text", metavar="TEXT", help="the reason; it replaces an earlier one")
     one.add_argument("--end", metavar="N", type=_counted, default=0,
                      help="number of the end ('sheet' shows it; default: the last)")
     _by(one)
@@ -221,7 +221,7 @@ def _run(commands) -> None:
     one.add_argument(
         "--event", "--benchmark", metavar="CODE[/ROUND[/RUN]]",
         type=_type("CODE, CODE/ROUND or CODE/ROUND/RUN", event_wanted),
-        help="move the zone to this event first: the next matching one, or else the last one before",
+        help="move the zone to this event first: the next matching one, else the last matching one before",
     )
     one.add_argument(
         "--score", metavar="ITEM=VALUE", action="append", default=[], type=_type("ITEM=VALUE", score_wanted),

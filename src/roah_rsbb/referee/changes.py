@@ -1,4 +1,4 @@
-"""What happens in the box: one `Change` for each thing that a referee wants to know, between two snapshots."""
+"""Changes in the box between two snapshots: one `Change` for each thing that a referee wants to know."""
 
 import re
 import time
@@ -8,7 +8,7 @@ from roah_rsbb.referee.state import BoxSnapshot, ManualOperation, ZoneSnapshot, 
 from roah_rsbb.ros import tail
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 
-# Numbers in a warning, such as seconds and skews, change all the time; the warning is still the same.
+# Numbers in a warning, such as seconds and skews, change all the time. The warning is the same.
 _NUMBER = re.compile(r"[+-]?\d+(\.\d+)?")
 # The core publishes every 100 ms. After this long without a message, something is wrong.
 SILENT_S = 2.0
@@ -140,7 +140,7 @@ class Follower:
         self.box = link.box
 
     def step(self, limit_s: float) -> List[Change]:
-        """Return what happened until the next snapshot, or within `limit_s` if none comes."""
+        """Return the changes until the next snapshot, or within `limit_s` if none comes."""
         self._link.next(limit_s)
         new = self._link.box
         found: List[Change] = []

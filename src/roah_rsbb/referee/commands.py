@@ -93,7 +93,7 @@ def _done(link: Link, options, output: Output) -> Exit:
     if operation is None:
         raise Refused(["no manual operation is requested now"])
     if options.operation not in (None, operation.number):
-        raise Refused([f"operation {options.operation} is over; now the referee is asked to: {operation.text}"])
+        raise Refused([f"operation {options.operation} is over; the current one is: {operation.text}"])
     link.complete_operation(name, operation.number, answer_of(options.answer, operation))
     return _say_done(link, name, output, "done")
 

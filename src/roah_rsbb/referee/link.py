@@ -1,7 +1,7 @@
 """The terminal referee's connection to the core: receives what the core publishes, and sends commands.
 
-rospy waits forever for a master, a service or a core that does not answer. Here every call that may wait runs in a
-thread of its own with a time limit, and the error names what does not answer and the remedy.
+rospy waits forever for a master, a service or a core that does not answer. Here, every call that may wait runs in its
+own thread with a time limit, and the error names what does not answer, with the remedy.
 """
 
 import queue
@@ -45,11 +45,11 @@ POLL_S = 0.02
 
 # Time limits: for the master, for the core's first messages, for a service, for closing.
 MASTER_S, CORE_S, ANSWER_S, CLOSE_S = 2.0, 2.0, 6.0, 1.5
-# A missing master is asked again after this long.
+# A missing master is tried again after this time.
 AGAIN_S = 0.2
 # An older first message may be the latched one of a core that hangs: wait for a second one.
 FRESH_S = 1.0
-# Subscribe again to a silent core at this interval: nothing else finds it after a restart of the master.
+# Subscribe again to a silent core at this interval. After a restart of the master, nothing else finds the core.
 RENEW_S = 5.0
 # The core publishes details at least every second. After this long without newer ones, something is wrong.
 DETAILS_S = 10.0
@@ -95,7 +95,7 @@ class Link:
         return self.box
 
     def close(self) -> None:
-        """Leave the ROS network. Does not wait for a master that is gone."""
+        """Leave the ROS network. Does not wait for a master that does not answer."""
         if self._feed is None:
             return
         # This hook runs last: everything is unregistered then, and only threads remain.
@@ -145,7 +145,7 @@ class Link:
         """Take new messages. Returns whether they gave a new snapshot."""
         now = self.now()
         gui, details = self._feed.take(GUI_TOPIC), self._feed.take(DETAILS_TOPIC)
-        # The same clock again is the latched message, sent again to a new subscription by a core that may hang.
+        # The same clock again is the latched message, which a core that may hang sends to each new subscription.
         is_news = gui is not None and (self._gui is None or gui.message.clock != self._gui.clock)
         if is_news:
             self._gui, self._heard, self._count = gui.message, gui.mono, self._count + 1
@@ -157,7 +157,7 @@ class Link:
         if self._gui is None or self._details is None or not (is_news or details):
             return False
         if self._gui.clock < self._details.clock:
-            return False  # the other topic's message of the same moment is still on its way
+            return False  # the other topic's message of the same moment has not arrived yet
         box = box_of(self._gui, self._details)
         self.box = box or self.box
         return box is not None
@@ -238,7 +238,7 @@ class Link:
             raise NoCore(f"{topic} was not heard ({error}): {self._why_silent()}") from None
 
     def complete_operation(self, zone: str, operation: int, answer: str) -> None:
-        """Complete a manual operation; its number, or 0 for the one that is asked for now. Raises as `command` does."""
+        """Complete the manual operation of this number; 0: the current one. Raises as `command` does."""
         self._call("/core/manual_operation_answer", ManualOperationAnswer, zone, operation, answer)
 
     def press_switch(self, zone: str, switch: int) -> None:

@@ -13,7 +13,7 @@ from roah_rsbb.referee.state import as_json
 
 
 class Output:
-    """Standard output, as text or JSON. A reader that goes away sets `closed`; that is no error."""
+    """Standard output, as text or JSON. If its reader goes away, `closed` is set; this is not an error."""
 
     def __init__(self, as_json_lines: bool) -> None:
         self.json = as_json_lines

@@ -1,7 +1,7 @@
 """The referee in a terminal: `rosrun roah_rsbb referee`, over ssh and in scripts.
 
 It shows what the core publishes and gives the core's commands, as the panels do. The core decides what is allowed. The
-exit status says how it went.
+exit status shows the result.
 """
 
 import os
@@ -17,7 +17,7 @@ def _interrupt(_number: int, _frame: object) -> None:
 
 
 def _hang_up(_number: int, _frame: object) -> None:
-    """The terminal is closed. The run continues, and another referee can take it over."""
+    """Leave the run connected when the terminal is closed, so that another referee can take it over."""
     raise SystemExit(128 + signal.SIGHUP)
 
 
@@ -42,5 +42,5 @@ def main() -> None:
     except SystemExit as hung_up:
         status = hung_up.code
     sys.stdout.flush()
-    # Threads that still wait for a master or a core that does not answer would delay the end.
+    # Threads that still wait for a silent master or core would delay the end.
     os._exit(status)

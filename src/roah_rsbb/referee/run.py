@@ -1,7 +1,6 @@
 """A whole run by script: choose the event, connect, start, follow the run to its end, disconnect.
 
-The script knows no rule of the game. The core says what is allowed and why not; the script waits for it.
-
+The script knows no rule of the game. It waits until the core allows the next step, and shows the core's reasons.
 The script only touches its own run. It learns the run's identity after *connect*, and it stops and disconnects by
 identity. It never disconnects a running robot, and never a run that may be another referee's.
 """
@@ -32,7 +31,7 @@ _ANSWERS: Dict[Operations, Callable[[Any, Note], Union[Automatic, Typed, None]]]
 
 
 class Plan(NamedTuple):
-    """What the referee wants."""
+    """The run that the referee wants."""
 
     zone: str
     wait_s: float  # for connect to be possible, and again for start
@@ -126,7 +125,7 @@ class RunScript:
         raise BadWord(f"no event {wanted} in zone '{self._plan.zone}': there are {there_are}")
 
     def _move(self, command: str) -> None:
-        """Go to the next or previous event. If the core does not answer, wait until it is back; nothing moves."""
+        """Go to the next or previous event. If the core does not answer, wait for it; the zone stays at its event."""
         try:
             self._link.command(command, self._plan.zone)
         except NoCore as gone:
@@ -138,7 +137,7 @@ class RunScript:
         is_done = self._attempt("connect", IDLE)
         zone = self._zone()
         if is_done and zone.phase == IDLE:
-            raise _Failed(Exit.REFUSED, "the run was not begun: the core's log says why")
+            raise _Failed(Exit.REFUSED, "the run did not begin: see the core's log")
         if not is_done and not self._unanswered:
             raise _Failed(Exit.REFUSED, f"another referee was quicker: zone '{zone.zone}' is {zone.phase}")
         self._run, self._is_ours, self._uuid = zone.identity, is_done, self._link.box.box_uuid
@@ -180,7 +179,7 @@ class RunScript:
                 except Refused as refused:
                     reasons = tuple(refused.reasons)  # the zone changed since the snapshot
                 except NoCore as error:
-                    gone = error  # it may come back
+                    gone = error  # the core may come back
                     self._unanswered = self._unanswered or command == "connect"
                     reasons = ("the core does not answer",)
                 else:
@@ -196,7 +195,7 @@ class RunScript:
         return False
 
     def _hold_event(self) -> None:
-        """Never connect for another event than the one meant: a restarted core may be at its first event."""
+        """Check that the zone is still at the wanted event: a restarted core may be at its first event."""
         if self._zone().event == self._event:
             return
         self._settle()  # event and box_uuid come on two topics
@@ -236,7 +235,7 @@ class RunScript:
         return zone.phase == RUNNING and zone.identity == self._run
 
     def _how_it_went(self) -> str:
-        """Why our run is missing, or in a phase that we did not put it in."""
+        """Return why our run is missing, or is in an unexpected phase."""
         zone = self._zone()
         if zone.identity == self._run:
             return f"the run did not complete: it is {zone.phase} again"
@@ -247,7 +246,7 @@ class RunScript:
     # -- leaving ------------------------------------------------------------------------------------
 
     def _leave(self, status: Exit, text: str, wait_s: float = GIVE_UP_S) -> RunOutcome:
-        """Disconnect our run, unless it is to be kept. A core that is away is waited for."""
+        """Disconnect our run, unless the plan keeps it. If the core is down, wait for it."""
         zone = self._link.box.zone(self._plan.zone)
         if not self._run or zone is None or zone.identity != self._run:
             return RunOutcome(status, text)
@@ -264,7 +263,7 @@ class RunScript:
         return RunOutcome(status, text + kept, zone)
 
     def _disconnect(self, wait_s: float) -> str:
-        """Returns why the run stays connected; empty: it is left. Raises `NoCore`."""
+        """Return why the run stays connected; empty: it was left. Raises `NoCore`."""
         deadline = self._link.now() + wait_s
         is_waiting = False
         while True:
@@ -290,7 +289,7 @@ class RunScript:
                 return ""
 
     def _stop_and_leave(self, text: str) -> RunOutcome:
-        """End our run, which is still running."""
+        """Stop and leave our run, which is still running."""
         try:
             self._link.stop_run(self._plan.zone, self._run)
             self._settle()
@@ -299,7 +298,7 @@ class RunScript:
         return self._leave(Exit.NOT_COMPLETED, text)
 
     def _interrupted(self) -> RunOutcome:
-        """Ctrl-C: a referee's stop, if our run is not over. A second Ctrl-C leaves at once."""
+        """Handle Ctrl-C: stop our run unless it is over, and leave it. A second Ctrl-C ends the script at once."""
         text = "interrupted"
         try:
             if self._run or self._unanswered:
@@ -343,12 +342,12 @@ class RunScript:
 
     def _until_heard(self, deadline: float) -> None:
         """Wait until the core publishes again, but not beyond `deadline` (monotonic seconds)."""
-        self._step(STEP_S)  # messages sent before it fell silent are still on their way
+        self._step(STEP_S)  # take messages from before the silence that are still in the queue
         while self._link.silence_s > STEP_S and self._link.now() < deadline:
             self._step(STEP_S)
 
     def _settle(self, wait_s: float = GIVE_UP_S) -> None:
-        """Wait for a snapshot that shows the effect of the last command. A core that is away is waited for."""
+        """Wait for a snapshot that shows the effect of the last command. If the core is down, wait for it."""
         deadline = self._link.now() + wait_s
         while True:
             try:

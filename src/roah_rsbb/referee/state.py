@@ -1,4 +1,4 @@
-"""What the core published, as plain values. The terminal referee shows them, and `--json` prints them.
+"""The core's published state as plain values. The terminal referee shows them, and `--json` prints them.
 
 The names of the fields are the names in the JSON output (docs/referee.md) and never change. Times are UTC seconds since
 1970, durations are seconds.

@@ -103,7 +103,7 @@ def answer_of(text: str, operation: ManualOperation) -> str:
     if operation.asks_text:
         return text
     if not operation.choices:
-        raise BadWord(f"'{operation.text}' takes no answer: complete it without an answer")
+        raise BadWord(f"'{operation.text}' has no choices: complete it without an answer")
     raise BadWord(f"'{text}' is not an answer to '{operation.text}': choose one of {_quoted(operation.choices)}")
 
 

@@ -79,7 +79,7 @@ class DummyTablet:
         self._loop = loop
         self._heard = asyncio.Event()
         self._shown: Optional[bool] = None
-        self._told: Tuple[bool, bool] = (False, False)
+        self._acknowledged: Tuple[bool, bool] = (False, False)
         self._radio = TabletRadio(loop, self._state, self._on_box, _log.warning, host, port, bind)
         self._radio.present = True
 
@@ -130,7 +130,7 @@ class DummyTablet:
                 and (state.position_is_acknowledged or state.position_time == (0, 0)))
 
     def _touched(self) -> None:
-        self._told = (self._state.call_is_acknowledged, self._state.position_is_acknowledged)
+        self._acknowledged = (self._state.call_is_acknowledged, self._state.position_is_acknowledged)
         self._radio.changed()
 
     def _on_box(self, changed: bool) -> None:
@@ -140,11 +140,11 @@ class DummyTablet:
         if self._state.display_map != self._shown:
             self._shown = self._state.display_map
             _log.info("the box requests the view: %s", "map" if self._shown else "call button")
-        told = (self._state.call_is_acknowledged, self._state.position_is_acknowledged)
-        for what, before, now in zip(("call", "position"), self._told, told):
+        acknowledged = (self._state.call_is_acknowledged, self._state.position_is_acknowledged)
+        for what, before, now in zip(("call", "position"), self._acknowledged, acknowledged):
             if now and not before:
                 _log.info("the box has published the %s", what)
-        self._told = told
+        self._acknowledged = acknowledged
 
 
 def _follow_input(loop: asyncio.AbstractEventLoop, tablet: DummyTablet, ended: asyncio.Event) -> None:

@@ -49,7 +49,7 @@ class Pages:
     def _place(self, time_ns: int, asked: Dict[str, Any]) -> None:
         u, v = asked.get("u"), asked.get("v")
         if self._map is None:
-            raise Refusal("There is no map")
+            raise Refusal("The map is missing")
         if not (_is_fraction(u) and _is_fraction(v)):
             raise Refusal("This position is not on the map")
         self._state.place(time_ns, *self._map.to_metres(u, v))
@@ -60,9 +60,10 @@ class Pages:
         return json.dumps({
             "box": state.hears_box(now_mono),
             "view": "map" if state.display_map else "call",
-            "call": {"time": _milliseconds(state.call_time), "told": state.call_is_acknowledged},
+            "call": {"time": _milliseconds(state.call_time), "acknowledged": state.call_is_acknowledged},
             "place": {
-                "time": _milliseconds(state.position_time), "told": state.position_is_acknowledged, **self._shown(),
+                "time": _milliseconds(state.position_time), "acknowledged": state.position_is_acknowledged,
+                **self._shown(),
             },
             "unanswered": now_mono - self._touched_mono > UNANSWERED_S,
             "map": self._plan(),

@@ -31,29 +31,29 @@ def shown(pages, now=100.0):
 
 
 def test_a_call_has_its_time_and_is_told_once_the_box_repeats_it(pages, state):
-    assert shown(pages)["call"] == {"time": 0, "told": False}
+    assert shown(pages)["call"] == {"time": 0, "acknowledged": False}
     assert pages.do(100.0, NS, '{"do": "call"}') is True
     assert state.call_time == (1_451_556_000, 123_456_789)
-    assert shown(pages)["call"] == {"time": 1_451_556_000_123, "told": False}
+    assert shown(pages)["call"] == {"time": 1_451_556_000_123, "acknowledged": False}
     assert state.on_box(100.1, SILENT._replace(call_time=state.call_time)) is True
-    assert shown(pages)["call"]["told"] is True
-    assert state.position_time == NEVER and shown(pages)["place"]["told"] is False
+    assert shown(pages)["call"]["acknowledged"] is True
+    assert state.position_time == NEVER and shown(pages)["place"]["acknowledged"] is False
 
 
 def test_a_position_is_acknowledged_once_the_box_repeats_it(pages, state):
     assert pages.do(100.0, NS, '{"do": "place", "u": 0.25, "v": 0.2}') is True
     assert (state.x, state.y) == pytest.approx((1.5, 2.0))
     place = shown(pages)["place"]
-    assert (place["u"], place["v"], place["told"]) == (pytest.approx(0.25), pytest.approx(0.2), False)
+    assert (place["u"], place["v"], place["acknowledged"]) == (pytest.approx(0.25), pytest.approx(0.2), False)
     state.on_box(100.1, SILENT._replace(position_time=state.position_time))
-    assert shown(pages)["place"]["told"] is True
+    assert shown(pages)["place"]["acknowledged"] is True
     assert state.call_time == NEVER
 
 
 def test_an_older_call_of_the_box_is_not_this_one(pages, state):
     state.on_box(100.0, SILENT._replace(call_time=(5, 0)))
     pages.do(100.0, NS, '{"do": "call"}')
-    assert shown(pages)["call"]["told"] is False
+    assert shown(pages)["call"]["acknowledged"] is False
 
 
 def test_the_box_says_which_view_is_shown(pages, state):
@@ -118,7 +118,7 @@ def test_the_edges_are_on_the_map(pages, state, u, v):
 
 def test_without_a_map_there_is_only_the_call(state):
     pages = Pages(state, None)
-    with pytest.raises(Refusal, match="no map"):
+    with pytest.raises(Refusal, match="map is missing"):
         pages.do(100.0, NS, '{"do": "place", "u": 0.5, "v": 0.5}')
     assert pages.do(100.0, NS, '{"do": "call"}') is True
     assert shown(pages)["map"] is None

@@ -34,10 +34,10 @@ def test_the_interfaces_of_this_computer():
 
 @pytest.mark.parametrize("host, found, level, text", [
     ("192.168.1.255", [LO, ETH], Level.OK, "broadcast address of eth0"),
-    (LOOPBACK_BROADCAST, [LO, ETH], Level.WARNING, "this computer alone"),
-    ("10.255.255.255", [LO, ETH, VPN], Level.FAILED, "no broadcast address"),
-    ("192.168.1.2", [LO, ETH], Level.FAILED, "no broadcast address"),
-    ("10.255.255.255", [], Level.FAILED, "no broadcast address"),
+    (LOOPBACK_BROADCAST, [LO, ETH], Level.WARNING, "this computer only"),
+    ("10.255.255.255", [LO, ETH, VPN], Level.FAILED, "is not a broadcast address"),
+    ("192.168.1.2", [LO, ETH], Level.FAILED, "is not a broadcast address"),
+    ("10.255.255.255", [], Level.FAILED, "is not a broadcast address"),
 ])
 def test_the_broadcast_address(host, found, level, text):
     finding = checks.check_network(host, found)

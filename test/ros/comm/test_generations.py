@@ -78,7 +78,7 @@ class TestGenerations(BoxCase):
     def test_a_program_of_another_generation_is_named(self) -> None:
         comm = self.comm("2020")
         self.robot_of("2018")
-        comm.wait_printed("/generation_robot gets nothing from /roah_rsbb/benchmark")
+        comm.wait_printed("/generation_robot receives nothing from /roah_rsbb/benchmark")
         comm.wait_printed("Set this node's parameter generation to 2018")
 
     def test_the_package_is_found(self) -> None:

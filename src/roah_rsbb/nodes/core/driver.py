@@ -38,7 +38,7 @@ class CoreDriver:
         ports: PortRecord,
         journal: CoreJournal,
         ring_timeout: Callable[[], None],
-        tell_modules: Callable[[], None],
+        publish_module_runs: Callable[[], None],
         results_changed: Callable[[], None],
         set_device: Callable[[effects.SetDevice], None],
         give_up: Callable[[str], None],
@@ -50,7 +50,7 @@ class CoreDriver:
         self._ports = ports
         self._journal = journal
         self._ring_timeout = ring_timeout
-        self._tell_modules = tell_modules
+        self._publish_module_runs = publish_module_runs
         self._give_up = give_up
         self._timer: Optional[asyncio.TimerHandle] = None
         self._carrying_out = False
@@ -73,7 +73,7 @@ class CoreDriver:
             effects.Recorded: lambda e: None,  # the journal records it
             effects.RunLogged: lambda e: self._run_logs.logged(e, self._moment.utc),
             effects.RunClosed: lambda e: self._run_logs.closed(e),
-            effects.ModuleRunsChanged: self._want_modules_told,
+            effects.ModuleRunsChanged: self._want_module_runs,
             effects.Notice: self._notice,
             effects.GiveUp: lambda e: self._give_up(e.reason),
         }
@@ -122,7 +122,7 @@ class CoreDriver:
                 self._radio.send_beacon()
             if self._modules_wait:
                 self._modules_wait = False
-                self._tell_modules()
+                self._publish_module_runs()
         finally:
             self._carrying_out = False
             # Log lines are slow and not urgent, so they come last.
@@ -163,11 +163,11 @@ class CoreDriver:
         self.tick()
 
     def _want_beacon(self, _effect: effects.SendBeacon) -> None:
-        """Send the beacon after all other effects, so that it has the final state."""
+        """Request a beacon after all other effects, so that it has the final state."""
         self._beacon_wanted = True
 
-    def _want_modules_told(self, _effect: effects.ModuleRunsChanged) -> None:
-        """Once per event, after the effects that robots wait for."""
+    def _want_module_runs(self, _effect: effects.ModuleRunsChanged) -> None:
+        """Publish once per event, after the effects that robots wait for."""
         self._modules_wait = True
 
     def _port_taken(self, effect: effects.PortTaken) -> None:

@@ -93,17 +93,17 @@ class CoreJournal:
         self._is_lost = True
 
     def ticket(self) -> Optional[int]:
-        """The ticket of the newest record (`Journal.why_not_saved`); None: an error of the program kept something from
-        the record since the last call."""
+        """The ticket of the newest record (`Journal.why_not_saved`); None: an internal error prevented a record since
+        the last call."""
         lost, self._is_lost = self._is_lost, False
         return None if lost else self._ticket
 
     def unsaved(self, now: Now) -> Tuple[UnsavedParts, ...]:
-        """What of the runs' records has been waiting for the disk for a while."""
+        """Return the parts of the runs' records that have been waiting for the disk for a while."""
         return self._unsaved.look(now.mono, self._journal.saved)
 
     def restore(self, records: Sequence[RunRecord]) -> None:
-        """The records that were in the journal at the start."""
+        """Take the records that were in the journal at the start."""
         self._unsaved.restore(records)
         self._signed |= {record.identity for record in records if record.sign_off}
 
@@ -158,7 +158,7 @@ class CoreJournal:
         self._find_place(effect.port)
 
     def _find_place(self, port: int) -> None:
-        """A run begins or resumes: later entries of its port belong to it, even after its end."""
+        """Assign later entries of a port to the run that begins or resumes, even after its end."""
         self._places[port] = self._place_of_zone(self._box.zones.run_at(port).zone)
 
     def _place_of_zone(self, zone: str) -> _Place:
@@ -209,7 +209,7 @@ def saved_state(before: PreviousSession, now: Now, boot: str) -> Tuple[Saved, Li
                 zones[name[len(ZONE_STATE):]] = thaw(ZoneState, json.loads(text), shift)
         except (BadState, ValueError, RecursionError) as error:
             what = "home devices and tablet" if name == BOX_STATE else f"zone {name[len(ZONE_STATE):]}"
-            warnings.append(f"The journal's state of {what} cannot be read: {error}. It begins anew")
+            warnings.append(f"The journal's state of {what} cannot be read: {error}. It starts from its initial state")
     for text in before.outcomes:
         try:
             records.append(thaw(RunRecord, json.loads(text)))

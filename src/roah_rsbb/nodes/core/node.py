@@ -68,15 +68,15 @@ GUI_PERIOD_S = 0.1
 # Every fifth of the panels' messages goes with one for the public.
 PUBLIC_EVERY = 5
 JOURNAL_EVERY = 10
-# A service's answer must be on its way before the node ends.
+# Seconds. A service's answer must be sent before the node ends.
 ANSWERED_S = 0.2
-# After a restart those who play sounds need a moment to find the core again.
+# Seconds. After a restart, the nodes that play sounds need a moment to find the core again.
 HEARD_AFTER_S = 2.0
 
-# The node that ends the launch may still be starting, and ending takes its time.
+# Seconds. The node that ends the launch may still be starting, and ending takes some time.
 END_LAUNCH_S = 10.0
 
-# Private channels: how the box answers robots.
+# How private channels send (parameter private_mode).
 UNICAST, BROADCAST = "unicast", "broadcast"
 
 
@@ -143,7 +143,7 @@ class CoreNode:
         keys = {team: Key(password) for team, password in loaded.passwords.items()}
         self._radio = CoreRadio(self._ros.loop, network, keys, box, self._event)
         self._journal = CoreJournal(box, self._store)
-        self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble, self._on_log_mended,
+        self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble, self._on_log_repaired,
                                       self._journal.log_entries, self._ros.post)
         self._results = ResultsBoard(box, self._uuid)
         self._schedule = ScheduleBoard(box, self._uuid)
@@ -152,7 +152,7 @@ class CoreNode:
         self._device_calls = DeviceCalls(self._on_device_refused)
         self._driver = CoreDriver(
             self._ros.loop, box, self._radio, self._run_logs, ports, self._journal,
-            ring_timeout=self._ring_timeout, tell_modules=self._tell_modules,
+            ring_timeout=self._ring_timeout, publish_module_runs=self._publish_module_runs,
             results_changed=self._results.on_record_changed, set_device=self._device_calls.set, give_up=self._give_up,
         )
         self._box = box
@@ -163,8 +163,8 @@ class CoreNode:
             self._driver.event(box.on_notice, warning)
         self._check_log_dir()
 
-    def _go_on(self) -> None:
-        """Go on where the core was when it ended, if it is in the journal."""
+    def _resume(self) -> None:
+        """Continue where the core was when it ended, if the journal has its state."""
         saved, warnings = saved_state(self._store.previous, self._driver.now(), boot_id())
         for warning in warnings:
             self._driver.event(self._box.on_notice, warning)
@@ -192,15 +192,15 @@ class CoreNode:
         rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
         rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
         gc.collect()
-        # From here on robots are heard: what waits for the loop looks as if their clocks were behind.
-        self._go_on()
+        # From here on, robots are heard. A delay in the loop would look as if their clocks were behind.
+        self._resume()
         self._driver.tick()
         self._radio.open(self._box.listening_left(self._driver.now()))
         rospy.loginfo("Listening on UDP %s:%d, private channels above; log in %s",
                       self._network.rsbb_host, self._network.rsbb_port, self._log_dir)
-        self._tell_modules()
+        self._publish_module_runs()
         self._publish_tick()
-        # What is there now stays: each full collection that goes through it would stop the box for some 15 ms.
+        # Exclude the present objects from garbage collection: a full collection of them stops the box for about 15 ms.
         gc.freeze()
         self._ros.run()
         self._radio.close()
@@ -233,7 +233,7 @@ class CoreNode:
     def _on_log_trouble(self, text: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_trouble, text))
 
-    def _on_log_mended(self, trouble: str, text: str) -> None:
+    def _on_log_repaired(self, trouble: str, text: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_repaired, trouble, text))
 
     def _on_journal_trouble(self, text: str) -> None:
@@ -243,7 +243,7 @@ class CoreNode:
         """End every core that has a journal in log_dir, then this one: roslaunch starts it again, with that journal."""
         ended = [holder.pid for holder in self._store.holders if _kill_core(holder.pid)]
         if not ended:
-            raise rospy.ServiceException("there is no other core with a journal in log_dir, or it cannot be ended")
+            raise rospy.ServiceException("no other core with a journal in log_dir was found, or it cannot be ended")
         why = f"the other core (process {', '.join(map(str, ended))}) was ended: restarting with its journal"
         rospy.logwarn("%s", why)
         self._ros.loop.call_soon_threadsafe(self._ros.loop.call_later, ANSWERED_S, self._ros.stop, why)
@@ -261,11 +261,11 @@ class CoreNode:
 
     # -- topics -------------------------------------------------------------------------------------
 
-    def _tell_modules(self) -> None:
+    def _publish_module_runs(self) -> None:
         self._publish("module_runs", convert.runs_message(self._uuid, self._box.modules.runs()))
 
     def _ring_timeout(self) -> None:
-        """At once, unless the core has just started: a run's time ran out while it was down."""
+        """Ring at once, unless the core has just started: a run may have timed out while it was down."""
         self._ros.loop.call_at(self._heard_from, self._publish, "timeout", Empty())
 
     def _publish_tick(self) -> None:
@@ -315,7 +315,7 @@ class CoreNode:
 
 
 def _kill_core(pid: int) -> bool:
-    """End the process if it is a core: one that hangs does not react to less."""
+    """End the process if it is a core. Uses SIGKILL, because a core that hangs may not react to other signals."""
     try:
         with open(f"/proc/{pid}/cmdline", "rb") as file:
             if not pid or b"roah_rsbb_core" not in file.read():
@@ -327,9 +327,9 @@ def _kill_core(pid: int) -> bool:
 
 
 def _end_launch() -> None:
-    """What cannot be mended by starting again ends the whole launch, if this node was launched in one.
+    """End the whole launch, if this node was launched in one, because a restart cannot repair the error.
 
-    Returns once roslaunch interrupts this process, too: it would start one that ended before that again.
+    Returns once roslaunch interrupts this process, too. If this process ended before that, roslaunch would restart it.
     """
     if not rospy.get_param("~end_launch", False):
         return
@@ -346,7 +346,7 @@ def _end_launch() -> None:
 
 
 def main() -> None:
-    """Entry point of the node."""
+    """Run the node."""
     explain(__doc__)
     connections.init_node("roah_rsbb_core", disable_signals=True)
     try:
@@ -356,6 +356,6 @@ def main() -> None:
             rospy.logfatal("%s", line)
         status = 1
         _end_launch()
-    # The process ends now: roslaunch, which interrupts all its nodes, could only add a traceback.
+    # End the process now: roslaunch interrupts all its nodes, which would only add a traceback.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.exit(status)

@@ -63,7 +63,7 @@ class PanelMessages:
         )
 
     def details(self, now: Now) -> Optional[CoreDetails]:
-        """What `to_gui`, called before, has no field for; None: the last one still says it."""
+        """Return what `to_gui`, which was called before, has no field for; None: unchanged since the last message."""
         warnings = self._box.warnings(now)
         if warnings != self._warnings:
             self._warnings, self._details_due_in = warnings, 0
@@ -82,7 +82,7 @@ class PanelMessages:
         )
 
     def clocks(self, now: Now) -> Optional[RunClocks]:
-        """The times of all runs at `now`, for which `to_gui` was called before; None: the last message still holds."""
+        """Return the times of all runs at `now`, for which `to_gui` was called before; None: they are unchanged."""
         timeless = tuple((view.zone, view.identity, view.phase, view.clock.without_time()) for view in self._views)
         self._clocks_due_in -= 1
         if timeless == self._timeless and self._clocks_due_in > 0:

@@ -55,7 +55,7 @@ class _Private:
         self.message: Optional[BoxMessage] = None
         self.made: Optional[pb.BenchmarkState] = None  # of the message, once it was sent
         self.timer: Optional[asyncio.TimerHandle] = None
-        self.copies = 0  # of datagrams that were taken before, not put into the box yet
+        self.copies = 0  # of accepted datagrams; not passed to the box yet
         self.copy_events = Budget(COPY_EVENTS, COPY_EVENTS)
 
 
@@ -155,7 +155,7 @@ class CoreRadio:
         if private is None:
             return  # its channel could not be opened: the box uses another port
         if how is How.CHANGE and message.repeats(private.message):
-            # A module begins with STOP, and the next moment asks for PREPARE: on the way one may overtake the other.
+            # A module begins with STOP and requests PREPARE at once. On the network, one may overtake the other.
             how = How.QUIET
         private.message, private.made = message, None
         if how is How.QUIET and private.timer is not None:
@@ -214,15 +214,15 @@ class CoreRadio:
         elif isinstance(message, RobotReport):
             self._event(self._box.on_robot_report, port, address[0], message)
             run, private = self._box.zones.run_at(port), self._privates.get(port)
-            # What came from elsewhere does not count. If it counted here, a copy that overtakes the robot's own
-            # datagram would keep that one out.
+            # Messages from another host do not count. If they counted here, a copy that overtakes the robot's own
+            # datagram would exclude that datagram.
             if run is not None and private is not None and run.link.host == address[0]:
                 private.channel.remember()
         else:
             self._event(self._box.on_foreign_box, address[0])
 
     def _on_copy(self, port: int, host: str) -> None:
-        """Each copy counts, but a flood of them becomes few events."""
+        """Count each copy, but pass a flood of them to the box in few events."""
         private = self._privates.get(port)
         if private is None:
             return

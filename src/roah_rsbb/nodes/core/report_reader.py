@@ -1,4 +1,4 @@
-"""What a robot says on its private channel, as the core takes it."""
+"""Converts a robot's messages on its private channel to the core's reports."""
 
 import time
 from typing import Callable, NamedTuple, Union
@@ -10,7 +10,7 @@ from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 
-# Bytes. Robots send up to twenty messages a second, of at most 1 kB each.
+# Bytes. Robots send at most twenty messages a second, of at most 1 kB each.
 BYTES_AT_ONCE = 80_000
 BYTES_PER_SECOND = 50_000
 
@@ -18,24 +18,24 @@ BYTES_PER_SECOND = 50_000
 class Unread(NamedTuple):
     """A message that was not read because its robot sends too much."""
 
-    count: int  # of such messages since they were reported last; 0: that is less than a second ago
+    count: int  # of such messages since the last report; 0: the last report is less than a second old
 
 
 class ReportReader:
-    """Reads the payloads of one private channel, as far as its robot's budget goes.
+    """Reads the payloads of one private channel, within its robot's budget.
 
-    To read a message of many strings takes a hundred times as long as the usual one. A robot that sends such
-    messages all the time would hold up all other zones.
+    A message with many strings takes a hundred times as long to read as a usual one. A robot that sends only such
+    messages would delay all other zones.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        """`clock` gives a monotonic time in seconds."""
+        """`clock` returns monotonic seconds."""
         self._clock = clock
         self._budget = Budget(BYTES_AT_ONCE, BYTES_PER_SECOND)
         self._unread = OnceASecond()
 
     def __call__(self, payload: bytes) -> Union[RobotReport, pb.BenchmarkState, Unread]:
-        """A robot's report, or another box's state; raises BadDatagram."""
+        """Return a robot's report, or another box's state. Raises BadDatagram."""
         now_mono = self._clock()
         if not self._budget.take(now_mono, len(payload)):
             self._unread.count()

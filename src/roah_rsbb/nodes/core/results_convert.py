@@ -1,4 +1,4 @@
-"""From records of runs to the messages that show them to the referees."""
+"""Converts records of runs to the messages that show them to the referees."""
 
 import json
 import zlib
@@ -15,7 +15,7 @@ from roah_rsbb.wording.sheets import GroupOfValues, sums_text
 
 
 class ResultsBoard:
-    """Makes /core/results of a box, whenever it changed."""
+    """Builds /core/results of a box when it has changed."""
 
     def __init__(self, box: Box, box_uuid: str) -> None:
         self._box = box
@@ -25,11 +25,11 @@ class ResultsBoard:
         self._summaries: Dict[str, Tuple[RunRecord, RunSummary]] = {}  # by identity
 
     def on_record_changed(self) -> None:
-        """A record is another one now."""
+        """Note that a record changed."""
         self._changed = True
 
     def take(self, now: Now) -> Optional[Results]:
-        """The message, if it is another one than at the last call."""
+        """Return the message if it differs from the last one, else None."""
         connected = tuple(zone.run.identity for zone in self._box.zones.values() if zone.run is not None)
         if not self._changed and connected == self._connected:
             return None
@@ -44,7 +44,7 @@ class ResultsBoard:
 
 
 def summary_message(record: RunRecord) -> RunSummary:
-    """A run in a line."""
+    """Convert a record to a line of /core/results."""
     signed = record.sign_off
     return RunSummary(
         identity=record.identity,
@@ -72,7 +72,7 @@ def score_of(record: RunRecord) -> str:
 
 
 def sheet_message(record: RunRecord) -> RunSheet:
-    """All that there is of a run."""
+    """Convert a record to the complete sheet."""
     return RunSheet(
         summary=summary_message(record),
         elapsed=ros_duration(record.elapsed_s),
@@ -85,7 +85,7 @@ def sheet_message(record: RunRecord) -> RunSheet:
 
 
 def _timeless(record: RunRecord) -> RunRecord:
-    """The time that passes is no change."""
+    """Return the record without values that change with time only."""
     return record._replace(elapsed_s=0.0)
 
 

@@ -1,7 +1,7 @@
 """Builds /core/to_gui from parts that were serialised before.
 
-With 40 zones, genpy needs 2 ms for one message, ten times a second, although usually only the timers change. The
-position of a field in the bytes is found with genpy: there, two messages differ that differ in this field only.
+With 40 zones, genpy needs 2 ms for one message, ten times a second, although usually only the timers change. genpy also
+gives the position of a field in the bytes: it is where two messages differ that differ in this field only.
 """
 
 import io

@@ -45,8 +45,8 @@ NOT_RECORDED = "not saved: internal error. It counts until the box ends. Report 
 class CoreServices:
     """Offers all of /core/…; `event` calls a method of the box with arguments in the loop's thread.
 
-    `ticket` says, in the loop's thread, which ticket the journal gave to what the event changed. `why_not_saved` waits
-    until that is on the disk; it is called in rospy's threads, before what a referee wrote down is confirmed.
+    `ticket` returns, in the loop's thread, the journal's ticket of the event's changes. `why_not_saved` waits until
+    they are on the disk; it is called in rospy's threads before a referee's entry is confirmed.
     """
 
     def __init__(
@@ -109,7 +109,7 @@ class CoreServices:
         """
 
         def act(request: object) -> Optional[int]:
-            self._ticket()  # from here on only this event counts
+            self._ticket()  # discards earlier internal errors: only this event counts
             self._event(*event_of(request))
             return self._ticket()
 

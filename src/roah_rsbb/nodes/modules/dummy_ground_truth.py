@@ -108,7 +108,7 @@ class DummyGroundTruthNode:
 
 
 def worn_markers(config: GroundTruthConfig, team: str) -> Iterator[Tuple[str, Marker]]:
-    """Each frame once, with its subject; a frame that teams share belongs to the running team's robot."""
+    """Return each frame once, with its subject. A frame that teams share belongs to the running team's robot."""
     by_frame: Dict[str, Tuple[str, Marker]] = {}
     for owner, subject, marker in config.all_markers():
         if owner == team or marker.frame not in by_frame:

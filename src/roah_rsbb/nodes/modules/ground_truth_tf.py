@@ -179,11 +179,11 @@ class TfGroundTruth(GroundTruth):
         return pose, ""
 
     def check(self, subjects: Iterable[str]) -> Tuple[List[str], List[str]]:
-        """What is wrong with what a benchmark needs, as (problems, warnings); the texts change only if that does.
+        """Check the ground truth of a benchmark: (problems, warnings). The texts change only if their causes do.
 
-        A problem is a subject that is not configured. What is not seen now may be there later, when the rules ask
-        for it (a marker that the referee puts into its place, a motion-capture system that is still starting), and
-        a pose that cannot be had then is asked for again: so that is a warning.
+        A subject that is not configured is a problem. A missing pose is only a warning: it may be available when the
+        rules ask for it (a marker that the referee has yet to place, a motion-capture system that is starting), and
+        the rules retry a missing pose.
         """
         problems: List[str] = []
         warnings: List[str] = []

@@ -66,7 +66,7 @@ class ModulesNode:
         self._ros.close()
 
     def _leave(self) -> None:
-        """Tell the core that this process drives nothing more. Otherwise it counts until it was silent for a while."""
+        """Report to the core that this process drives no benchmark. Otherwise it counts as present for a while."""
         # ROS may have shut down already.
         with contextlib.suppress(rospy.ROSException):
             _publish_and_wait(self._publisher, state_message(ModulesState(self._node, (), ())))
@@ -138,7 +138,7 @@ class ModulesNode:
 
 
 def _publish_and_wait(publisher: rospy.Publisher, message: ModulesStateMsg) -> None:
-    """Publish, and wait until it is sent: rospy sends from threads of its own, which end with the node."""
+    """Publish, and wait until it is sent: rospy sends in its own threads, which end with the node."""
     def sent() -> List[int]:
         _, _, connections = publisher.impl.get_stats()
         return [count for _, _, count, is_open in connections if is_open]
@@ -151,7 +151,7 @@ def _publish_and_wait(publisher: rospy.Publisher, message: ModulesStateMsg) -> N
 
 
 def _chosen(words: str) -> Dict[str, Type[Module]]:
-    """The modules that the parameter selects; raises BadParams."""
+    """Return the modules that the parameter selects. Raises BadParams."""
     known = registry.modules(lambda text: rospy.logerr("%s", text))
     if words == "all":
         return known

@@ -35,7 +35,7 @@ from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
 # Time limit for a service to appear: the comm node may be starting, and advertises services with a delay.
 SERVICE_S = 5.0
 LOOK_S = 0.2
-# Of the topic with the goals of a benchmark; the other benchmarks have none.
+# The topics with the goals of benchmarks. Other benchmarks have no topic for goals.
 GOAL_TYPES = {"HNF": Pose2D, "HGMF": GoalHGMF, "HOMF": GoalOMF, "STB": StringMsg}
 
 
@@ -106,7 +106,7 @@ class Services:
 
 
 def _wait_for_service(service: str, given_up: threading.Event) -> bool:
-    """Wait until a service is there, and return whether it is still wanted; ROSException after `SERVICE_S`."""
+    """Wait until a service is available, and return whether it is still wanted. ROSException after `SERVICE_S`."""
     deadline = time.monotonic() + SERVICE_S
     while not given_up.is_set():
         try:

@@ -1,8 +1,9 @@
 """The message types of each generation of the original package roah_rsbb_comm_ros.
 
-The constants of Benchmark and some fields changed over the years, and with them the MD5 sums. ROS connects a publisher
-to subscribers with the same sum only, so the comm node publishes the types that the team's code was built with. The
-types of 2020 are those of roah_rsbb. For another generation, the types that differ are made when the node starts.
+The constants of Benchmark and some fields changed over the years, and their MD5 sums with them. ROS connects a
+publisher only to subscribers with the same sum, so the comm node publishes the types that the team's code was built
+with. The types of 2020 are those of roah_rsbb. For another generation, the types that differ are generated when the
+node starts.
 """
 
 import pathlib
@@ -18,7 +19,7 @@ from roah_rsbb import msg
 GENERATIONS = ("2015", "2018", "2019", "2020")
 DEFAULT = "2020"
 PACKAGE = "roah_rsbb_comm_ros"
-# Subscribers that were refused are remembered, so that each is reported once.
+# Refused subscribers are remembered, so that each is reported once.
 MAX_KNOWN = 100
 
 
@@ -30,13 +31,13 @@ class Types(NamedTuple):
     GoalHGMF: Type[genpy.Message] = msg.GoalHGMF
 
     def devices_state(self, **fields: object) -> genpy.Message:
-        """A DevicesState with those of the fields that this generation has."""
+        """Return a DevicesState with those fields that this generation has."""
         return self.DevicesState(**{name: value for name, value in fields.items() if name in
                                     self.DevicesState.__slots__})
 
 
 def types_of(generation: str) -> Types:
-    """The types of a generation; raises OSError if the package roah_rsbb_comm_ros is missing."""
+    """Return the types of a generation. Raises OSError if the package roah_rsbb_comm_ros is missing."""
     if generation == DEFAULT:
         return Types()
     folder = _definitions() / generation
@@ -53,7 +54,7 @@ def _definitions() -> pathlib.Path:
 
 
 def _made(name: str, text: str) -> Type[genpy.Message]:
-    """A message class of roah_rsbb_comm_ros, from its definition."""
+    """Generate a message class of roah_rsbb_comm_ros from its definition."""
     if "geometry_msgs/Pose2D" in text:
         text += f"\n{'=' * 80}\nMSG: geometry_msgs/Pose2D\nfloat64 x\nfloat64 y\nfloat64 theta\n"
     return genpy.dynamic.generate_dynamic(f"{PACKAGE}/{name}", text)[f"{PACKAGE}/{name}"]
@@ -62,7 +63,7 @@ def _made(name: str, text: str) -> Type[genpy.Message]:
 def report_refused(generation: str, warn: Callable[[str], None]) -> None:
     """Warn of each program that subscribes with the types of another generation. Call it after rospy.init_node.
 
-    rospy refuses such a program, and its own warning names MD5 sums only.
+    rospy refuses such a program, and its own warning shows only MD5 sums.
     """
     server = tcpros_base._tcpros_server
     accept = server.topic_connection_handler
@@ -82,7 +83,7 @@ def report_refused(generation: str, warn: Callable[[str], None]) -> None:
 
 
 def _by_md5() -> Dict[str, List[str]]:
-    """For each MD5 sum of a type that differs: the generations that have it."""
+    """Return the generations that have a type with each MD5 sum, for types that differ between generations."""
     found: Dict[str, List[str]] = {}
     for generation in GENERATIONS:
         for kind in types_of(generation):
@@ -91,8 +92,8 @@ def _by_md5() -> Dict[str, List[str]]:
 
 
 def _refusal(generation: str, topic: str, node: str, generations: List[str]) -> str:
-    text = f"{node} gets nothing from {topic}: it was built with other types than those of {generation}, which this " \
-           "node publishes."
+    text = f"{node} receives nothing from {topic}: it was built with other types than those of {generation}, which " \
+           "this node publishes."
     if not generations:
-        return f"{text} They are of no known generation of {PACKAGE}"
+        return f"{text} They do not belong to a known generation of {PACKAGE}"
     return f"{text} Set this node's parameter generation to {' or '.join(generations)}"
