@@ -78,8 +78,8 @@ def test_values_that_are_taken(referee, item, value):
 @pytest.mark.parametrize("group, desc, value, reason", [
     ("Achievements", DOOR.desc, 2, "is yes or no: its value must be 0 or 1, not 2"),
     ("Achievements", DOOR.desc, -1, "is yes or no"),
-    ("Achievements", OBJECTS.desc, -1, "its value is 0 or more, not -1"),
-    ("Achievements", OBJECTS.desc, MAX_VALUE + 1, "its value is"),
+    ("Achievements", OBJECTS.desc, -1, "its value must be 0 or more, not -1"),
+    ("Achievements", OBJECTS.desc, MAX_VALUE + 1, "its value must be"),
     ("Achievments", DOOR.desc, 1, "no scoring group 'Achievments': did you mean 'Achievements'?"),
     ("Penalized", "bump", 1, "no scoring item 'bump' in group 'Penalized': did you mean 'bumps'?"),
     ("Penalized", DOOR.desc, 1, "no scoring item 'detects the door' in group 'Penalized'"),
@@ -155,14 +155,14 @@ def test_withdrawing_a_mark_of_not_attempted_gives_the_value_back(referee):
 
 
 def test_only_an_entry_that_counts_is_withdrawn(referee):
-    with pytest.raises(Refused, match="no entry 1: it has none"):
+    with pytest.raises(Refused, match="no entry 1: no entry can be withdrawn"):
         referee.withdraw(1)
     referee.set(BUMPS, 1)
     referee.set(DOOR, 1)
     referee.withdraw(1, who="Ben")
     with pytest.raises(Refused, match="entry 1 was withdrawn already, by Ben"):
         referee.withdraw(1)
-    with pytest.raises(Refused, match="no entry 7: there is 2$"):
+    with pytest.raises(Refused, match="no entry 7: choose from 2$"):
         referee.withdraw(7)
 
 
