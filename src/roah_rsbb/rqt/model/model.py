@@ -1,7 +1,7 @@
 """The latest messages of core and devices, for all panels (docs/architecture.md, "Panels hold no truth")."""
 
 import time
-from typing import List, Optional
+from typing import Dict, List, Optional
 
 from roah_rsbb.msg import (
     CoreDetails,
@@ -41,6 +41,13 @@ TOPICS = {
     DEVICES_STATUS_TOPIC: DevicesStatus,
 }
 
+# The attribute of `Model` with the newest message of a topic.
+_FIELDS = {
+    GUI_TOPIC: "gui", DETAILS_TOPIC: "details", RESULTS_TOPIC: "results", UNSAVED_TOPIC: "_unsaved",
+    CLOCKS_TOPIC: "_clocks", SCHEDULE_TOPIC: "schedule", DEVICES_TOPIC: "devices",
+    DEVICES_STATUS_TOPIC: "devices_status",
+}
+
 TICK_MS = 100
 # The core publishes ten times a second. After this long without a message what is shown is marked as
 # old; with the tick, that is within a second.
@@ -65,8 +72,7 @@ class Model(QObject):
         super().__init__(parent)
         self._feed = feed
         self._zone_parameter = zone_parameter
-        self._heard: Optional[float] = None
-        self._details_heard = 0.0
+        self._heard_at: Dict[str, float] = {}  # monotonic seconds of the newest message, by topic
         self._started = self._renewed = self._emitted = time.monotonic()
         self._shown: tuple = ()
         self._timer = QTimer(self)
@@ -77,7 +83,6 @@ class Model(QObject):
         self.schedule: Optional[Schedule] = None
         self._unsaved: Optional[Unsaved] = None
         self._clocks: Optional[RunClocks] = None
-        self._clocks_heard = 0.0
         self.devices: Optional[DevicesState] = None
         self.devices_status: Optional[DevicesStatus] = None
         self.box_clock = BoxClock()
@@ -100,6 +105,10 @@ class Model(QObject):
     def silence_s(self) -> Optional[float]:
         """Seconds since the core was last heard; None: never heard."""
         return None if self._heard is None else time.monotonic() - self._heard
+
+    @property
+    def _heard(self) -> Optional[float]:
+        return self._heard_at.get(GUI_TOPIC)
 
     @property
     def is_old(self) -> bool:
@@ -164,14 +173,18 @@ class Model(QObject):
 
         While the core is silent both are equally old, and the last details are still useful.
         """
-        if self.details is None or (self._heard or 0.0) - self._details_heard > DETAILS_SILENT_S:
+        if self.details is None or self._is_behind(DETAILS_TOPIC):
             return None
         return next((z for z in self.details.zones if z.zone == zone_name), None)
+
+    def _is_behind(self, topic: str) -> bool:
+        """Whether the newest message of a topic is much older than that of CoreToGui."""
+        return (self._heard or 0.0) - self._heard_at[topic] > DETAILS_SILENT_S
 
     def clock_of(self, zone_name: str) -> Optional[Clock]:
         """Returns the times of the run in a zone, as of the newest CoreToGui; None: not known, or much older."""
         details = self.details_of(zone_name)
-        if details is None or self._clocks is None or (self._heard or 0.0) - self._clocks_heard > DETAILS_SILENT_S:
+        if details is None or self._clocks is None or self._is_behind(CLOCKS_TOPIC):
             return None
         message = next((clock for clock in self._clocks.zones if clock.zone == zone_name), RunClock(zone=""))
         if message.identity != details.identity:
@@ -202,10 +215,7 @@ class Model(QObject):
 
     def _tick(self) -> None:
         now = time.monotonic()
-        news = self._take_gui() | self._take_details() | self._take_results() | self._take_devices()
-        news = news | self._take_unsaved() | self._take_clocks()
-        news = self._take_schedule() or news
-        news = self._take_unsaved() or news
+        news = [topic for topic in TOPICS if self._take(topic)]
         old = self.is_old
         if old and now - max(self._heard or self._started, self._renewed) > RENEW_S:
             self._renewed = now
@@ -215,57 +225,21 @@ class Model(QObject):
             self._shown = shown
             self._emit(now)
 
-    def _take_gui(self) -> bool:
-        received = self._feed.take(GUI_TOPIC)
-        # The same clock again is the latched message, sent to a new subscription. A core that hangs sends it, too:
-        # it is no sign of life.
-        if received is None or (self.gui is not None and received.message.clock == self.gui.clock):
-            return False
-        self.gui = received.message
-        self._heard = received.mono
-        self.box_clock.sample(received.mono, self.clock_s)
-        return True
-
-    def _take_details(self) -> bool:
-        received = self._feed.take(DETAILS_TOPIC)
-        if received is None or (self.details is not None and received.message.clock == self.details.clock):
-            return False
-        self.details = received.message
-        self._details_heard = received.mono
-        return True
-
-    def _take_unsaved(self) -> bool:
-        received = self._feed.take(UNSAVED_TOPIC)
+    def _take(self, topic: str) -> bool:
+        """Take the newest message of a topic. Returns whether it is news."""
+        received = self._feed.take(topic)
         if received is None:
             return False
-        self._unsaved = received.message
+        # The same clock again is the latched message, sent to a new subscription. A core that hangs sends it, too:
+        # it is no sign of life.
+        before = getattr(self, _FIELDS[topic])
+        if topic in (GUI_TOPIC, DETAILS_TOPIC) and before is not None and before.clock == received.message.clock:
+            return False
+        setattr(self, _FIELDS[topic], received.message)
+        self._heard_at[topic] = received.mono
+        if topic == GUI_TOPIC:
+            self.box_clock.sample(received.mono, self.clock_s)
         return True
-
-    def _take_clocks(self) -> bool:
-        received = self._feed.take(CLOCKS_TOPIC)
-        if received is not None:
-            self._clocks, self._clocks_heard = received.message, received.mono
-        return received is not None
-
-    def _take_results(self) -> bool:
-        received = self._feed.take(RESULTS_TOPIC)
-        if received is not None:
-            self.results = received.message
-        return received is not None
-
-    def _take_schedule(self) -> bool:
-        received = self._feed.take(SCHEDULE_TOPIC)
-        if received is not None:
-            self.schedule = received.message
-        return received is not None
-
-    def _take_devices(self) -> bool:
-        state, status = self._feed.take(DEVICES_TOPIC), self._feed.take(DEVICES_STATUS_TOPIC)
-        if state is not None:
-            self.devices = state.message
-        if status is not None:
-            self.devices_status = status.message
-        return state is not None or status is not None
 
     def _emit(self, now: float) -> None:
         self._emitted = now
