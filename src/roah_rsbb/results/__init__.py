@@ -1,1 +1,1 @@
-"""What remains of a competition's runs: shown, exported, and ranked. Reads the journal, and needs no ROS."""
+"""The runs of a competition: shown, exported, and ranked. Reads the journal, and needs no ROS."""

@@ -1,4 +1,4 @@
-"""One panel in a window of its own, such as `rosrun roah_rsbb roah_rsbb_scoring`.
+"""One panel in its own window, such as `rosrun roah_rsbb roah_rsbb_scoring`.
 
 It shows the zone of the namespace in which it is started (`__ns:=`), as all panels of a client do.
 """

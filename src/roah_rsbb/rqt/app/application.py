@@ -1,4 +1,4 @@
-"""Starts Qt and the ROS node of a program with windows, and ends one with the other."""
+"""Starts Qt and the ROS node of a program with windows. When one ends, the other ends, too."""
 
 import signal
 import sys
@@ -13,7 +13,7 @@ from roah_rsbb.ros import connections
 from roah_rsbb.rqt.qt import QApplication, QSettings, Qt, QTimer
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
-# How often Python can handle a signal while Qt waits, and the end of ROS is noticed.
+# The interval (ms) at which Python can handle signals while Qt waits, and the end of ROS is noticed.
 LOOK_MS = 200
 _signalled: List[bool] = []
 
@@ -27,10 +27,10 @@ def make_application(argv: List[str]) -> QApplication:
 
 
 def init_node(name: str) -> None:
-    """Become the ROS node `name`; says so while it waits for a master. A signal ends the waiting, and the program.
+    """Start the ROS node `name`. While it waits for a master, it prints this. A signal then ends the program.
 
-    From then on a signal ends `run`. The handlers come first: a signal that ended the program right after the node
-    registered would leave its name at the master.
+    Afterwards, a signal ends `run`. The handlers are set first: a signal that ended the program just after the node
+    registered would leave its name registered at the master.
     """
     for number in _SIGNALS:
         signal.signal(number, _on_signal)

@@ -17,14 +17,14 @@ from roah_rsbb.ros import display
 
 RQT_MODULES = ("rqt_gui", "rqt_gui_py", "qt_gui")
 NO_RQT = "rqt is not installed: install ros-noetic-rqt-gui and ros-noetic-rqt-gui-py, or use gui:=window"
-# A locked rqt (qt_gui 0.4.2) crashes at every start but the first, when it replaces the layout that it imported before.
-# So it gets a settings file of its own, and clears it.
+# A locked rqt (qt_gui 0.4.2) crashes at every start except the first, when it replaces the layout that it imported
+# before. It therefore gets its own settings file, which is cleared at the start.
 _RUN_RQT = (
     "import sys; from rqt_gui.main import Main; "
     "sys.exit(Main(filename='rqt', settings_filename='roah_rsbb_rqt').main())"
 )
-# rqt caches its list of plugins: make it search again. The layout is frozen and locked, so that no panel is closed by
-# accident; for another layout, start rqt yourself.
+# rqt caches its list of plugins: make it search again. The layout is frozen and locked, so that no panel is closed
+# accidentally. For another layout, start rqt yourself.
 RQT = [sys.executable, "-c", _RUN_RQT, "--clear-config", "--force-discover", "--lock-perspective", "--freeze-layout"]
 WINDOW = [sys.executable, "-c", "from roah_rsbb.rqt.app.window import main; main()", "--of-launch"]
 PUBLIC = [sys.executable, "-c", "from roah_rsbb.rqt.public.node import main; main()"]
@@ -55,7 +55,7 @@ def choose(gui: str, has_display: bool, has_rqt: bool) -> WindowChoice:
 
 
 class Keeper:
-    """Keeps a program running until it exits normally or this process is told to end."""
+    """Keeps a program running until it exits normally or a signal ends this process."""
 
     def __init__(self, command: List[str], reopen: bool) -> None:
         """`reopen`: start it again after a normal exit, too."""

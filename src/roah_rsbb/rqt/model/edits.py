@@ -25,7 +25,7 @@ class Edits:
         self._edits: Dict[Hashable, _Edit] = {}
 
     def wish(self, item: Hashable, value: int) -> Optional[int]:
-        """The referee wants `value`. Returns the value to send now, or None while another call is in progress."""
+        """The referee set `value`. Returns the value to send now, or None while another call is in progress."""
         edit = self._edits.get(item)
         if edit is not None and edit.sent is not None:
             self._edits[item] = edit._replace(wish=value)

@@ -49,14 +49,14 @@ _FIELDS = {
 }
 
 TICK_MS = 100
-# The core publishes ten times a second. After this long without a message what is shown is marked as
-# old; with the tick, that is within a second.
+# The core publishes ten times a second. After this long without a message, the shown state is marked as old. With the
+# tick, this is within a second.
 SILENT_S = 0.7
 # Details come at least once a second.
 DETAILS_SILENT_S = 2.5
 # How often to subscribe again to a silent core.
 RENEW_S = 5.0
-# How often panels are redrawn while nothing arrives: they show for how long.
+# How often panels are redrawn while no messages arrive: they show for how long.
 SILENT_REDRAW_S = 0.5
 
 
@@ -192,7 +192,7 @@ class Model(QObject):
         return clock_of(message, self.clock_s - self._clocks.clock.to_sec())
 
     def unsaved_of(self, identity: str) -> UnsavedParts:
-        """What of a run's record the core could not bring onto the disk yet."""
+        """Return the parts of a run's record that the core could not write to the disk yet."""
         runs = () if self._unsaved is None else self._unsaved.runs
         return next((run for run in runs if run.identity == identity), UnsavedParts())
 
@@ -226,12 +226,12 @@ class Model(QObject):
             self._emit(now)
 
     def _take(self, topic: str) -> bool:
-        """Take the newest message of a topic. Returns whether it is news."""
+        """Take the newest message of a topic. Returns whether there was a new one."""
         received = self._feed.take(topic)
         if received is None:
             return False
-        # The same clock again is the latched message, sent to a new subscription. A core that hangs sends it, too:
-        # it is no sign of life.
+        # The same clock again is the latched message, sent to a new subscription. A core that hangs sends it, too,
+        # so it does not show that the core is running.
         before = getattr(self, _FIELDS[topic])
         if topic in (GUI_TOPIC, DETAILS_TOPIC) and before is not None and before.clock == received.message.clock:
             return False

@@ -1,8 +1,8 @@
 """Core Status: the state of the box, and the exit button (docs/referee.md, "Core Status").
 
-What *exit* ends depends on the launch file: a client's own shutdown node ends that client, unless the
-client was started together with the core (`exit_ends_rsbb`); without a client the core's own node, in
-the root namespace, ends the whole RSBB.
+What *exit* ends depends on the launch file. A client's own shutdown node ends that client, unless the client was
+started together with the core (`exit_ends_rsbb`). Without a client, the core's shutdown node in the root namespace ends
+the whole RSBB.
 """
 
 from typing import Dict

@@ -39,7 +39,7 @@ COMMAND_EMS = 5
 class DeviceRow(QWidget):
     """A device: its name, its state, and its controls.
 
-    It calls `change(value)` when the referee wants another value.
+    It calls `change(value)` when the referee sets another value.
     """
 
     def __init__(self, name: str, change: Callable[[int], None]) -> None:
@@ -274,7 +274,7 @@ class DevicesPanel(Panel):
     # -- operating ----------------------------------------------------------------------------------
 
     def _change(self, device: str, service: str, kind: type, value: int) -> None:
-        """The referee wants another value."""
+        """Handle another value that the referee set."""
         send = self._edits.wish(device, value)
         if send is not None:
             self._send(device, service, kind, send)

@@ -221,7 +221,7 @@ def _state(run: RunSummary) -> str:
 
 
 def _sheet_state(run: RunSummary, when: Optional[sheets.When] = None) -> str:
-    """How far the score sheet is; with `when`, also who signed it off and at what time."""
+    """Return the state of the score sheet; with `when`, also who signed it off and at what time."""
     signed = run.signed.to_sec()
     state = sheets.sheet_state(run.closed.to_sec(), signed)
     if signed:

@@ -52,7 +52,7 @@ class ScoreRow(QWidget):
     """One item: its text, its value, which may be `NOT_ATTEMPTED`, and its controls."""
 
     def __init__(self, shape: ItemShape, change: Callable[[int], None], ask: Callable[[], None]) -> None:
-        """`change(value)`: the referee wants this value; `ask()`: the referee wants to add a note."""
+        """`change(value)`: the referee set this value; `ask()`: the referee wants to add a note."""
         super().__init__()
         self._change = change
         self._value = 0
@@ -91,7 +91,7 @@ class ScoreRow(QWidget):
 
     @property
     def value(self) -> int:
-        """What is shown."""
+        """The shown value."""
         return self._value
 
     def show_value(self, value: int, waiting: bool, enabled: bool) -> None:
@@ -199,7 +199,7 @@ class ScoringPanel(RefereePanel):
 
     def _show_values(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
         marks = iter(() if details is None else details.not_attempted)
-        # Values and marks come on two topics: what is shown is as old as the older of them.
+        # Values and marks come on two topics. The shown state is as old as the older of them.
         clock_s = self.model.clock_s if details is None else min(self.model.clock_s, self.model.details_clock_s)
         for group in zone.scoring:
             for desc, published in zip(group.descriptions, group.current_values):
@@ -230,7 +230,7 @@ class ScoringPanel(RefereePanel):
     # -- changing -----------------------------------------------------------------------------------
 
     def _change(self, item: ItemName, value: int) -> None:
-        """The referee wants another value."""
+        """Handle another value that the referee set."""
         send = self._edits.wish(item, value)
         if send is not None:
             self._send(item, send)

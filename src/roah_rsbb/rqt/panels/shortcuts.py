@@ -32,7 +32,7 @@ class TwiceKey:
         shortcut.activatedAmbiguously.connect(self._press)
 
     def forget(self) -> None:
-        """Clear the question when the time for the second press is over. Call it regularly."""
+        """Clear the prompt when the time for the second press is over. Call it regularly."""
         if self._asked and self._presses.armed(time.monotonic()) is None:
             self._asked = False
             self._answer.clear_answer()

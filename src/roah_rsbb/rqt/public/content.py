@@ -52,7 +52,7 @@ NOTHING = PublicContent("", "", "", (), (), (), is_known=False)
 def content(details: Optional[object], utc_s: float, is_old: bool) -> PublicContent:
     """Returns what to show at `utc_s`, the box's UTC seconds. `details` is None until the core is heard.
 
-    While the core is silent (`is_old`) nothing changes: `utc_s` is the time when it was last heard.
+    While the core is silent (`is_old`), nothing changes: `utc_s` is the time of its last message.
     """
     if details is None:
         return NOTHING

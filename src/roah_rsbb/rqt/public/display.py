@@ -12,7 +12,7 @@ from roah_rsbb.rqt.public.content import ListLine, PublicContent, RunCard
 from roah_rsbb.rqt.public.layout import Rect, Screen
 from roah_rsbb.rqt.qt import QColor, QFont, QFontMetricsF, QPainter, QRectF, Qt, QWidget
 
-# A long text shrinks to this share of its size at most, then it is shortened: it must stay legible.
+# A long text shrinks to at most this share of its size. If it is still too long, it is shortened: it must stay legible.
 SMALLEST = 0.7
 
 
@@ -72,7 +72,7 @@ def _font(pixels: float, bold: bool) -> QFont:
 
 TOPIC = "/core/public_details"
 # The core publishes twice a second, with its clock in every message. A repeated message may be the latched one of a
-# core that hangs: it is no sign of life.
+# core that hangs.
 SILENT_S = 2.0
 PAGE_S = 8.0
 # Letters fill this share of the height of a row.

@@ -1,8 +1,8 @@
 """The layout of the public display: rectangles and pages. Qt is not imported.
 
-The display is read from ten metres: sizes are shares of the screen's height, not of the desktop's font. A capital
-letter of 1/25 of the height of a 55 inch screen is 27 mm high, which is legible from ten metres. The rest continues on
-further pages, which take turns.
+The display is read from ten metres, so sizes are shares of the screen's height rather than of the desktop's font. A
+capital letter of 1/25 of the height of a 55 inch screen is 27 mm high, which is legible from ten metres. What does not
+fit continues on further pages, which take turns.
 """
 
 from typing import List, NamedTuple, Sequence, Tuple, TypeVar

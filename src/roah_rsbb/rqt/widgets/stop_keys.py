@@ -78,7 +78,7 @@ class StopKeys(QObject):
             window.installEventFilter(self)
 
     def _press(self, event: QKeyEvent, key: str, zones: List[str]) -> bool:
-        """A key was pressed. Returns whether the press has no other effect."""
+        """Handle a press of a key. Returns whether the press has no other effect."""
         if event.isAutoRepeat():
             return False
         running = [zone for zone in self._model.running_zones() if zone in zones]

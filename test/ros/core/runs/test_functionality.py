@@ -95,7 +95,7 @@ class TestReferee(ModulesCase):
         self.assertEqual(self.wait_asked("Hands", "No pose"), 2)
         self.assertEqual(list(self.box.zone_details("Hands").operation_choices), ["try again", "skip"])
         self.assertRefused("that manual operation is over", "Hands", 1, "skip")
-        self.assertRefused("'fly' is no answer", "Hands", 2, "fly")
+        self.assertRefused("'fly' is not an answer", "Hands", 2, "fly")
         self.answer("Hands", 2, "skip")
         self.assertEqual(self.fbm.wait_outcome("Hands").answer, "skip")
 
