@@ -87,7 +87,7 @@ class TestScores(BoxCase):
         for service, kind, request, why in (
             ("score/withdraw", ScoreWithdraw, (identity, 9, "", ""), "no entry 9: choose from 1, 3"),
             ("score", ScoreMark, (identity, *DOOR, 2, False, "", ""), "0 or 1"),
-            ("score", ScoreMark, ("HWV-1-2", *DOOR, 1, False, "", ""), "no run 'HWV-1-2'"),
+            ("score", ScoreMark, ("HWV-1-2", *DOOR, 1, False, "", ""), "'HWV-1-2' is not one of"),
             ("stop_reason", StopReason, (identity, 0, "why", ""), "was not stopped yet"),
             ("sign_off", SignOff, (identity, "Anna"), "still connected: disconnect it first"),
         ):
