@@ -1,6 +1,7 @@
-"""The data that one event adds to the journal, in one transaction."""
+"""The data that events add to the journal, in one transaction."""
 
-from typing import Dict, NamedTuple, Optional, Tuple
+from dataclasses import dataclass, field
+from typing import Dict, List, NamedTuple, Optional
 
 
 class NewEntry(NamedTuple):
@@ -54,45 +55,29 @@ class LinkRow(NamedTuple):
     sample: str  # JSON
 
 
-class Batch(NamedTuple):
-    """Everything that one event writes, in one transaction."""
+@dataclass
+class Batch:
+    """What one transaction writes: the changes of one event, or of all events that wait. Of values that replace each
+    other, it has only the newest."""
 
-    entries: Tuple[NewEntry, ...] = ()
-    runs: Tuple[RunRow, ...] = ()
-    members: Tuple[Member, ...] = ()
-    log_files: Tuple[Tuple[int, str], ...] = ()  # port and path of its run log
-    outcomes: Tuple[Tuple[str, RunOutcome], ...] = ()  # by the run's identity
-    states: Tuple[Tuple[str, str], ...] = ()  # name and JSON of the state for a restart
-    links: Tuple[LinkRow, ...] = ()
+    entries: List[NewEntry] = field(default_factory=list)
+    runs: List[RunRow] = field(default_factory=list)
+    members: List[Member] = field(default_factory=list)
+    log_files: Dict[int, str] = field(default_factory=dict)  # path of the run log by port
+    outcomes: Dict[str, RunOutcome] = field(default_factory=dict)  # by the run's identity
+    states: Dict[str, str] = field(default_factory=dict)  # JSON of the state for a restart by its name
+    links: List[LinkRow] = field(default_factory=list)
+
+    def add(self, later: "Batch") -> None:
+        """Append a later batch."""
+        self.entries += later.entries
+        self.runs += later.runs
+        self.members += later.members
+        self.links += later.links
+        self.log_files.update(later.log_files)
+        self.outcomes.update(later.outcomes)
+        self.states.update(later.states)
 
     def is_empty(self) -> bool:
         """Whether there is nothing to write."""
-        return not any(self)
-
-
-class Pending:
-    """Waiting batches, which one transaction writes. Of values that replace each other, only the newest waits."""
-
-    def __init__(self) -> None:
-        self.entries: list = []
-        self.runs: list = []
-        self.members: list = []
-        self.links: list = []
-        self.log_files: Dict[int, str] = {}
-        self.outcomes: Dict[str, RunOutcome] = {}
-        self.states: Dict[str, str] = {}
-
-    def add(self, batch: Batch) -> None:
-        """Append a batch."""
-        self.entries += batch.entries
-        self.runs += batch.runs
-        self.members += batch.members
-        self.links += batch.links
-        self.log_files.update(batch.log_files)
-        self.outcomes.update(batch.outcomes)
-        self.states.update(batch.states)
-
-    def is_empty(self) -> bool:
-        """Whether nothing waits."""
-        return not (self.entries or self.runs or self.members or self.links or self.log_files or self.outcomes
-                    or self.states)
+        return not any(vars(self).values())

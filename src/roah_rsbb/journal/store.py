@@ -18,7 +18,7 @@ from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.journal import file as files
 from roah_rsbb.journal import schema
-from roah_rsbb.journal.batch import Batch, NewEntry, Pending
+from roah_rsbb.journal.batch import Batch, NewEntry
 from roah_rsbb.journal.disk import Disk
 from roah_rsbb.journal.file import CannotWrite, Holder, Resume, Session
 from roah_rsbb.journal.previous_session import NOTHING, PreviousSession, read_previous_session
@@ -51,7 +51,7 @@ class Journal:
         self._lock: Optional[int] = None
         self._file: Optional[Tuple[int, int]] = None
         self._disk: Optional[Disk] = None
-        self._pending = Pending()
+        self._pending = Batch()
         self._ticket = 0  # of the latest write
         self._committed = 0  # the latest committed ticket
         self._checkpoint_wanted = False
@@ -250,7 +250,7 @@ class Journal:
             with contextlib.suppress(sqlite3.Error):
                 connection.execute("ROLLBACK")
             raise
-        self._pending = Pending()
+        self._pending = Batch()
         self._committed = self._ticket
         self._disk.written(self._ticket, self._checkpoint_wanted)
         self._checkpoint_wanted = False
@@ -279,7 +279,7 @@ _SET_LOG_FILE = schema.change("members", ("log_file",))
 _SET_OUTCOME = schema.change("runs", ("closed_utc", "outcome"))
 
 
-def _insert(connection: sqlite3.Connection, session: int, waiting: Pending) -> None:
+def _insert(connection: sqlite3.Connection, session: int, waiting: Batch) -> None:
     connection.executemany(_INSERT_STATE, waiting.states.items())
     connection.executemany(_INSERT_ENTRY, ((session, *entry) for entry in waiting.entries))
     connection.executemany(_INSERT_RUN, ((*run, None, None) for run in waiting.runs))

@@ -209,7 +209,7 @@ def _start(folder: pathlib.Path) -> None:
         saved, _ = saved_state(journal.previous, driver.now, "boot 1")
         driver.event(driver.box.resume, saved)
         driver.run(5.0)
-        journal.write(Batch(states=(("box", "{}"),)))
+        journal.write(Batch(states={"box": "{}"}))
         assert not troubles, troubles
         assert dict(journal._connection.execute("SELECT name, state FROM states"))["box"] == "{}"
     finally:

@@ -27,27 +27,27 @@ class Writer:
         """A run begins (and may be over): its record, and the ports and names of its robots."""
         row = RunRow(record.identity, record.zone, record.benchmark, record.team, record.round, record.run,
                      record.scheduled, record.opened_utc)
-        members = tuple(Member(port, record.identity, record.team, robot) for port, robot in robots)
+        members = [Member(port, record.identity, record.team, robot) for port, robot in robots]
         self.journal.write(Batch(
-            runs=(row,), members=members, log_files=tuple((m.port, f"/logs/{m.port}.bag") for m in members),
+            runs=[row], members=members, log_files={m.port: f"/logs/{m.port}.bag" for m in members},
         ))
         self.outcome(record)
 
     def outcome(self, record):
         """A run's record changed."""
         outcome = RunOutcome(record.closed_utc or None, text(freeze(record)))
-        self.journal.write(Batch(outcomes=((record.identity, outcome),)))
+        self.journal.write(Batch(outcomes={record.identity: outcome}))
 
     def entry(self, kind, value, identity="", zone="tbm", port=6667, who="", after=1.0):
         """Something happens, `after` seconds from the last thing."""
         self.utc += after
         entry = NewEntry(self.utc, self.utc - UTC0 + 10.0, zone, identity, port, who, kind, text(value))
-        self.journal.write(Batch(entries=(entry,)))
+        self.journal.write(Batch(entries=[entry]))
 
     def link(self, sample, port=6667, after=1.0):
         """A second of a link record."""
         self.utc += after
-        self.journal.write(Batch(links=(LinkRow(port, self.utc, self.utc - UTC0 + 10.0, text(freeze(sample))),)))
+        self.journal.write(Batch(links=[LinkRow(port, self.utc, self.utc - UTC0 + 10.0, text(freeze(sample)))]))
 
     def close(self):
         """The box ends."""

@@ -26,7 +26,7 @@ def start(tmp_path):
             str(tmp_path), Session(1e9, 1.0, "boot", 1, "uuid", ""), COMPETITION, Resume.ALWAYS, troubles.append
         )
         opened.append(journal)
-        journal.write(Batch(states=(("box", "{}"),)))
+        journal.write(Batch(states={"box": "{}"}))
         return journal, [*troubles, *journal.warnings], list(tmp_path.glob("*_aside_*.sqlite3"))
 
     yield start
@@ -96,9 +96,9 @@ def test_a_file_that_only_says_that_it_is_a_journal(start, tmp_path):
 def test_a_core_resumes_behind_a_damaged_write_ahead_log(start, tmp_path):
     """SQLite would silently drop everything behind the damage."""
     journal, _, _ = start()
-    journal.write(Batch(members=(Member(6667, "HNF-6667-1", "Alpha", "r1"),)))
+    journal.write(Batch(members=[Member(6667, "HNF-6667-1", "Alpha", "r1")]))
     for number in range(40):
-        journal.write(Batch(states=(("box", f'{{"n":{number}}}'),), entries=(ENTRY._replace(value=str(number)),)))
+        journal.write(Batch(states={"box": f'{{"n":{number}}}'}, entries=[ENTRY._replace(value=str(number))]))
     copies = {suffix: (tmp_path / f"{FILE_NAME}{suffix}").read_bytes() for suffix in ("", "-wal")}
     journal.close()
     log = bytearray(copies["-wal"])

@@ -1,6 +1,7 @@
 """The journal's writer: what is written is there, what cannot be written waits, what is not ours is set aside."""
 
 import contextlib
+import dataclasses
 import json
 import os
 import pathlib
@@ -27,9 +28,9 @@ from roah_rsbb.journal.store import REPAIRED, Journal
 COMPETITION = json.dumps([["Home", "HNF", "Alpha", 1, 1, 0.0], ["Home", "HWV", "Beta", 1, 1, 900.0]])
 ENTRY = NewEntry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "command", '{"command":"start"}')
 BATCH = Batch(
-    entries=(ENTRY,), runs=(RunRow("HNF-6667-1", "Home", "HNF", "Alpha", 1, 1, 0.0, 1e9),),
-    members=(Member(6667, "HNF-6667-1", "Alpha", "r1"),), log_files=((6667, "/logs/run.bag"),),
-    outcomes=(("HNF-6667-1", RunOutcome(None, '{"n":1}')),), states=(("zone:Home", '{"n":1}'),),
+    entries=[ENTRY], runs=[RunRow("HNF-6667-1", "Home", "HNF", "Alpha", 1, 1, 0.0, 1e9)],
+    members=[Member(6667, "HNF-6667-1", "Alpha", "r1")], log_files={6667: "/logs/run.bag"},
+    outcomes={"HNF-6667-1": RunOutcome(None, '{"n":1}')}, states={"zone:Home": '{"n":1}'},
 )
 
 
@@ -69,7 +70,7 @@ def test_what_was_written_is_there_before_write_returns(journals):
 def test_what_the_next_start_goes_on_from(journals):
     journal = journals()
     journal.write(BATCH)
-    journal.write(Batch(states=(("zone:Home", '{"n":2}'),), outcomes=(("HNF-6667-1", RunOutcome(1e9 + 9, '{"n":2}')),)))
+    journal.write(Batch(states={"zone:Home": '{"n":2}'}, outcomes={"HNF-6667-1": RunOutcome(1e9 + 9, '{"n":2}')}))
     journal.close()
     before = journals(mono=9.0).previous
     assert before.states == {"zone:Home": '{"n":2}'}
@@ -81,7 +82,7 @@ def test_what_the_next_start_goes_on_from(journals):
 def test_the_last_record_may_be_one_of_a_link(journals):
     journal = journals()
     journal.write(BATCH)
-    journal.write(Batch(links=(LinkRow(6667, 1e9 + 7, 12.0, "{}"),)))
+    journal.write(Batch(links=[LinkRow(6667, 1e9 + 7, 12.0, "{}")]))
     journal.close()
     last = journals().previous.last
     assert (last.utc, last.mono) == (1e9 + 7, 12.0)
@@ -96,7 +97,7 @@ def test_the_record_of_a_run_that_is_still_connected_is_there_too(journals):
 
 def test_all_of_a_batch_or_nothing(journals):
     journal = journals()
-    bad = BATCH._replace(links=(("not", "a", "row"),))
+    bad = dataclasses.replace(BATCH, links=[("not", "a", "row")])
     journal.write(bad)
     assert rows(journal) == []
     assert "cannot be written" in journal.troubles[-1]
@@ -116,7 +117,7 @@ def test_what_is_saved_was_synced(journals, monkeypatch):
 def test_a_disk_that_fails_is_reported_and_a_later_sync_proves_nothing(journals, monkeypatch):
     """Linux forgets pages that it could not write: the next fsync succeeds without them."""
     journal = journals()
-    assert journal.why_not_saved(journal.write(Batch(states=(("box", "{}"),)))) == ""
+    assert journal.why_not_saved(journal.write(Batch(states={"box": "{}"}))) == ""
     database = pathlib.Path(journal.path)
 
     def fail(_fd):
@@ -165,12 +166,12 @@ def test_the_write_ahead_log_shrinks_while_the_box_runs(journals, monkeypatch):
     journal = journals()
     log = pathlib.Path(f"{journal.path}-wal")
     for _ in range(100):
-        ticket = journal.write(Batch(states=(("box", "x" * 5000),)))
+        ticket = journal.write(Batch(states={"box": "x" * 5000}))
     assert log.stat().st_size > 200_000
     monkeypatch.setattr(disks, "CHECKPOINT_BYTES", 200_000)
 
     def is_small():
-        journal.why_not_saved(journal.write(Batch(states=(("box", "y"),))))
+        journal.why_not_saved(journal.write(Batch(states={"box": "y"})))
         return log.stat().st_size < 100_000
 
     assert journal.why_not_saved(ticket) == ""
@@ -192,7 +193,7 @@ def test_what_cannot_be_written_waits_in_its_order(journals, monkeypatch):
     journal._connection.execute("PRAGMA busy_timeout = 10")
     for number in range(3):
         ticket = journal.write(
-            Batch(entries=(ENTRY._replace(value=str(number)),), states=(("zone:Home", str(number)),)))
+            Batch(entries=[ENTRY._replace(value=str(number))], states={"zone:Home": str(number)}))
     assert "cannot be written" in journal.troubles[-1]
     assert [entry.value for entry in journal.entries_of(6667)] == ["0", "1", "2"]
     assert "locked" in journal.why_not_saved(ticket)
@@ -208,10 +209,10 @@ def test_a_directory_that_was_removed_is_written_anew(journals, tmp_path):
     journal = journals()
     journal.write(BATCH)
     shutil.rmtree(tmp_path / "log")
-    journal.write(Batch(entries=(ENTRY,)))
+    journal.write(Batch(entries=[ENTRY]))
     journal.look()
     assert len(rows(journal)) == 2
-    ticket = journal.write(Batch(entries=(ENTRY,)))
+    ticket = journal.write(Batch(entries=[ENTRY]))
     assert len(rows(journal)) == 3
     assert journal.why_not_saved(ticket) == ""
 
@@ -223,7 +224,7 @@ def test_a_directory_that_was_removed_and_cannot_be_made_again_is_told_until_it_
     (tmp_path / "log").write_text("a file where the directory should be")
     for _ in range(3):
         journal.look()
-        journal.write(Batch(entries=(ENTRY,)))
+        journal.write(Batch(entries=[ENTRY]))
     assert "cannot be written" in journal.troubles[-1]
     assert REPAIRED not in journal.troubles
     assert len(journal.entries_of(6667)) == 4
@@ -311,7 +312,7 @@ def test_a_journal_of_version_1_is_brought_up_to_date(journals):
     again = journals()
     assert again.warnings == ()
     assert again.previous.states == {"zone:Home": '{"n":1}'}
-    again.write(BATCH._replace(runs=(), members=()))
+    again.write(dataclasses.replace(BATCH, runs=[], members=[]))
     assert len(rows(again)) == 2
     assert find_damage(again._connection) == []
 
@@ -388,7 +389,7 @@ class OnADisk:
         self._process.communicate()
 
 
-WRITES = 'from roah_rsbb.journal.batch import Batch; journal.write(Batch(states=(("zone:Home", "{}"),)))'
+WRITES = 'from roah_rsbb.journal.batch import Batch; journal.write(Batch(states={"zone:Home": "{}"}))'
 
 
 @pytest.mark.parametrize("kill", [False, True])

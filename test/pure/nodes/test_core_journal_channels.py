@@ -48,7 +48,7 @@ def test_a_port_that_cannot_be_a_runs(tmp_path, port):
     states = dict(driver.journal._connection.execute("SELECT name, state FROM states"))
     spoilt = json.loads(states["zone:b"])
     spoilt["run"]["port"] = port
-    driver.journal.write(Batch(states=(("zone:b", json.dumps(spoilt)),)))
+    driver.journal.write(Batch(states={"zone:b": json.dumps(spoilt)}))
     driver.kill()
     assert driver.run_in("b") is None
     assert driver.run_in("a") is not None

@@ -45,10 +45,7 @@ class CoreJournal:
         self._box = box
         self._journal = journal
         self._places: Dict[int, _Place] = {}
-        self._entries: List[NewEntry] = []
-        self._runs: List[RunRow] = []
-        self._members: List[Member] = []
-        self._outcomes: List[Tuple[str, RunOutcome]] = []
+        self._batch = Batch()
         self._records: List[RunRecord] = []
         self._signed: Set[str] = set()  # identities of runs
         self._unsaved = Unsaved()
@@ -73,16 +70,12 @@ class CoreJournal:
             if taker is not None:
                 taker(now, effect)
         changed = self._box.take_changed()
-        if not (changed or self._entries or self._outcomes):
+        self._batch.states.update(self._state(name) for name in sorted(changed))
+        if self._batch.is_empty():
             return
-        batch = Batch(
-            tuple(self._entries), tuple(self._runs), tuple(self._members), (), tuple(self._outcomes),
-            tuple(self._state(name) for name in sorted(changed)),
-        )
-        newly_signed = {record.identity for record in self._records if record.sign_off} - self._signed
-        records = list(self._records)
-        for written in (self._entries, self._runs, self._members, self._outcomes, self._records):
-            written.clear()
+        batch, self._batch = self._batch, Batch()
+        records, self._records = self._records, []
+        newly_signed = {record.identity for record in records if record.sign_off} - self._signed
         self._signed |= newly_signed
         self._ticket = self._journal.write(batch, checkpoint=bool(newly_signed))
         for record in records:
@@ -109,7 +102,7 @@ class CoreJournal:
 
     def log_file(self, port: int, path: str) -> None:
         """Record the path of a robot's run log."""
-        self._journal.write(Batch(log_files=((port, path),)))
+        self._journal.write(Batch(log_files={port: path}))
 
     def log_entries(self, port: int) -> List[Tuple[str, object, float]]:
         """All entries of a robot's run log so far: topic, value and UTC seconds, in order."""
@@ -129,9 +122,9 @@ class CoreJournal:
         """
         samples = self._box.link_samples(now, unreadable)
         if samples:
-            self._journal.write(Batch(links=tuple(
+            self._journal.write(Batch(links=[
                 LinkRow(port, now.utc, now.mono, _json(freeze(sample))) for port, sample in samples
-            )))
+            ]))
         self._journal.look()
 
     # -- effects ------------------------------------------------------------------------------------
@@ -145,14 +138,15 @@ class CoreJournal:
         return self._places.get(port, _Place("", ""))
 
     def _add(self, now: Now, place: _Place, port: Any, who: str, kind: str, value: object) -> None:
-        self._entries.append(NewEntry(now.utc, now.mono, place.zone, place.identity, port, who, kind, _json(value)))
+        self._batch.entries.append(
+            NewEntry(now.utc, now.mono, place.zone, place.identity, port, who, kind, _json(value)))
 
     def _opened(self, _now: Now, effect: effects.RunOpened) -> None:
         self._find_place(effect.port)
         run = self._box.zones.run_at(effect.port)
         whole = self._box.zones[run.zone].run
-        self._runs.append(RunRow(whole.identity, run.zone, *key_of(whole.event), whole.opened_utc))
-        self._members.append(Member(effect.port, whole.identity, run.robot.team, run.robot.robot))
+        self._batch.runs.append(RunRow(whole.identity, run.zone, *key_of(whole.event), whole.opened_utc))
+        self._batch.members.append(Member(effect.port, whole.identity, run.robot.team, run.robot.robot))
 
     def _resumed(self, _now: Now, effect: effects.RunResumed) -> None:
         self._find_place(effect.port)
@@ -191,7 +185,7 @@ class CoreJournal:
 
     def _record_changed(self, _now: Now, effect: effects.RecordChanged) -> None:
         record = effect.record
-        self._outcomes.append((record.identity, RunOutcome(record.closed_utc or None, _json(freeze(record)))))
+        self._batch.outcomes[record.identity] = RunOutcome(record.closed_utc or None, _json(freeze(record)))
         self._records.append(record)
 
 
