@@ -11,7 +11,7 @@ ROS_SETUP := if [ -e /opt/ros/noetic/setup.bash ]; then source /opt/ros/noetic/s
 BUILT := source build/devel/setup.bash
 # `make test LINT=no` skips lint.
 LINT := yes
-# Without its cached bytecode Python compiles all modules again in each of the hundreds of programs of the tests.
+# Without cached bytecode, Python compiles all modules again in each of the hundreds of programs of the tests.
 unexport PYTHONDONTWRITEBYTECODE
 # roslaunch imports distutils. Without this, Debian loads all of setuptools instead, which costs 0.3 s each time.
 test-docs test-install test-ros test-net: export SETUPTOOLS_USE_DISTUTILS := stdlib
@@ -70,7 +70,7 @@ test-docs: build ## commands, links and examples of the documentation
 test-install: build ## the demonstration, from an install space
 	@tools/test_install
 
-test-ros: build ## tests of the nodes, each with a ROS master of its own
+test-ros: build ## tests of the nodes, each with its own ROS master
 	@$(BUILT); tools/run_rostests
 
 test-net: build ## runs on a bad network (test/net/README.md); make test-net NET="--all --seed 2"

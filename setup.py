@@ -1,9 +1,9 @@
-"""The Python package `roah_rsbb`: all of it for catkin, what needs no ROS for pip.
+"""The Python package `roah_rsbb`: all of it for catkin, and the parts that need no ROS for pip.
 
-catkin reads this file (calling a `setup` of its own), and runs its command `install`. It gets all rooms;
-CMake generates roah_rsbb.pb and installs the programs.
+catkin reads this file (calling its own `setup`), and runs its command `install`. It gets all packages; CMake generates
+roah_rsbb.pb and installs the programs.
 
-pip, which asks for a wheel, gets the rooms for teams without ROS (docs/robot_without_ros.md), with roah_rsbb.pb.
+pip, which requests a wheel, gets the packages for teams without ROS (docs/robot_without_ros.md), with roah_rsbb.pb.
 """
 
 import pathlib
@@ -17,8 +17,8 @@ from setuptools import find_packages, setup
 from setuptools.command.build_py import build_py
 
 PROTO = pathlib.Path("proto", "roah_rsbb_msgs.proto")
-# Python code of these protoc versions needs a protobuf runtime of 3.20 or later, and demands no later one of it.
-# Older ones write what protobuf 4 refuses (Ubuntu 20.04 has 3.6), later ones refuse runtimes older than themselves.
+# Python code of these protoc versions works with protobuf runtimes from 3.20, and does not require a later one. Older
+# versions write code that protobuf 4 refuses (Ubuntu 20.04 has 3.6). Later ones refuse runtimes older than themselves.
 FIRST_PROTOC, BEFORE_PROTOC = (3, 20), (26, 0)
 RUNTIME = "protobuf>=3.20.2,<8"
 # It brings protoc 25.1, and has wheels for Python 3.8 to 3.12.
@@ -35,7 +35,7 @@ COMMON = {
 
 
 def usable_protoc():
-    """The protoc on PATH, if its Python code works with the runtimes that we declare; else None."""
+    """Return the protoc on PATH if its Python code works with the declared runtimes, else None."""
     protoc = shutil.which("protoc")
     if protoc is None:
         return None
@@ -48,7 +48,7 @@ class BuildWithProtobuf(build_py):
     """Also generates roah_rsbb.pb."""
 
     def find_package_modules(self, package, package_dir):
-        """Of the tools, only the capture program needs no ROS."""
+        """Return the modules of a package. Among the tools, only the capture program needs no ROS."""
         modules = super().find_package_modules(package, package_dir)
         return [module for module in modules if package != "roah_rsbb.tools" or module[1] == "__init__"]
 
@@ -72,17 +72,17 @@ def _compiler():
         from grpc_tools import protoc
     except ImportError:
         raise SystemExit(
-            "roah_rsbb: neither a protoc of version 3.20 to 25 is on PATH, nor is grpcio-tools here: "
-            "install one of them (protobuf-compiler of Debian 12 is such a protoc)"
+            "roah_rsbb: neither a protoc of version 3.20 to 25 is on PATH, nor is grpcio-tools installed: "
+            "install one of them (protobuf-compiler of Debian 12 has such a version)"
         ) from None
     return protoc.main
 
 
 def setup_for_pip():
-    """A wheel of the rooms without ROS, or what leads to it."""
+    """Build a wheel of the packages without ROS, or run the commands that lead to it."""
     if {"develop", "editable_wheel"} & set(sys.argv):
-        raise SystemExit("roah_rsbb: 'pip install -e' has no place for roah_rsbb.pb, which is generated: leave -e out")
-    # build/ is CMake's, and what an earlier build left there would end up in the wheel.
+        raise SystemExit("roah_rsbb: 'pip install -e' cannot contain the generated roah_rsbb.pb: omit -e")
+    # build/ belongs to CMake. Files of an earlier build there would end up in the wheel.
     with tempfile.TemporaryDirectory() as build_base:
         setup(
             packages=find_packages("src", include=[
@@ -103,7 +103,7 @@ def setup_for_pip():
         )
 
 
-# catkin's command line has egg_info and install, or (when it only reads) no command at all.
+# catkin calls this file with egg_info and install or, to read it only, without a command.
 PIP_COMMANDS = {"egg_info", "dist_info", "sdist", "bdist_wheel", "develop", "editable_wheel"}
 if "install" not in sys.argv and PIP_COMMANDS & set(sys.argv):
     setup_for_pip()

@@ -1,6 +1,6 @@
-"""What one hostile sender costs everybody else: floods on another run's private channel, silent TCP connections.
+"""Measures what one hostile sender costs others: floods on another run's private channel, silent TCP connections.
 
-As a program of its own it is the sender: `hostile.py KIND RATE SECONDS PORT PASSWORD HOST`, with a kind of `FLOODS`. It
+Run as a program, it is the sender: `hostile.py KIND RATE SECONDS PORT PASSWORD HOST`, with a kind of `FLOODS`. It
 prints a line when the flood begins, and how much it has sent at the end.
 """
 
@@ -17,7 +17,7 @@ from urllib.parse import urlparse
 PERIOD_S = 0.002
 ATTACKER = "127.0.9.9"
 SILENT = 200
-SETTLE_S = 1.0  # until the node has accepted them
+SETTLE_S = 1.0  # until the node has accepted the connections
 STRINGS = 300
 # Rate per second of each kind of flood.
 FLOODS = {"garbage": 10000, "replays": 10000, "new strings": 500}
@@ -26,7 +26,7 @@ RECORDED = 100
 
 @contextlib.contextmanager
 def flood(kind: str, port: int, password: str, host: str, seconds: float) -> Iterator[None]:
-    """A flood on the private channel `port` of the robot at `host`."""
+    """Flood the private channel `port` of the robot at `host`."""
     arguments = map(str, (kind, FLOODS[kind], seconds, port, password, host))
     with subprocess.Popen([sys.executable, __file__, *arguments], stdout=subprocess.PIPE, text=True) as process:
         process.stdout.readline()
@@ -38,7 +38,7 @@ def flood(kind: str, port: int, password: str, host: str, seconds: float) -> Ite
 
 @contextlib.contextmanager
 def silent_connections(*uris: str) -> Iterator[None]:
-    """Connections to these ports that say nothing."""
+    """Open connections to these ports that send nothing."""
     with contextlib.ExitStack() as opened:
         for uri in uris:
             address = urlparse(uri)
@@ -68,7 +68,7 @@ def _datagrams(kind: str, count: int, password: str) -> List[bytes]:
 
 
 def main() -> None:
-    """Flood."""
+    """Run the program."""
     kind, rate, seconds, port, password, host = sys.argv[1:]
     rate, seconds, port = int(rate), float(seconds), int(port)
     stock = _datagrams(kind, RECORDED if kind == "replays" else int(rate * seconds), password)

@@ -110,7 +110,7 @@ def add(results, name: str, load: Load, cpu_target=None, memory_target=None) -> 
     results.add(f"{name}: lost in the box", "datagrams", load.lost, 0)
     results.add(f"{name}: answers later than 50 ms", "% of answers", 100.0 * load.late / max(1, load.answers))
     results.add(f"{name}: /core/to_gui", "kB", load.message_kb)
-    results.add(f"{name}: waited for a core that others had", "% of the time", load.waited_percent)
+    results.add(f"{name}: waited for a core that others used", "% of the time", load.waited_percent)
     results.add(f"{name}: jitter of the 10 Hz tick, 99 %", "ms", quantile(load.jitter_ms, 0.99))
     if load.unsent:
         results.add(f"{name}: not sent by the bench itself", "datagrams", load.unsent, 0)

@@ -129,7 +129,7 @@ class Bench:
             waited = 100.0 * (box.process.waited_s() - waited) / (time.monotonic() - began)
             fleet.keep_sending(REGULAR_S)
             self.results.add_spread("reaction, 100 robots at 50 ms", "ms", taken, {0.99: 25})
-            self.results.add("reaction, 100 robots: waited for a core that others had", "% of the time", waited)
+            self.results.add("reaction, 100 robots: waited for a core that others used", "% of the time", waited)
             if self.soak_minutes:
                 self._soak(box, fleet)
 
@@ -145,18 +145,18 @@ class Bench:
               memory_target=None) -> None:
         measured = load.measure(box, fleet, self.extent.seconds, period_s)
         if not load.still_executing(fleet):
-            raise SystemExit(f"bench: {name}: not all runs went on:\n{box.process.text[-2000:]}")
+            raise SystemExit(f"bench: {name}: not all runs continued:\n{box.process.text[-2000:]}")
         load.add(self.results, name, measured, cpu_target, memory_target)
 
     @staticmethod
     def _settle(fleet: Fleet) -> None:
-        """Robots follow the box's states again."""
+        """Wait until robots follow the box's states again."""
         wait(lambda: load.still_executing(fleet), "all robots execute")
 
     # -- hostile senders ----------------------------------------------------------------------------
 
     def hostile(self) -> None:
-        """Reaction of one run while another run's channel is flooded; a stop beside silent connections."""
+        """Reaction of one run while another run's channel is flooded, and a stop beside silent connections."""
         for kind, rate in hostile.FLOODS.items():
             with box_in_runs(2) as (box, fleet):
                 robot, other = fleet.robots
@@ -245,7 +245,7 @@ PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
 
 
 def main() -> int:
-    """Measure what was asked for."""
+    """Measure the chosen parts."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("parts", nargs="*", help=f"parts to measure: {', '.join(PARTS)} (default: all)")
     parser.add_argument("--quick", action="store_true", help="takes less than a minute; numbers are less exact")
@@ -256,7 +256,7 @@ def main() -> int:
     options = parser.parse_args()
     unknown = [part for part in options.parts if part not in PARTS]
     if unknown:
-        parser.error(f"no such part: {', '.join(unknown)}; there are {', '.join(PARTS)}")
+        parser.error(f"unknown part: {', '.join(unknown)}; choose from {', '.join(PARTS)}")
     extent = QUICK if options.quick else FULL
     minutes = options.minutes if options.minutes is not None else (0.0 if options.quick else 1.0)
     began = time.monotonic()
@@ -275,7 +275,7 @@ def main() -> int:
 
 
 def measure(bench: Bench, options: argparse.Namespace, began: float) -> int:
-    """Run the parts, and say how it went."""
+    """Run the parts, and report the results."""
     for part in options.parts or PARTS:
         getattr(bench, part)()
     bench.results.add("load of the machine, mean of the last minute", "processes", os.getloadavg()[0])

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """A box that behaves like the original one: it sends its state every 200 ms and only then.
 
-For comparison only: one robot, no referee, no rules except the table of states. Standard input takes the
-referee's commands, start and stop.
+For comparison only: one robot, no referee, no rules except the table of states. It reads the referee's commands, start
+and stop, from standard input.
 """
 
 import asyncio

@@ -35,7 +35,7 @@ def _name(case: ElementTree.Element) -> str:
 
 
 def _why(text: str) -> str:
-    """The assertion: pytest's lines that begin with E, or all that comes before a traceback."""
+    """Return the assertion: pytest's lines that begin with E, or everything before a traceback."""
     lines = [line[1:].strip() for line in text.splitlines() if line.startswith("E ")]
     if not lines:
         lines = text.partition('\n  File "')[0].splitlines()
@@ -44,7 +44,7 @@ def _why(text: str) -> str:
 
 
 def _place(text: str) -> str:
-    """The last line of a test that was on the way to the failure."""
+    """Return the last line of a test in the traceback of the failure."""
     places = [place for place in _PLACE.findall(text) if "/python3" not in place[0]]
     if not places:
         return ""

@@ -100,7 +100,7 @@ def test_results_of_an_earlier_run_do_not_count(tree):
 def test_parts_can_be_chosen_and_left_out(tree):
     assert "Running ros, pure;" in tree.run("pure", "ros").stdout
     assert "lint" not in tree.run("--without", "lint").stdout
-    assert "no such part: nothing" in tree.run("nothing").stdout
+    assert "unknown part: nothing" in tree.run("nothing").stdout
 
 
 def test_what_is_skipped_is_said_with_its_reason(tree):

@@ -121,7 +121,7 @@ def test_a_row_that_is_too_short_or_too_long(errors):
     found = errors(HEAD + "X,HNF,A\nX,HNF,A,2026-11-28,10:00,,more\n")
     assert [(line, column) for line, column, _ in found] == [(2, 4), (2, 5), (3, 7)]
     assert found[2][2] == ("found 'more' in column G, which has no name; expected a name for it in the first row, or "
-                           "nothing")
+                           "an empty cell")
 
 
 @pytest.mark.parametrize("head, line, told", [
