@@ -19,7 +19,6 @@ from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.referee import RunName, cut_note
 from roah_rsbb.core.restart.restart import BoxSaved, Restart, Saved
 from roah_rsbb.core.robots import ActiveRobots, RobotId
-from roah_rsbb.core.runs.device_commands import CATERING
 from roah_rsbb.core.runs.run import Run
 from roah_rsbb.core.scoring.book import FinishedRuns
 from roah_rsbb.core.scoring.desk import ScoreDesk
@@ -29,6 +28,7 @@ from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import EventKey, Zones
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.benchmarks import Config
+from roah_rsbb.rulebook.registry import DEVICES, TABLET
 
 
 class Box:
@@ -136,10 +136,10 @@ class Box:
 
     def warnings(self, now: Now) -> List[str]:
         """Return the current warnings for every referee."""
-        catering = any(zone.event.benchmark.code == CATERING for zone in self.zones.values())
-        devices = self.watches.devices_warnings() if catering else []
+        uses = frozenset().union(*(zone.event.benchmark.profile.uses for zone in self.zones.values()))
+        devices = self.watches.devices_warnings() if DEVICES in uses else []
         ports = self._connections.warnings()
-        return self.watches.warnings(now) + devices + self.tablet.warnings(now, catering) + ports
+        return self.watches.warnings(now) + devices + self.tablet.warnings(now, TABLET in uses) + ports
 
     def warnings_of(self, now: Now, zone_name: str) -> List[str]:
         """Return the current warnings for the referee of a zone."""
@@ -295,7 +295,7 @@ class Box:
         self.tick(now)
         text = self.watches.device_refused(now, device, value, cut_note(reason))
         run = self.zones[zone_name].run
-        if isinstance(run, Run) and run.event.benchmark.code == CATERING:
+        if isinstance(run, Run) and DEVICES in run.event.benchmark.profile.uses:
             run.warn(now, text)
         else:  # the run that commanded it has been left
             self._outbox.notice(Level.WARNING, text, zone_name)

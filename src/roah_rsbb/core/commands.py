@@ -20,7 +20,7 @@ from roah_rsbb.core.scoring.records import By, EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import NO_RUN, EventKey, Zone, Zones
-from roah_rsbb.rulebook.benchmarks import BenchmarkKind
+from roah_rsbb.rulebook.registry import BenchmarkKind
 
 DISCONNECT_FIRST = "A run is connected: disconnect it first"
 
@@ -184,7 +184,7 @@ class Commands:
     def robots_to_connect(self, now: Now, zone: Zone) -> Sequence[ActiveRobot]:
         """Return the robots that *connect* would take: all that can take part, or one robot of the team that is in no
         run. Of several, it is one that was heard recently, and of these the one known longest."""
-        if zone.event.benchmark.kind is BenchmarkKind.REFEREE_ONLY:
+        if zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
             return self._candidates(now, zone).fit
         of_team = self._robots.of_team(now, zone.event.team)
         return [robot for robot in of_team if self._zones.run_of(robot.id) is None][:1]
@@ -192,10 +192,10 @@ class Commands:
     def outsiders(self, now: Now, zone: Zone) -> List[str]:
         """Warn of robots that are not in the run of all robots, as long as that can be changed.
 
-        A robot that cannot take part does not exclude the others (docs/benchmarks.md, "HSUF"). The referee sees who
-        is left out and why, and can disconnect and connect again to include a late robot.
+        A robot that cannot take part does not exclude the others (docs/benchmarks.md, "The table"). The referee sees
+        who is left out and why, and can disconnect and connect again to include a late robot.
         """
-        if zone.event.benchmark.kind is not BenchmarkKind.REFEREE_ONLY:
+        if zone.event.benchmark.kind is not BenchmarkKind.ALL_ROBOTS:
             return []
         if zone.run is not None and zone.run.phase is not Phase.CONNECTED:
             return []
@@ -213,7 +213,7 @@ class Commands:
         if listening > 0:
             reasons.append(f"The box is still listening for another box, for {listening:.0f} s")
         robots = self.robots_to_connect(now, zone)
-        if zone.event.benchmark.kind is BenchmarkKind.REFEREE_ONLY:
+        if zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
             reasons += self._nobody_off(now, zone)
         else:
             reasons += self._robot_off(now, zone, robots)

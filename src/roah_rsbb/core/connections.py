@@ -15,7 +15,6 @@ from roah_rsbb.core.messages import Beacon, BenchmarkingRobot
 from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
-from roah_rsbb.core.runs.device_commands import CATERING
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState
 from roah_rsbb.core.scoring.book import FinishedRuns
@@ -24,7 +23,7 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import Zone, Zones, ZoneState
-from roah_rsbb.rulebook.benchmarks import BenchmarkKind
+from roah_rsbb.rulebook.registry import TABLET, BenchmarkKind
 
 # More failures than robots to connect mean that no port can be opened. This is how many more.
 MAX_PORTS_TRIED = 20
@@ -126,14 +125,14 @@ class Connections:
         assignment = Assignment(zone.name, zone.event, robot.id, port)
         self._outbox.emit(effects.PortTaken(port))
         self._outbox.emit(effects.OpenChannel(port, robot.id.team, robot.id.robot, robot.host))
-        if zone.event.benchmark.kind is BenchmarkKind.REFEREE_ONLY:
+        if zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
             zone.run = zone.run or AllRobotsRun(now, assignment, context)
             zone.run.add(now, assignment)
         else:
             zone.run = run = self._make_run(now, assignment, context)
             run.open(now)
         self._zones.run_at(port).link.expect_after(robot.last_heard, robot.time)
-        if zone.event.benchmark.code == CATERING:
+        if TABLET in zone.event.benchmark.profile.uses:
             self._tablet.display_map = False  # the view that the previous run's robot selected ends with its run
         self._outbox.emit(effects.SendBeacon())
 

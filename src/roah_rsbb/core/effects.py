@@ -67,7 +67,7 @@ class TimeoutRung(NamedTuple):
 
 
 class SetDevice(NamedTuple):
-    """A robot in HCFGAC commands a device."""
+    """A robot commands a device."""
 
     zone: str
     device: str  # switch_1, switch_2, switch_3, dimmer or blinds

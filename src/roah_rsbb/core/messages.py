@@ -49,8 +49,8 @@ class GoalMessage(NamedTuple):
 
     text: str = ""  # YAML, for robots of 2019; empty: not in this form
     pose: Optional[Tuple[float, float, float]] = None  # for robots of 2015: metres, metres, radians
-    initial_state: Tuple[bool, ...] = ()  # HOMF: of the switches
-    switches: Tuple[int, ...] = ()  # HOMF: to toggle, in this order
+    initial_state: Tuple[bool, ...] = ()  # of switches
+    switches: Tuple[int, ...] = ()  # to toggle, in this order
 
 
 NO_GOAL = GoalMessage()
@@ -59,7 +59,7 @@ NO_GOAL = GoalMessage()
 class BoxMessage(NamedTuple):
     """The BenchmarkState that the box is sending on a private channel."""
 
-    benchmark: str  # code, e.g. HGTKMH
+    benchmark: str  # code
     state: BoxState
     acknowledgement: WireTime = NEVER  # `time` of the last RobotState
     goal: GoalMessage = NO_GOAL  # in GOAL_TX

@@ -7,8 +7,8 @@ sum of items of the referee's sheet and of values of the benchmarking module.
 import enum
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.rulebook.benchmarks import KINDS
 from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.rulebook.yaml_fields import choice, fields, number, sequence, text
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Unusable, read_yaml
 
@@ -62,7 +62,7 @@ def read_rules(path: str) -> Dict[str, Rules]:
     root = read_yaml(path, report, "the file with the standings' rules (--rules)", _SHAPE)
     if isinstance(root, Mapping):
         for key, node in root.pairs:
-            code = choice(report, key, "a benchmark", tuple(KINDS), "a benchmark code")
+            code = choice(report, key, "a benchmark", tuple(PROFILES), "a benchmark code")
             found = _rules(report, node)
             if code is not None and found is not None:
                 rules[code] = found

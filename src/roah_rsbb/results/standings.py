@@ -9,7 +9,8 @@ from roah_rsbb.core.scoring.records import RunRecord, ScoreValue
 from roah_rsbb.results.page import Child, Markup, joined, page, table, tag
 from roah_rsbb.results.runs import signature_of, state_of
 from roah_rsbb.results.standing_rules import DEFAULT, Criterion, OfRuns, Rules, Term
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
+from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.wording.sheets import NOT_SIGNED_OFF, turn
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import NOTHING, date_time
@@ -62,7 +63,7 @@ class Standing(NamedTuple):
 def standings(records: Sequence[RunRecord], rules: Dict[str, Rules], choice: Choice) -> List[Standing]:
     """Return the standings of all benchmarks with runs: in the order of the benchmarks, unknown ones last."""
     codes = {record.benchmark for record in records}
-    ordered = [code for code in KINDS if code in codes] + sorted(codes.difference(KINDS))
+    ordered = [code for code in PROFILES if code in codes] + sorted(codes.difference(PROFILES))
     found = [standing(code, records, rules.get(code, DEFAULT), choice) for code in ordered]
     return [s for s in found if s.lines or s.remarks]
 

@@ -45,14 +45,15 @@ class Behaviour(abc.ABC):
     client: "RobotClient"
 
     async def prepare(self, benchmark: str) -> None:  # noqa: B027
-        """Prepare for a goal of the benchmark with this code (HGTKMH, HWV ...); return when ready."""
+        """Prepare for a goal of the benchmark with this code; return when ready."""
 
     @abc.abstractmethod
     async def execute(self, benchmark: str, goal: Optional[Goal]) -> Result:
         """Execute a goal; return when it is complete.
 
-        `goal` is None in benchmarks without explicit goals. Return a `HopfResult` in HOPF, a `HppfResult` in HPPF,
-        else None. HPFF ends by its timeout: wait until cancelled.
+        `goal` is None in benchmarks without explicit goals. Return a `HopfResult` in Object Perception, a
+        `HppfResult` in People Perception, else a text or None. Person Following ends by its timeout: wait until
+        cancelled.
         """
 
     def stop(self, why: str) -> None:  # noqa: B027
@@ -163,27 +164,27 @@ class RobotClient:
         self._messages_saved = count
 
     def notify(self, text: str) -> None:
-        """Online data: a notification (HWV, HOMF, HNF)."""
+        """Online data: a notification."""
         self._request("add_string", "notifications", text)
 
     def activation_event(self, text: str) -> None:
-        """Online data: what activated the robot (HWV)."""
+        """Online data: what activated the robot."""
         self._request("add_string", "activation_event", text)
 
     def visitor(self, text: str) -> None:
-        """Online data: who the visitor is (HWV)."""
+        """Online data: who the visitor is."""
         self._request("add_string", "visitor", text)
 
     def final_command(self, text: str) -> None:
-        """Online data: the command that the robot understood (HCFGAC)."""
+        """Online data: the command that the robot understood."""
         self._request("add_string", "final_command", text)
 
     def set_device(self, name: str, value: Union[bool, int]) -> None:
-        """Set a device (HCFGAC): switch_1 to switch_3 to a bool, dimmer and blinds to 0 to 100 per cent."""
+        """Set a device: switch_1 to switch_3 to a bool, dimmer and blinds to 0 to 100 per cent."""
         self._request("set_device", name, value)
 
     def display_map(self, display: bool) -> None:
-        """Let the tablet show its map (True) or its call button (False) (HCFGAC)."""
+        """Let the tablet show its map (True) or its call button (False)."""
         self._request("display_map", display)
 
     def _request(self, method: str, *arguments: Any) -> None:

@@ -24,6 +24,7 @@ from roah_rsbb.replaced import warn_if_replaced
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.client import Behaviour, RobotClient
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
+from roah_rsbb.rulebook.registry import DEVICES, OTHER, GoalForm, Profile, ResultForm, profile_of
 
 _log = logging.getLogger("dummy_robot")
 
@@ -48,30 +49,36 @@ class DummyOptions:
     seed: Optional[int] = None  # None: a different one each time
 
 
-# What it does while executing, spread evenly over the time.
-_ACTIONS: Dict[str, Tuple[Action, ...]] = {
-    "HWV": (
-        lambda client: client.activation_event("the bell rang"),
-        lambda client: client.notify("going to the door"),
-        lambda client: client.visitor("Deli Man"),
-        lambda client: client.notify("guiding the visitor"),
-        lambda client: client.notify("going to the door"),  # again: the box logs it twice
-    ),
-    "HCFGAC": (
-        lambda client: client.final_command("close the blinds, light, and show me the map"),
-        lambda client: client.set_device("switch_1", True),
-        lambda client: client.set_device("switch_2", True),
-        lambda client: client.set_device("switch_3", True),
-        lambda client: client.set_device("dimmer", 70),
-        lambda client: client.set_device("blinds", 100),
-        lambda client: client.display_map(True),
-        lambda client: client.set_device("switch_3", False),
-        lambda client: client.set_device("blinds", 0),
-        lambda client: client.display_map(False),
-    ),
-    "HNF": (lambda client: client.notify("on my way"),),
-    "HOMF": (lambda client: client.notify("switching"),),
-}
+# What it does while executing, spread evenly over the time: what a visitor makes it do, and what Granny Annie asks for.
+_WELCOME: Tuple[Action, ...] = (
+    lambda client: client.activation_event("the bell rang"),
+    lambda client: client.notify("going to the door"),
+    lambda client: client.visitor("Deli Man"),
+    lambda client: client.notify("guiding the visitor"),
+    lambda client: client.notify("going to the door"),  # again: the box logs it twice
+)
+_CATER: Tuple[Action, ...] = (
+    lambda client: client.final_command("close the blinds, light, and show me the map"),
+    lambda client: client.set_device("switch_1", True),
+    lambda client: client.set_device("switch_2", True),
+    lambda client: client.set_device("switch_3", True),
+    lambda client: client.set_device("dimmer", 70),
+    lambda client: client.set_device("blinds", 100),
+    lambda client: client.display_map(True),
+    lambda client: client.set_device("switch_3", False),
+    lambda client: client.set_device("blinds", 0),
+    lambda client: client.display_map(False),
+)
+
+
+def _actions(profile: Profile) -> Tuple[Action, ...]:
+    """What the dummy does in a benchmark. In one that it does not know, it sends a notification only."""
+    if profile is not OTHER and "visitor" in profile.uses:
+        return _WELCOME
+    if profile is not OTHER and DEVICES in profile.uses:
+        return _CATER
+    text = "switching" if profile.goal is GoalForm.SWITCHES else "on my way"
+    return (lambda client: client.notify(text),) if "notifications" in profile.uses else ()
 
 
 class _NamedLog(logging.LoggerAdapter):
@@ -102,12 +109,12 @@ class DummyRobot(Behaviour):
 
     async def execute(self, benchmark: str, goal: Optional[Goal]) -> Result:
         """Take `execute_duration`, and return a result that fits the benchmark."""
+        profile = profile_of(benchmark)
         self._log.info("%s: executing%s", benchmark, "" if goal is None else f" {_goal_text(goal)}")
-        await self._spend("execute", self._options.execute_duration, _ACTIONS.get(benchmark, ()))
-        if self._options.never_end or benchmark == "HPFF":
-            # In HPFF the robot follows the person until the timeout (docs/benchmarks.md, "HPFF").
+        await self._spend("execute", self._options.execute_duration, _actions(profile))
+        if self._options.never_end or profile.runs_until_timeout:
             await asyncio.get_event_loop().create_future()
-        result = self._result(benchmark)
+        result = self._result(profile.result)
         self._log.info("%s: complete%s", benchmark, "" if result is None else f", {result}")
         return result
 
@@ -153,15 +160,16 @@ class DummyRobot(Behaviour):
         self._log.error("crashing on request")
         self._crash(CRASH_STATUS)
 
-    def _result(self, benchmark: str) -> Result:
+    def _result(self, form: ResultForm) -> Result:
         x, y, theta = (round(self._rng.uniform(0.0, 0.5), 3) for _ in range(3))
         pose = Pose(x, y, theta)
-        results: Dict[str, Result] = {
-            "HOPF": HopfResult("cups", "red_cup", pose),
-            "HPPF": HppfResult("Annie", pose),
-            "STB": "SOME RESULT",
+        results: Dict[ResultForm, Result] = {
+            ResultForm.OBJECT: HopfResult("cups", "red_cup", pose),
+            ResultForm.PERSON: HppfResult("Annie", pose),
+            ResultForm.ANY: "SOME RESULT",
+            ResultForm.TEXT: "SOME RESULT",
         }
-        return results.get(benchmark)
+        return results.get(form)
 
 
 def _goal_text(goal: Goal) -> str:

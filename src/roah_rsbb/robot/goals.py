@@ -11,6 +11,7 @@ import re
 from typing import List, NamedTuple, Optional, Tuple, Union
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.rulebook.registry import GoalForm, ResultForm, profile_of
 
 
 class BadGoal(Exception):
@@ -28,15 +29,15 @@ class Pose(NamedTuple):
 class Goal(NamedTuple):
     """One goal. Fields that the benchmark does not use are None or empty."""
 
-    text: Optional[str] = None  # as YAML: all goals of a 2019 box; the only form in STB
-    pose: Optional[Pose] = None  # HNF: waypoint. HGMF: target of the object (theta is 0)
-    object_id: Optional[int] = None  # HGMF: the object to grasp
-    initial_state: Tuple[bool, ...] = ()  # HOMF: states of the switches
-    switches: Tuple[int, ...] = ()  # HOMF: switches to toggle, in this order
+    text: Optional[str] = None  # as YAML: all goals of a 2019 box
+    pose: Optional[Pose] = None  # a waypoint, or the target of an object (then theta is 0)
+    object_id: Optional[int] = None  # the object to grasp
+    initial_state: Tuple[bool, ...] = ()  # states of the switches
+    switches: Tuple[int, ...] = ()  # switches to toggle, in this order
 
 
 class HopfResult(NamedTuple):
-    """The result of a goal in HOPF."""
+    """The result of Object Perception: the object that the robot sees."""
 
     object_class: str
     object_name: str  # the instance
@@ -44,13 +45,13 @@ class HopfResult(NamedTuple):
 
 
 class HppfResult(NamedTuple):
-    """The result of a goal in HPPF."""
+    """The result of People Perception: the person that the robot sees."""
 
     person_name: str
     pose: Pose
 
 
-# A text is sent unchanged as `generic_result` (STB).
+# A text is sent unchanged as `generic_result`.
 Result = Union[None, str, HopfResult, HppfResult]
 
 # Largest size of a result in a message; a message has 987 bytes (docs/protocol.md, "Frame").
@@ -60,9 +61,10 @@ RESULT_BUDGET_BYTES = 400
 def read_goal(message: pb.BenchmarkState) -> Goal:
     """Read the goal in a GOAL_TX message; `BadGoal` if the benchmark needs one and it cannot be read."""
     text = message.generic_goal if message.HasField("generic_goal") else None
-    if message.benchmark_type == "HNF":
+    form = profile_of(message.benchmark_type).goal
+    if form is GoalForm.WAYPOINT:
         return Goal(text=text, pose=_waypoint(message, text))
-    if message.benchmark_type == "HGMF":
+    if form is GoalForm.PLACEMENT:
         x, y, object_id = _three_numbers(text, "[x, y, object_id]")
         if not object_id.is_integer() or not 0 <= object_id <= 65535:
             raise BadGoal(f"the object in {text!r} is not a number from 0 to 65535")
@@ -103,7 +105,7 @@ def _three_numbers(text: Optional[str], expected: str) -> List[float]:
 
 def check_result(benchmark: str, result: Result) -> None:
     """Raise ValueError, with the remedy, for a result that does not fit `benchmark` or a message."""
-    fitting = {"HOPF": HopfResult, "HPPF": HppfResult}.get(benchmark)
+    fitting = {ResultForm.OBJECT: HopfResult, ResultForm.PERSON: HppfResult}.get(profile_of(benchmark).result)
     if isinstance(result, (HopfResult, HppfResult)) and not (fitting and isinstance(result, fitting)):
         raise ValueError(f"a {type(result).__name__} is not a result of {benchmark}")
     if not isinstance(result, (type(None), str, HopfResult, HppfResult)):

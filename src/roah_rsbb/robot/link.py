@@ -14,6 +14,7 @@ from roah_rsbb.protocol import BoxState, RobotState, WireTime
 from roah_rsbb.robot.goals import write_result
 from roah_rsbb.robot.machine import IllegalEvent, Progress
 from roah_rsbb.robot.watch import SILENCE_S, Silence
+from roah_rsbb.rulebook.registry import STRINGS
 
 SET_BACK_S = 1.0
 
@@ -177,7 +178,6 @@ def _size(key: _Key) -> int:
 
 # -- the channel ------------------------------------------------------------------------------------
 
-STRING_FIELDS = ("notifications", "activation_event", "visitor", "final_command")
 SWITCHES = ("switch_1", "switch_2", "switch_3")
 PERCENTAGES = ("dimmer", "blinds")
 
@@ -202,7 +202,7 @@ class Link:
         self.sender.changed(now_mono)
         self.silence = Silence(SILENCE_S, now_mono)
         self.decoded = False  # a message of the box could be decrypted
-        self._strings = RepeatedStrings(STRING_FIELDS, STRINGS_BUDGET_BYTES)
+        self._strings = RepeatedStrings(STRINGS, STRINGS_BUDGET_BYTES)
         self._times = MessageTimes()
         self._commands: Dict[str, Union[bool, int]] = {}  # by field of RobotState
         self._acknowledged = 0  # number of the latest message that the box has seen; 0: none

@@ -20,6 +20,7 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import BadGoal, Goal, Result, check_result, read_goal
+from roah_rsbb.rulebook.registry import profile_of
 
 
 class IllegalEvent(Exception):
@@ -66,7 +67,7 @@ BOX_TABLE: Dict[Tuple[BoxState, RobotState], Transition] = {
     (BoxState.PREPARE, _R.STOP): Transition(_R.PREPARING, _PREPARE),
     (BoxState.PREPARE, _R.PREPARING): Transition(_R.PREPARING, _KEEP),
     (BoxState.PREPARE, _R.WAITING_GOAL): Transition(_R.WAITING_GOAL, _KEEP),
-    # The box may not have received EXECUTING yet. See also PREPARE_ENDS_GOAL.
+    # The box may not have received EXECUTING yet. See also `box_transition`.
     (BoxState.PREPARE, _R.EXECUTING): Transition(_R.EXECUTING, _KEEP),
     (BoxState.PREPARE, _R.RESULT_TX): Transition(_R.PREPARING, _PREPARE),
 
@@ -83,10 +84,6 @@ BOX_TABLE: Dict[Tuple[BoxState, RobotState], Transition] = {
     (BoxState.WAITING_RESULT, _R.RESULT_TX): Transition(_R.RESULT_TX, _KEEP),
 }
 
-# In these benchmarks PREPARE while EXECUTING means that the goal (a waypoint) timed out and the next one follows, as
-# existing robots do (docs/protocol.md, "Robot's next state").
-PREPARE_ENDS_GOAL = frozenset({"HNF"})
-
 # (robot's event, robot's present state) -> next state.
 EVENT_TABLE: Dict[Tuple[RobotEvent, RobotState], RobotState] = {
     (RobotEvent.PREPARATION_COMPLETE, _R.PREPARING): _R.WAITING_GOAL,
@@ -95,8 +92,13 @@ EVENT_TABLE: Dict[Tuple[RobotEvent, RobotState], RobotState] = {
 
 
 def box_transition(benchmark: str, received: BoxState, state: RobotState) -> Transition:
-    """The transition of a robot in `state` that receives `received` in benchmark `benchmark`."""
-    if (received, state) == (BoxState.PREPARE, RobotState.EXECUTING) and benchmark in PREPARE_ENDS_GOAL:
+    """The transition of a robot in `state` that receives `received` in benchmark `benchmark`.
+
+    In some benchmarks PREPARE while EXECUTING means that the goal timed out and the next one follows, as existing
+    robots do (docs/protocol.md, "Robot's next state").
+    """
+    ends_goal = profile_of(benchmark).prepare_ends_goal
+    if (received, state) == (BoxState.PREPARE, RobotState.EXECUTING) and ends_goal:
         return Transition(RobotState.PREPARING, Act.PREPARE)
     return BOX_TABLE[received, state]
 

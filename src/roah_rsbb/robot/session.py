@@ -106,7 +106,7 @@ class Session:
         self._follow(self.progress.end_execute(result))
 
     def add_string(self, field: str, text: str) -> None:
-        """Online data: `field` is one of `link.STRING_FIELDS`. The box logs each string once."""
+        """Online data: `field` is one of `registry.STRINGS`. The box logs each string once."""
         self._running(f"send {field}").add_string(field, text)
         self._changed = True
 

@@ -1,35 +1,10 @@
-"""The benchmark codes that the box knows, and the types that make up a configuration.
-
-The programs define which codes exist and how a run of each one is driven (docs/benchmarks.md, "The table"). The
-configuration files define the name of each benchmark, its timeouts and its scoring items.
-"""
+"""The types that make up a configuration: benchmarks, schedule, passwords."""
 
 import enum
 from dataclasses import dataclass, field
-from typing import Dict, Tuple
+from typing import Dict, Optional, Tuple
 
-
-class BenchmarkKind(enum.Enum):
-    """Who drives a run of the benchmark."""
-
-    TASK = "task"  # scored by the referee
-    FUNCTIONALITY = "functionality"  # driven by a benchmarking module: goals, manual operations, score
-    REFEREE_ONLY = "referee only"  # all active robots at once; they receive the state and nothing else
-
-
-KINDS: Dict[str, BenchmarkKind] = {
-    "HGTKMH": BenchmarkKind.TASK,
-    "HWV": BenchmarkKind.TASK,
-    "HCFGAC": BenchmarkKind.TASK,
-    "HOPF": BenchmarkKind.FUNCTIONALITY,
-    "HNF": BenchmarkKind.FUNCTIONALITY,
-    "HSUF": BenchmarkKind.REFEREE_ONLY,
-    "HPPF": BenchmarkKind.FUNCTIONALITY,
-    "HPFF": BenchmarkKind.FUNCTIONALITY,
-    "HGMF": BenchmarkKind.FUNCTIONALITY,
-    "HOMF": BenchmarkKind.FUNCTIONALITY,
-    "STB": BenchmarkKind.FUNCTIONALITY,
-}
+from roah_rsbb.rulebook.registry import BenchmarkKind, Profile, profile_of
 
 # In the schedule this means every active robot. No team may have this name.
 ALL_TEAMS = "ALL"
@@ -66,16 +41,22 @@ class Benchmark:
     timeout: float
     total_timeout: float
     scoring: Tuple[ScoringItem, ...]
+    own: Optional[Profile] = None  # None: that of the registry
+
+    @property
+    def profile(self) -> Profile:
+        """What the programs know of this benchmark."""
+        return self.own or profile_of(self.code)
 
     @property
     def kind(self) -> BenchmarkKind:
         """Who drives a run of this benchmark."""
-        return KINDS[self.code]
+        return self.profile.kind
 
 
 @dataclass(frozen=True)
 class ScheduledEvent:
-    """One line of a zone's schedule. `team` is `ALL_TEAMS` for a referee-only benchmark."""
+    """One line of a zone's schedule. `team` is `ALL_TEAMS` in a benchmark of all robots."""
 
     benchmark: Benchmark
     team: str

@@ -11,9 +11,7 @@ from typing import Dict, List, Optional, Set, Tuple
 
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
-    KINDS,
     Benchmark,
-    BenchmarkKind,
     Config,
     ScheduledEvent,
     ScoreKind,
@@ -21,6 +19,7 @@ from roah_rsbb.rulebook.benchmarks import (
     ZonePlan,
 )
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors, Place, Report, line_list, quote
+from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
 from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, integer, number, sequence, text, utc_time
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Unusable, read_yaml
 from roah_rsbb.wording.suggestions import nearest
@@ -89,7 +88,7 @@ class BenchmarksFile:
         got = fields(report, node, "a benchmark", _BENCHMARK, _BENCHMARK_OPTIONAL)
         if got is None:
             return None
-        code = choice(report, got.get("code"), "code", tuple(KINDS), "a benchmark code")
+        code = choice(report, got.get("code"), "code", tuple(PROFILES), "a benchmark code")
         name = text(report, got.get("name"), "name")
         desc = text(report, got.get("desc"), "desc")
         timeout = _timeout(report, got, "timeout")
@@ -269,7 +268,7 @@ class ScheduleFile:
         got = fields(report, node, "an event", _EVENT, {})
         if got is None:
             return None
-        code = choice(report, got.get("benchmark"), "benchmark", tuple(KINDS), "a benchmark code")
+        code = choice(report, got.get("benchmark"), "benchmark", tuple(PROFILES), "a benchmark code")
         team = text(report, got.get("team"), "team")
         number = integer(report, got.get("round"), "round", 1, _MAX_ROUND)
         run = integer(report, got.get("run"), "run", 1, _MAX_ROUND)
@@ -287,8 +286,8 @@ class ScheduleFile:
         return ScheduledEvent(benchmark, team, number, run, scheduled)
 
     def _check_team(self, code: Optional[str], team: str, place: Place) -> None:
-        """Check that only a referee-only benchmark has the team ALL, and that every other team has a password."""
-        for_all = code is not None and KINDS[code] is BenchmarkKind.REFEREE_ONLY
+        """Check that only a benchmark of all robots has the team ALL, and that every other team has a password."""
+        for_all = code is not None and PROFILES[code].kind is BenchmarkKind.ALL_ROBOTS
         if team == ALL_TEAMS:
             if code is not None and not for_all:
                 self._report.error(place, f"team {ALL_TEAMS} in {code}", "the name of one team")

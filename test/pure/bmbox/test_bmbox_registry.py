@@ -6,7 +6,7 @@ import pytest
 
 from roah_rsbb import bmbox
 from roah_rsbb.bmbox.framework import registry
-from roah_rsbb.rulebook.benchmarks import KINDS, BenchmarkKind
+from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
 
 MODULE = """
 from roah_rsbb.bmbox.framework.module import Module
@@ -14,6 +14,9 @@ from roah_rsbb.bmbox.framework.module import Module
 class {name}(Module):
     CODE = "{code}"
 """
+
+
+FUNCTIONALITY = {code for code, profile in PROFILES.items() if profile.kind is BenchmarkKind.FUNCTIONALITY}
 
 
 @pytest.fixture
@@ -27,7 +30,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_each_functionality_benchmark_has_one():
-    assert set(registry.modules()) == {code for code, kind in KINDS.items() if kind is BenchmarkKind.FUNCTIONALITY}
+    assert set(registry.modules()) == FUNCTIONALITY
 
 
 def test_a_new_file_is_enough(folder):
@@ -42,8 +45,7 @@ def test_a_new_file_is_enough(folder):
 def test_a_file_that_is_wrong_is_told_and_left_out(folder, text, reason):
     (folder / "zz_wrong.py").write_text(text, encoding="utf-8")
     told = []
-    driven = {code for code, kind in KINDS.items() if kind is BenchmarkKind.FUNCTIONALITY}
-    assert set(registry.modules(told.append)) == driven
+    assert set(registry.modules(told.append)) == FUNCTIONALITY
     assert len(told) == 1
     assert told[0].startswith("zz_wrong.py cannot be used")
     assert reason in told[0]

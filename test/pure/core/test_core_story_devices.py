@@ -82,7 +82,7 @@ def test_in_other_benchmarks_devices_are_ignored_with_one_warning(code):
     taken = driver.taken()
     assert not any(isinstance(effect, SetDevice) for effect in taken)
     warnings = [e.text for e in taken if isinstance(e, effects.Notice) and e.level is Level.WARNING]
-    assert warnings == [f"Robot commands devices or tablet in {code}: ignored, because only HCFGAC allows that"]
+    assert warnings == [f"Robot commands devices or tablet, which {code} does not use: ignored"]
     assert driver.view().log.count("ignored") == 1
 
 

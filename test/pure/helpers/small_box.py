@@ -11,7 +11,7 @@ from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.robot.link import STRING_FIELDS
+from roah_rsbb.rulebook.registry import STRINGS
 
 BOX, ROBOT, BROADCAST = "127.0.0.1", "127.0.0.2", "127.255.255.255"
 TEAM, NAME, PASSWORD = "Team", "Robot", "PASSWORD"
@@ -139,7 +139,7 @@ class SmallBox:
             last = self.received[-1]
             if (message.time.sec, message.time.nsec) <= (last.time.sec, last.time.nsec):
                 return
-        for field in STRING_FIELDS:
+        for field in STRINGS:
             before = getattr(self.received[-1], field) if self.received else ()
             self.logged[field] += [text for text in getattr(message, field) if text not in before]
         self.received.append(message)

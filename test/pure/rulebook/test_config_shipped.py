@@ -7,7 +7,8 @@ import pytest
 
 from helpers.config_files import SHIPPED, TEXTS
 from roah_rsbb.rulebook import config
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS, BenchmarkKind, ScoreKind
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, ScoreKind
+from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
 
 # docs/benchmarks.md, "The table": timeout of a goal and of the whole run, in seconds.
 TIMEOUTS = {
@@ -45,20 +46,20 @@ def test_no_warnings_when_passwords_are_private(files):
 
 def test_loads_from_where_it_is_shipped():
     paths = [str(SHIPPED / f"{name}.yaml") for name in ("benchmarks", "schedule", "passwords")]
-    assert set(config.load(*paths)[0].benchmarks) == set(KINDS)
+    assert set(config.load(*paths)[0].benchmarks) == set(PROFILES)
 
 
 def test_every_benchmark_of_the_table(shipped):
     found = {code: (b.timeout, b.total_timeout) for code, b in shipped.benchmarks.items()}
     assert found == TIMEOUTS
     assert all(b.code == code for code, b in shipped.benchmarks.items())
-    assert all(b.kind is KINDS[code] for code, b in shipped.benchmarks.items())
+    assert all(b.kind is PROFILES[code].kind for code, b in shipped.benchmarks.items())
 
 
 def test_kinds():
-    tasks = {code for code, kind in KINDS.items() if kind is BenchmarkKind.TASK}
+    tasks = {code for code, profile in PROFILES.items() if profile.kind is BenchmarkKind.TASK}
     assert tasks == {"HGTKMH", "HWV", "HCFGAC"}
-    assert [code for code, kind in KINDS.items() if kind is BenchmarkKind.REFEREE_ONLY] == ["HSUF"]
+    assert [code for code, profile in PROFILES.items() if profile.kind is BenchmarkKind.ALL_ROBOTS] == ["HSUF"]
 
 
 @pytest.mark.parametrize("code", list(TIMEOUTS))
@@ -75,7 +76,7 @@ def test_zones_and_events(shipped):
     assert list(zones) == ["Testing TestingTeam", "Task Benchmarks", "Functionality Benchmarks"]
     testing = zones["Testing TestingTeam"].events
     assert testing[0].benchmark.code == "HGTKMH"
-    assert sorted(event.benchmark.code for event in testing) == sorted(KINDS)
+    assert sorted(event.benchmark.code for event in testing) == sorted(PROFILES)
     for event in testing:
         assert event.team == (ALL_TEAMS if event.benchmark.code == "HSUF" else "TestingTeam")
     assert testing[0].scheduled == calendar.timegm((2015, 12, 31, 0, 0, 0))

@@ -183,7 +183,7 @@ class TestCatering(DevicesCase):
     def test_in_another_benchmark_they_are_ignored_with_one_warning(self):
         robot = self.run_of("Beta", "Visitors")
         robot.tell("set_device", "switch_1", True)
-        self.wait_log("Visitors", "ignored, because only HCFGAC allows that")
+        self.wait_log("Visitors", "which HWV does not use: ignored")
         robot.tell("set_device", "dimmer", 50)
         robot.tell("notify", "after the dimmer")
         robot.wait_said()

@@ -16,7 +16,7 @@ from support.waiting import LIMIT_S, happened, wait_until
 
 from roah_rsbb.msg import ModulesState
 from roah_rsbb.protocol import BoxState
-from roah_rsbb.rulebook.benchmarks import KINDS, BenchmarkKind
+from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
 
 FOREIGN_BOX = "127.0.0.5"
 LOST = "192.0.2.1"  # reserved for documentation: no machine has it
@@ -188,4 +188,4 @@ class TestDummySetUp(LaunchCase):
             lambda: f"the modules have all that they need; they say\n{heard[-1:]}",
         )
         self.assertEqual({module.benchmark for module in heard[-1].modules},
-                         {code for code, kind in KINDS.items() if kind is BenchmarkKind.FUNCTIONALITY})
+                         {code for code, profile in PROFILES.items() if profile.kind is BenchmarkKind.FUNCTIONALITY})

@@ -11,9 +11,6 @@ from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.zones import Zones
 
-# The benchmark in which the referee enters switches.
-HOMF = "HOMF"
-
 
 class ModuleDesk:
     """Takes the modules' and the referee's messages about functionality runs."""
@@ -42,31 +39,31 @@ class ModuleDesk:
             run.complete_operation(now, operation, answer)
 
     def press_switch(self, now: Now, zone_name: str, switch: int, who: str = "") -> None:
-        """HOMF: the referee saw a switch change, numbered from 1. Raises `Refused`."""
+        """The referee saw a switch change, numbered from 1. Raises `Refused`."""
         self._tick(now)
         with self._record.of(RunName(zone_name), who, "omf_button", switch=switch):
-            run = self._homf_run(zone_name)
+            run = self._run_with_switches(zone_name)
             run.sheet_of_switches().press(switch)
             run.switches_entered(now, run_log.OMF_BUTTON, switch)
 
     def damage_switches(self, now: Now, zone_name: str, damaged: int, who: str = "") -> None:
-        """HOMF: the referee enters how many switches were damaged. Raises `Refused`."""
+        """The referee enters how many switches were damaged. Raises `Refused`."""
         self._tick(now)
         with self._record.of(RunName(zone_name), who, "omf_damaged", damaged=damaged):
-            run = self._homf_run(zone_name)
+            run = self._run_with_switches(zone_name)
             run.sheet_of_switches().damage(damaged)
             run.switches_entered(now, run_log.OMF_DAMAGED, damaged)
 
     def complete_switches(self, now: Now, zone_name: str, who: str = "") -> None:
-        """HOMF: the referee confirms the entered switches. Raises `Refused`."""
+        """The referee confirms the entered switches. Raises `Refused`."""
         self._tick(now)
         with self._record.of(RunName(zone_name), who, "omf_complete"):
-            self._homf_run(zone_name).complete_switches(now)
+            self._run_with_switches(zone_name).complete_switches(now)
 
-    def _homf_run(self, zone_name: str) -> FunctionalityRun:
+    def _run_with_switches(self, zone_name: str) -> FunctionalityRun:
         run = self._zones.run_in(zone_name)
-        if not isinstance(run, FunctionalityRun) or run.event.benchmark.code != HOMF:
-            raise Refused([f"zone '{zone_name}' runs {run.event.benchmark.code}: only {HOMF} has switches"])
+        if not isinstance(run, FunctionalityRun):
+            raise Refused([f"zone '{zone_name}' runs {run.event.benchmark.code}, which has no switches"])
         return run
 
     # -- the benchmarking modules -------------------------------------------------------------------

@@ -22,7 +22,7 @@ class RequestKind(enum.IntEnum):
 
     REFEREE = 1  # a manual operation
     GOAL = 2  # a goal for the robot
-    SWITCHES = 3  # HOMF: the referee enters which switches changed and how many were damaged
+    SWITCHES = 3  # the referee enters which switches changed and how many were damaged
     NOTE = 4  # no action; a value to remember, e.g. a measured pose
 
 
@@ -36,8 +36,8 @@ class Request(NamedTuple):
     asks_text: bool = False  # REFEREE: an answer may be typed
     goal: str = ""  # GOAL: YAML, as robots of 2019 read it; empty: no explicit goal
     pose: Optional[Tuple[float, float, float]] = None  # GOAL: as robots of 2015 read it; metres, radians
-    initial_state: Tuple[bool, ...] = ()  # GOAL: HOMF, initial state of the switches
-    switches: Tuple[int, ...] = ()  # GOAL: HOMF, switches to toggle, in this order
+    initial_state: Tuple[bool, ...] = ()  # GOAL: initial state of the switches
+    switches: Tuple[int, ...] = ()  # GOAL: switches to toggle, in this order
     timeout: float = 0.0  # GOAL: seconds; 0: no limit except the run's timeout
     note: str = ""  # NOTE: JSON
 

@@ -1,4 +1,4 @@
-"""A run of all robots at once (HSUF): a member for each robot, and one clock, score sheet and log for all.
+"""A run of all robots at once: a member for each robot, and one clock, score sheet and log for all.
 
 Theory of operation. Each member is a `Run` with its own port, channel, run log and state machine, so one robot's
 failure does not end another robot's run. This file has what they share: the referee's commands go to all members, the

@@ -114,8 +114,10 @@ class RunClock(Countdown):
 class SavingWatch:
     """Ends a run if its robot executes for some time with `messages_saved` at 0 (docs/protocol.md, "Timing")."""
 
-    def __init__(self, settings: Settings) -> None:
-        self._timeout = settings.check_messages_saved_timeout if settings.check_messages_saved else None
+    def __init__(self, settings: Settings, is_required: bool = True) -> None:
+        """`is_required`: whether robots must save offline data in this benchmark."""
+        checks = settings.check_messages_saved and is_required
+        self._timeout = settings.check_messages_saved_timeout if checks else None
         self._since: Optional[float] = None
 
     def see(self, now: Now, box: BoxState, report: RobotReport) -> None:

@@ -1,18 +1,19 @@
 """A robot's commands to the home devices and the tablet's display.
 
-They are obeyed in HCFGAC only. In every other benchmark they are ignored, which is reported once (docs/benchmarks.md,
-"HCFGAC"). Robots repeat their commands in every message. Therefore each change is obeyed once, and a repeated value
-never undoes what the referee operated in the meantime. The first values count as a change, except those of the first
-message, in which a client of 2015 still sends the commands of its previous run (docs/protocol.md, "Device commands").
+They are obeyed in benchmarks that use devices or tablet. In every other benchmark they are ignored, which is reported
+once (docs/benchmarks.md, "The table"). Robots repeat their commands in every message. Therefore each change is obeyed
+once, and a repeated value never undoes what the referee operated in the meantime. The first values count as a change,
+except those of the first message, in which a client of 2015 still sends the commands of its previous run
+(docs/protocol.md, "Device commands").
 """
 
 from dataclasses import dataclass
 from typing import List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.rulebook.benchmarks import Benchmark
+from roah_rsbb.rulebook.registry import DEVICES, TABLET
 
-# The benchmark in which devices and tablet may be commanded.
-CATERING = "HCFGAC"
 SWITCHES = ("switch_1", "switch_2", "switch_3")
 PERCENTAGES = ("dimmer", "blinds")
 FIELDS = SWITCHES + PERCENTAGES + ("display_map",)
@@ -42,9 +43,12 @@ class DeviceCommandsState:
 class DeviceCommands:
     """The robot's commands in one run."""
 
-    def __init__(self, code: str, state: Optional[DeviceCommandsState] = None) -> None:
-        self._obeys = code == CATERING
-        self._code = code
+    def __init__(self, benchmark: Benchmark, state: Optional[DeviceCommandsState] = None) -> None:
+        uses = benchmark.profile.uses
+        self._obeyed = SWITCHES + PERCENTAGES if DEVICES in uses else ()
+        if TABLET in uses:
+            self._obeyed += ("display_map",)
+        self._code = benchmark.code
         self.state = state or DeviceCommandsState()
 
     def take(self, report: RobotReport) -> Taken:
@@ -54,13 +58,13 @@ class DeviceCommands:
         had_first, self.state.had_first = self.state.had_first, True
         if not had_first or wishes == NO_WISHES:
             return taken
-        if not self._obeys:
-            return taken._replace(problems=self._tell_ignored())
+        if any(value is not None and field not in self._obeyed for field, value in zip(FIELDS, wishes)):
+            taken.problems.extend(self._tell_ignored())
         # A field that the robot stops sending is no command, and its last value is kept.
         before = self.state.wishes
         self.state.wishes = tuple(old if new is None else new for old, new in zip(before, wishes))
         for field, old, new in zip(FIELDS, before, self.state.wishes):
-            if new == old:
+            if new == old or field not in self._obeyed:
                 continue
             if field == "display_map":
                 taken = taken._replace(display_map=bool(new))
@@ -74,4 +78,4 @@ class DeviceCommands:
         if self.state.told_ignored:
             return []
         self.state.told_ignored = True
-        return [f"Robot commands devices or tablet in {self._code}: ignored, because only {CATERING} allows that"]
+        return [f"Robot commands devices or tablet, which {self._code} does not use: ignored"]

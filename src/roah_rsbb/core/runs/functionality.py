@@ -31,12 +31,11 @@ from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState
 from roah_rsbb.core.scoring.book import Marked
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.protocol import BoxState
+from roah_rsbb.rulebook.registry import ResultForm
 
 # No benchmark has more steps. A module with more is out of control.
 MAX_STEPS = 2000
 
-HOPF = "HOPF"
-HPFF = "HPFF"  # the robot has completed its task if it follows until the timeout
 
 
 @dataclass
@@ -132,9 +131,9 @@ class FunctionalityRun(Run):
         self._answer_referee(now, Outcome(OutcomeKind.DONE, answer=answer, ended_utc=now.utc))
 
     def sheet_of_switches(self) -> Switches:
-        """HOMF: return the switches that the referee enters. Raises `Refused` if the run has none now."""
+        """Return the switches that the referee enters. Raises `Refused` if the run has none now."""
         if self.switches is None or self.phase is not Phase.RUNNING:
-            raise Refused([f"zone '{self.zone}' has no switches to enter: only HOMF has them, from its first goal"])
+            raise Refused([f"zone '{self.zone}' has no switches to enter: they come with a goal for switches"])
         return self.switches
 
     def switches_entered(self, now: Now, topic: str, value: int) -> None:
@@ -146,7 +145,7 @@ class FunctionalityRun(Run):
         self.say(now, Level.INFO, f"Switches changed: {switches.changed or 'none'}, damaged: {switches.damaged}")
 
     def complete_switches(self, now: Now) -> None:
-        """HOMF: the referee confirms the entered switches. Raises `Refused`."""
+        """The referee confirms the entered switches. Raises `Refused`."""
         asked = self.asked
         if asked is None or asked.kind is not RequestKind.SWITCHES:
             raise Refused(["the switches cannot be confirmed yet: the robot has not finished"])
@@ -225,7 +224,7 @@ class FunctionalityRun(Run):
         goal."""
         ends = [step.outcome.kind for step in self.steps
                 if step.request.kind is RequestKind.GOAL and step.outcome is not None]
-        late = 0 if self.event.benchmark.code == HPFF else ends.count(OutcomeKind.TIMED_OUT)
+        late = 0 if self.event.benchmark.profile.runs_until_timeout else ends.count(OutcomeKind.TIMED_OUT)
         if late and late == len(ends):
             self._end(now, EndReason.GOALS_TIMED_OUT)
         elif late:
@@ -328,7 +327,7 @@ class FunctionalityRun(Run):
         seconds = goal.executing_s(now.mono)
         if result:
             self._emit(effects.RunLogged(self.port, run_log.RESULT, result))
-            if self.event.benchmark.code == HOPF:
+            if self.event.benchmark.profile.result is ResultForm.OBJECT:
                 self._emit(effects.RunLogged(self.port, run_log.HOPF_RESULT, result))
             self.tell_online(now, f"result: {result}")
         self.say(now, Level.INFO, f"Goal completed by the robot in {seconds:.1f} s")

@@ -1,4 +1,4 @@
-"""The requests of a benchmarking module: a goal for the robot, manual operations, and HOMF's switches.
+"""The requests of a benchmarking module: a goal for the robot, manual operations, and switches to enter.
 
 These are plain records of requests and their outcomes. The run decides what follows.
 """
@@ -79,7 +79,7 @@ class SwitchesState:
 
 
 class Switches:
-    """HOMF: the switches as the referee sees them, numbered from 1."""
+    """The switches as the referee sees them, numbered from 1."""
 
     def __init__(self, state: SwitchesState) -> None:
         self.state = state

@@ -329,8 +329,8 @@ class Run(ZoneRun):
         self.port = assignment.port
         self.resumed = state is not None
         self.link = RobotLink(context.settings.allowed_skew, now, self.state.link)
-        self.saving = SavingWatch(context.settings)
-        self.devices = DeviceCommands(self.event.benchmark.code, self.state.devices)
+        self.saving = SavingWatch(context.settings, self.event.benchmark.profile.offline_data)
+        self.devices = DeviceCommands(self.event.benchmark, self.state.devices)
         self._show_map = context.show_map
         self._strings_budget = StringsBudget()
         self._dropped_strings = self._unread = 0

@@ -35,7 +35,7 @@ class ModuleView(NamedTuple):
     """The part of a run's view that concerns its benchmarking module."""
 
     operation: Optional[Request] = None  # the current manual operation
-    switches: Optional[Switches] = None  # HOMF, from the first goal
+    switches: Optional[Switches] = None  # from a goal for switches on
     switches_asked: bool = False  # the referee must confirm them
     held: bool = False
     status: str = ""

@@ -1,6 +1,6 @@
 """Node roah_rsbb_modules: runs the modules of functionality benchmarks (docs/module_protocol.md).
 
-Parameters (private): benchmarks (codes such as "HNF HOPF", to distribute modules over processes; default: all),
+Parameters (private): benchmarks (codes with blanks between them, to distribute modules over processes; default: all),
 parameters_dir (a YAML file for each benchmark, and ground_truth.yaml). Files may be changed at any time: changes take
 effect at the next start of a run or the next request for a pose.
 """

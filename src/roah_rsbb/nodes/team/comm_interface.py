@@ -9,7 +9,7 @@ import queue
 import threading
 import time
 import warnings
-from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, FrozenSet, List, NamedTuple, Optional
 
 import rospy
 from geometry_msgs.msg import Pose2D
@@ -24,14 +24,8 @@ from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
 from roah_rsbb.robot.link import PERCENTAGES, SWITCHES
 from roah_rsbb.ros.times import ros_wire_time
+from roah_rsbb.rulebook.registry import DEVICES, PROFILES, STRINGS, TABLET, GoalForm, ResultForm, profile_of
 from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
-
-# Numbers of the benchmarks in the Benchmark message, which has no constant for HOMF.
-NUMBERS: Dict[str, int] = {
-    code: getattr(Benchmark, code)
-    for code in ("HGTKMH", "HWV", "HCFGAC", "HOPF", "HNF", "HSUF", "STB", "HPPF", "HPFF", "HGMF")
-}
-NUMBERS["HOMF"] = 11
 
 STATES: Dict[RobotState, int] = {
     RobotState.STOP: BenchmarkState.STOP,
@@ -41,18 +35,11 @@ STATES: Dict[RobotState, int] = {
     RobotState.RESULT_TX: BenchmarkState.EXECUTE,
 }
 
-STRING_SERVICES: Dict[str, Tuple[str, ...]] = {
-    "HWV": ("notifications", "activation_event", "visitor"),
-    "HNF": ("notifications",),
-    "HOMF": ("notifications",),
-    "HCFGAC": ("final_command",),
-}
-DEVICES_IN = "HCFGAC"
 # A topic stays unadvertised for at least this time. If it returned immediately, rospy could mistake it for the old
 # connection, which then breaks, and subscribers would receive nothing.
 SETTLE_S = 0.5
-# In STB the original box waits for a result, whatever it is.
-STB_RESULT = "done"
+# Sent where any result will do: the original box waits for one.
+ANY_RESULT = "done"
 
 
 class Requests(NamedTuple):
@@ -73,7 +60,10 @@ class CommInterface:
         """`types`: those of the generation that the team's code uses."""
         self._requests = requests
         self._types = types
-        self._goal_types = {"HNF": Pose2D, "HGMF": types.GoalHGMF, "HOMF": GoalOMF, "STB": StringMsg}
+        self._goal_types = {
+            GoalForm.WAYPOINT: Pose2D, GoalForm.PLACEMENT: types.GoalHGMF, GoalForm.SWITCHES: GoalOMF,
+            GoalForm.STRING: StringMsg,
+        }
         self._code: Optional[str] = None
         self._number = Benchmark.NONE
         self._state_number: Optional[int] = None
@@ -147,7 +137,7 @@ class CommInterface:
             _end(part)
         self._in_benchmark = []
         self._goal_topic = None
-        if code is not None and code not in NUMBERS:
+        if code is not None and code not in PROFILES:
             rospy.logerr("the box runs the unknown benchmark '%s': update this package, or check the box's "
                          "configuration", code)
             code = None
@@ -164,12 +154,13 @@ class CommInterface:
         if self._state_topic is None:
             time.sleep(max(0.0, self._ended_mono + SETTLE_S - time.monotonic()))
             self._state_topic = _state_topic()
-        self._in_benchmark += self._benchmark_services(code)
-        if code in self._goal_types:
-            self._goal_topic = _topic("goal", self._goal_types[code])
+        self._in_benchmark += self._benchmark_services(profile_of(code).uses)
+        profile = profile_of(code)
+        if profile.goal in self._goal_types:
+            self._goal_topic = _topic("goal", self._goal_types[profile.goal])
             self._in_benchmark.append(self._goal_topic)
         self._publish_state(RobotState.STOP)
-        self._announce(NUMBERS[code])
+        self._announce(profile.number)
 
     def _end_state_topic(self) -> None:
         """The topic remains between consecutive benchmarks, and ends without one."""
@@ -190,9 +181,9 @@ class CommInterface:
         if state is RobotState.PREPARING:
             self._in_phase.append(_service("end_prepare", EmptySrv, lambda _: self._requests.end_prepare()))
         elif state is RobotState.EXECUTING:
-            self._in_phase.append(self._end_execute_service(self._code))
+            self._in_phase.append(self._end_execute_service(profile_of(self._code).result))
             if self._goal_topic is not None and goal is not None:
-                self._publish_goal(goal)
+                self._publish_goal(profile_of(self._code).goal, goal)
         self._publish_state(state)
 
     def _end_phase(self) -> None:
@@ -205,33 +196,38 @@ class CommInterface:
             self._state_number = STATES[state]
             self._state_topic.publish(self._state_number)
 
-    def _publish_goal(self, goal: Goal) -> None:
-        if self._code == "HNF" and goal.pose is not None:
+    def _publish_goal(self, form: GoalForm, goal: Goal) -> None:
+        if form is GoalForm.WAYPOINT and goal.pose is not None:
             self._goal_topic.publish(Pose2D(*goal.pose))
-        elif self._code == "HGMF" and goal.pose is not None:
+        elif form is GoalForm.PLACEMENT and goal.pose is not None:
             self._goal_topic.publish(self._types.GoalHGMF(goal.object_id, Pose2D(*goal.pose)))
-        elif self._code == "HOMF":
+        elif form is GoalForm.SWITCHES:
             self._goal_topic.publish(GoalOMF(list(goal.initial_state), list(goal.switches)))
-        elif self._code == "STB":
+        elif form is GoalForm.STRING:
             self._goal_topic.publish(StringMsg(goal.text or ""))
 
-    def _end_execute_service(self, code: str) -> rospy.Service:
+    def _end_execute_service(self, form: ResultForm) -> rospy.Service:
         end = self._requests.end_execute
-        if code == "HOPF":
+        if form is ResultForm.OBJECT:
             return _service("end_execute", ResultHOPF, lambda r: end(
                 HopfResult(r.object_class, r.object_name, _pose(r.object_pose))))
-        if code == "HPPF":
+        if form is ResultForm.PERSON:
             return _service("end_execute", ResultHPPF, lambda r: end(
                 HppfResult(r.person_name, _pose(r.person_pose))))
-        return _service("end_execute", EmptySrv, lambda _: end(STB_RESULT if code == "STB" else None))
+        return _service("end_execute", EmptySrv, lambda _: end(ANY_RESULT if form is ResultForm.ANY else None))
 
-    def _benchmark_services(self, code: str) -> List[rospy.Service]:
+    def _benchmark_services(self, uses: FrozenSet[str]) -> List[rospy.Service]:
         requests = self._requests
         services = [
             _service(field, String, lambda r, field=field: requests.add_string(field, r.data))
-            for field in STRING_SERVICES.get(code, ())
+            for field in STRINGS if field in uses
         ]
-        if code != DEVICES_IN:
+        if TABLET in uses:
+            services += [
+                _service("tablet/map", EmptySrv, lambda _: requests.display_map(True)),
+                _service("tablet/buttons", EmptySrv, lambda _: requests.display_map(False)),
+            ]
+        if DEVICES not in uses:
             return services
         for name in SWITCHES:
             path = f"devices/{name}"
@@ -247,11 +243,7 @@ class CommInterface:
                 _service(f"{path}/max", EmptySrv, lambda _, name=name: requests.set_device(name, 100)),
                 _service(f"{path}/min", EmptySrv, lambda _, name=name: requests.set_device(name, 0)),
             ]
-        return [
-            *services,
-            _service("tablet/map", EmptySrv, lambda _: requests.display_map(True)),
-            _service("tablet/buttons", EmptySrv, lambda _: requests.display_map(False)),
-        ]
+        return services
 
 
 def _topic(name: str, message: type, latch: bool = True) -> rospy.Publisher:

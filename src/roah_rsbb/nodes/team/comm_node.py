@@ -17,7 +17,7 @@ import rospy
 from google.protobuf import text_format
 
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
-from roah_rsbb.nodes.team.comm_interface import NUMBERS, CommInterface, Requests
+from roah_rsbb.nodes.team.comm_interface import CommInterface, Requests
 from roah_rsbb.nodes.team.generations import DEFAULT, GENERATIONS, report_refused, types_of
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot import effects as fx
@@ -26,6 +26,7 @@ from roah_rsbb.robot.runner import SessionRunner
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.srv import Override, OverrideResponse
 
 DEFAULT_KEY = "DefaultKey"
@@ -140,7 +141,7 @@ def _override_message(request: object) -> Optional[pb.BenchmarkState]:
     """The message that replaces the box's; None ends the override."""
     if request.benchmark_type == 0:
         return None
-    codes = {number: code for code, number in NUMBERS.items()}
+    codes = {profile.number: code for code, profile in PROFILES.items()}
     code = codes.get(request.benchmark_type)
     if code is None:
         known = ", ".join(f"{number} {code}" for number, code in sorted(codes.items()))

@@ -21,7 +21,6 @@ from std_msgs.msg import String as StringMsg
 from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
-from roah_rsbb.nodes.team.comm_interface import NUMBERS
 from roah_rsbb.nodes.team.dummy_robots import log_to_ros
 from roah_rsbb.robot.dummy import PHASES, DummyOptions, DummyRobot
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
@@ -30,13 +29,16 @@ from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.rulebook.registry import PROFILES, GoalForm, profile_of
 from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
 
 # Time limit for a service to appear: the comm node may be starting, and advertises services with a delay.
 SERVICE_S = 5.0
 LOOK_S = 0.2
 # The topics with the goals of benchmarks. Other benchmarks have no topic for goals.
-GOAL_TYPES = {"HNF": Pose2D, "HGMF": GoalHGMF, "HOMF": GoalOMF, "STB": StringMsg}
+GOAL_TYPES = {
+    GoalForm.WAYPOINT: Pose2D, GoalForm.PLACEMENT: GoalHGMF, GoalForm.SWITCHES: GoalOMF, GoalForm.STRING: StringMsg,
+}
 
 
 class Services:
@@ -59,27 +61,27 @@ class Services:
         self._saved_topic.publish(count)
 
     def notify(self, text: str) -> None:
-        """Online data (HWV, HNF, HOMF)."""
+        """Online data."""
         self._start_call("notifications", String, text)
 
     def activation_event(self, text: str) -> None:
-        """Online data (HWV)."""
+        """Online data."""
         self._start_call("activation_event", String, text)
 
     def visitor(self, text: str) -> None:
-        """Online data (HWV)."""
+        """Online data."""
         self._start_call("visitor", String, text)
 
     def final_command(self, text: str) -> None:
-        """Online data (HCFGAC)."""
+        """Online data."""
         self._start_call("final_command", String, text)
 
     def set_device(self, name: str, value: Any) -> None:
-        """Home devices (HCFGAC)."""
+        """Home devices."""
         self._start_call(f"devices/{name}/set", Percentage if name in PERCENTAGES else Bool, value)
 
     def display_map(self, display: bool) -> None:
-        """The tablet (HCFGAC)."""
+        """The tablet."""
         self._start_call("tablet/map" if display else "tablet/buttons", EmptySrv)
 
     async def call(self, name: str, kind: type, *arguments: Any) -> None:
@@ -137,7 +139,7 @@ class GlueNode:
         self._services = Services(self._ros.loop)
         self._dummy = DummyRobot(options)
         self._dummy.client = self._services
-        self._codes = {number: code for code, number in NUMBERS.items()}
+        self._codes = {profile.number: code for code, profile in PROFILES.items()}
         self._code: Optional[str] = None
         self._phase: Optional[asyncio.Task] = None
         self._early: Optional[int] = None  # a state that arrived before its benchmark
@@ -170,9 +172,10 @@ class GlueNode:
         if self._code is None:
             # After a crash of the comm node there is no STOP.
             self._end_phase()
-        if self._code in GOAL_TYPES:
+        form = GoalForm.NONE if self._code is None else profile_of(self._code).goal
+        if form in GOAL_TYPES:
             self._goal = self._ros.loop.create_future()
-            self._goal_topic = self._follow("goal", GOAL_TYPES[self._code], self._take_goal)
+            self._goal_topic = self._follow("goal", GOAL_TYPES[form], self._take_goal)
         if self._code is not None and self._early is not None:
             self._state(self._early)
 

@@ -5,9 +5,10 @@ import datetime
 import ipaddress
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS, BenchmarkKind
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.config import MAX_TEAM_BYTES
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
+from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
 from roah_rsbb.rulebook.yaml_fields import choice, text
 from roah_rsbb.rulebook.yaml_lines import Scalar
 from roah_rsbb.tools.competition.plan import read_clock, read_day, read_time
@@ -36,7 +37,7 @@ def team_name(report: Report, place: Place, name: str, what: str = "a team's nam
 
 def benchmark_code(report: Report, place: Place, code: str, what: str = "benchmark") -> Optional[str]:
     """Check a benchmark's code in upper or lower case; None after an error."""
-    return choice(report, Scalar(place, code.upper(), False, False), what, tuple(KINDS), "a benchmark code")
+    return choice(report, Scalar(place, code.upper(), False, False), what, tuple(PROFILES), "a benchmark code")
 
 
 def each_once(report: Report, place: Place, names: Sequence[str], what: str) -> Tuple[str, ...]:
@@ -54,7 +55,7 @@ def read_teams(report: Report, place: Place, given: str) -> Tuple[str, ...]:
 
 def read_benchmarks(report: Report, place: Place, given: str) -> Tuple[str, ...]:
     """Read codes, separated by commas; or ``tasks``, ``all``."""
-    words = {"tasks": tuple(code for code, kind in KINDS.items() if kind is BenchmarkKind.TASK), "all": tuple(KINDS)}
+    words = {"tasks": tuple(filter(_is_task, PROFILES)), "all": tuple(PROFILES)}
     if given.strip().casefold() in words:
         return words[given.strip().casefold()]
     codes = [benchmark_code(report, place, part) for part in split(given)]
@@ -74,10 +75,14 @@ def read_zones(report: Report, place: Place, given: str) -> Tuple[ZoneWish, ...]
     return tuple(zones)
 
 
+def _is_task(code: str) -> bool:
+    return PROFILES[code].kind is BenchmarkKind.TASK
+
+
 def usual_zones(codes: Sequence[str]) -> Dict[str, Sequence[str]]:
     """Return one zone for task benchmarks and one for the others, omitting empty zones."""
-    tasks = [code for code in codes if KINDS[code] is BenchmarkKind.TASK]
-    others = [code for code in codes if KINDS[code] is not BenchmarkKind.TASK]
+    tasks = [code for code in codes if _is_task(code)]
+    others = [code for code in codes if not _is_task(code)]
     return {name: found for name, found in ((_TASKS, tasks), (_OTHERS, others)) if found}
 
 
@@ -150,7 +155,7 @@ QUESTIONS = (
              "names of the teams, exactly as their robots send them",
              "Teams, separated by commas, exactly as their robots send them"),
     Question("benchmarks", read_benchmarks, "HGTKMH,HWV,HNF",
-             f"codes of the benchmarks ({' '.join(KINDS)}), or 'tasks', or 'all'",
+             f"codes of the benchmarks ({' '.join(PROFILES)}), or 'tasks', or 'all'",
              "Benchmarks: codes separated by commas, or 'tasks' (the first three), or 'all'", of_sheet=True),
     Question("zones", read_zones, "'Home: HGTKMH HWV, Arena: HNF'",
              "zones, which run in parallel, each with its own referee; with the benchmarks of each, or without, then "

@@ -11,7 +11,7 @@ from xml.sax.saxutils import quoteattr
 
 import yaml
 
-from roah_rsbb.rulebook.benchmarks import KINDS, BenchmarkKind
+from roah_rsbb.rulebook.registry import BELL, DEVICES, PROFILES, TABLET, BenchmarkKind
 from roah_rsbb.tools.competition.firewall import firewall_text
 from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock
 
@@ -23,9 +23,6 @@ _PASSWORD_LENGTH = 16
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_]+(?:[ -][A-Za-z0-9_]+)*")
 _BENCHMARK = re.compile(r"^(?=- name:)", re.MULTILINE)
 _CODE = re.compile(r"^  code: *(\w+) *$", re.MULTILINE)
-# Benchmarks that use the home devices, and those that use the tablet.
-_WITH_DEVICES = ("HWV", "HCFGAC")
-_WITH_TABLET = ("HCFGAC",)
 
 _PASSWORDS = """\
 # Passwords of the teams, randomly generated for this competition. Keep this file secret (chmod 600) and out of any
@@ -91,12 +88,16 @@ def _at_venue(moment: datetime.datetime, clock: VenueClock) -> str:
 
 def module_codes(codes: Iterable[str]) -> List[str]:
     """The benchmarks with a benchmarking module, which have a file of parameters."""
-    return [code for code in codes if KINDS[code] is BenchmarkKind.FUNCTIONALITY]
+    return [code for code in codes if PROFILES[code].kind is BenchmarkKind.FUNCTIONALITY]
 
 
 def needs_tablet(plan: Plan) -> bool:
     """Whether a benchmark of the competition uses the tablet."""
-    return any(code in plan.codes for code in _WITH_TABLET)
+    return _uses(plan, TABLET)
+
+
+def _uses(plan: Plan, *words: str) -> bool:
+    return any(PROFILES[code].uses.intersection(words) for code in plan.codes)
 
 
 def launch_text(plan: Plan, rsbb_host: Optional[str], smartif_host: Optional[str]) -> str:
@@ -114,7 +115,7 @@ def launch_text(plan: Plan, rsbb_host: Optional[str], smartif_host: Optional[str
         ("modules_dir", f"{beside}/modules",
          "Directory with the parameters of the benchmarking modules and ground_truth.yaml"),
         ("tablet", yes[needs_tablet(plan)], "Serve the tablet's page, for HCFGAC"),
-        ("devices", yes[any(code in plan.codes for code in _WITH_DEVICES)],
+        ("devices", yes[_uses(plan, DEVICES, BELL)],
          "Control the home devices: the doorbell in HWV, all of them in HCFGAC"),
         ("smartif_host", smartif_host or "192.168.1.56", "IP address of the SmartIF devices controller"),
     ]

@@ -4,8 +4,9 @@ import datetime
 import re
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, KINDS, BenchmarkKind
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.errors import Place, Report, quote
+from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
 
 UTC = datetime.timezone.utc
 _DAY = re.compile(r"([0-9]{4})-([0-9]{1,2})-([0-9]{1,2})")
@@ -103,7 +104,7 @@ class Plan(NamedTuple):
     def codes(self) -> Tuple[str, ...]:
         """The benchmarks of the plan, in the box's order."""
         held = {run.code for zone in self.zones for run in zone.runs}
-        return tuple(code for code in KINDS if code in held)
+        return tuple(code for code in PROFILES if code in held)
 
 
 class PlannedDay(NamedTuple):
@@ -117,7 +118,7 @@ class PlannedDay(NamedTuple):
 
 def for_all(code: str) -> bool:
     """Whether all robots do this benchmark at once."""
-    return KINDS[code] is BenchmarkKind.REFEREE_ONLY
+    return PROFILES[code].kind is BenchmarkKind.ALL_ROBOTS
 
 
 def timetable(

@@ -2,10 +2,11 @@
 
 import pytest
 
+from helpers.competition import benchmark
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.runs.device_commands import DeviceCommands, Taken
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.rulebook.benchmarks import KINDS
+from roah_rsbb.rulebook.registry import PROFILES
 
 NOTHING = Taken([], None, [])
 ALL_OFF = {"switch_1": False, "switch_2": False, "switch_3": False, "dimmer": 0, "blinds": 0, "display_map": False}
@@ -18,7 +19,7 @@ def _report(**fields):
 @pytest.fixture
 def devices():
     """The commands of a robot in HCFGAC that has sent its first message."""
-    devices = DeviceCommands("HCFGAC")
+    devices = DeviceCommands(benchmark("HCFGAC"))
     assert devices.take(_report()) == NOTHING
     return devices
 
@@ -71,7 +72,7 @@ def test_more_than_100_per_cent_is_told_once_and_not_obeyed(devices, field, valu
 
 def test_the_first_message_on_a_channel_is_of_the_previous_run():
     """As a client of 2015 does it: docs/protocol.md, "Device commands"."""
-    devices = DeviceCommands("HCFGAC")
+    devices = DeviceCommands(benchmark("HCFGAC"))
     assert devices.take(_report(**{**ALL_OFF, "switch_1": True, "dimmer": 70})) == NOTHING
     assert devices.take(_report()) == NOTHING
     assert devices.take(_report(switch_1=True)).commands == [("switch_1", 1)]
@@ -79,7 +80,7 @@ def test_the_first_message_on_a_channel_is_of_the_previous_run():
 
 def test_what_the_second_message_repeats_of_the_first_counts():
     """Original robots send everything from their first message on: their first values count as a change."""
-    devices = DeviceCommands("HCFGAC")
+    devices = DeviceCommands(benchmark("HCFGAC"))
     wishes = {**ALL_OFF, "switch_2": True, "dimmer": 70}
     devices.take(_report(**wishes))
     taken = devices.take(_report(**wishes))
@@ -88,17 +89,17 @@ def test_what_the_second_message_repeats_of_the_first_counts():
     assert devices.take(_report(**wishes)) == NOTHING
 
 
-@pytest.mark.parametrize("code", sorted(set(KINDS) - {"HCFGAC"}))
+@pytest.mark.parametrize("code", sorted(set(PROFILES) - {"HCFGAC"}))
 def test_in_every_other_benchmark_they_are_ignored_and_that_is_said_once(code):
-    devices = DeviceCommands(code)
+    devices = DeviceCommands(benchmark(code))
     devices.take(_report(switch_1=True))
     taken = devices.take(_report(switch_1=True, display_map=True))
     assert (taken.commands, taken.display_map) == ([], None)
-    assert taken.problems == [f"Robot commands devices or tablet in {code}: ignored, because only HCFGAC allows that"]
+    assert taken.problems == [f"Robot commands devices or tablet, which {code} does not use: ignored"]
     assert devices.take(_report(switch_1=False, blinds=3, display_map=False)) == NOTHING
 
 
 def test_a_left_over_in_another_benchmark_is_no_reason_for_a_warning():
-    devices = DeviceCommands("HGTKMH")
+    devices = DeviceCommands(benchmark("HGTKMH"))
     assert devices.take(_report(**ALL_OFF)) == NOTHING
     assert devices.take(_report()) == NOTHING

@@ -119,7 +119,7 @@ def test_the_log_shows_times_levels_and_what_happened():
         "STOP: Connected: waiting for the robot's first message",
         "PREPARE: Robot preparing for the task",
         "WAITING_RESULT: Robot prepared, executing (no explicit goal)",
-        "WARNING: Robot commands devices or tablet in HGTKMH: ignored, because only HCFGAC allows that",
+        "WARNING: Robot commands devices or tablet, which HGTKMH does not use: ignored",
         "Score: Penalized: bumps 0 -> 2",
     ]
 

@@ -5,8 +5,8 @@ import time
 
 import pytest
 
-from roah_rsbb.rulebook.benchmarks import KINDS
 from roah_rsbb.rulebook.errors import Place, Report
+from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.tools.competition import answers, plan
 
 PLACE = Place("--option", 0, 0)
@@ -53,7 +53,7 @@ def test_all_wrong_teams_are_told_at_once():
 def test_benchmarks():
     assert read(answers.read_benchmarks, "hnf, HWV") == ("HNF", "HWV")
     assert read(answers.read_benchmarks, "Tasks") == ("HGTKMH", "HWV", "HCFGAC")
-    assert read(answers.read_benchmarks, "all") == tuple(KINDS)
+    assert read(answers.read_benchmarks, "all") == tuple(PROFILES)
     assert "did you mean 'HGTKMH'?" in refused(answers.read_benchmarks, "HGTKM")[0]
     assert refused(answers.read_benchmarks, "HNF,HNF") == ["found benchmark 'HNF' twice; expected each once"]
 

@@ -12,7 +12,7 @@ import yaml
 
 from helpers.config_files import SHIPPED, TEXTS
 from roah_rsbb.rulebook import config
-from roah_rsbb.rulebook.benchmarks import KINDS
+from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.tools.competition import files
 from roah_rsbb.tools.competition.files import CannotWrite, Hosts
 from roah_rsbb.tools.competition.firewall import TABLE, firewall_text, loaded_for
@@ -86,7 +86,7 @@ def test_a_private_file_is_so_whatever_the_umask(tmp_path):
     assert stat.S_IMODE((tmp_path / files.PASSWORDS).stat().st_mode) == 0o600
 
 
-@pytest.mark.parametrize("code", KINDS)
+@pytest.mark.parametrize("code", PROFILES)
 def test_any_benchmark_alone(code):
     text = files.benchmarks_text(TEXTS["benchmarks"], [code])
     assert [entry for entry in yaml.safe_load(TEXTS["benchmarks"]) if entry["code"] == code] == yaml.safe_load(text)
@@ -94,7 +94,7 @@ def test_any_benchmark_alone(code):
 
 
 def test_all_benchmarks_are_the_shipped_file():
-    assert files.benchmarks_text(TEXTS["benchmarks"], list(KINDS)) == TEXTS["benchmarks"]
+    assert files.benchmarks_text(TEXTS["benchmarks"], list(PROFILES)) == TEXTS["benchmarks"]
 
 
 def test_parameters_of_the_modules_that_are_needed(tmp_path):

@@ -164,7 +164,7 @@ class TestReferee(ModulesCase):
         self.box.connect("Task")
         self.assertRefused("has no manual operation now", "Task", 0, "")
         for name, request in (("button", (1,)), ("damaged", (1,)), ("complete", ())):
-            self.switches_refused("only HOMF has switches", name, *request, zone="Task")
+            self.switches_refused("which has no switches", name, *request, zone="Task")
         self.assertRefused("no zone 'Tusk'", "Tusk", 0, "")
 
     def answer(self, *request) -> None:

@@ -1,0 +1,102 @@
+"""What the programs know of each benchmark code: the shipped ones, and any other (docs/benchmarks.md, "The table").
+
+This is the only place with the codes of benchmarks. A competition's `benchmarks.yaml` may change what is a matter of
+rules, and define other codes. Robots cannot read that file: of another code they know `OTHER`. This module needs
+nothing but Python, because teams without ROS have it, too.
+"""
+
+import enum
+from dataclasses import dataclass
+from typing import Dict, FrozenSet, Iterable
+
+
+class BenchmarkKind(enum.Enum):
+    """Who drives a run of the benchmark."""
+
+    TASK = "task"  # scored by the referee
+    FUNCTIONALITY = "functionality"  # driven by a benchmarking module: goals, manual operations, score
+    ALL_ROBOTS = "all robots"  # all active robots at once, nothing is sent but the state
+
+
+class GoalForm(enum.Enum):
+    """How a goal is described to the robot. In the box's messages it is also a text, except for switches."""
+
+    NONE = "none"  # the robot is only asked to execute
+    WAYPOINT = "waypoint"  # a pose
+    PLACEMENT = "placement"  # an object, and the position where to put it
+    SWITCHES = "switches"  # the initial states of switches, and the switches to toggle
+    STRING = "string"  # a text, on the robot's topic `goal`
+    TEXT = "text"  # a text, on the robot's topic `goal/text` only
+
+
+class ResultForm(enum.Enum):
+    """What the robot returns when it has completed a goal."""
+
+    NONE = "none"
+    OBJECT = "object"  # class, instance and pose
+    PERSON = "person"  # name and pose
+    ANY = "any"  # any text; its content does not matter
+    TEXT = "text"  # a text, such as YAML or JSON
+
+
+STRINGS = ("notifications", "activation_event", "visitor", "final_command")
+DEVICES, TABLET, BELL = "devices", "tablet", "bell"
+# What a robot may use in a benchmark: strings of online data, home devices, the tablet, and visitors at the doorbell.
+USES = (*STRINGS, DEVICES, TABLET, BELL)
+
+# The number of all benchmarks that have none of their own, in the robot's topic `benchmark`.
+OTHER_NUMBER = 255
+
+
+@dataclass(frozen=True)
+class Profile:
+    """What the programs know of a benchmark besides its titles, times and scoring items."""
+
+    kind: BenchmarkKind
+    number: int = OTHER_NUMBER  # in the message `Benchmark`
+    goal: GoalForm = GoalForm.NONE
+    result: ResultForm = ResultForm.NONE
+    uses: FrozenSet[str] = frozenset()  # of USES
+    # The goals are such that a robot which executes until the timeout has done what was asked.
+    runs_until_timeout: bool = False
+    # The robot takes PREPARE while it executes as the end of its goal, which timed out.
+    prepare_ends_goal: bool = False
+    offline_data: bool = True  # the robot must record offline data
+
+
+def _task(number: int, uses: Iterable[str] = ()) -> Profile:
+    return Profile(BenchmarkKind.TASK, number, uses=frozenset(uses))
+
+
+def _functionality(
+    number: int, goal: GoalForm = GoalForm.NONE, result: ResultForm = ResultForm.NONE, uses: Iterable[str] = (),
+    runs_until_timeout: bool = False, prepare_ends_goal: bool = False,
+) -> Profile:
+    return Profile(BenchmarkKind.FUNCTIONALITY, number, goal, result, frozenset(uses), runs_until_timeout,
+                   prepare_ends_goal)
+
+
+# The order is that of tables and lists. HOMF has no constant in the message Benchmark.
+PROFILES: Dict[str, Profile] = {
+    "HGTKMH": _task(1),
+    "HWV": _task(2, ["notifications", "activation_event", "visitor", BELL]),
+    "HCFGAC": _task(3, ["final_command", DEVICES, TABLET]),
+    "HOPF": _functionality(4, result=ResultForm.OBJECT),
+    "HNF": _functionality(5, GoalForm.WAYPOINT, uses=["notifications"], prepare_ends_goal=True),
+    "HSUF": Profile(BenchmarkKind.ALL_ROBOTS, 6),
+    "HPPF": _functionality(8, result=ResultForm.PERSON),
+    "HPFF": _functionality(9, runs_until_timeout=True),
+    "HGMF": _functionality(10, GoalForm.PLACEMENT),
+    "HOMF": _functionality(11, GoalForm.SWITCHES, uses=["notifications"]),
+    "STB": _functionality(7, GoalForm.STRING, ResultForm.ANY),
+}
+
+# What a robot knows of any other benchmark: it may have goals, and the box decides what may be used.
+OTHER = Profile(
+    BenchmarkKind.TASK, goal=GoalForm.TEXT, result=ResultForm.TEXT, uses=frozenset(USES), prepare_ends_goal=True,
+)
+
+
+def profile_of(code: str) -> Profile:
+    """What the programs know of a code by themselves."""
+    return PROFILES.get(code, OTHER)

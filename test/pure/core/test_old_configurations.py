@@ -1,0 +1,156 @@
+"""Competitions with configuration files of 2015 and 2019: sheets and messages stay as they were, byte for byte.
+
+`test/data/README.md` tells which version wrote the expected files.
+"""
+
+import json
+import os
+
+import pytest
+
+from helpers.box_driver import BoxDriver
+from helpers.golden import DATA
+from helpers.module_player import ScriptedModules
+from roah_rsbb.core import run_log
+from roah_rsbb.core.modules.messages import RequestKind
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.protocol import RobotState
+from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.registry import BenchmarkKind
+
+# Texts for people, which may be reworded.
+TEXTS = (run_log.STATE_DESC,)
+FILES = DATA / "old_configurations"
+GOAL, REFEREE, SWITCHES = RequestKind.GOAL, RequestKind.REFEREE, RequestKind.SWITCHES
+# What the benchmarking module of each benchmark asks for. The robot lets the last goal time out.
+SCRIPTS = {
+    "HOPF": [(REFEREE, {"text": "Place the item"}), *[(GOAL, {"text": "item", "timeout": 120.0})] * 2],
+    "HOMF": [
+        (GOAL, {"text": "switches", "initial_state": (True, False), "switches": (2,), "timeout": 120.0}),
+        (SWITCHES, {"text": "Enter the switches"}),
+    ],
+    "STB": [
+        (REFEREE, {"text": "First Manual Operation"}), (GOAL, {"text": "GOAL 1", "goal": "GOAL 1", "timeout": 15.0}),
+        (GOAL, {"text": "GOAL 2", "goal": "GOAL 2", "timeout": 15.0}),
+    ],
+    "HNF": [(GOAL, {"goal": f"[{x}.5, 2.0, 0.25]", "pose": (x + 0.5, 2.0, 0.25), "timeout": 120.0}) for x in (1, 2)],
+    "HPPF": [(REFEREE, {"text": "Ask Annie to enter", "choices": ("yes", "no")}), (GOAL, {"timeout": 120.0})],
+    "HPFF": [(GOAL, {"timeout": 300.0})],
+    "HGMF": [(GOAL, {"goal": "[0.5, 0.25, 3]", "pose": (0.5, 0.25, 0.0), "timeout": 120.0})],
+}
+RESULTS = {
+    "HOPF": {"object_class": "cups", "object_name": "red_cup", "object_pose_x": 0.5, "object_pose_y": 1.0,
+             "object_pose_theta": 0.25},
+    "HPPF": {"generic_result": "{person_name: Annie, x: 0.5, y: 1.0, theta: 0.0}"},
+    "STB": {"generic_result": "SOME RESULT"},
+}
+# A robot that uses everything in every benchmark.
+ACTIONS = (
+    {"notifications": ("on my way",)}, {"activation_event": ("the bell",)}, {"visitor": ("Deli Man",)},
+    {"final_command": ("light",)}, {"dimmer": 70}, {"switch_1": True, "dimmer": 70}, {"display_map": True},
+)
+
+
+class Played:
+    """All runs of the schedule, one after the other."""
+
+    def __init__(self, tmp_path, year):
+        passwords = tmp_path / "passwords.yaml"
+        passwords.write_text("TestingTeam: PASSWORD\n")
+        passwords.chmod(0o600)
+        self.configuration, warnings = config.load(
+            str(FILES / f"{year}_benchmarks.yaml"), str(FILES / f"{year}_schedule.yaml"), str(passwords))
+        assert warnings == []
+        self.driver = BoxDriver(self.configuration, Settings(listen_duration=0.0))
+        self.robot = self.driver.robot("TestingTeam")
+        self.states, self.logs = {}, {}
+        (zone,) = self.configuration.zones
+        self.zone = zone.name
+        for event in zone.events:
+            self._play(event)
+
+    def _play(self, event):
+        driver, robot, code = self.driver, self.robot, event.benchmark.code
+        script = SCRIPTS[code] if event.benchmark.kind is BenchmarkKind.FUNCTIONALITY else None
+        modules = None if script is None else ScriptedModules(driver, code, script)
+        self._see(modules)
+        robot.state = RobotState.STOP
+        robot.beacon(3)
+        self._see(modules)
+        driver.command("connect", self.zone)
+        run = driver.run_in(self.zone)
+        robot.port = (run.members() if hasattr(run, "members") else [run])[0].port
+        robot.says(RobotState.STOP)
+        self._see(modules)
+        driver.command("start", self.zone)
+        for item in event.benchmark.scoring:
+            driver.score(item.group, item.desc, 1, self.zone)
+        self._see(modules)
+        if modules is None:
+            self._goal(None, {})
+        else:
+            for number, (kind, _) in enumerate(script):
+                self._see(modules)
+                if kind is GOAL:
+                    self._goal(modules, None if 0 < number == len(script) - 1 else RESULTS.get(code, {}))
+                elif kind is REFEREE:
+                    driver.event(driver.box.modules.complete_operation, self.zone)
+                else:
+                    driver.event(driver.box.modules.press_switch, self.zone, 2)
+                    driver.event(driver.box.modules.complete_switches, self.zone)
+        self._see(modules)
+        robot.says(RobotState.STOP)
+        self._see(modules)
+        driver.command("disconnect", self.zone)
+        self.states[code] = [message.lines() for message in self._changes(driver.states[robot.port])]
+        self.logs[code] = driver.bags[robot.port]
+        self._see(modules)
+
+    def _goal(self, modules, result):
+        """The robot does a goal; `result` None: it lets the goal time out."""
+        for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
+            self.robot.says(state)
+        for action in ACTIONS:
+            self.robot.says(**action)
+        self._see(modules)
+        if result is None:
+            for _ in range(130):
+                self._beat(modules)
+                self.robot.says(after=1.0)
+        else:
+            self.robot.says(RobotState.RESULT_TX, after=2.0, **result)
+
+    @staticmethod
+    def _changes(messages):
+        return [message for number, message in enumerate(messages) if not number or message != messages[number - 1]]
+
+    def _beat(self, modules):
+        if modules is not None:
+            modules.go_on()
+
+    def _see(self, modules):
+        self._beat(modules)
+        self.driver.run(0.25)
+
+    def content(self):
+        """What robots, run logs and sheets get of each benchmark. Texts for the referee may be reworded."""
+        records = {record.benchmark: record for record in self.driver.box.finished.records()}
+        return {event.benchmark.code: {
+            "timeouts": [event.benchmark.timeout, event.benchmark.total_timeout],
+            "states": self.states[event.benchmark.code],
+            "log": [[topic, value] for topic, value in self.logs[event.benchmark.code] if topic not in TEXTS],
+            "record": records[event.benchmark.code]._asdict(),
+        } for event in self.configuration.zones[0].events}
+
+
+@pytest.mark.parametrize("year", ["2015", "2019"])
+def test_sheets_and_messages_stay_as_they_were(year, tmp_path):
+    """`WRITE_EXPECTED=1` writes the expected files. Use it with the version of the past only."""
+    content = json.loads(json.dumps(Played(tmp_path, year).content()))
+    path = FILES / f"{year}_expected.json"
+    if os.environ.get("WRITE_EXPECTED"):
+        path.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    expected = json.loads(path.read_text(encoding="utf-8"))
+    assert content.keys() == expected.keys()
+    for code in expected:
+        assert content[code] == expected[code], code
