@@ -6,7 +6,7 @@ from typing import Optional
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3, distance, seen_from
 from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.parameters import ListOf, Number, Record, Seconds, Text, Whole
+from roah_rsbb.bmbox.framework.parameters import GoalTimeout, ListOf, Number, Record, Text, Whole
 from roah_rsbb.bmbox.framework.score import Value
 
 OBJECT, TABLE = "object", "table"
@@ -32,7 +32,7 @@ class HGMF(Module):
         "objects": ListOf(Record({"id": Whole("1", 0, 65535), "description": Text("red mug")})),
         "table_size": Record({"x": Number("metres", "1.2", least=SMALLEST_TABLE_M, most=10.0),
                               "y": Number("metres", "0.8", least=SMALLEST_TABLE_M, most=10.0)}),
-        "goal_timeout": Seconds(),
+        "goal_timeout": GoalTimeout(),
     }
     SUBJECTS = (OBJECT, TABLE)
     SCORES = {
@@ -65,9 +65,9 @@ class HGMF(Module):
         self.kept = {"grasped": False}
         try:
             outcome = await self.goal(
-                [target.x, target.y, thing.id], target, self.parameters.goal_timeout,
-                f"{thing.description} (object {thing.id}) to x {target.x:.2f} m, y {target.y:.2f} m",
-                lambda _executing_s: self._look(group, begin), PERIOD_S,
+                [target.x, target.y, thing.id], target,
+                text=f"{thing.description} (object {thing.id}) to x {target.x:.2f} m, y {target.y:.2f} m",
+                watch=lambda _executing_s: self._look(group, begin), every=PERIOD_S,
             )
         finally:
             self._show_grasped(group)

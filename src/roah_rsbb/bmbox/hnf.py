@@ -5,7 +5,7 @@ from typing import List
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, angle_difference, distance
 from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.parameters import ListOf, Pose, Seconds
+from roah_rsbb.bmbox.framework.parameters import GoalTimeout, ListOf, Pose
 from roah_rsbb.bmbox.framework.score import Value
 
 ROBOT = "robot"
@@ -15,7 +15,7 @@ class HNF(Module):
     """Waypoints in the test bed's frame. A waypoint is reached if the robot reports it before the timeout."""
 
     CODE = "HNF"
-    PARAMETERS = {"starting_pose": Pose(), "waypoints": ListOf(Pose()), "goal_timeout": Seconds()}
+    PARAMETERS = {"starting_pose": Pose(), "waypoints": ListOf(Pose()), "goal_timeout": GoalTimeout()}
     SUBJECTS = (ROBOT,)
     SCORES = {
         "reached": Value("Waypoints reached"),
@@ -40,7 +40,7 @@ class HNF(Module):
         for number, waypoint in enumerate(self.parameters.waypoints, 1):
             name = f"waypoint {number}"
             self.status = f"Waypoint {number} of {count}: {in_words(waypoint)}"
-            outcome = await self.goal(pose=waypoint, timeout=self.parameters.goal_timeout, text=name)
+            outcome = await self.goal(pose=waypoint, text=name)
             self.score["timed_out" if outcome.timed_out else "reached"] += 1
             self.score[name, "time"] = outcome.executing_s
             self.score[name, "timed_out"] = outcome.timed_out

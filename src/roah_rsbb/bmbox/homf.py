@@ -6,7 +6,7 @@ Switches are numbered from 1 everywhere: for the robot, for the referee and in t
 from typing import Sequence
 
 from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.parameters import ListOf, Record, Seconds, Whole, YesNo
+from roah_rsbb.bmbox.framework.parameters import GoalTimeout, ListOf, Record, Whole, YesNo
 from roah_rsbb.bmbox.framework.score import Value
 
 # The referee's panel shows this many.
@@ -22,7 +22,7 @@ class HOMF(Module):
     """After each goal the referee enters which switches changed; that time does not count."""
 
     CODE = "HOMF"
-    PARAMETERS = {"goals": ListOf(GOAL), "goal_timeout": Seconds()}
+    PARAMETERS = {"goals": ListOf(GOAL), "goal_timeout": GoalTimeout()}
     SCORES = {
         "right": Value("Switches toggled as requested, in order"),
         "wrong": Value("Other changed switches"),
@@ -48,7 +48,7 @@ class HOMF(Module):
             on = [i for i, is_on in enumerate(goal.initial_state, 1) if is_on]
             await self.referee(f"Switch on: {_numbers(on)}; switch off all others of 1 to {len(goal.initial_state)}")
             outcome = await self.goal(
-                initial_state=goal.initial_state, switches=goal.switches, timeout=self.parameters.goal_timeout,
+                initial_state=goal.initial_state, switches=goal.switches,
                 text=name,
             )
             self.score[name, "time"], self.score[name, "timed_out"] = outcome.executing_s, outcome.timed_out

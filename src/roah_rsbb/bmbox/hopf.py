@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose3, angle_difference, compose, distance, seen_from
 from roah_rsbb.bmbox.framework.module import TRY_AGAIN, GoalOutcome, Module
-from roah_rsbb.bmbox.framework.parameters import FARTHEST_M, ListOf, Number, Record, Seconds, Text, Transform, Whole
+from roah_rsbb.bmbox.framework.parameters import FARTHEST_M, GoalTimeout, ListOf, Number, Record, Text, Transform, Whole
 from roah_rsbb.bmbox.framework.score import Value
 
 POSITIONER, TABLE = "positioner", "table"
@@ -29,7 +29,7 @@ class HOPF(Module):
         "table_size": Record({"x": Number("metres", "1.2", above=0.0, most=10.0),
                               "y": Number("metres", "0.8", above=0.0, most=10.0)}),
         "goals": Whole("10", 1, 100),
-        "goal_timeout": Seconds(),
+        "goal_timeout": GoalTimeout(),
     }
     SUBJECTS = (POSITIONER, TABLE)
     SCORES = {
@@ -60,7 +60,7 @@ class HOPF(Module):
             await self.referee(f"Place the positioner and the item on the table: {item.description} (item {item.id})")
             truth = await self._item_on_table(item)
             await self.referee("Remove the positioner. Leave the item in place")
-            outcome = await self.goal(timeout=self.parameters.goal_timeout, text=f"{name}: {item.description}")
+            outcome = await self.goal(text=f"{name}: {item.description}")
             self._judge(name, item, truth, outcome)
             self._sum_up(goals)
         self.status = "All goals done"

@@ -4,7 +4,7 @@ from typing import Any, Dict
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, distance
 from roah_rsbb.bmbox.framework.module import Module, RunEnded
-from roah_rsbb.bmbox.framework.parameters import Number, Seconds
+from roah_rsbb.bmbox.framework.parameters import GoalTimeout, Number
 from roah_rsbb.bmbox.framework.score import Value
 
 ROBOT, PERSON = "robot", "person"
@@ -32,7 +32,7 @@ class HPFF(Module):
         "minimum_distance": Number("metres", "0.15", least=0.0, most=100.0),
         "maximum_distance": Number("metres", "3.5", above=0.0, most=100.0),
         "desired_distance": Number("metres", "2.0", above=0.0, most=100.0),
-        "goal_timeout": Seconds("300"),
+        "goal_timeout": GoalTimeout(),
     }
     SUBJECTS = (ROBOT, PERSON)
     SCORES = {
@@ -52,9 +52,7 @@ class HPFF(Module):
         self.status = "The robot follows the person"
         try:
             await self.note(lambda: "start")
-            outcome = await self.goal(
-                timeout=self.parameters.goal_timeout, text="follow the person", watch=self._look, every=PERIOD_S
-            )
+            outcome = await self.goal(text="follow the person", watch=self._look, every=PERIOD_S)
         except RunEnded:
             self._conclude(self.run.elapsed_s)
             raise
@@ -77,9 +75,9 @@ class HPFF(Module):
     def _conclude(self, length_s: float) -> None:
         self._show()
         self.score["run_length"] = length_s
-        self.score["failed_run"] = is_failed(length_s, self.parameters.goal_timeout)
+        self.score["failed_run"] = is_failed(length_s, self.goal_timeout)
         if self.score["failed_run"]:
-            self.warn(f"failed run: it took {length_s:.0f} s instead of {self.parameters.goal_timeout:g} s")
+            self.warn(f"failed run: it took {length_s:.0f} s instead of {self.goal_timeout:g} s")
         reliability = self.score["reliability"]
         if reliability is None:
             self.warn("the distance could not be measured: there is no score")

@@ -5,7 +5,7 @@ from typing import Optional
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose3, distance
 from roah_rsbb.bmbox.framework.module import SKIP, TRY_AGAIN, Module
-from roah_rsbb.bmbox.framework.parameters import FARTHEST_M, ListOf, Seconds, Text
+from roah_rsbb.bmbox.framework.parameters import FARTHEST_M, GoalTimeout, ListOf, Text
 from roah_rsbb.bmbox.framework.score import Value
 
 PERSON = "person"
@@ -20,7 +20,7 @@ class HPPF(Module):
     """
 
     CODE = "HPPF"
-    PARAMETERS = {"people": ListOf(Text("Annie")), "goal_timeout": Seconds()}
+    PARAMETERS = {"people": ListOf(Text("Annie")), "goal_timeout": GoalTimeout()}
     SUBJECTS = (PERSON,)
     SCORES = {
         "detected": Value("People detected"),
@@ -45,7 +45,7 @@ class HPPF(Module):
             self.score[group, "name"] = name
             await self.referee(f"Ask {name} to enter the target area")
             await self.pose(PERSON)  # checks that it is available before the team's time runs
-            outcome = await self.goal(timeout=self.parameters.goal_timeout, text=f"{group}: {name}")
+            outcome = await self.goal(text=f"{group}: {name}")
             said = self.record(outcome, {"person_name": str})
             seen = self.record(outcome, {"x": float, "y": float})
             self.score[group, "time"] = outcome.executing_s

@@ -1,7 +1,7 @@
 """STB, the Simple Test Benchmark: a manual operation, two goals, a manual operation (docs/benchmarks.md, "STB")."""
 
 from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.parameters import ListOf, Seconds, Text
+from roah_rsbb.bmbox.framework.parameters import GoalTimeout, ListOf, Text
 from roah_rsbb.bmbox.framework.score import Value
 
 
@@ -9,7 +9,7 @@ class STB(Module):
     """Uses a manual operation before and after the goals."""
 
     CODE = "STB"
-    PARAMETERS = {"goals": ListOf(Text("GOAL 1")), "goal_timeout": Seconds("15")}
+    PARAMETERS = {"goals": ListOf(Text("GOAL 1")), "goal_timeout": GoalTimeout()}
     SCORES = {"completed": Value("Goals completed"), "execution_time": Value("Execution time", "s")}
     EACH = {"result": Value("Result"), "time": Value("Time", "s")}
 
@@ -19,7 +19,7 @@ class STB(Module):
         for number, goal in enumerate(self.parameters.goals, 1):
             name = f"goal {number}"
             self.status = f"Goal {number} of {len(self.parameters.goals)}: {goal}"
-            outcome = await self.goal({"goal": goal, "details": 4}, timeout=self.parameters.goal_timeout, text=goal)
+            outcome = await self.goal({"goal": goal, "details": 4}, text=goal)
             self.score[name, "time"] = outcome.executing_s
             self.score[name, "result"] = None if outcome.timed_out else outcome.result
             if not outcome.timed_out:

@@ -8,9 +8,10 @@ import enum
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.rulebook.errors import Report
-from roah_rsbb.rulebook.registry import PROFILES
+from roah_rsbb.rulebook.registry import CODE, PROFILES
 from roah_rsbb.rulebook.yaml_fields import choice, fields, number, sequence, text
-from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Unusable, read_yaml
+from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Unusable, read_yaml
+from roah_rsbb.wording.suggestions import nearest
 
 _SHAPE = "a map 'CODE: {runs: best, criteria: [...]}' of benchmarks"
 _CRITERION = {"name": "Achievements", "of": "[{group: Achievements}]"}
@@ -62,7 +63,7 @@ def read_rules(path: str) -> Dict[str, Rules]:
     root = read_yaml(path, report, "the file with the standings' rules (--rules)", _SHAPE)
     if isinstance(root, Mapping):
         for key, node in root.pairs:
-            code = choice(report, key, "a benchmark", tuple(PROFILES), "a benchmark code")
+            code = _code(report, key)
             found = _rules(report, node)
             if code is not None and found is not None:
                 rules[code] = found
@@ -70,6 +71,12 @@ def read_rules(path: str) -> Dict[str, Rules]:
         report.error(root.place, "unexpected content", _SHAPE)
     report.raise_errors()
     return rules
+
+
+def _code(report: Report, key: Scalar) -> Optional[str]:
+    """Read a code, also one that a competition defines; None after an error."""
+    is_new = CODE.fullmatch(key.text) and nearest(key.text, PROFILES) is None
+    return key.text if is_new else choice(report, key, "a benchmark", tuple(PROFILES), "a benchmark code")
 
 
 def _rules(report: Report, node: Node) -> Optional[Rules]:

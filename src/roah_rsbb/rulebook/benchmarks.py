@@ -30,9 +30,9 @@ class ScoringItem:
 class Benchmark:
     """One benchmark of the benchmarks file.
 
-    `total_timeout` (s) ends the run and counts from *start*. Panels show `timeout` (s). Unless the file says
-    otherwise, both are the same. In a functionality benchmark, `timeout` is the time for one goal; the module's
-    parameter `goal_timeout` ends the goal.
+    `total_timeout` (s) ends the run and counts from *start*. In a functionality benchmark `timeout` (s) ends a goal,
+    unless the module's parameters say otherwise. In the others it is not used. Unless the file says otherwise, both
+    are the same.
     """
 
     code: str
@@ -47,6 +47,11 @@ class Benchmark:
     def profile(self) -> Profile:
         """What the programs know of this benchmark."""
         return self.own or profile_of(self.code)
+
+    @property
+    def limit(self) -> float:
+        """Seconds that the referee sees as the limit: of a goal in a functionality benchmark, else of the run."""
+        return self.timeout if self.kind is BenchmarkKind.FUNCTIONALITY else self.total_timeout
 
     @property
     def kind(self) -> BenchmarkKind:

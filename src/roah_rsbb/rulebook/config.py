@@ -7,7 +7,8 @@ the box does not start. A name whose definition has an error is not reported aga
 import os
 import shlex
 import stat
-from typing import Dict, List, Optional, Set, Tuple
+from dataclasses import replace
+from typing import Dict, FrozenSet, List, Optional, Set, Tuple
 
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
@@ -19,9 +20,9 @@ from roah_rsbb.rulebook.benchmarks import (
     ZonePlan,
 )
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors, Place, Report, line_list, quote
-from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
+from roah_rsbb.rulebook.registry import CODE, PROFILES, USES, BenchmarkKind, Profile, new_profile
 from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, integer, number, sequence, text, utc_time
-from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Unusable, read_yaml
+from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable, read_yaml
 from roah_rsbb.wording.suggestions import nearest
 
 __all__ = ["ConfigError", "ConfigErrors", "load"]
@@ -51,7 +52,11 @@ _BENCHMARK = {
     "code": "HGTKMH",
     "timeout": "600",
 }
-_BENCHMARK_OPTIONAL = {"total_timeout": "600", "scoring": "[...]"}
+_BENCHMARK_OPTIONAL = {
+    "kind": "task", "uses": "[notifications]", "offline_data": "optional", "total_timeout": "600", "scoring": "[...]",
+}
+_KINDS = {kind.value: kind for kind in BenchmarkKind}
+_OFFLINE_DATA = {"required": True, "optional": False}
 _ITEM = {"type": "bool", "desc": "The robot finds the door"}
 _BENCHMARKS_SHAPE = "benchmarks, '- name: ...' and so on"
 _ITEMS_SHAPE = "items '- {type: bool, desc: ...}'"
@@ -63,13 +68,15 @@ class BenchmarksFile:
     """The file's benchmarks by code, and the codes of all its entries.
 
     `codes` includes the codes of entries with errors. It is None if the file, or the code of an entry, cannot be
-    read: then any code may be in it.
+    read: then any code may be in it. `kinds` has the kind of each benchmark; None after an error in
+    it.
     """
 
     def __init__(self, path: str, report: Report) -> None:
         self.path = path
         self.by_code: Dict[str, Benchmark] = {}
         self.codes: Optional[Set[str]] = None
+        self.kinds: Dict[str, Optional[BenchmarkKind]] = {code: profile.kind for code, profile in PROFILES.items()}
         self._report = report
         self._places: Dict[str, Place] = {}
         what = "the benchmarks file (parameter benchmarks_file)"
@@ -88,7 +95,8 @@ class BenchmarksFile:
         got = fields(report, node, "a benchmark", _BENCHMARK, _BENCHMARK_OPTIONAL)
         if got is None:
             return None
-        code = choice(report, got.get("code"), "code", tuple(PROFILES), "a benchmark code")
+        code = self._code(got.get("code"), is_new="kind" in got)
+        profile = self._profile(code, got)
         name = text(report, got.get("name"), "name")
         desc = text(report, got.get("desc"), "desc")
         timeout = _timeout(report, got, "timeout")
@@ -105,9 +113,61 @@ class BenchmarksFile:
                     f"total_timeout {total:g} of {code} is less than its timeout {timeout:g}: "
                     "it ends the run before the first goal's time is over",
                 )
-            if name is not None and desc is not None:
-                self.by_code[code] = Benchmark(code, name, desc, timeout, total, scoring)
+            if name is not None and desc is not None and profile is not None:
+                self.by_code[code] = Benchmark(code, name, desc, timeout, total, scoring, profile)
+                if total > timeout and profile.kind is not BenchmarkKind.FUNCTIONALITY:
+                    report.warn(got["timeout"].place, f"timeout {timeout:g} of {code} is not used: a benchmark without "
+                                f"goals ends by its total_timeout {total:g}")
         return code if isinstance(node, Mapping) and node.whole else None
+
+    def _code(self, node: Optional[Node], is_new: bool) -> Optional[str]:
+        """Read a code: one that the programs know or, with `is_new`, one that the file defines."""
+        word = node.text if isinstance(node, Scalar) else ""
+        if not is_new or word in PROFILES:
+            expected = "a benchmark code, or the key 'kind' for a new one"
+            return choice(self._report, node, "code", tuple(PROFILES), expected)
+        code = text(self._report, node, "code")
+        if code is None:
+            return None
+        if not CODE.fullmatch(code):
+            found = f"{describe(node)} as code"
+            return self._report.error(node.place, found, "a letter, then at most 31 letters, digits or '_'")
+        if code.upper() in PROFILES:
+            found = f"{describe(node)} as code"
+            return self._report.error(node.place, found, f"'{code.upper()}', or a code that is not so similar to it")
+        return code
+
+    def _profile(self, code: Optional[str], got: Dict[str, Node]) -> Optional[Profile]:
+        """Read what the programs must know of a benchmark; None after an error."""
+        report = self._report
+        known = None if code is None else PROFILES.get(code)
+        kind = None if known is None else known.kind
+        if "kind" in got:
+            kind = _KINDS.get(choice(report, got["kind"], "kind", tuple(_KINDS), "a kind of benchmark") or "")
+        if code is not None:
+            self.kinds[code] = kind
+        uses = self._uses(got["uses"]) if "uses" in got else frozenset() if known is None else known.uses
+        word: Optional[str] = "required"
+        if "offline_data" in got:
+            expected = "whether robots must save offline data"
+            word = choice(report, got["offline_data"], "offline_data", tuple(_OFFLINE_DATA), expected)
+        if kind is None or uses is None or word is None:
+            return None
+        return replace(known or new_profile(kind), kind=kind, uses=uses, offline_data=_OFFLINE_DATA[word])
+
+    def _uses(self, node: Node) -> Optional[FrozenSet[str]]:
+        """Read what robots may use. An empty sequence is valid."""
+        if isinstance(node, Sequence) and not node.items:
+            return frozenset()
+        nodes = sequence(self._report, node, "uses", f"some of {', '.join(USES)}, or []")
+        if nodes is None:
+            return None
+        words = [choice(self._report, word, "an entry of uses", USES, "what a robot may use") for word in nodes]
+        places: Dict[str, Place] = {}
+        for word, each in zip(words, nodes):
+            if word is not None:
+                self._report.once(places, word, each.place, f"{quote(word)} again in uses", "each once")
+        return None if None in words else frozenset(words)
 
     def _scoring(self, node: Optional[Node]) -> Tuple[ScoringItem, ...]:
         """Read the scoring items; those with errors are left out."""
@@ -268,7 +328,7 @@ class ScheduleFile:
         got = fields(report, node, "an event", _EVENT, {})
         if got is None:
             return None
-        code = choice(report, got.get("benchmark"), "benchmark", tuple(PROFILES), "a benchmark code")
+        code = self._code(got.get("benchmark"))
         team = text(report, got.get("team"), "team")
         number = integer(report, got.get("round"), "round", 1, _MAX_ROUND)
         run = integer(report, got.get("run"), "run", 1, _MAX_ROUND)
@@ -285,14 +345,21 @@ class ScheduleFile:
             return None
         return ScheduledEvent(benchmark, team, number, run, scheduled)
 
+    def _code(self, node: Optional[Node]) -> Optional[str]:
+        """Read a code. If the codes of the benchmarks file are unknown, it may be a new one."""
+        new = isinstance(node, Scalar) and self._benchmarks.codes is None and CODE.fullmatch(node.text)
+        if new and nearest(node.text, PROFILES) is None:
+            return node.text
+        return choice(self._report, node, "benchmark", tuple(self._benchmarks.kinds), "a benchmark code")
+
     def _check_team(self, code: Optional[str], team: str, place: Place) -> None:
         """Check that only a benchmark of all robots has the team ALL, and that every other team has a password."""
-        for_all = code is not None and PROFILES[code].kind is BenchmarkKind.ALL_ROBOTS
+        kind = None if code is None else self._benchmarks.kinds.get(code)
         if team == ALL_TEAMS:
-            if code is not None and not for_all:
+            if kind is not None and kind is not BenchmarkKind.ALL_ROBOTS:
                 self._report.error(place, f"team {ALL_TEAMS} in {code}", "the name of one team")
             return
-        if for_all:
+        if kind is BenchmarkKind.ALL_ROBOTS:
             found = f"team {quote(team)} in {code}"
             self._report.error(place, found, f"team {ALL_TEAMS}: all robots do it at once")
         elif self._passwords.teams is not None and team not in self._passwords.teams:

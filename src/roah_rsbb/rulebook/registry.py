@@ -6,7 +6,8 @@ nothing but Python, because teams without ROS have it, too.
 """
 
 import enum
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from typing import Dict, FrozenSet, Iterable
 
 
@@ -95,6 +96,15 @@ PROFILES: Dict[str, Profile] = {
 OTHER = Profile(
     BenchmarkKind.TASK, goal=GoalForm.TEXT, result=ResultForm.TEXT, uses=frozenset(USES), prepare_ends_goal=True,
 )
+
+
+# A code is part of file names and of runs' identities.
+CODE = re.compile("[A-Za-z][A-Za-z0-9_]{0,31}")
+
+
+def new_profile(kind: BenchmarkKind) -> Profile:
+    """What the box knows of a code that a competition defines: robots know it as `OTHER`."""
+    return replace(OTHER, kind=kind, uses=frozenset())
 
 
 def profile_of(code: str) -> Profile:

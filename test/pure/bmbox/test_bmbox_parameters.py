@@ -6,6 +6,7 @@ import pytest
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3
 from roah_rsbb.bmbox.framework.parameters import (
+    GoalTimeout,
     ListOf,
     Number,
     Pose,
@@ -87,3 +88,17 @@ def test_a_missing_file_names_itself(tmp_path):
 @pytest.mark.parametrize("code", sorted(modules()))
 def test_the_shipped_files_are_good(code):
     assert read_parameters(str(SHIPPED / f"{code}.yaml"), code, modules()[code].PARAMETERS)
+
+
+def test_a_goal_timeout_may_be_left_out(tmp_path):
+    fields = {"name": Text("mug"), "goal_timeout": GoalTimeout()}
+    assert read(tmp_path, "name: x", fields).goal_timeout is None
+    assert read(tmp_path, "{name: x, goal_timeout: 12.5}", fields).goal_timeout == 12.5
+    with pytest.raises(ConfigErrors, match="found the text 'soon' as goal_timeout"):
+        read(tmp_path, "{name: x, goal_timeout: soon}", fields)
+
+
+def test_a_file_without_required_parameters_may_be_missing(tmp_path):
+    fields = {"goal_timeout": GoalTimeout(), "wait": Seconds(default=8.0)}
+    found = read_parameters(str(tmp_path / "X.yaml"), "X", fields)
+    assert (found.goal_timeout, found.wait) == (None, 8.0)

@@ -7,6 +7,7 @@ from roah_rsbb.bmbox.framework.module import Disconnected, Module, RunEnded, Run
 from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.bmbox.framework.score import Value
+from roah_rsbb.bmbox.stb import STB
 from roah_rsbb.core.modules.messages import Outcome, OutcomeKind, Request, RequestKind, RunForModule, Step
 from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
@@ -372,3 +373,12 @@ def test_numbers_of_requests_are_the_core_s():
     r.run = r.run._replace(steps=(Step(note, DONE),))
     r.restart()
     assert "changed during the run" in r.failed
+
+
+@pytest.mark.parametrize("parameters, timeout", [
+    ({}, 30.0), ({"goal_timeout": None}, 30.0), ({"goal_timeout": 15.0}, 15.0),
+])
+def test_a_goal_ends_by_the_benchmarks_file_unless_the_parameters_say_otherwise(parameters, timeout):
+    r = Rehearsal(STB, {"goals": ["A"], **parameters}, goal_timeout=30.0)
+    r.answer()
+    assert r.asked.timeout == timeout

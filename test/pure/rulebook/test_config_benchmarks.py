@@ -35,7 +35,7 @@ MISTAKES = [
     ("code: HWV", "code: hwv", ["did you mean 'HWV'?"]),
     ("code: HWV", "code: Kitchen", ["'HGTKMH', 'HWV', 'HCFGAC', 'HOPF', 'HNF', 'HSUF'"]),
     ("code: HWV", "code: [HWV]", ["found a sequence"]),
-    ("code: HWV", "code: HGTKMH", ["a second benchmark with code 'HGTKMH'", "already in line 20"]),
+    ("code: HWV", "code: HGTKMH", ["a second benchmark with code 'HGTKMH'", "already in line 26"]),
     ("name: Task Benchmark 1", "name: 2015", ["the number '2015' as name", "a text: put it in quotes"]),
     ("name: Task Benchmark 1", "name: 2015-12-31", ["the date '2015-12-31'", "put it in quotes"]),
     ("name: Task Benchmark 1", "name: No", ["'No' (to YAML, a yes-or-no value)", "put it in quotes"]),
@@ -94,7 +94,7 @@ def test_a_key_twice_is_an_error_and_not_silently_the_last(files):
     text = changed("benchmarks", "  code: HWV\n", "  code: HWV\n  timeout: 5\n")
     _, line, message = files.error(benchmarks=text)
     assert line == line_of(text, "timeout: 5") + 1
-    assert message == "found the key 'timeout' again; expected each key once: it is already in line 39"
+    assert message == "found the key 'timeout' again; expected each key once: it is already in line 45"
 
 
 def test_two_benchmarks_run_together_are_one_error(files):

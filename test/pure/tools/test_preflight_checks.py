@@ -210,7 +210,7 @@ def test_a_wrong_parameter_of_a_scheduled_module_fails(tmp_path):
     modules_dir = tmp_path / "modules"
     shutil.copytree(str(SHIPPED / "modules"), str(modules_dir))
     hnf = modules_dir / "HNF.yaml"
-    hnf.write_text(re.sub("goal_timeout: [0-9]+", "goal_timeout: sixty", hnf.read_text(encoding="utf-8")))
+    hnf.write_text(re.sub("# goal_timeout: [0-9]+", "goal_timeout: sixty", hnf.read_text(encoding="utf-8")))
     failed = [f.text for f in check_configuration(files(), modules_dir) if f.level is Level.FAILED]
     assert len(failed) == 1
     assert "HNF.yaml:" in failed[0]

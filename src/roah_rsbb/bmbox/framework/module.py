@@ -84,6 +84,12 @@ class Module:
         self.warnings: List[str] = []  # for the referee
         self._truth = truth.for_team(run.team)
 
+    @property
+    def goal_timeout(self) -> float:
+        """Seconds for each goal: the parameter `goal_timeout`, or else `timeout` of the benchmarks file."""
+        own: Optional[float] = getattr(self.parameters, "goal_timeout", None)
+        return self.run.goal_timeout if own is None else own
+
     async def execute(self) -> None:
         """The rules. The run is completed when it returns."""
         raise NotImplementedError
@@ -102,14 +108,15 @@ class Module:
         self,
         goal: Union[None, str, dict, list] = None,
         pose: Optional[Pose2D] = None,
-        timeout: float = 0.0,
+        timeout: Optional[float] = None,
         text: str = "",
         watch: Optional[Callable[[float], None]] = None,
         every: float = 1.0,
         initial_state: Sequence[bool] = (),
         switches: Sequence[int] = (),
     ) -> GoalOutcome:
-        """Send the robot a goal and wait for its result, at most `timeout` seconds (0: no limit).
+        """Send the robot a goal and wait for its result, at most `timeout` seconds (0: no limit; None:
+        `goal_timeout`).
 
         `goal` is sent as YAML to robots of 2019. `pose` is a waypoint, which is also sent in the form of 2015.
         Without both, the robot only gets the command to execute. `text` describes the goal to the referee. `watch` is
@@ -118,10 +125,11 @@ class Module:
         """
         if goal is None and pose is not None:
             goal = [float(part) for part in pose]
+        limit = self.goal_timeout if timeout is None else timeout
         text_of_goal = "" if goal is None else goal if isinstance(goal, str) else _yaml(goal)
         asked = Request(
             0, RequestKind.GOAL, text, goal=text_of_goal, pose=None if pose is None else tuple(map(float, pose)),
-            initial_state=tuple(initial_state), switches=tuple(switches), timeout=float(timeout),
+            initial_state=tuple(initial_state), switches=tuple(switches), timeout=float(limit),
         )
         outcome = await Ask(asked, None if watch is None else Watch(watch, every))
         if watch is not None:

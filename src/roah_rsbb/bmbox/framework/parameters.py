@@ -5,6 +5,7 @@ Errors are reported as for all configuration files: all at once, with file, line
 """
 
 import math
+import os
 from types import SimpleNamespace
 from typing import Any, Dict, List, Optional
 
@@ -24,6 +25,11 @@ class Field:
     def __init__(self, example: str, default: Any = None) -> None:
         self.example = example
         self.default = default
+
+    @property
+    def is_optional(self) -> bool:
+        """Whether the file may omit it. Its value is then the default."""
+        return self.default is not None
 
     def read(self, report: Report, node: Optional[Node], what: str) -> Any:
         """Return the value; None, with an error in the report, if it is invalid."""
@@ -47,6 +53,12 @@ class Seconds(Number):
 
     def __init__(self, example: str = "120", default: Optional[float] = None) -> None:
         super().__init__("seconds", example, above=0.0, most=MAX_SECONDS, default=default)
+
+
+class GoalTimeout(Seconds):
+    """Seconds for each goal. Without it, a goal ends by the `timeout` of the benchmarks file."""
+
+    is_optional = True
 
 
 class Whole(Field):
@@ -140,20 +152,24 @@ class Record(Field):
         self._fields = fields
 
     def read(self, report: Report, node: Optional[Node], what: str) -> Optional[SimpleNamespace]:
-        required = {name: field.example for name, field in self._fields.items() if field.default is None}
-        optional = {name: field.example for name, field in self._fields.items() if field.default is not None}
+        required = {name: field.example for name, field in self._fields.items() if not field.is_optional}
+        optional = {name: field.example for name, field in self._fields.items() if field.is_optional}
         got = yaml_fields.fields(report, node, what, required, optional)
         if got is None:
             return None
-        found = {
-            name: field.default if name not in got and name in optional else field.read(report, got.get(name), name)
-            for name, field in self._fields.items()
-        }
-        return None if None in found.values() else SimpleNamespace(**found)
+        omitted = {name: self._fields[name].default for name in optional if name not in got}
+        found = {name: field.read(report, got.get(name), name) for name, field in self._fields.items()
+                 if name not in omitted}
+        return None if None in found.values() else SimpleNamespace(**found, **omitted)
 
 
 def read_parameters(path: str, code: str, fields: Dict[str, Field]) -> SimpleNamespace:
-    """Read the parameters of a benchmark's module as attributes; raises ConfigErrors with all errors."""
+    """Read the parameters of a benchmark's module as attributes; raises ConfigErrors with all errors.
+
+    If all parameters are optional, the file may be missing.
+    """
+    if all(field.is_optional for field in fields.values()) and not os.path.lexists(path):
+        return SimpleNamespace(**{name: field.default for name, field in fields.items()})
     report = Report()
     record = Record(fields)
     what = f"the parameters of {code}"

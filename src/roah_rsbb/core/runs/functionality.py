@@ -37,7 +37,6 @@ from roah_rsbb.rulebook.registry import ResultForm
 MAX_STEPS = 2000
 
 
-
 @dataclass
 class FunctionalityState:
     """What the state of a functionality run has besides the state of every run."""
@@ -380,6 +379,11 @@ class FunctionalityRun(Run):
         self._changed()
 
     # -- for the referee ------------------------------------------------------------------------------
+
+    def limit(self) -> float:
+        """Seconds of the present or last goal, which the module's parameters may set."""
+        goals = [step.request.timeout for step in self.steps if step.request.kind is RequestKind.GOAL]
+        return (goals[-1] or self.event.benchmark.total_timeout) if goals else super().limit()
 
     def timer(self, now: Now) -> float:
         """Seconds left of the current goal, or of the run if it has no goal now."""

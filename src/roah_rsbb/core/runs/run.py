@@ -200,6 +200,10 @@ class ZoneRun(abc.ABC):
     def status_lines(self, now: Now) -> List[str]:
         """Return the status lines for the referee besides `desc` and the warnings."""
 
+    def limit(self) -> float:
+        """Seconds that the referee sees as the limit: of a goal, or of the run."""
+        return self.event.benchmark.limit
+
     def timer(self, now: Now) -> float:
         """Seconds left until the timeout or, once ended, of the time after the stop."""
         return self.clock.shown(now, ended=self.phase is Phase.ENDED)

@@ -96,6 +96,7 @@ class ZoneView(NamedTuple):
 
     zone: str
     event: ScheduledEvent
+    timeout: float  # seconds: of a goal or of the run
     timer: float  # seconds left
     state: str  # for the referee, one or more lines
     off: Tuple[Tuple[str, ...], ...]  # for each of COMMANDS, in their order, the reasons why it is refused
@@ -167,6 +168,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
     view = ZoneView(
         zone=zone.name,
         event=zone.event,
+        timeout=zone.event.benchmark.limit if run is None else run.limit(),
         timer=zone.event.benchmark.total_timeout if run is None else run.timer(now),
         state="",
         off=off,

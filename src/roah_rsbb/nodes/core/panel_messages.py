@@ -134,7 +134,7 @@ def _zone_state(view: views.ZoneView) -> ZoneState:
         name=event.benchmark.name,
         desc=event.benchmark.desc,
         code=event.benchmark.code,
-        timeout=ros_duration(event.benchmark.timeout),
+        timeout=ros_duration(view.timeout),
         team=event.team,
         round=event.round,
         run=event.run,

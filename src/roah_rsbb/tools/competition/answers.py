@@ -35,9 +35,12 @@ def team_name(report: Report, place: Place, name: str, what: str = "a team's nam
     return text(report, Scalar(place, name, True, False), what, MAX_TEAM_BYTES)
 
 
-def benchmark_code(report: Report, place: Place, code: str, what: str = "benchmark") -> Optional[str]:
+def benchmark_code(
+    report: Report, place: Place, code: str, what: str = "benchmark", codes: Sequence[str] = tuple(PROFILES)
+) -> Optional[str]:
     """Check a benchmark's code in upper or lower case; None after an error."""
-    return choice(report, Scalar(place, code.upper(), False, False), what, tuple(PROFILES), "a benchmark code")
+    same = next((known for known in codes if known.upper() == code.upper()), code.upper())
+    return choice(report, Scalar(place, same, False, False), what, tuple(codes), "a benchmark code")
 
 
 def each_once(report: Report, place: Place, names: Sequence[str], what: str) -> Tuple[str, ...]:

@@ -10,9 +10,9 @@ from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, ScheduledEvent
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
+from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.rulebook.yaml_lines import read_text
 from roah_rsbb.tools.competition import files
-from roah_rsbb.tools.competition.files import module_codes
 
 # Arguments of the launch file that name files of the folder.
 _NAMED_FILES = {
@@ -131,7 +131,8 @@ def _check_modules(report: Report, directory: str, loaded: Config) -> List[str]:
 
 def scheduled_modules(loaded: Config) -> List[str]:
     """The codes of the scheduled benchmarks with a benchmarking module."""
-    return module_codes(sorted({event.benchmark.code for zone in loaded.zones for event in zone.events}))
+    benchmarks = {event.benchmark for zone in loaded.zones for event in zone.events}
+    return sorted(b.code for b in benchmarks if b.kind is BenchmarkKind.FUNCTIONALITY)
 
 
 def module_errors(folder: str, codes: Sequence[str]) -> List[str]:
@@ -139,6 +140,10 @@ def module_errors(folder: str, codes: Sequence[str]) -> List[str]:
     known = modules()
     errors: List[str] = []
     for code in codes:
+        if code not in known:
+            errors.append(f"no rules for the functionality benchmark {code}: write a benchmarking module "
+                          "(docs/write_a_benchmark.md)")
+            continue
         try:
             read_parameters(os.path.join(folder, f"{code}.yaml"), code, known[code].PARAMETERS)
         except ConfigErrors as found:

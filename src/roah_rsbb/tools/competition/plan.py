@@ -102,9 +102,9 @@ class Plan(NamedTuple):
 
     @property
     def codes(self) -> Tuple[str, ...]:
-        """The benchmarks of the plan, in the box's order."""
+        """The benchmarks of the plan: the shipped ones in their order, then others."""
         held = {run.code for zone in self.zones for run in zone.runs}
-        return tuple(code for code in PROFILES if code in held)
+        return (*(code for code in PROFILES if code in held), *sorted(held.difference(PROFILES)))
 
 
 class PlannedDay(NamedTuple):
@@ -117,7 +117,7 @@ class PlannedDay(NamedTuple):
 
 
 def for_all(code: str) -> bool:
-    """Whether all robots do this benchmark at once."""
+    """Whether all robots do this shipped benchmark at once."""
     return PROFILES[code].kind is BenchmarkKind.ALL_ROBOTS
 
 

@@ -9,6 +9,7 @@ from typing import Callable, Dict, List, Optional
 from roah_rsbb.arguments import Parser
 from roah_rsbb.rulebook.config import BenchmarksFile, PasswordsFile
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report
+from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.tools.competition import answers, files
 from roah_rsbb.tools.competition.answers import QUESTIONS, Missing, known_answers
 from roah_rsbb.tools.competition.check import check
@@ -127,10 +128,11 @@ def _schedule_only(report: Report, options: argparse.Namespace, config_dir: str)
     clock = read_clock(report, Place("--time-zone", 0, 0), options.time_zone or "local")
     benchmarks, passwords = (os.path.join(options.directory, name) for name in (files.BENCHMARKS, files.PASSWORDS))
     teams = PasswordsFile(passwords, report).by_team
-    codes = BenchmarksFile(benchmarks, report).by_code
+    known = BenchmarksFile(benchmarks, report).by_code
     report.raise_errors()
     plan = read_sheet(options.sheet, report, clock, Known(list(teams), f"the teams of {passwords}"),
-                      Known(list(codes), f"the benchmarks of {benchmarks}"))
+                      Known(list(known), f"the benchmarks of {benchmarks}"),
+                      lambda code: code in known and known[code].kind is BenchmarkKind.ALL_ROBOTS)
     report.raise_errors()
     before = files.write_schedule(options.directory, config_dir, plan, clock)
     print(f"Written: {files.SCHEDULE} in {options.directory}" + (f"; the old one is {before}" if before else ""))

@@ -7,10 +7,11 @@ further row is a run. The separator may be a comma, a semicolon or a tab.
 import csv
 import datetime
 import io
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
+from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.rulebook.yaml_fields import integer, text
 from roah_rsbb.rulebook.yaml_lines import Scalar, read_text
 from roah_rsbb.tools.competition.answers import benchmark_code, team_name
@@ -47,17 +48,19 @@ class _Row(NamedTuple):
 
 
 def read_sheet(
-    path: str, report: Report, clock: VenueClock, teams: Optional[Known] = None, codes: Optional[Known] = None
+    path: str, report: Report, clock: VenueClock, teams: Optional[Known] = None, codes: Optional[Known] = None,
+    for_all: Callable[[str], bool] = for_all,
 ) -> Optional[Plan]:
     """Read the plan in a sheet; None after errors. The report gets an error for each invalid cell.
 
-    Without `teams`, all names of teams are accepted. Without `codes`, all benchmarks are accepted.
+    Without `teams`, all names of teams are accepted. Without `codes`, all shipped benchmarks are accepted. `for_all`
+    tells whether all robots do a benchmark at once.
     """
     before = len(report.errors)
     content = read_text(path, report, _WHAT)
     if content is None:
         return None
-    rows = _Sheet(path, content, report, clock, teams, codes).rows()
+    rows = _Sheet(path, content, report, clock, teams, codes, for_all).rows()
     if not rows and len(report.errors) == before:
         report.error(Place(path, 0, 0), "no runs", f"{_SHAPE}; below it a row for each run")
     _warn_of_names(report, rows)
@@ -77,10 +80,10 @@ def column_name(number: int) -> str:
 class _Sheet:
     def __init__(
         self, path: str, content: str, report: Report, clock: VenueClock, teams: Optional[Known],
-        codes: Optional[Known],
+        codes: Optional[Known], for_all: Callable[[str], bool],
     ) -> None:
         self._path, self._content, self._report, self._clock = path, content, report, clock
-        self._teams, self._codes = teams, codes
+        self._teams, self._codes, self._for_all = teams, codes, for_all
         self._columns: Dict[str, int] = {}  # name to its index
         self._header: List[str] = []
 
@@ -158,7 +161,7 @@ class _Sheet:
 
     def _team(self, code: Optional[str], cell: Scalar) -> Optional[str]:
         what = self._what("team")
-        if code is not None and for_all(code):
+        if code is not None and self._for_all(code):
             if cell.text in ("", ALL_TEAMS):
                 return ALL_TEAMS
             return self._report.error(cell.place, f"{quote(cell.text)} as {what} in {code}",
@@ -167,7 +170,9 @@ class _Sheet:
 
     def _code(self, cell: Scalar) -> Optional[str]:
         what = self._what("benchmark")
-        return self._known(benchmark_code(self._report, cell.place, cell.text, what), cell, what, self._codes)
+        codes = dict.fromkeys([*PROFILES, *(self._codes.names if self._codes else ())])
+        code = benchmark_code(self._report, cell.place, cell.text, what, tuple(codes))
+        return self._known(code, cell, what, self._codes)
 
     def _known(self, name: Optional[str], cell: Scalar, what: str, known: Optional[Known]) -> Optional[str]:
         if name is None or known is None or name in known.names:

@@ -3,6 +3,8 @@
 
 import pytest
 
+from helpers.box_driver import BoxDriver
+from helpers.competition import competition, event
 from helpers.module_player import does_goal, started
 from roah_rsbb.core import effects
 from roah_rsbb.core.modules.messages import OutcomeKind, RequestKind, ScoreValue
@@ -27,6 +29,27 @@ def test_manual_operations_do_not_count_and_goals_do():
     modules.lives(10.0, robot)
     assert driver.run_in().clock.left(driver.now) == pytest.approx(580.0)
     assert driver.view().timer == pytest.approx(110.0), "the goal's, while there is one"
+
+
+def test_the_referee_sees_the_limit_that_applies():
+    driver, modules, robot = started("STB", goal=30.0, total=120.0)
+    assert driver.view().timeout == 30.0, "of the benchmarks file"
+    modules.asks(RequestKind.REFEREE, text="Place it")
+    driver.event(driver.box.modules.complete_operation, "tbm")
+    assert driver.view().timeout == 30.0
+    modules.asks(timeout=15.0, goal="GOAL 1")
+    assert driver.view().timeout == 15.0, "the module's parameters say otherwise"
+    does_goal(robot, generic_result="x")
+    assert driver.view().timeout == 15.0
+    modules.asks(goal="GOAL 2")
+    assert driver.view().timeout == 120.0, "without a timeout the goal may last as long as the run"
+
+
+def test_the_limit_of_a_task_is_that_of_its_run():
+    driver = BoxDriver(competition(tbm=[event("HGTKMH", timeout=300.0, total_timeout=420.0)]))
+    assert driver.view().timeout == driver.view().timer == 420.0
+    driver.executing()
+    assert driver.view().timeout == 420.0
 
 
 @pytest.mark.parametrize("states, executing", [
