@@ -210,7 +210,7 @@ def _module(run: FunctionalityRun) -> ModuleView:
 
 def _clock(run: Optional[ZoneRun], benchmark: Benchmark, now: Now) -> ClockView:
     limits = ClockView(
-        benchmark.total_timeout, goal_limit=0.0 if benchmark.timeout == benchmark.total_timeout else benchmark.timeout
+        benchmark.total_timeout, goal_limit=0.0 if benchmark.limit == benchmark.total_timeout else benchmark.limit
     )
     if run is None or run.phase is Phase.CONNECTED:
         return limits
