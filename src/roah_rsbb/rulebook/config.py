@@ -53,7 +53,7 @@ _BENCHMARK = {
     "timeout": "600",
 }
 _BENCHMARK_OPTIONAL = {
-    "kind": "task", "uses": "[notifications]", "offline_data": "optional", "total_timeout": "600", "scoring": "[...]",
+    "total_timeout": "600", "scoring": "[...]", "kind": "task", "uses": "[notifications]", "offline_data": "optional",
 }
 _KINDS = {kind.value: kind for kind in BenchmarkKind}
 _OFFLINE_DATA = {"required": True, "optional": False}
