@@ -23,7 +23,7 @@ class TestTwoBoxes(BoxCase):
         params = {
             **{name: rospy.get_param(f"/roah_rsbb_core/{name}") for name in ("rsbb_host", "rsbb_port")},
             "bind_host": host, "benchmarks_file": rospy.get_param("/roah_rsbb_core/benchmarks_file"),
-            "schedule_file": CONFIG / "boxes.yaml", "passwords_file": CONFIG / "passwords.yaml",
+            "schedule_file": CONFIG / "box.yaml", "passwords_file": CONFIG / "passwords.yaml",
             "log_dir": os.path.join(rospy.get_param("/roah_rsbb_core/log_dir"), "other"),
             "listen_duration": listen_duration,
         }
@@ -34,7 +34,7 @@ class TestTwoBoxes(BoxCase):
         ))
 
     def test_a_box_that_hears_another_one_at_first_gives_up(self) -> None:
-        self.box.wait_zone("Home", lambda z: "listening" not in z.state, "the first box transmits")
+        self.box.wait_zone("Two boxes", lambda z: "listening" not in z.state, "the first box transmits")
         listener = self.participant(LISTENER)
         second = self.second_core(EARLY_BOX, LISTENING_S)
         second.wait_printed("Listening on UDP")
@@ -51,9 +51,9 @@ class TestTwoBoxes(BoxCase):
         self.assertFalse([warning for warning in self.box.details.warnings if EARLY_BOX in warning])
 
     def test_a_box_that_comes_later_is_told_to_every_referee(self) -> None:
-        robot = self.robot("Alpha")
-        self.box.connect("Home")
-        self.box.start("Home")
+        robot = self.robot("Zeta")
+        self.box.connect("Two boxes")
+        self.box.start("Two boxes")
         robot.wait_did("execute HGTKMH")
         # It does not listen first, as if the two networks had only now become one.
         second = self.second_core(LATER_BOX, 0.0)
@@ -65,9 +65,9 @@ class TestTwoBoxes(BoxCase):
             wait_until(lambda c=client, w=warning: w in c.details.warnings, lambda w=warning: f"the warning: {w}")
             wait_until(lambda c=client, w=warning: w in c.gui.status, lambda w=warning: f"the status: {w}")
         second.wait_printed("[ERROR]")
-        self.assertEqual(self.box.zone_details("Home").phase, "running")
+        self.assertEqual(self.box.zone_details("Two boxes").phase, "running")
         robot.let("execute")
-        self.box.wait_text("Home", "Benchmark completed by the robot")
+        self.box.wait_text("Two boxes", "Benchmark completed by the robot")
         clock = other.gui.clock
         wait_until(lambda: other.gui.clock > clock, "the other box goes on, too")
         self.assertIsNone(second.ended_mono)

@@ -1,11 +1,13 @@
 """What the core tells the public display: /core/public_details."""
 
 import calendar
+import contextlib
 import time
 from typing import List, Optional
 
 import rospy
 from support.box_case import BoxCase
+from support.box_client import Refusal
 from support.waiting import happened, wait_until
 
 from roah_rsbb.msg import PublicDetails
@@ -21,6 +23,13 @@ class TestPublicDetails(BoxCase):
         subscriber = rospy.Subscriber("/core/public_details", PublicDetails, self.on_details)
         self.addCleanup(subscriber.unregister)
         wait_until(lambda: self.heard, "it is latched")
+        self.addCleanup(self.back_to_the_first_event)
+
+    def back_to_the_first_event(self) -> None:
+        """The cases of other files begin there."""
+        self._end_runs()
+        with contextlib.suppress(Refusal):
+            self.box.command("previous", "Home")
 
     def on_details(self, message: PublicDetails) -> None:
         self.heard.append(message)

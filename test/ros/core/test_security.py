@@ -94,32 +94,32 @@ class TestAttacks(BoxCase):
         wait_until(lambda: any(text in said for said in self.said), lambda: f"the box tells '{text}': {self.said}")
 
     def test_nobody_else_moves_a_run(self) -> None:
-        box, robot = self.box, self.robot("Alpha")
+        box, robot = self.box, self.robot("Epsilon")
         attacker = self._leaving(Attacker())
-        port = box.connect("Home")
-        box.start("Home")
+        port = box.connect("Attacked")
+        box.start("Attacked")
         robot.wait_did("execute HGTKMH")
-        box.wait_details("Home", lambda d: d.box_state == "WAITING_RESULT", "the robot executes")
+        box.wait_details("Attacked", lambda d: d.box_state == "WAITING_RESULT", "the robot executes")
 
         attacker.send(port, result_of(time.time() + 10.0))
         self.told("not encrypted")
-        attacker.send(port, result_of(time.time() + 10.0), team="Beta")
-        self.told("does not decrypt")
-        attacker.send(port, result_of(time.time() - 3600.0), team="Alpha")  # recorded an hour ago
         attacker.send(port, result_of(time.time() + 10.0), team="Alpha")
-        self.told(f"also come from {ATTACKER}. They are ignored: the robot is at {host_of('Alpha')}")
-        attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Alpha", robot_name="Robot", time=wire(time.time() + 9.0)))
+        self.told("does not decrypt")
+        attacker.send(port, result_of(time.time() - 3600.0), team="Epsilon")  # recorded an hour ago
+        attacker.send(port, result_of(time.time() + 10.0), team="Epsilon")
+        self.told(f"also come from {ATTACKER}. They are ignored: the robot is at {host_of('Epsilon')}")
+        attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Epsilon", robot_name="Robot", time=wire(time.time() + 9.0)))
         # A robot that is in a run is known by what it says there.
-        self.told("Two robots call themselves Robot of team Alpha")
+        self.told("Two robots call themselves Robot of team Epsilon")
         attacker.send(RSBB_PORT, empty_beacon())
         self.told(f"ANOTHER RSBB is transmitting from {ATTACKER}")
-        attacker.send(port, pb.BenchmarkState(benchmark_type="HGTKMH", benchmark_state=0), team="Alpha")
+        attacker.send(port, pb.BenchmarkState(benchmark_type="HGTKMH", benchmark_state=0), team="Epsilon")
 
-        details = box.zone_details("Home")
+        details = box.zone_details("Attacked")
         self.assertEqual((details.phase, details.box_state), ("running", "WAITING_RESULT"))
         robot.let("execute")
-        box.wait_text("Home", "Benchmark completed by the robot")
-        log = self.leave("Home")
+        box.wait_text("Attacked", "Benchmark completed by the robot")
+        log = self.leave("Attacked")
         self.assertEqual(log.values("/rsbb_log/rsbb_state"), [STOP, PREPARE, WAITING_RESULT, STOP])
         self.assertNotIn("forged", log.values("/rsbb_log/notification"))
 
@@ -132,27 +132,27 @@ class TestAttacks(BoxCase):
         self.assertFalse([said for said in self.said if "\x1b" in said or "\n[ERROR]" in said])
 
     def test_a_recording_moves_no_run_while_its_robot_is_silent(self) -> None:
-        box, robot = self.box, self._leaving(RecordedRobot(self.network, "Alpha"))
+        box, robot = self.box, self._leaving(RecordedRobot(self.network, "Epsilon"))
         attacker = self._leaving(Attacker())
         for _ in range(2):  # all of the first run is recorded
             robot.beacon()
-            port = box.connect("Home")
+            port = box.connect("Attacked")
             robot.send(port, RobotState.STOP)
-            box.start("Home")
+            box.start("Attacked")
             for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
                 robot.send(port, state)
-            box.wait_details("Home", lambda d: d.box_state == "WAITING_RESULT", "the robot executes")
+            box.wait_details("Attacked", lambda d: d.box_state == "WAITING_RESULT", "the robot executes")
             if len(robot.recorded) < 5:
                 robot.send(port, RobotState.RESULT_TX)
-                box.wait_text("Home", "Benchmark completed by the robot")
-                self.leave("Home")
-        box.wait_details("Home", lambda d: any("No message from the robot" in w for w in d.warnings), "it is silent")
+                box.wait_text("Attacked", "Benchmark completed by the robot")
+                self.leave("Attacked")
+        box.wait_details("Attacked", lambda d: any("No message from the robot" in w for w in d.warnings), "silence")
 
         for datagram in robot.recorded:
             attacker.replay(port, datagram)
         attacker.send(port, result_of(time.time()))
         self.told("not encrypted")  # so the box has read all before it, too
-        details = box.zone_details("Home")
+        details = box.zone_details("Attacked")
         self.assertEqual((details.phase, details.box_state), ("running", "WAITING_RESULT"))
         self.told(f"also come from {ATTACKER}.")
 
@@ -163,16 +163,16 @@ class TestConnections(BoxCase):
     def test_200_silent_connections_do_not_hold_up_a_stop(self) -> None:
         master = rosgraph.Master(rospy.get_name())
         uris = [master.lookupService("/core/stop"), master.lookupNode("/roah_rsbb_core")]
-        box, robot = self.box, self.robot("Alpha")
-        box.connect("Home")
-        box.start("Home")
+        box, robot = self.box, self.robot("Epsilon")
+        box.connect("Attacked")
+        box.start("Attacked")
         robot.wait_did("execute HGTKMH")
         for uri in uris:
             for _ in range(200):
                 self._leaving(socket.create_connection((urlparse(uri).hostname, urlparse(uri).port)))
 
-        box.command("stop", "Home")
-        box.wait_phase("Home", "ended")
+        box.command("stop", "Attacked")
+        box.wait_phase("Attacked", "ended")
         robot.wait_did("stop")
 
 

@@ -13,7 +13,7 @@ from support.waiting import happened, wait_until
 from roah_rsbb.msg import Results
 from roah_rsbb.srv import GetRunSheet, ScoreMark, ScoreWithdraw, SignOff, StopReason
 
-ZONE = "Home"
+ZONE = "Scores"
 DOOR = ("Achievements", "Detects the door whose state has changed")
 FURNITURE = ("Achievements", "Detects a piece of moved furniture")
 BUMPS = ("Penalized Behaviors", "Bumps into the furniture")
@@ -55,7 +55,7 @@ class TestScores(BoxCase):
         wait_until(lambda: self.results[-1].box_uuid == self.box.details.box_uuid, "and tells the results")
 
     def test_from_the_first_mark_to_the_sign_off(self) -> None:
-        self.robot("Alpha")
+        self.robot("Beta")
         self.box.connect(ZONE)
         self.box.start(ZONE)
         identity = self.box.wait_details(ZONE, lambda d: d.identity, "the run has a name")
