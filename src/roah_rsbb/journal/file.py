@@ -191,12 +191,13 @@ def _replace_if_log_is_damaged(path: str) -> List[str]:
     """Set a journal with a damaged write-ahead log aside, and write its readable part to a new file: SQLite would
     silently drop everything after the damage. Returns warnings."""
     try:
-        if not pages.has_damaged_log(path):
-            torn = (f"The end of the write-ahead log of the journal {path} is torn or damaged: what happened last "
-                    "before the core ended may be missing")
-            return [torn] if pages.has_torn_log(path) else []
+        frames = pages.read_frames(f"{path}-wal")
     except OSError:
         return []
+    if not pages.is_damaged(frames):
+        torn = (f"The end of the write-ahead log of the journal {path} is torn or damaged: what happened last "
+                "before the core ended may be missing")
+        return [torn] if pages.is_torn(frames) else []
     aside = set_aside(path)
     kept = f"The write-ahead log of the journal {path} is damaged. It is kept as {aside}"
     try:

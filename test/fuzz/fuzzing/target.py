@@ -85,7 +85,11 @@ class Target(NamedTuple):
 
     def all_seeds(self) -> List[bytes]:
         """Inputs to begin with, those stored in the corpus included."""
-        return self.seeds() + [path.read_bytes() for path in self.stored()]
+        return self.seeds() + self.stored_inputs()
+
+    def stored_inputs(self) -> List[bytes]:
+        """Those in the corpus."""
+        return [path.read_bytes() for path in self.stored()]
 
     def stored(self) -> List[pathlib.Path]:
         """The files of this target in the corpus."""

@@ -7,13 +7,15 @@ import tracemalloc
 import pytest
 
 from fuzzing.core import CODES, HOSTS, Play
+from helpers.examples import ALL
 from roah_rsbb.core.messages import RobotReport, TabletState
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, ScoreValue
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.views import views
 from roah_rsbb.protocol import RobotState
 
-FEW, MANY = 3, 8
+FEW = 3
+MANY = 8 if ALL else 5
 # What lists and caches of Python itself take now and then.
 GROWTH_BYTES = 100_000
 

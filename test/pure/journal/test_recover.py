@@ -18,15 +18,21 @@ COUNT = 400
 PAGE = 4096
 
 
-@pytest.fixture
-def path(tmp_path):
-    """A journal of many pages that was closed."""
-    writer = Writer(tmp_path / "log")
+@pytest.fixture(scope="module")
+def closed(tmp_path_factory):
+    """A journal of many pages that was closed, for tests that do not change it."""
+    writer = Writer(tmp_path_factory.mktemp("closed") / "log")
     writer.run(RECORD)
     for i in range(COUNT):
         writer.entry("notice", {"text": f"{i} " * 20}, RECORD.identity)
     writer.close()
     return writer.path
+
+
+@pytest.fixture
+def path(closed, tmp_path):
+    """A copy of the closed journal."""
+    return shutil.copy(closed, tmp_path)
 
 
 def numbers(path):
@@ -116,9 +122,10 @@ def test_all_that_is_in_the_pages_of_a_truncated_journal(path, tmp_path, pages, 
         assert f"{found[-1] + 1} to {COUNT}: {COUNT - len(found)} missing" in hole.what
 
 
-@pytest.fixture
-def crashed(tmp_path):
-    """A journal whose newest runs are in the write-ahead log alone, as a killed box leaves it; returns its path."""
+@pytest.fixture(scope="module")
+def killed(tmp_path_factory):
+    """The journal of a box that was killed. Its newest runs are in the write-ahead log alone."""
+    tmp_path = tmp_path_factory.mktemp("killed")
     writer = Writer(tmp_path / "log")
     for number in range(6):
         record = RECORD._replace(identity=f"HNF-{number}-1.000", run=number)
@@ -131,7 +138,15 @@ def crashed(tmp_path):
         shutil.copy(f"{writer.path}{suffix}", f"{copy}{suffix}")
     writer.close()
     assert read_frames(f"{copy}-wal") != []
-    return str(copy)
+    return copy
+
+
+@pytest.fixture
+def crashed(killed, tmp_path):
+    """A copy of the journal of a killed box; returns its path."""
+    for suffix in ("", "-wal"):
+        shutil.copy(f"{killed}{suffix}", tmp_path)
+    return str(tmp_path / killed.name)
 
 
 @pytest.mark.parametrize("place", [0.0, 0.1, 0.3, 0.5, 0.7, 0.9])

@@ -87,12 +87,13 @@ def test_too_much_to_keep_ends_the_run():
 
 def test_texts_and_lists_are_cut():
     long, many = "x" * 5000, MAX_LIST + 1
+    everything = Progress(
+        long, 10**9, REQUEST._replace(text=long), (ScoreValue(long, long, '"a"', long, long),) * (MAX_SCORES + 1),
+        long, (long,) * many, failed="",
+    )
     state = checked_state(ModulesState(
         long, (ModuleInfo(long, (long,) * many, (long,) * many),) * many,
-        (Progress(
-            long, 10**9, REQUEST._replace(text=long), (ScoreValue(long, long, '"a"', long, long),) * (MAX_SCORES + 1),
-            long, (long,) * many, failed="",
-        ),) * many,
+        (everything, *[Progress("run", 1)] * MAX_LIST),
     ))
     assert (len(state.node), len(state.modules), len(state.progress)) == (MAX_NAME, MAX_LIST, MAX_LIST)
     info, progress = state.modules[0], state.progress[0]

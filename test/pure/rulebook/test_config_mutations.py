@@ -3,8 +3,10 @@
 import pathlib
 import random
 import re
+import unittest.mock
 
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -12,6 +14,8 @@ from helpers.config_files import NAMES, TEXTS, ConfigDir
 from helpers.examples import examples
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
+from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.yaml_lines import read_yaml
 
 PASSWORDS = re.findall(r"^\w+: (\w+)$", TEXTS["passwords"], re.MULTILINE)
 
@@ -21,6 +25,15 @@ SNIPPETS = list("\t :-'\"[]{},#&*!|>%@`?~\\\n\r\0\x85\u2028") + [
     "\\ud800", '"\\U00110000"', ".nan", "-.inf", "0x1f", "1e999", "9" * 5000, "null", "yes", "2015-99-99", "ä",
     "\U0001f916", "%YAML 3.7\n", "%TAG ! a\n", "|9\n", ">-\n", "? ", "[" * 30, "{" * 30,
 ]  # fmt: skip
+
+
+# Everything that the shipped files are made of, in few lines.
+SMALL = [
+    "- name: a\n  code: B\n  x: {a: b, c: \"d e\"}\n  y: [1, 2]\n- name: \"q\\n\"\n  s: 'it''s'\n",
+    '# a\nA: b\nC: d # x\nE: "f"\n',
+    "- {zone: z, schedule: [{benchmark: STB, team: D, round: 1}]}\n",
+    "a:\n  - b\n  -  c: d\n     e: f\n\n  - [x,\n     y: z]\n",
+]
 
 
 def mutate(text: str, rng: random.Random) -> str:
@@ -84,6 +97,23 @@ def test_slips_in_a_shipped_file(files, name, rng, slips):
     for _ in range(slips):
         text = mutate(text, rng)
     check(files, **{name: text})
+
+
+@pytest.mark.skipif(not yaml.__with_libyaml__, reason="PyYAML without libyaml has one parser only")
+@examples(400)
+@given(text=st.sampled_from(SMALL), rng=st.integers(0, 2**32 - 1).map(random.Random), slips=st.integers(1, 3))
+def test_libyaml_reads_the_same_as_pyyaml(tmp_path_factory, text, rng, slips):
+    for _ in range(slips):
+        text = mutate(text, rng)
+    path = tmp_path_factory.getbasetemp() / "mutated.yaml"
+    path.write_bytes(text.encode("utf-8"))
+    assert _read(str(path), True) == _read(str(path), False)
+
+
+def _read(path, with_libyaml):
+    report = Report()
+    with unittest.mock.patch.object(yaml, "__with_libyaml__", with_libyaml):
+        return read_yaml(path, report, "a file", "a shape"), report.errors
 
 
 @examples(100)

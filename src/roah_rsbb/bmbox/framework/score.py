@@ -24,7 +24,11 @@ class Score:
     def __init__(self, whole: Dict[str, Value], each: Dict[str, Value]) -> None:
         """`whole`: values of the whole run by name; `each`: values that every group has."""
         self._whole, self._each = whole, each
-        self._values: Dict[Tuple[str, str], Scalar] = {("", name): None for name in whole}
+        self._values: Dict[Tuple[str, str], Scalar] = {}
+        # The same values as they are sent, several times a second.
+        self._sent: Dict[Tuple[str, str], ScoreValue] = {}
+        for name in whole:
+            self[name] = None
 
     def __setitem__(self, key: Key, value: Scalar) -> None:
         """Set a value: `score["reached"] = 2`, `score["waypoint 2", "time"] = 12.5`.
@@ -32,12 +36,13 @@ class Score:
         Raises KeyError for an undeclared name, ValueError for an unsupported value.
         """
         group, name = _split(key)
-        self._declared(group, name)
+        declared = self._declared(group, name)
         if isinstance(value, float) and not math.isfinite(value):
             raise ValueError(f"score {name} cannot be {value}: use None for an unknown value")
         if not isinstance(value, (bool, int, float, str, type(None))):
             raise ValueError(f"score {name} cannot be {value!r}: use a number, True, False, a text or None")
         self._values[group, name] = value
+        self._sent[group, name] = ScoreValue(group, name, json.dumps(value), declared.unit, declared.desc)
 
     def __getitem__(self, key: Key) -> Scalar:
         """The latest value; None before it is set. Raises KeyError for an undeclared name."""
@@ -51,10 +56,7 @@ class Score:
 
     def values(self) -> Tuple[ScoreValue, ...]:
         """All values in the form in which they are sent and saved."""
-        return tuple(
-            ScoreValue(group, name, json.dumps(value), *reversed(self._declared(group, name)))
-            for (group, name), value in self._values.items()
-        )
+        return tuple(self._sent.values())
 
     def _declared(self, group: str, name: str) -> Value:
         known = self._each if group else self._whole
