@@ -165,6 +165,23 @@ class HistoryEntry(NamedTuple):
     withdrawal_corrects: bool = False  # withdrawn after the run was over
 
 
+def mark_text(entry: HistoryEntry) -> str:
+    """Returns what an entry did, such as "Bumps into the furniture +1"."""
+    return f"{entry.item} {change_text(entry)}"
+
+
+def change_text(entry: HistoryEntry) -> str:
+    """Returns how an entry changed its item, such as "+1"."""
+    if entry.not_attempted or entry.type == "bool":
+        return item_value(True, entry.value, entry.not_attempted)
+    return f"{entry.value - entry.old:+d}"
+
+
+def to_undo(history: Sequence[HistoryEntry], count: int) -> List[HistoryEntry]:
+    """Returns the last `count` entries that count, the newest first."""
+    return [entry for entry in reversed(history) if not entry.withdrawn_utc_s][:count]
+
+
 class EntryTexts(NamedTuple):
     """An entry of the history in words; a text is empty where it does not apply."""
 

@@ -130,3 +130,17 @@ def test_no_node_is_shown_in_texts_for_people():
 ])
 def test_the_phase_of_a_zone_has_the_same_words_everywhere(name, end, text):
     assert sheets.phase(name, end) == text
+
+
+@pytest.mark.parametrize(("fields", "text"), [
+    ({}, "Bumps +1"), ({"old": 3, "value": 1}, "Bumps -2"),
+    ({"value": 0, "not_attempted": True}, "Bumps not attempted"),
+    ({"type": "bool", "old": 0, "value": 1}, "Bumps yes"), ({"type": "bool", "old": 1, "value": 0}, "Bumps no"),
+])
+def test_a_mark_says_what_it_did(fields, text):
+    assert sheets.mark_text(ENTRY._replace(**fields)) == text
+
+
+def test_the_last_marks_that_count_can_be_undone():
+    history = [ENTRY._replace(number=n, withdrawn_utc_s=9.0 if n == 6 else None) for n in range(1, 8)]
+    assert [entry.number for entry in sheets.to_undo(history, 5)] == [7, 5, 4, 3, 2]

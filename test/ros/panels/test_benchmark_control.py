@@ -20,7 +20,7 @@ class TestBenchmarkControl(PanelCase):
 
     def test_a_run_by_clicks(self) -> None:
         self.wait_phase("NOT CONNECTED")
-        self.assertEqual(self.panel.times.main.figure.text(), "10:00")
+        wait_until(lambda: self.panel.times.main.figure.text() == "10:00", "the time limit is shown")
         for command, phase in (("connect", "CONNECTED"), ("start", "RUNNING"), ("stop", "ENDED"),
                                ("disconnect", "NOT CONNECTED")):
             click(self.buttons[command])

@@ -1,10 +1,11 @@
 """Results, histories, notes and reasons, clicked on and typed, with a fake core: real messages, real services."""
 
 import rospy
-from support.fakes.scores import NOT_ATTEMPTED
+from support.fakes.scores import NOT_ATTEMPTED, present
 from support.gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, question, wait_until
 from support.panel_case import BUMPS, DOOR, PanelCase
 
+from roah_rsbb.core.scoring.records import By
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import Unsaved, UnsavedParts
 from roah_rsbb.rqt.panels import benchmark_control, scoring
@@ -151,8 +152,26 @@ class TestStopReason(WordsCase):
         QTest.keyClicks(line, "fire alarm")
         QTest.keyClick(line, Qt.Key_Return)
         self.wait_words(identity, "fire alarm", "Anna")
-        wait_until(lambda: not line.text(), "it is kept")
-        self.assertEqual(self.zone.book.state.stops[0].reason, "fire alarm")
+        wait_until(lambda: self.zone.book.state.stops[0].reason == "fire alarm", "it is saved")
+        self.assertEqual(line.text(), "fire alarm")
+        QTest.keyClicks(line, " in the kitchen")
+        QTest.keyClick(line, Qt.Key_Return)
+        self.wait_words(identity, "fire alarm in the kitchen", "Anna")
+        self.assertEqual(line.text(), "fire alarm in the kitchen")
+
+    def test_it_stays_visible_and_editable_until_the_sign_off(self) -> None:
+        line, identity = self.panel.reason, self.zone.identity
+        self.zone.command("stop")
+        self.zone.book.give_reason(0, By("Ben", "fire alarm"))  # by another client
+        wait_until(lambda: line.text() == "fire alarm", "it is shown")
+        self.zone.command("stop")
+        wait_until(lambda: "NOT CONNECTED" in self.panel._phase.text(), "the run is left")
+        wait_until(line.isEnabled, "it can be changed")
+        self.assertEqual(line.text(), "fire alarm")
+        self.zone.finished.find(identity).sign_off(present(), "Cleo")
+        wait_until(lambda: not line.isEnabled(), "it is final")
+        self.assertEqual(line.text(), "fire alarm")
+        self.assertIn("signed off by Cleo", line.toolTip())
 
     def test_it_is_of_the_run_that_was_stopped_also_after_it_is_left(self) -> None:
         line, identity = self.panel.reason, self.zone.identity
@@ -164,8 +183,9 @@ class TestStopReason(WordsCase):
         QTest.keyClicks(line, "was locked")
         QTest.keyClick(line, Qt.Key_Return)
         self.wait_words(identity, "the door was locked", "Anna")
-        QTest.keyClicks(line, "half a rea")
+        QTest.keyClicks(line, " twice")
         self.zone.command("connect")
+        self.wait_words(identity, "the door was locked twice", "Anna")
         wait_until(lambda: not line.isEnabled() and not line.text(), "another run begins")
 
     def test_a_refusal_keeps_what_was_typed(self) -> None:

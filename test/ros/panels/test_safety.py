@@ -71,6 +71,8 @@ class WindowCase(unittest.TestCase):
         self.core.zones[zone].command("start")
         wait_until(lambda: zone in self.client.model.running_zones(), "the run is in progress")
         wait_until(lambda: self.scoring.rows, "the score sheet is shown")
+        wait_until(lambda: self.panel("OverviewPanel").is_collapsed, "the overview leaves its space to the sheet")
+        wait_still(self.scoring)
 
     def dialog(self, kind: type) -> QDialog:
         found = []
@@ -230,6 +232,18 @@ class TestZone(WindowCase):
             QTest.qWait(100)
             moved += [name] if places(panel) != before else []
         self.assertEqual(moved, [])
+
+
+def wait_still(panel: QWidget) -> None:
+    """Wait until nothing moves any more."""
+    seen = [[], places(panel)]
+
+    def is_still() -> bool:
+        seen[:] = [seen[1], places(panel)]
+        return seen[0] == seen[1]
+
+    QTest.qWait(100)
+    wait_until(is_still, "nothing moves")
 
 
 def places(panel: QWidget) -> list:

@@ -83,9 +83,9 @@ class Window(QMainWindow):
         d["LogDisplayPanel"].raise_()
         unit = round(basic.em())
         self.resize(QApplication.primaryScreen().availableSize() * MOST_OF_SCREEN)
-        self.resizeDocks([d["BenchmarkControlPanel"], d["ScoringPanel"]], [36 * unit, 44 * unit], Qt.Horizontal)
-        self.resizeDocks([d["OverviewPanel"], d["LogDisplayPanel"]], [25 * unit, 19 * unit], Qt.Horizontal)
-        self.resizeDocks([d["ScoringPanel"], d["OverviewPanel"]], [22 * unit, 20 * unit], Qt.Vertical)
+        self.resizeDocks([d["BenchmarkControlPanel"], d["ScoringPanel"]], [34 * unit, 46 * unit], Qt.Horizontal)
+        self.resizeDocks([d["OverviewPanel"], d["LogDisplayPanel"]], [27 * unit, 19 * unit], Qt.Horizontal)
+        self.resizeDocks([d["ScoringPanel"], d["OverviewPanel"]], [18 * unit, 24 * unit], Qt.Vertical)
 
     def _restore(self) -> None:
         geometry, layout = self._settings.value("geometry"), self._settings.value("layout")

@@ -9,6 +9,9 @@ from roah_rsbb.rqt.model.calls import Calls, RefereeName
 from roah_rsbb.rqt.model.model import TOPICS, Model
 from roah_rsbb.rqt.model.presses import DoublePress
 from roah_rsbb.rqt.model.zone_parameter import ZoneParameter
+from roah_rsbb.rqt.qt import QWidget
+from roah_rsbb.rqt.widgets.focus_ring import FocusRing
+from roah_rsbb.rqt.widgets.keys_page import KeysKey
 from roah_rsbb.rqt.widgets.stop_keys import StopKeys
 from roah_rsbb.wording.times import Moments
 
@@ -28,6 +31,8 @@ class Client:
         self.calls = Calls(self.referee)
         self.presses = DoublePress()
         self.stop_keys = StopKeys(self.model, self.calls)
+        self.keys_key = KeysKey()
+        self.focus_ring = FocusRing(_is_ours)
         self.moments = Moments(bool(rospy.get_param(TIMES_IN_UTC, False)))
 
     @classmethod
@@ -45,5 +50,16 @@ class Client:
         cls._users -= 1
         if cls._users == 0 and cls._shared is not None:
             cls._shared.stop_keys.end()
+            cls._shared.keys_key.end()
+            cls._shared.focus_ring.end()
             cls._shared.model.stop()
             cls._shared = None
+
+
+def _is_ours(widget: QWidget) -> bool:
+    """Whether a widget is in one of our panels or dialogs: in rqt others may be beside them."""
+    while widget is not None:
+        if type(widget).__module__.startswith("roah_rsbb."):
+            return True
+        widget = widget.parentWidget()
+    return False

@@ -4,7 +4,7 @@ from typing import List, Tuple
 
 from roah_rsbb.msg import RobotInfo
 from roah_rsbb.rqt.model import link_quality
-from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import QAbstractItemView, QHeaderView, Qt, QTableWidget, QTableWidgetItem
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import times
@@ -17,7 +17,7 @@ TIPS = {
 }
 
 
-class ActiveRobotsPanel(Panel):
+class ActiveRobotsPanel(CollapsingPanel):
     """A table with one row per robot."""
 
     TITLE = "Active Robots"

@@ -4,14 +4,25 @@ Keys: F5 twice starts, Esc twice stops, whichever panel of the process has the f
 """
 
 from functools import partial
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import Dict, NamedTuple, Optional
 
-from roah_rsbb.msg import ZoneDetails, ZoneState
+from roah_rsbb.msg import RunSummary, ZoneDetails, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels import phases
+from roah_rsbb.rqt.panels.history import RunSheets, why_fixed
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
-from roah_rsbb.rqt.qt import QComboBox, QGridLayout, QLabel, QLineEdit, QSizePolicy, Qt, QTimer
+from roah_rsbb.rqt.qt import (
+    QComboBox,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QSizePolicy,
+    Qt,
+    QTimer,
+    QToolButton,
+)
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.run_times import RunTimes
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
@@ -19,47 +30,67 @@ from roah_rsbb.srv import StopReason, Zone
 from roah_rsbb.wording.todo import WARNING
 
 ASK_REASON = "Why was the run stopped? Press Enter to save"
-REASON_TIP = "After a stop, type the reason here and press Enter"
+REASON_TIP = "After a stop, type the reason here and press Enter. You can change it until the run is signed off."
 
 
 class StopReasonLine(QLineEdit):
-    """The field for the reason of the last stop in the zone, also after the run is left, until another one begins."""
+    """The field for the reason of the last end in the zone. It shows what is saved, until another run is connected."""
 
     def __init__(self, panel: Panel, answer: Answer) -> None:
         super().__init__(panel)
         self._panel = panel
         self._answer = answer
-        self._run: Tuple[str, str] = ("", "")  # zone, and identity of the run that was stopped
+        self._sheets = RunSheets(panel, panel.client.calls, self._show)
+        self._summary: Optional[RunSummary] = None
+        self._sent_with: Optional[int] = None  # revision of the run when the text was sent: older sheets do not have it
         self.setMaxLength(MAX_NOTE)
-        self.setToolTip(basic.tip(REASON_TIP))
-        self.returnPressed.connect(self._send)
-        self.show_run(None)
+        self.editingFinished.connect(self._send)
 
-    def show_run(self, details: Optional[ZoneDetails]) -> None:
-        """Follow the zone; `details` are its current ones."""
+    def show_run(self) -> None:
+        """Follow the zone."""
         model = self._panel.model
-        run = self._run if self._run[0] == model.zone_name else ("", "")
-        if details is not None and details.identity:
-            was_stopped = details.phase == "ended"
-            run = (details.zone, details.identity) if was_stopped else ("", "")
-        if run != self._run:
-            self._run = run
+        runs = model.runs_of(model.zone_name)
+        summary = runs[0] if runs and runs[0].end_reason else None
+        if self._identity(summary) != self._identity(self._summary):
+            self._send()  # what was typed belongs to the run before
             self.clear()
-        self.setEnabled(bool(run[1]) and not model.is_old)
-        self.setPlaceholderText(ASK_REASON if run[1] else "")
+            self.setModified(False)
+        self._summary = summary
+        self._show()
+
+    def _show(self) -> None:
+        summary, is_old = self._summary, self._panel.model.is_old
+        why_fixed_now = why_fixed(summary, is_old) if summary is not None else ""
+        self.setEnabled(summary is not None and not why_fixed_now)
+        self.setToolTip(basic.tip(why_fixed_now or REASON_TIP))
+        self.setPlaceholderText("" if summary is None else ASK_REASON)
+        sheet = None if summary is None else self._sheets.sheet(summary)
+        if sheet is None or not sheet.stops or self.isModified() or sheet.summary.revision == self._sent_with:
+            return
+        if self.text() != sheet.stops[-1].reason:
+            self.setText(sheet.stops[-1].reason)
+
+    @staticmethod
+    def _identity(summary: Optional[RunSummary]) -> str:
+        return "" if summary is None else summary.identity
 
     def _send(self) -> None:
-        reason, run, client = self.text().strip(), self._run, self._panel.client
-        if not reason or not run[1]:
+        """Save what was typed."""
+        reason, summary, client = self.text().strip(), self._summary, self._panel.client
+        if summary is None or not self.isModified():
             return
+        self.setModified(False)
+        self._sent_with = summary.revision
 
         def done(outcome: CallOutcome) -> None:
             self._answer.show_outcome("Reason of the stop", outcome)
-            if not outcome.error and run == self._run and self.text().strip() == reason:
-                self.clear()
+            if outcome.error and self._identity(self._summary) == summary.identity and self.text().strip() == reason:
+                self.setModified(True)
+                self._sent_with = None
 
         client.calls.service(
-            self._panel, "/core/stop_reason", StopReason, (*run, 0, reason, client.referee.name), done
+            self._panel, "/core/stop_reason", StopReason,
+            (summary.zone, summary.identity, 0, reason, client.referee.name), done,
         )
 
 
@@ -121,6 +152,12 @@ class BenchmarkControlPanel(Panel):
         self._answer = Answer()
         self.reason = StopReasonLine(self, self._answer)
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
+        keys = QToolButton()
+        keys.setText("?")
+        keys.setToolTip("All keys (key: ?)")
+        keys.setFocusPolicy(Qt.NoFocus)  # the key does the same
+        keys.clicked.connect(client.keys_key.open)
+        self.heading.addWidget(keys)
         self._lay_out()
         self._zones.activated.connect(lambda index: self.model.choose_zone(self._zones.itemText(index)))
         self._start_key = self._key("F5", "start")
@@ -146,7 +183,10 @@ class BenchmarkControlPanel(Panel):
             button = basic.enlarged(self.buttons[name], 1.9, bold=True)
             button.setSizePolicy(QSizePolicy.Preferred, QSizePolicy.Expanding)
         self.body.addWidget(self._answer)
-        self.body.addWidget(self.reason)
+        reason = QHBoxLayout()
+        reason.addWidget(QLabel("Reason of the stop"))
+        reason.addWidget(self.reason, 1)
+        self.body.addLayout(reason)
         self.body.addLayout(commands)
 
     def _event_grid(self) -> QGridLayout:
@@ -189,7 +229,7 @@ class BenchmarkControlPanel(Panel):
             self._show_run(zone, details)
         for command in COMMANDS.values():
             self._show_button(command, zone, details)
-        self.reason.show_run(details)
+        self.reason.show_run()
         self._start_key.forget()
 
     def where(self) -> str:

@@ -134,11 +134,15 @@ class History(QWidget):
         basic.show_dialog(NoteDialog(self, f"{what}?", text, "Why", "Withdraw", send))
 
 
-def _history_rows(sheet: RunSheet, unsaved: Collection[int], moments: Moments) -> List[Row]:
+def history_of(sheet: RunSheet) -> List[sheets.HistoryEntry]:
+    """Returns all entries of a sheet, the oldest first."""
     bools = {(item.group, item.desc) for item in sheet.items if item.type == ZoneScoreGroup.SCORING_BOOL}
+    return [sheets.history_entry(change, (change.group, change.desc) in bools) for change in sheet.history]
+
+
+def _history_rows(sheet: RunSheet, unsaved: Collection[int], moments: Moments) -> List[Row]:
     rows = []
-    for change in reversed(sheet.history):
-        entry = sheets.history_entry(change, (change.group, change.desc) in bools)
+    for entry in reversed(history_of(sheet)):
         words = sheets.entry_texts(entry, moments.time_of_day)
         notes = "; ".join(mark + text for mark, text in (
             ("⚠ ", sheets.NOT_SAVED if entry.number in unsaved else ""), ("✎ ", words.correction), ("", words.note),

@@ -3,8 +3,9 @@
 from typing import List, Optional, Tuple
 
 from roah_rsbb.msg import ZoneDetails
+from roah_rsbb.rqt.panels.collapsing import SCORING
 from roah_rsbb.rqt.panels.panel import Answer, Panel
-from roah_rsbb.rqt.qt import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea, Qt, QTimer
+from roah_rsbb.rqt.qt import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea, Qt, QTimer, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import ManualOperationAnswer
 
@@ -21,6 +22,13 @@ FLASH_MS = 350
 OperationKey = Tuple[str, int, int]
 
 
+def to_front(panel: QWidget) -> None:
+    """Bring a panel to the front where panels are stacked."""
+    parent = panel.parentWidget()
+    if parent is not None and hasattr(parent, "raise_"):
+        parent.raise_()
+
+
 class ManualOperationPanel(Panel):
     """The request in large letters, and its answers. A new request flashes and beeps."""
 
@@ -30,6 +38,7 @@ class ManualOperationPanel(Panel):
         super().__init__(client, parent)
         self._request: Optional[OperationKey] = None
         self._choices: Tuple[str, ...] = ()
+        self._came = False  # to the front, for this request
         self._flashes_left = 0
         self._flash = QTimer(self, interval=FLASH_MS)
         self._flash.timeout.connect(self._on_flash)
@@ -83,13 +92,13 @@ class ManualOperationPanel(Panel):
                 button.hold()  # a click meant for the previous request must not answer this one
             QApplication.beep()
             self._flash.start()
-            self._raise()
-
-    def _raise(self) -> None:
-        """Bring the panel to the front where panels are stacked."""
-        parent = self.parentWidget()
-        if parent is not None and hasattr(parent, "raise_"):
-            parent.raise_()
+            self._came = self._came or self.visibleRegion().isEmpty()
+            to_front(self)
+        elif self._came and not self.visibleRegion().isEmpty():
+            self._came = False
+            scoring = self.window().findChild(QWidget, SCORING)
+            if scoring is not None:
+                to_front(scoring)
 
     def _build(self, choices: Tuple[str, ...]) -> None:
         """Create a button for each answer, or one that completes the operation."""

@@ -8,9 +8,10 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.msg import ZoneDetails, ZoneState
 from roah_rsbb.rqt.panels import phases
-from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import (
     QApplication,
+    QBoxLayout,
     QFontMetrics,
     QFrame,
     QGridLayout,
@@ -35,6 +36,7 @@ COMPACT_EMS = 3.7
 WIDE_EMS = 20.0
 # A text that is too long is written smaller, by these factors, before it is cut off.
 SHRINK = (1.0, 0.85, 0.7)
+LEAST_TEXT = 0.62
 LINES = {
     Urgency.DO: ("☛ DO NOW: ", basic.ALARM),
     Urgency.LOOK: ("⚠ ", basic.OLD),
@@ -48,11 +50,12 @@ BETWEEN = "  ·  "
 
 
 class _TodoLabel(QLabel):
-    """Uses the available space: a long text does not enlarge its tile. Its beginning is always visible."""
+    """Uses the available space: a long text does not enlarge its tile. Of a text that does not fit, "…" is the end."""
 
     def __init__(self) -> None:
         super().__init__(wordWrap=True)
         self.factor = 1.0
+        self._whole = ""
         self.setTextFormat(Qt.PlainText)
         self.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Expanding)
 
@@ -67,13 +70,24 @@ class _TodoLabel(QLabel):
 
     def settle(self) -> None:
         """Write the text as large as the space allows."""
-        fits = False
+        self.setText(self._whole)
         for shrink in SHRINK:
-            basic.enlarged(self, shrink * self.factor, bold=True)
-            fits = self.heightForWidth(self.width()) <= self.height()
-            if fits:
-                break
-        self.setAlignment(Qt.AlignLeft | (Qt.AlignVCenter if fits else Qt.AlignTop))
+            basic.enlarged(self, max(LEAST_TEXT, shrink * self.factor), bold=True)
+            if self._fits():
+                return
+        words = self._whole.split(" ")
+        while len(words) > 1 and not self._fits():
+            words.pop()
+            self.setText(f"{' '.join(words)} …")
+
+    def _fits(self) -> bool:
+        return self.heightForWidth(self.width()) <= self.height()
+
+    def show_text(self, text: str) -> None:
+        """Show another text."""
+        if text != self._whole:
+            self._whole = text
+            self.settle()
 
     def resizeEvent(self, event) -> None:
         super().resizeEvent(event)
@@ -146,11 +160,11 @@ class ZoneTile(QFrame):
         self._fit()
         mark, tone = LINES[todo.urgency]
         more = todo.warnings - (todo.urgency is Urgency.LOOK)
-        self.todo.setText(f"{mark}{todo.text}{f'   (⚠ {more} more)' if more > 0 else ''}")
-        self.todo.setToolTip(basic.tip(self.todo.text()))  # the whole text, if it does not fit
+        text = f"{mark}{todo.text}{f'   (⚠ {more} more)' if more > 0 else ''}"
+        self.todo.show_text(text)
+        self.todo.setToolTip(basic.tip(text))  # the whole text, if it does not fit
         tone = basic.OFF if old else tone
         basic.set_style(self.todo, f"background: {tone.background}; color: {tone.text}; padding: 0.1em 0.3em;")
-        self.todo.settle()
         for label in (self.name, self.countdown, self.event, self.todo):
             label.setEnabled(not old)
         border = "0.25em solid palette(highlight)" if chosen else "0.1em solid palette(mid)"
@@ -192,7 +206,7 @@ class ZoneTile(QFrame):
 
 
 STOP_KEY = "Shift+Esc"
-STOP_ALL = "■ STOP ALL ZONES"
+STOP_ALL = "■ STOP ALL ZONES (hold)"
 STOP_TIP = f"Stop the runs of all zones. Hold the button down (keys: {STOP_KEY} twice)."
 HOLD_IT = "To stop all zones, hold the button down until the runs stop"
 NONE_RUNS = "No zone is running"
@@ -200,7 +214,7 @@ NO_CALL = (0, -1)
 NOT_HEARD = "Waiting for the core"
 # Tiles grow with the panel, so that they can be read from a distance, up to the factor MOST. Where space is short they
 # are compact, and shrink to LEAST at the smallest.
-LEAST, MOST = 0.85, 3.5
+LEAST, MOST = 0.7, 3.5
 # Between two tiles, in units of the desktop's font.
 GAP_EMS = 0.3
 
@@ -222,7 +236,7 @@ def _both(zone: str, team: str, metrics: QFontMetrics, width: int) -> str:
     return f"{zone}{BETWEEN}{metrics.elidedText(team, Qt.ElideRight, width - metrics.horizontalAdvance(zone))}"
 
 
-class OverviewPanel(Panel):
+class OverviewPanel(CollapsingPanel):
     """A tile for each zone, in the order of the schedule, so that no tile moves under the mouse."""
 
     TITLE = "Overview"
@@ -233,7 +247,7 @@ class OverviewPanel(Panel):
         self._shape: Optional[Arrangement] = None
         self._calls: Dict[str, Tuple[int, int]] = {}  # zone: port of the run, number of the operation
         self.head = basic.Badge(1.3)
-        self.head.setAlignment(Qt.AlignLeft)  # if the text is too long, its beginning stays visible
+        self.head.setAlignment(Qt.AlignLeft | Qt.AlignVCenter)  # if the text is too long, its beginning stays visible
         self.body.addWidget(self.head)
         self._inside = QWidget()
         self._grid = QGridLayout(self._inside)
@@ -249,6 +263,14 @@ class OverviewPanel(Panel):
         self.body.addWidget(self.stop)
 
     # -- showing ------------------------------------------------------------------------------------
+
+    def show_collapsed(self, is_collapsed: bool) -> None:
+        """Keep the zones that need the referee, and the button that stops all."""
+        self._area.setVisible(not is_collapsed)
+        self.body.setDirection(QBoxLayout.LeftToRight if is_collapsed else QBoxLayout.TopToBottom)
+        self.body.setStretch(0, 1 if is_collapsed else 0)
+        basic.enlarged(self.head, 1.0 if is_collapsed else 1.3, bold=True)
+        basic.enlarged(self.stop, 1.0 if is_collapsed else 1.4, bold=True)
 
     def where(self) -> str:
         return f"All zones  ·  {self.client.moments.with_zone(self.model.clock_s)}" if self.model.gui else "All zones"

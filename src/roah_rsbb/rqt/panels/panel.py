@@ -30,13 +30,15 @@ class Panel(QWidget):
         self._where.setTextFormat(Qt.PlainText)
         self._where.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
         self._news = basic.Badge()
-        line = QHBoxLayout()
-        line.addWidget(self._where, 1)
-        line.addWidget(self._news)
-        self.body = QVBoxLayout()
+        self.heading = QHBoxLayout()
+        self.heading.addWidget(self._where, 1)
+        self.heading.addWidget(self._news)
+        self.content = QWidget()
+        self.body = QVBoxLayout(self.content)
+        self.body.setContentsMargins(0, 0, 0, 0)
         outer = QVBoxLayout(self)
-        outer.addLayout(line)
-        outer.addLayout(self.body, 1)
+        outer.addLayout(self.heading)
+        outer.addWidget(self.content, 1)
         self.model.updated.connect(self._on_update)
 
     def show_model(self) -> None:
@@ -164,10 +166,11 @@ class RefereeLine(QLineEdit):
         self._shared = shared
         self.setMaxLength(MAX_NAME)
         self.setFocusPolicy(Qt.ClickFocus)  # a stray key press must not change the name
-        self.setPlaceholderText("Referee's name")
-        self.setToolTip("Recorded with each score, note and sign-off. Without it, only the program's name is recorded.")
+        self.setPlaceholderText("Enter your name")
+        self.setToolTip("The referee's name. It is recorded with everything that you do here. A sign-off needs it.")
         self.textEdited.connect(lambda text: shared.set(text.strip()))
         shared.changed.connect(self._show)
+        self._mark()
 
     def end(self) -> None:
         """Stop following the name."""
@@ -186,6 +189,13 @@ class RefereeLine(QLineEdit):
     def _show(self, name: str) -> None:
         if name != self.text().strip():
             self.setText(name)
+        self._mark()
+
+    def _mark(self) -> None:
+        """A missing name stands out."""
+        tone = basic.OLD
+        style = "" if self._shared.name else f"QLineEdit {{ background: {tone.background}; color: {tone.text}; }}"
+        basic.set_style(self, style)
 
 
 class RefereePanel(Panel):

@@ -137,7 +137,8 @@ class ResultsPanel(RefereePanel):
         over = summary is not None and summary.closed.to_sec()
         _allow(self.correct, general or ("" if item is not None else "Choose an item above"))
         _allow(self.give_reason, general or ("" if sheet and sheet.stops else "The run has not been stopped yet"))
-        _allow(self.sign, general or ("" if over else "The run is still connected. Disconnect it first."))
+        _allow(self.sign, general or ("" if over else "The run is still connected. Disconnect it first.")
+               or ("" if self.client.referee.name else "Enter your name at the bottom left"))
         self.correct.setText("Correct …" if over else "Change …")
 
     def _why_off(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> str:
@@ -182,7 +183,7 @@ class ResultsPanel(RefereePanel):
         summary = self._summary()
         if summary is None:
             return
-        name = self.client.referee.name or "this client (no name entered)"
+        name = self.client.referee.name
         ask(
             self, f"Sign off {_name(summary)}?",
             f"{summary.score or 'no score'}\n\nSigned by {name}. The sheet cannot be corrected afterwards.", "Sign off",

@@ -7,26 +7,30 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 from roah_rsbb.msg import ModuleScore, ZoneDetails, ZoneScoreGroup, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.edits import Edits
-from roah_rsbb.rqt.panels.history import HistoryDialog
+from roah_rsbb.rqt.panels.history import HistoryDialog, RunSheets, history_of
 from roah_rsbb.rqt.panels.panel import Answer, RefereePanel
 from roah_rsbb.rqt.qt import (
     QFrame,
-    QGroupBox,
     QHBoxLayout,
+    QKeySequence,
     QLabel,
     QMenu,
     QPushButton,
     QScrollArea,
+    QShortcut,
     QStackedLayout,
     Qt,
     QToolButton,
-    QVBoxLayout,
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
-from roah_rsbb.srv import ScoreMark
+from roah_rsbb.rqt.widgets.sheet_view import SheetView
+from roah_rsbb.rqt.widgets.undo import PLACES, UndoRow
+from roah_rsbb.srv import ScoreMark, ScoreWithdraw
+from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
+from roah_rsbb.wording.sheets import HistoryEntry
 
 NO_RUN = "Scoring begins when a robot is connected."
 NO_ITEMS = "This benchmark has nothing for the referee to score."
@@ -46,31 +50,48 @@ class ItemShape(NamedTuple):
 
 
 _BOOL_TEXTS = {0: "No", NOT_ATTEMPTED: "Not attempted"}
+# The items with these numbers have keys.
+LAST_KEY = 9
+
+
+class _Size(NamedTuple):
+    """Sizes of a row: fonts relative to the desktop's, lengths in units of it."""
+
+    text: float
+    button: float
+    number: float
+    high_ems: float
+    wide_ems: float  # of all controls but the menu
+    gap_ems: float
+
+
+_LARGE = _Size(1.2, 1.3, 1.6, 2.0, 9.0, 0.35)
+_COMPACT = _Size(1.0, 1.1, 1.3, 1.8, 6.4, 0.15)
 
 
 class ScoreRow(QWidget):
     """One item: its text, its value, which may be `NOT_ATTEMPTED`, and its controls."""
 
-    def __init__(self, shape: ItemShape, change: Callable[[int], None], ask: Callable[[], None]) -> None:
-        """`change(value)`: the referee set this value; `ask()`: the referee wants to add a note."""
+    def __init__(self, number: int, shape: ItemShape, change: Callable[[int], None], ask: Callable[[], None]) -> None:
+        """`number` in the sheet; `change(value)`: the referee set this value; `ask()`: with a note."""
         super().__init__()
         self._change = change
         self._value = 0
         self._is_bool = shape.kind == ZoneScoreGroup.SCORING_BOOL
-        self._text = basic.enlarged(QLabel(shape.desc, wordWrap=True), 1.2)
-        self._text.setTextFormat(Qt.PlainText)
+        self.key = str(number) if number <= LAST_KEY else ""
+        self.text = QLabel(f"{self.key}  {shape.desc}".strip(), wordWrap=True)
+        self.text.setTextFormat(Qt.PlainText)
         line = QHBoxLayout(self)
         line.setContentsMargins(0, 0, 0, 0)
-        line.addWidget(self._text, 1)
+        line.addWidget(self.text, 1)
         if self._is_bool:
-            self.toggle = self._button("", lambda: self._change(0 if self._value == 1 else 1), 7)
+            self.toggle = self._button("", lambda: self._change(0 if self._value == 1 else 1))
             self.toggle.setCheckable(True)
             self._buttons = [self.toggle]
         else:
-            self.less = self._button("−", lambda: self._change(max(0, self._value - 1)), 3)
-            self.number = basic.enlarged(QLabel("0", alignment=Qt.AlignCenter), 1.6, bold=True)
-            self.number.setMinimumWidth(round(3 * basic.em()))
-            self.more = self._button("+", lambda: self._change(max(0, self._value) + 1), 3)
+            self.less = self._button("−", self.take_back)
+            self.number = QLabel("0", alignment=Qt.AlignCenter)
+            self.more = self._button("+", self.score)
             self._buttons = [self.less, self.more]
         for widget in self._buttons if self._is_bool else (self.less, self.number, self.more):
             line.addWidget(widget)
@@ -79,15 +100,40 @@ class ScoreRow(QWidget):
         self.not_attempted.setCheckable(True)
         self.not_attempted.triggered.connect(lambda on: self._change(NOT_ATTEMPTED if on else 0))
         self.with_note = self.more_menu.addAction("With a note …", ask)
-        self.menu_button = basic.enlarged(QToolButton(), 1.3, bold=True)
+        self.menu_button = QToolButton()
         self.menu_button.setText("⋯")
         self.menu_button.setFocusPolicy(Qt.TabFocus)
         self.menu_button.setPopupMode(QToolButton.InstantPopup)
         self.menu_button.setMenu(self.more_menu)
         basic.set_style(self.menu_button, "QToolButton::menu-indicator { image: none; }")
-        self.menu_button.setMinimumHeight(round(2 * basic.em()))
         line.addWidget(self.menu_button)
         self._buttons.append(self.menu_button)
+        self.set_compact(False)
+
+    def set_compact(self, is_compact: bool) -> None:
+        """Take less width and height, for sheets in two columns."""
+        size = _COMPACT if is_compact else _LARGE
+        em = basic.em()
+        basic.enlarged(self.text, size.text)
+        for button in self._buttons:
+            basic.enlarged(button, size.button, bold=True)
+            button.setFixedHeight(round(size.high_ems * em))
+        self.layout().setSpacing(round(size.gap_ems * em))
+        if self._is_bool:
+            self.toggle.setFixedWidth(round(size.wide_ems * em))
+            return
+        basic.enlarged(self.number, size.number, bold=True)
+        gaps = 2 * self.layout().spacing()
+        for widget in (self.less, self.number, self.more):
+            widget.setFixedWidth(round((size.wide_ems * em - gaps) / 3))
+
+    def score(self) -> None:
+        """Count one more, or yes."""
+        self._change(1 if self._is_bool else max(0, self._value) + 1)
+
+    def take_back(self) -> None:
+        """Count one less, or no."""
+        self._change(0 if self._is_bool else max(0, self._value - 1))
 
     @property
     def value(self) -> int:
@@ -102,6 +148,7 @@ class ScoreRow(QWidget):
         if self._is_bool:
             self.toggle.setChecked(value == 1)
             self.toggle.setText(f"{_BOOL_TEXTS.get(value, '✔ Yes')}{mark}")
+            self.toggle.setAccessibleName(f"{self.text.text()}: {self.toggle.text()}")
             tone = basic.RUNNING
             style = f"background: {tone.background}; color: {tone.text};" if value > 0 and enabled else ""
             basic.set_style(self.toggle, f"QPushButton {{ {style} }}" if style else "")
@@ -116,10 +163,10 @@ class ScoreRow(QWidget):
         if not self._is_bool:
             self.less.setEnabled(enabled and value > 0)
 
-    def _button(self, text: str, pressed: Callable[[], None], width: float) -> QPushButton:
-        button = basic.enlarged(QPushButton(text), 1.3, bold=True)
+    @staticmethod
+    def _button(text: str, pressed: Callable[[], None]) -> QPushButton:
+        button = QPushButton(text)
         button.setFocusPolicy(Qt.TabFocus)
-        button.setMinimumSize(round(width * basic.em()), round(2 * basic.em()))
         button.clicked.connect(pressed)
         return button
 
@@ -157,11 +204,10 @@ class ScoringPanel(RefereePanel):
         self._clock_steps = 0
         self.rows: Dict[ItemName, ScoreRow] = {}
         self._nothing = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.3)
-        self._area = QScrollArea(widgetResizable=True)
-        self._area.setFrameShape(QFrame.NoFrame)
+        self.sheet = SheetView()
         self._stack = QStackedLayout()
         self._stack.addWidget(self._nothing)
-        self._stack.addWidget(self._area)
+        self._stack.addWidget(self.sheet)
         self.body.addLayout(self._stack, 2)
         self.module_scores = ModuleScores()
         self.body.addWidget(self.module_scores, 1)
@@ -173,7 +219,20 @@ class ScoringPanel(RefereePanel):
         last.addWidget(self.referee, 1)
         last.addWidget(self._answer, 2)
         last.addWidget(self.history)
+        self._sheets = RunSheets(self, client.calls, self._on_update)
+        self.undo = UndoRow(self._undo)
+        self.body.addWidget(self.undo)
         self.body.addLayout(last)
+        for number in range(1, LAST_KEY + 1):
+            self._key(str(number), partial(self._press, number, ScoreRow.score))
+            self._key(f"Shift+{number}", partial(self._press, number, ScoreRow.take_back))
+
+    def _key(self, key: str, pressed: Callable[[], None]) -> None:
+        # Of this window only: a key that is pressed in a dialog is not meant for the sheet.
+        shortcut = QShortcut(QKeySequence(key), self)
+        shortcut.setContext(Qt.WindowShortcut)
+        shortcut.setAutoRepeat(False)
+        shortcut.activated.connect(pressed)
 
     # -- showing ------------------------------------------------------------------------------------
 
@@ -196,6 +255,15 @@ class ScoringPanel(RefereePanel):
         elif zone is not None:
             self._show_values(zone, details)
         self.history.setEnabled(bool(shapes) and details is not None and bool(details.identity))
+        self._show_undo("" if details is None else details.identity)
+
+    def _show_undo(self, identity: str) -> None:
+        """Show the last marks of the run."""
+        summary = next((run for run in self.model.runs_of(self._sheet[0]) if run.identity == identity), None) \
+            if self._sheet and identity else None
+        sheet = None if summary is None else self._sheets.sheet(summary)
+        entries = [] if sheet is None else sheets.to_undo(history_of(sheet), PLACES)
+        self.undo.show_entries(entries, self.model.clock_s, SILENT if self.model.is_old else "")
 
     def _show_values(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
         marks = iter(() if details is None else details.not_attempted)
@@ -212,22 +280,34 @@ class ScoringPanel(RefereePanel):
     def _build(self, shapes: List[ItemShape]) -> None:
         """Create the rows of another sheet."""
         self.rows = {}
-        inside = QWidget()
-        column = QVBoxLayout(inside)
-        boxes: Dict[str, QVBoxLayout] = {}
-        for shape in shapes:
-            if shape.group not in boxes:
-                box = basic.enlarged(QGroupBox(shape.group), 1.1, bold=True)
-                boxes[shape.group] = QVBoxLayout(box)
-                column.addWidget(box)
+        self.sheet.clear()
+        for number, shape in enumerate(shapes, 1):
             item = (shape.group, shape.desc)
-            self.rows[item] = ScoreRow(shape, partial(self._change, item), partial(self._ask, shape))
-            boxes[shape.group].addWidget(self.rows[item])
-        column.addStretch(1)
-        self._area.setWidget(inside)
+            self.rows[item] = ScoreRow(number, shape, partial(self._change, item), partial(self._ask, shape))
+            self.sheet.add(shape.group, self.rows[item])
+        self.sheet.settle()
         self._stack.setCurrentIndex(1 if shapes else 0)
 
     # -- changing -----------------------------------------------------------------------------------
+
+    def _press(self, number: int, act: Callable[[ScoreRow], None]) -> None:
+        """The key of an item was pressed."""
+        row = next((row for row in self.rows.values() if row.key == str(number)), None)
+        if row is not None and not self.model.is_old:
+            act(row)
+
+    def _undo(self, entry: HistoryEntry) -> None:
+        """Withdraw one of the last marks."""
+        details = self.model.zone_details
+        if details is None or not details.identity:
+            return
+        what = f"Undo: {sheets.mark_text(entry)}"
+        self._answer.say(f"{what} …")
+        self.client.calls.service(
+            self, "/core/score/withdraw", ScoreWithdraw,
+            (details.zone, details.identity, entry.number, "", self.client.referee.name),
+            lambda outcome: self._answer.show_outcome(what, outcome),
+        )
 
     def _change(self, item: ItemName, value: int) -> None:
         """Handle another value that the referee set."""

@@ -2,7 +2,7 @@
 
 from roah_rsbb.msg import ZoneState
 from roah_rsbb.ros.tail import added
-from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import QCheckBox, QFontDatabase, QPlainTextEdit, QTextCursor
 from roah_rsbb.rqt.widgets.text_search import TextSearch
 
@@ -10,7 +10,7 @@ from roah_rsbb.rqt.widgets.text_search import TextSearch
 MAX_LINES = 5000
 
 
-class TextPanel(Panel):
+class TextPanel(CollapsingPanel):
     """Shows a text of the zone and follows its end, unless the referee scrolls."""
 
     NOTHING = ""
@@ -37,6 +37,10 @@ class TextPanel(Panel):
     def text_of(self, zone: ZoneState) -> str:
         """Returns the text that this panel shows."""
         raise NotImplementedError
+
+    def where(self) -> str:
+        last = self._published.rstrip("\n").rpartition("\n")[2]
+        return f"{self.TITLE}: {last}" if self.is_collapsed and last else super().where()
 
     def show_model(self) -> None:
         zone = self.model.zone

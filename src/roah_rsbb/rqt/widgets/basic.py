@@ -72,6 +72,11 @@ def show_dialog(dialog: QDialog) -> None:
         if other.property("is_question"):
             other.reject()
     dialog.setProperty("is_question", True)
+    show_alone(dialog)
+
+
+def show_alone(dialog: QDialog) -> None:
+    """Show a dialog that asks nothing. It blocks no other window."""
     dialog.setWindowModality(Qt.NonModal)
     dialog.show()
     dialog.raise_()
@@ -140,6 +145,7 @@ class FittedText(QWidget):
         super().__init__(parent)
         self._text = ""
         self._tone: Optional[Tone] = None
+        self._framed = False
         self._lines_high = lines_high
         self.setSizePolicy(QSizePolicy.Expanding, QSizePolicy.Expanding)
 
@@ -153,10 +159,10 @@ class FittedText(QWidget):
             self._text = text
             self.update()
 
-    def set_tone(self, tone: Optional[Tone]) -> None:
-        """Show the text in these colours; None: in the usual ones."""
-        if tone != self._tone:
-            self._tone = tone
+    def set_tone(self, tone: Optional[Tone], framed: bool = False) -> None:
+        """Show the text in these colours, perhaps in a frame; None: in the usual ones."""
+        if (tone, framed) != (self._tone, self._framed):
+            self._tone, self._framed = tone, framed
             self.update()
 
     def sizeHint(self) -> QSize:
@@ -170,7 +176,9 @@ class FittedText(QWidget):
         painter.setFont(self.fitted_font())
         painter.setPen(self.palette().color(QPalette.WindowText))
         if self._tone is not None:
-            painter.fillRect(self.rect(), QColor(self._tone.background))
+            edge = round(0.4 * em()) if self._framed else 0
+            painter.fillRect(self.rect(), Qt.black)
+            painter.fillRect(self.rect().adjusted(edge, edge, -edge, -edge), QColor(self._tone.background))
             painter.setPen(QColor(self._tone.text))
         painter.drawText(self.rect(), Qt.AlignCenter, self._text)
 

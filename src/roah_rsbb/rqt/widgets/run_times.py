@@ -2,20 +2,19 @@
 
 from typing import Optional
 
-from roah_rsbb.rqt.qt import QGridLayout, QLabel, Qt, QWidget
+from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, Qt, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.clock import Clock, Figure, Hurry
 
 UNKNOWN = Clock(Figure("Time", "–:––"))
-# How the last seconds look. Those of the last 10 s have marks, so that they stand out without colour.
+# How the last seconds look. Those of the last 10 s have marks, words and a frame: they stand out without colour.
 _TONES = {Hurry.NO: None, Hurry.SOON: basic.OLD, Hurry.LAST: basic.ALARM}
-_LAST = "‼ {} ‼"
-_LAST_LABEL = "LAST SECONDS · {}"
+_LAST = "‼ LAST SECONDS ‼ {}"
 
 
 def marked(figure: Figure) -> str:
-    """Returns the time, with marks in its last seconds."""
-    return _LAST.format(figure.text) if figure.hurry is Hurry.LAST else figure.text
+    """Returns the time, with a mark in its last seconds."""
+    return f"‼ {figure.text}" if figure.hurry is Hurry.LAST else figure.text
 
 
 def tone_of(figure: Figure) -> Optional[basic.Tone]:
@@ -31,19 +30,19 @@ class _Time(QWidget):
         self.label = QLabel(alignment=Qt.AlignCenter)
         self.label.setMinimumWidth(1)
         self.figure = basic.FittedText(lines_high=2.6)
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 0, 0, 0)
-        grid.setSpacing(0)
-        grid.addWidget(self.label, 0, 0)
-        grid.addWidget(self.figure, 1, 0)
-        grid.setRowStretch(1, 1)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.label)
+        column.addWidget(self.figure, 1)
 
     def show_figure(self, figure: Figure, is_old: bool) -> None:
         """Show a time. Brackets and grey show that it is old."""
         is_last = figure.hurry is Hurry.LAST
-        self.label.setText(_LAST_LABEL.format(figure.label) if is_last else figure.label)
-        self.figure.setText(f"({figure.text})" if is_old else marked(figure))
-        self.figure.set_tone(None if is_old else tone_of(figure))
+        self.label.setText(_LAST.format(figure.label) if is_last else figure.label)
+        basic.enlarged(self.label, 1.0, bold=is_last)
+        self.figure.setText(f"({figure.text})" if is_old else figure.text)
+        self.figure.set_tone(None if is_old else tone_of(figure), framed=is_last)
         self.figure.setEnabled(not is_old)
 
 
@@ -55,15 +54,14 @@ class RunTimes(QWidget):
         self.main, self.goal = _Time(), _Time()
         self.aside = QLabel(" ", alignment=Qt.AlignCenter)
         self.aside.setMinimumWidth(1)
-        grid = QGridLayout(self)
-        grid.setContentsMargins(0, 0, 0, 0)
-        grid.setVerticalSpacing(0)
-        grid.addWidget(self.main, 0, 0)
-        grid.addWidget(self.goal, 0, 1)
-        grid.addWidget(self.aside, 1, 0, 1, 2)
-        grid.setRowStretch(0, 1)
-        for column in range(2):
-            grid.setColumnStretch(column, 1)
+        figures = QHBoxLayout()
+        figures.addWidget(self.main, 1)
+        figures.addWidget(self.goal, 1)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addLayout(figures, 1)
+        column.addWidget(self.aside)
 
     def show_clock(self, clock: Optional[Clock], is_old: bool) -> None:
         """Show the times of a run; None: they are not known."""

@@ -1,0 +1,89 @@
+"""Panels that leave their space to Scoring while a run of the zone is scored, on small screens.
+
+They collapse when the run starts, keep a line in sight, and come back when it is disconnected. A button in the line
+shows them before. It works in rqt as in our window: a dock with a small maximum height leaves its space to the others.
+"""
+
+from typing import Optional
+
+from roah_rsbb.rqt.panels.panel import Panel
+from roah_rsbb.rqt.qt import QDockWidget, QMainWindow, Qt, QTimer, QToolButton, QWidget
+from roah_rsbb.rqt.widgets import basic
+
+# In a higher window there is space for all, in units of the desktop's font.
+HIGH_WINDOW_EMS = 75
+SCORING = "ScoringPanel"
+SHOW, HIDE = "▸", "▾"
+SHOW_TIP, HIDE_TIP = "Show this panel now", "Leave the space to Scoring"
+NO_LIMIT = 16777215  # Qt's QWIDGETSIZE_MAX
+
+
+class CollapsingPanel(Panel):
+    """Base of these panels."""
+
+    def __init__(self, client, parent=None) -> None:
+        super().__init__(client, parent)
+        self.is_collapsed = False
+        self._run = ""  # that is scored
+        self._height = 0  # of the dock, before
+        self.toggle = QToolButton()
+        self.toggle.setFocusPolicy(Qt.TabFocus)
+        self.toggle.clicked.connect(lambda: self._collapse(not self.is_collapsed))
+        self.toggle.hide()
+        self.heading.addWidget(self.toggle)
+        # Also while the panel is hidden behind others, because its limit holds for all of them.
+        self.model.updated.connect(self._watch)
+
+    def shutdown(self) -> None:
+        self.model.updated.disconnect(self._watch)
+        super().shutdown()
+
+    def show_collapsed(self, is_collapsed: bool) -> None:
+        """Show what remains in sight, or everything."""
+        self.content.setVisible(not is_collapsed)
+
+    def _watch(self) -> None:
+        zone, details = self.model.zone, self.model.zone_details
+        if zone is None or details is None:
+            return
+        is_scored = details.phase in ("running", "ended") and bool(zone.scoring)
+        run = details.identity if is_scored else ""
+        if run != self._run:
+            self._run = run
+            self._collapse(bool(run) and self._is_in_the_way())
+
+    def _is_in_the_way(self) -> bool:
+        """Whether Scoring could use the space: it is in the same, small window."""
+        window, dock = self.window(), self._dock()
+        if dock is None or dock.isFloating() or window.height() > HIGH_WINDOW_EMS * basic.em():
+            return False
+        return window.findChild(QWidget, SCORING) is not None
+
+    def _dock(self) -> Optional[QDockWidget]:
+        widget = self.parentWidget()
+        while widget is not None and not isinstance(widget, QDockWidget):
+            widget = widget.parentWidget()
+        return widget
+
+    def _collapse(self, is_collapsed: bool) -> None:
+        self.toggle.setVisible(bool(self._run) and (is_collapsed or self._is_in_the_way()))
+        self.toggle.setText(SHOW if is_collapsed else HIDE)
+        self.toggle.setToolTip(SHOW_TIP if is_collapsed else HIDE_TIP)
+        if is_collapsed == self.is_collapsed:
+            return
+        self.is_collapsed = is_collapsed
+        dock = self._dock()
+        if is_collapsed and dock is not None:
+            self._height = dock.height()
+        self.show_collapsed(is_collapsed)
+        self.layout().activate()
+        self.setMaximumHeight(self.layout().minimumSize().height() if is_collapsed else NO_LIMIT)
+        if not is_collapsed and dock is not None:
+            QTimer.singleShot(0, self._grow)
+        self._on_update()
+
+    def _grow(self) -> None:
+        """Take the height from before."""
+        dock, window = self._dock(), self.window()
+        if dock is not None and isinstance(window, QMainWindow) and not self.is_collapsed:
+            window.resizeDocks([dock], [self._height], Qt.Vertical)

@@ -1,0 +1,77 @@
+"""A frame around the widget that has the focus. Many desktop styles hardly show it."""
+
+from typing import Optional
+
+from roah_rsbb.rqt.qt import QApplication, QEvent, QObject, QPainter, QPalette, QPen, QSplitter, Qt, QWidget
+
+WIDTH = 3
+
+
+class _Frame(QWidget):
+    """The frame. It takes neither the mouse nor the focus."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WA_TransparentForMouseEvents)
+        self.setFocusPolicy(Qt.NoFocus)
+        self.setObjectName("focus ring")
+
+    def paintEvent(self, event) -> None:
+        painter = QPainter(self)
+        half = WIDTH // 2 + 1
+        # Light and dark: visible on every colour.
+        for colour, width in ((self.palette().color(QPalette.Base), WIDTH + 2),
+                              (self.palette().color(QPalette.Highlight), WIDTH)):
+            painter.setPen(QPen(colour, width))
+            painter.drawRect(self.rect().adjusted(half, half, -half, -half))
+
+
+class FocusRing(QObject):
+    """Keeps the frame around the widget with the focus, in the windows for which `belongs` holds."""
+
+    def __init__(self, belongs) -> None:
+        """`belongs(widget)`: whether the widget is one of ours."""
+        super().__init__()
+        self._belongs = belongs
+        self._frame: Optional[_Frame] = None
+        self._on: Optional[QWidget] = None
+        QApplication.instance().focusChanged.connect(self._follow)
+
+    def end(self) -> None:
+        """Stop following."""
+        QApplication.instance().focusChanged.disconnect(self._follow)
+        self._leave()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if watched is self._on:
+            if event.type() in (QEvent.Move, QEvent.Resize, QEvent.Show):
+                self._place()
+            elif event.type() in (QEvent.Hide, QEvent.DeferredDelete):
+                self._leave()
+        return False
+
+    def _follow(self, _before: Optional[QWidget], widget: Optional[QWidget]) -> None:
+        self._leave()
+        parent = None if widget is None else widget.parentWidget()
+        # A splitter would take the frame for one of its parts.
+        if parent is None or isinstance(parent, QSplitter) or not self._belongs(widget):
+            return
+        self._on = widget
+        widget.installEventFilter(self)
+        self._frame = _Frame(parent)
+        self._place()
+        self._frame.show()
+
+    def _place(self) -> None:
+        if self._frame is not None and self._on is not None:
+            self._frame.setGeometry(self._on.geometry().adjusted(-1, -1, 1, 1))
+            self._frame.raise_()
+
+    def _leave(self) -> None:
+        if self._on is not None:
+            self._on.removeEventFilter(self)
+        if self._frame is not None:
+            self._frame.hide()
+            self._frame.setParent(None)
+            self._frame.deleteLater()
+        self._on = self._frame = None

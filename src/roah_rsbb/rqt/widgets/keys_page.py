@@ -1,0 +1,94 @@
+"""The page with all keys: `?` opens it, wherever the focus is but in a text."""
+
+from typing import Optional
+
+from roah_rsbb.rqt.qt import (
+    QAbstractSpinBox,
+    QApplication,
+    QDialog,
+    QDialogButtonBox,
+    QEvent,
+    QGridLayout,
+    QGuiApplication,
+    QLabel,
+    QLineEdit,
+    QObject,
+    Qt,
+    QWidget,
+)
+from roah_rsbb.rqt.widgets import basic
+
+# docs/referee.md has the same table.
+KEYS = (
+    ("F5 twice", "start the benchmark of the zone"),
+    ("Esc twice", "stop the run of the zone, wherever the focus is"),
+    ("Shift+Esc twice", "stop the runs of all zones"),
+    ("1 to 9", "score the item with this number: count one more, or yes"),
+    ("Shift+1 to 9", "take it back: count one less, or no"),
+    ("Tab, Shift+Tab", "go to the next or previous control; a frame shows where you are"),
+    ("Space", "press the button in the frame"),
+    ("Ctrl+F, F3, Shift+F3", "in a log: search, next, previous"),
+    ("?", "open this page; Esc closes it"),
+)
+WIDE_EMS = 40
+
+
+class KeysDialog(QDialog):
+    """The table of all keys."""
+
+    def __init__(self, parent: Optional[QWidget]) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WA_DeleteOnClose)
+        self.setWindowTitle("Keys")
+        grid = QGridLayout(self)
+        grid.setHorizontalSpacing(round(1.5 * basic.em()))
+        for row, (key, text) in enumerate(KEYS):
+            grid.addWidget(basic.enlarged(QLabel(key), 1.2, bold=True), row, 0, Qt.AlignTop)
+            what = basic.enlarged(QLabel(text, wordWrap=True), 1.2)
+            grid.addWidget(what, row, 1)
+        grid.setColumnStretch(1, 1)
+        buttons = QDialogButtonBox(QDialogButtonBox.Close)
+        buttons.rejected.connect(self.reject)
+        grid.addWidget(buttons, len(KEYS), 0, 1, 2)
+        self.resize(round(WIDE_EMS * basic.em()), self.sizeHint().height())
+
+
+class KeysKey(QObject):
+    """Opens the page when `?` is pressed in a window of this process."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._dialog: Optional[KeysDialog] = None
+        QGuiApplication.instance().focusWindowChanged.connect(self._watch)
+        self._watch(QGuiApplication.focusWindow())
+
+    def end(self) -> None:
+        """Stop watching."""
+        QGuiApplication.instance().focusWindowChanged.disconnect(self._watch)
+        for window in QGuiApplication.allWindows():
+            window.removeEventFilter(self)
+
+    def open(self) -> None:
+        """Open the page, or bring it to the front."""
+        if self._dialog is None:
+            self._dialog = KeysDialog(QApplication.activeWindow())
+            self._dialog.destroyed.connect(self._forget)
+        basic.show_alone(self._dialog)
+
+    def eventFilter(self, _window: QObject, event: QEvent) -> bool:
+        if event.type() == QEvent.KeyPress and event.text() == "?" and not _is_typing():
+            self.open()
+            return True
+        return False
+
+    def _watch(self, window) -> None:
+        if window is not None:
+            window.installEventFilter(self)
+
+    def _forget(self) -> None:
+        self._dialog = None
+
+
+def _is_typing() -> bool:
+    """Whether the focus is in a field for text."""
+    return isinstance(QApplication.focusWidget(), (QLineEdit, QAbstractSpinBox))

@@ -1,0 +1,124 @@
+"""The items of a score sheet in their groups: in one column or two, so that all of them are in sight.
+
+Disqualifying items stay in sight even where the others must scroll.
+"""
+
+from typing import Dict, List, NamedTuple, Optional
+
+from roah_rsbb.rqt.qt import QFrame, QGridLayout, QGroupBox, QScrollArea, QTimer, QVBoxLayout, QWidget
+from roah_rsbb.rqt.widgets import basic
+
+# Groups whose names begin so are never hidden.
+PINNED = "disqualif"
+# Where the sheet has less width, it stays in one column, in units of the desktop's font.
+TWO_COLUMNS_EMS = 34
+
+
+class _Group(NamedTuple):
+    box: QGroupBox
+    grid: QGridLayout
+    rows: List[QWidget]
+
+
+class Arrangement(NamedTuple):
+    """How the items are arranged."""
+
+    columns: int
+    is_compact: bool
+
+
+# The first one in which all items are in sight is used; the last one scrolls if need be.
+ARRANGEMENTS = (Arrangement(1, False), Arrangement(1, True), Arrangement(2, True))
+
+
+class SheetView(QWidget):
+    """Shows rows in groups. A row has `set_compact(is_compact)`."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._groups: Dict[str, _Group] = {}
+        self.arrangement: Optional[Arrangement] = None
+        self._area = QScrollArea(widgetResizable=True)
+        self._area.setFrameShape(QFrame.NoFrame)
+        self._pinned = QWidget()
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(round(0.2 * basic.em()))
+        column.addWidget(self._area, 1)
+        column.addWidget(self._pinned)
+        self._inside: Optional[QVBoxLayout] = None
+        self._below = QVBoxLayout(self._pinned)
+        self._below.setContentsMargins(0, 0, 0, 0)
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(self._settle)
+
+    def clear(self) -> None:
+        """Remove all rows."""
+        for group in self._groups.values():
+            group.box.hide()
+            group.box.deleteLater()
+        self._groups = {}
+        inside = QWidget()
+        self._inside = QVBoxLayout(inside)
+        self._inside.setContentsMargins(0, 0, 0, 0)
+        self._inside.addStretch(1)
+        self._area.setWidget(inside)
+        self.arrangement = None
+
+    def add(self, group: str, row: QWidget) -> None:
+        """Add a row to a group. Call `settle` after the last one."""
+        if group not in self._groups:
+            box = basic.enlarged(QGroupBox(group), 1.0, bold=True)
+            grid = QGridLayout(box)
+            edge = round(0.3 * basic.em())
+            grid.setContentsMargins(edge, edge, edge, edge)
+            grid.setHorizontalSpacing(round(0.8 * basic.em()))
+            grid.setVerticalSpacing(round(0.15 * basic.em()))
+            self._groups[group] = _Group(box, grid, [])
+            if group.lower().startswith(PINNED):
+                self._below.addWidget(box)
+            else:
+                self._inside.insertWidget(self._inside.count() - 1, box)
+        self._groups[group].rows.append(row)
+
+    def settle(self) -> None:
+        """Choose the number of columns, once the layout is up to date."""
+        self._arrange(ARRANGEMENTS[0])
+        self._soon.start()
+
+    def resizeEvent(self, event) -> None:
+        super().resizeEvent(event)
+        self._soon.start()
+
+    def _settle(self) -> None:
+        if not self._groups:
+            return
+        is_wide = self.width() >= TWO_COLUMNS_EMS * basic.em()
+        for arrangement in ARRANGEMENTS:
+            if arrangement.columns == 1 or is_wide:
+                self._arrange(arrangement)
+                if self._needed() <= self.height():
+                    return
+
+    def _needed(self) -> int:
+        """The height of all groups, at the present width."""
+        width = self.width()
+        for group in self._groups.values():
+            group.box.layout().invalidate()
+        layouts = [self._below] + ([self._inside] if self._inside is not None else [])
+        for layout in layouts:
+            layout.invalidate()
+        heights = [max(layout.totalHeightForWidth(width), layout.totalSizeHint().height()) if layout.hasHeightForWidth()
+                   else layout.totalSizeHint().height() for layout in layouts]
+        return sum(heights) + self.layout().spacing()
+
+    def _arrange(self, arrangement: Arrangement) -> None:
+        if arrangement == self.arrangement:
+            return
+        self.arrangement = arrangement
+        for group in self._groups.values():
+            for index, row in enumerate(group.rows):
+                row.set_compact(arrangement.is_compact)
+                group.grid.addWidget(row, *divmod(index, arrangement.columns))
+            for column in range(2):
+                group.grid.setColumnStretch(column, 1 if column < arrangement.columns else 0)
