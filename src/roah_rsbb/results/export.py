@@ -32,6 +32,7 @@ RESULT_COLUMNS = _RUN_COLUMNS + _ROW_COLUMNS
 
 STANDING_COLUMNS = (
     "benchmark", "of_runs", "rank", "tied", "team", "disqualified", "criterion", "better", "number", "runs", "run_ids",
+    "title", "unit",
 )
 
 
@@ -114,11 +115,11 @@ def standing_rows(standings: Iterable[Standing]) -> Iterator[Dict[str, Cell]]:
     for standing in standings:
         for team in standing.lines:
             identities: List[str] = [run.record.identity for run in team.runs]
-            for criterion, number in zip(standing.criteria, team.numbers):
+            for criterion, number, unit in zip(standing.criteria, team.numbers, standing.units):
                 yield dict(zip(STANDING_COLUMNS, (
                     standing.benchmark, standing.of_runs.value, team.rank, team.tied, team.team, team.disqualified,
                     criterion.name, "more" if criterion.more_is_better else "less", number, len(identities),
-                    " ".join(identities),
+                    " ".join(identities), standing.title, unit,
                 )))
 
 
@@ -167,8 +168,11 @@ def _run_value(result: RunResult) -> Dict[str, Any]:
 
 def _standing_value(standing: Standing) -> Dict[str, Any]:
     return {
-        "benchmark": standing.benchmark, "of_runs": standing.of_runs.value,
-        "criteria": [{"name": c.name, "better": "more" if c.more_is_better else "less"} for c in standing.criteria],
+        "benchmark": standing.benchmark, "title": standing.title, "of_runs": standing.of_runs.value,
+        "criteria": [
+            {"name": c.name, "better": "more" if c.more_is_better else "less", "unit": unit}
+            for c, unit in zip(standing.criteria, standing.units)
+        ],
         "teams": [
             {"rank": t.rank, "tied": t.tied, "team": t.team, "numbers": list(t.numbers), "disqualified": t.disqualified,
              "runs": [

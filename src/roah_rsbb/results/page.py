@@ -5,14 +5,21 @@ external parts, and its content security policy forbids the browser to load, run
 """
 
 import html
-from typing import Iterable, Sequence, Union
+import re
+from typing import Callable, Iterable, Sequence, Union
 
 from roah_rsbb.wording.texts import visible
 
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
 
 # Elements without an end tag.
-_VOID = frozenset(("br", "meta"))
+_VOID = frozenset(("br", "meta", "wbr"))
+# Elements that contain nothing but text.
+_TEXT_ONLY = frozenset(("title", "text"))
+# No word is broken, except a longer one, which would be wider than its column. Names have signs where they may break.
+LONGEST_WORD = 22
+_LONG_WORD = re.compile(rf"[^\s]{{{LONGEST_WORD + 1},}}")
+_PIECE = re.compile(rf"[^\W_]{{1,{LONGEST_WORD}}}[\W_]{{0,3}}|[\W_]{{1,{LONGEST_WORD}}}")
 
 _STYLE = """
 @page { size: A4; margin: 14mm 13mm; }
@@ -24,21 +31,38 @@ h3 { font-size: 10pt; margin: 3mm 0 1mm; break-after: avoid; }
 p { margin: 1mm 0; } .small { font-size: 8pt; color: #444; }
 table { border-collapse: collapse; width: 100%; } thead { display: table-header-group; } tr { break-inside: avoid; }
 th, td { text-align: left; vertical-align: top; padding: .7mm 1.6mm; border-bottom: .2mm solid #bbb;
-  overflow-wrap: anywhere; white-space: pre-wrap; min-width: 15mm; }
-th { font-size: 8pt; color: #444; white-space: normal; overflow-wrap: normal; }
+  white-space: pre-wrap; min-width: 15mm; }
+th { font-size: 8pt; color: #444; white-space: normal; }
 .number { text-align: right; min-width: 9mm; } .time { min-width: 18mm; width: 18mm; }
-td.number, td.time { white-space: nowrap; overflow-wrap: normal; } td.time { font-size: 8.5pt; }
+td.number, td.time { white-space: nowrap; } td.time { font-size: 8.5pt; }
 table.facts { width: auto; } table.facts th { width: 30mm; font-size: 10pt; }
 td.value { min-width: 28mm; width: 28mm; font-weight: bold; } .who { min-width: 34mm; width: 34mm; }
 .team, .change { min-width: 26mm; } .what { min-width: 34mm; }
-td.when { min-width: 23mm; width: 23mm; white-space: normal; overflow-wrap: normal; font-size: 8.5pt; }
+td.when { min-width: 23mm; width: 23mm; white-space: normal; font-size: 8.5pt; }
 .mark { font-size: 8pt; border: .2mm solid #111; border-radius: .8mm; padding: 0 1mm; white-space: nowrap; }
 .bad { font-weight: bold; } del { color: #555; }
-.signatures { display: flex; gap: 10mm; margin: 18mm 0 6mm; break-inside: avoid; }
+.front { display: flex; flex-direction: column; min-height: 262mm; margin-bottom: 8mm; }
+.content { flex: 1 1 auto; min-height: 0; } .front + .front, .annex { break-before: page; }
+.front table.facts { width: 100%; } .front table.facts th { width: 24mm; font-size: 8pt; } .front tr { height: 5.6mm; }
+.front table.facts td { width: 68mm; } .front h2 { margin-top: 4mm; }
+.scores table { margin: 0 0 2.5mm; } .scores th.title { font-size: 10pt; color: #111; }
+.scores td.value { width: 25mm; min-width: 25mm; text-align: right; white-space: normal; }
+.scores .number { width: 14mm; } .scores.two, .scores.three { column-gap: 6mm; font-size: 8.5pt; }
+.scores.two { columns: 2; } .scores.three { columns: 3; font-size: 7pt; }
+.scores.two tr { height: 4.6mm; } .scores.three tr { height: 3.6mm; }
+.scores.two td, .scores.two th, .scores.three td, .scores.three th { padding: .3mm .8mm; min-width: 0; }
+.scores.two th.title { font-size: 9pt; } .scores.three th.title { font-size: 8pt; }
+.scores.two td.value { width: 19mm; min-width: 19mm; } .scores.three td.value { width: 15mm; min-width: 15mm; }
+.scores.two .number, .scores.three .number { width: 10mm; }
+table.totals { width: 100%; margin-top: 1mm; border-top: .4mm solid #111; }
+table.totals th { font-size: 10pt; color: #111; } table.totals td { font-weight: bold; }
+.line { border-bottom: .2mm solid #888; height: 7mm; margin: 0; }
+.remark { font-size: 9pt; max-height: 2.7em; overflow: hidden; }
+.signatures { display: flex; gap: 10mm; flex: none; padding-top: 16mm; break-inside: avoid; }
 .signatures div { flex: 1; border-top: .3mm solid #111; padding-top: 1mm; font-size: 8pt; }
-.annex { break-before: page; }
 svg { width: 100%; height: auto; display: block; break-inside: avoid; }
-@media print { body { margin: 0; padding: 0; max-width: none; } a { color: inherit; text-decoration: none; } }
+@media print { .front { height: 262mm; margin: 0; } .content { overflow: hidden; }
+  body { margin: 0; padding: 0; max-width: none; } a { color: inherit; text-decoration: none; } }
 """
 
 
@@ -59,12 +83,27 @@ def tag(name: str, /, *children: Child, **attributes: object) -> Markup:
             parts.append(f' {key.rstrip("_").replace("_", "-")}="{html.escape(visible(str(value)))}"')
     if name in _VOID:
         return Markup("".join(parts) + ">")
-    return Markup("".join(parts) + ">" + joined(children) + f"</{name}>")
+    escape = escaped if name in _TEXT_ONLY else breakable
+    return Markup("".join(parts) + ">" + joined(children, escape) + f"</{name}>")
 
 
-def joined(children: Iterable[Child]) -> Markup:
+def escaped(text: str) -> Markup:
+    """Escape a text."""
+    return Markup(html.escape(visible(text)))
+
+
+def breakable(text: str) -> Markup:
+    """Escape a text, and mark where words of excessive length may break."""
+    return Markup("".join(
+        "<wbr>".join(html.escape(piece) for piece in _PIECE.findall(part)) if _LONG_WORD.fullmatch(part)
+        else html.escape(part)
+        for part in re.split(r"(\s+)", visible(text))
+    ))
+
+
+def joined(children: Iterable[Child], escape: Callable[[str], Markup] = breakable) -> Markup:
     """Concatenate texts and markup; texts are escaped."""
-    return Markup("".join(c if isinstance(c, Markup) else html.escape(visible(c)) for c in children))
+    return Markup("".join(c if isinstance(c, Markup) else escape(c) for c in children))
 
 
 def table(headings: Sequence[Child], rows: Iterable[Sequence[Child]], classes: Sequence[str] = ()) -> Markup:

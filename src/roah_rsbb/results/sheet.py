@@ -1,13 +1,15 @@
 """A run's score sheet, for the terminal and as a page that can be printed."""
 
 from functools import partial
-from typing import Iterator, List, Tuple
+from typing import Iterator, List, Optional, Tuple
 
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord, grouped
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
 from roah_rsbb.results.link_report import Rows, link_lines, link_plot
 from roah_rsbb.results.page import Child, Markup, facts_table, joined, page, table, tag
+from roah_rsbb.results.paper import front_markup, front_of
 from roah_rsbb.results.runs import RobotPart, RunResult, signature_of, state_of
+from roah_rsbb.results.standing_rules import Rules
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.texts import one_line as line
@@ -149,25 +151,21 @@ def _reason(stop: StopRecord) -> str:
 # -- as a page --------------------------------------------------------------------------------------
 
 
-_SIGNERS = ("Referee: name, date, signature", "Team: name, date, signature")
-
-
-def sheet_page(result: RunResult, in_utc: bool) -> str:
-    """Return the page of a run."""
+def sheet_page(
+    result: RunResult, in_utc: bool, rules: Optional[Rules] = None, benchmark: str = "", appendix: bool = True
+) -> str:
+    """Return the page of a run. `rules`: how its benchmark is ranked; `benchmark`: what it is called."""
     record = result.record
     title = _title(record)
-    body: List[Child] = [
-        tag("h1", title),
-        tag("p", "Score sheet" if record.sign_off else "Score sheet, not signed off: may still change"),
-        facts_table(_page_facts(result, in_utc)),
-        *_items_markup(record), *_modules_markup(record), *_history_markup(record, in_utc),
-        *_stops_markup(record, in_utc),
-        tag("div", *(tag("div", signer) for signer in _SIGNERS), class_="signatures"),
-    ]
-    annex = [_section(section, in_utc) for section in sections(result)]
-    annex += [part for robot in result.robots for part in _link(result, robot, in_utc)]
-    if annex:
-        body.append(tag("div", tag("h1", "What happened"), tag("p", title), *annex, class_="annex"))
+    body: List[Child] = [front_markup(front_of(record, rules, benchmark, in_utc))]
+    if appendix:
+        annex = [
+            tag("h1", "Appendix"), tag("p", title), facts_table(_page_facts(result, in_utc)),
+            *_items_markup(record), *_modules_markup(record), *_history_markup(record, in_utc),
+            *_stops_markup(record, in_utc), *(_section(section, in_utc) for section in sections(result)),
+            *(part for robot in result.robots for part in _link(result, robot, in_utc)),
+        ]
+        body.append(tag("div", *annex, class_="annex"))
     return page(f"{title} ({record.identity})", *body)
 
 

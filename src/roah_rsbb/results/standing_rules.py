@@ -7,6 +7,7 @@ sum of items of the referee's sheet and of values of the benchmarking module.
 import enum
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.core.scoring.records import ItemRecord
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.registry import CODE, PROFILES
 from roah_rsbb.rulebook.yaml_fields import choice, fields, number, sequence, text
@@ -34,6 +35,10 @@ class Term(NamedTuple):
     item: str = ""  # of the sheet; empty: all items of the group
     score: str = ""  # the name of a value of the whole run
     weight: float = 1.0
+
+    def counts(self, item: ItemRecord) -> bool:
+        """Returns whether an item of the sheet is added up."""
+        return not self.score and self.group in ("", item.group) and self.item in ("", item.desc)
 
 
 class Criterion(NamedTuple):

@@ -18,6 +18,8 @@ from roah_rsbb.wording.times import NOTHING, date_time
 # Sums of weighted values are rounded to this many decimals, so that rounding errors do not decide.
 DIGITS = 9
 
+NO_TITLES: Mapping[str, str] = {}
+
 # A number for each criterion; None (missing) is worse than any number.
 Numbers = Tuple[Optional[float], ...]
 
@@ -58,13 +60,23 @@ class Standing(NamedTuple):
     criteria: Tuple[Criterion, ...]
     lines: Tuple[TeamLine, ...]
     remarks: Tuple[str, ...]  # notes for the reader
+    units: Tuple[str, ...]  # of each criterion; empty: a plain number
+    title: str = ""  # what the benchmark is called; empty: not known
 
 
-def standings(records: Sequence[RunRecord], rules: Dict[str, Rules], choice: Choice) -> List[Standing]:
-    """Return the standings of all benchmarks with runs: in the order of the benchmarks, unknown ones last."""
+def standings(
+    records: Sequence[RunRecord], rules: Dict[str, Rules], choice: Choice, titles: Mapping[str, str] = NO_TITLES
+) -> List[Standing]:
+    """Return the standings of all benchmarks with runs: in the order of the benchmarks, unknown ones last.
+
+    `titles`: what the benchmarks are called, by their codes.
+    """
     codes = {record.benchmark for record in records}
     ordered = [code for code in PROFILES if code in codes] + sorted(codes.difference(PROFILES))
-    found = [standing(code, records, rules.get(code, DEFAULT), choice) for code in ordered]
+    found = [
+        standing(code, records, rules.get(code, DEFAULT), choice)._replace(title=titles.get(code, ""))
+        for code in ordered
+    ]
     return [s for s in found if s.lines or s.remarks]
 
 
@@ -79,7 +91,26 @@ def standing(code: str, records: Sequence[RunRecord], rules: Rules, choice: Choi
     for record in _counting([record for record in records if record.team != ALL_TEAMS], choice, remarks):
         by_team.setdefault(record.team, []).append(_run_line(record, rules, remarks))
     lines = [_team_line(team, runs, of_runs, rules.criteria) for team, runs in by_team.items()]
-    return Standing(code, of_runs, rules.criteria, _ranked(lines, rules.criteria), tuple(dict.fromkeys(remarks)))
+    units = tuple(_unit(criterion, records) for criterion in rules.criteria)
+    return Standing(
+        code, of_runs, rules.criteria, _ranked(lines, rules.criteria), tuple(dict.fromkeys(remarks)), units
+    )
+
+
+def standing_of_run(record: RunRecord, rules: Rules) -> Standing:
+    """Return a standing of one run only, with its numbers."""
+    line = _team_line(record.team, [_run_line(record, rules, [])], OfRuns.BEST, rules.criteria)
+    units = tuple(_unit(criterion, [record]) for criterion in rules.criteria)
+    return Standing(record.benchmark, OfRuns.BEST, rules.criteria, (line,), (), units)
+
+
+def _unit(criterion: Criterion, records: Sequence[RunRecord]) -> str:
+    """The unit of a criterion that is one value of the module; empty: a sum, a count, or not known."""
+    if len(criterion.terms) != 1 or abs(criterion.terms[0].weight) != 1.0:
+        return ""
+    name = criterion.terms[0].score
+    units = {s.unit for r in records for s in r.module_scores if name and not s.group and s.name == name}
+    return units.pop() if len(units) == 1 else ""
 
 
 def _counting(records: List[RunRecord], choice: Choice, remarks: List[str]) -> List[RunRecord]:
@@ -133,7 +164,7 @@ def _term(record: RunRecord, term: Term, missing: Dict[str, None]) -> Optional[f
             return None
         number = _module_number(value)
         return None if number is None else term.weight * number
-    items = [i for i in record.items if term.group in ("", i.group) and term.item in ("", i.desc)]
+    items = [item for item in record.items if term.counts(item)]
     if not items and (term.group or term.item):
         missing[term.item or term.group] = None
     return term.weight * sum(item.value for item in items)
@@ -209,6 +240,16 @@ def number_text(number: Optional[float]) -> str:
     return NOTHING if number is None else f"{number:.3f}".rstrip("0").rstrip(".")
 
 
+def number_with_unit(number: Optional[float], unit: str) -> str:
+    """A number with its unit; a missing number has none."""
+    return f"{number_text(number)} {unit}" if unit and number is not None else number_text(number)
+
+
+def title_of(standing: Standing) -> str:
+    """The benchmark's title with its code, or the code alone."""
+    return f"{standing.title} ({standing.benchmark})" if standing.title else standing.benchmark
+
+
 def rank_text(team: TeamLine) -> str:
     """A rank; "=" marks ties."""
     return f"{team.rank}{'=' if team.tied else ''}"
@@ -219,10 +260,11 @@ def criteria_of(standing: Standing) -> List[str]:
     return [c.name if c.more_is_better else f"{c.name} (less is better)" for c in standing.criteria]
 
 
-def _number_cells(standing: Standing, numbers: Numbers, disqualified: bool) -> List[str]:
-    if disqualified:
+def number_cells(standing: Standing, team: TeamLine) -> List[str]:
+    """A team's numbers with their units."""
+    if team.disqualified:
         return [DISQUALIFIED, *("" for _ in standing.criteria[1:])]
-    return [number_text(number) for number in numbers]
+    return [number_with_unit(number, unit) for number, unit in zip(team.numbers, standing.units)]
 
 
 def run_text(run: RunLine) -> str:
@@ -234,11 +276,10 @@ def run_text(run: RunLine) -> str:
 
 def standing_lines(standing: Standing) -> Iterator[str]:
     """Return the lines for the terminal."""
-    yield f"{standing.benchmark}: {OF_RUNS[standing.of_runs]}"
+    yield f"{one_line(title_of(standing))}: {OF_RUNS[standing.of_runs]}"
     rows = [("Rank", "Team", *criteria_of(standing), "Runs")]
     rows += [
-        (rank_text(team), one_line(team.team), *_number_cells(standing, team.numbers, team.disqualified),
-         str(len(team.runs)))
+        (rank_text(team), one_line(team.team), *map(one_line, number_cells(standing, team)), str(len(team.runs)))
         for team in standing.lines
     ]
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
@@ -252,11 +293,10 @@ def standing_markup(standing: Standing, sheets: Mapping[str, str]) -> Markup:
     """Build the section of a page; `sheets` has the files of the runs' sheets by identity."""
     names = criteria_of(standing)
     parts: List[Child] = [
-        tag("h2", standing.benchmark),
+        tag("h2", title_of(standing)),
         tag("p", f"Ranked by {'; then '.join(names)}; {OF_RUNS[standing.of_runs]}."),
         table(("Rank", "Team", *names, "Runs"), [
-            (rank_text(team), team.team, *_number_cells(standing, team.numbers, team.disqualified),
-             _runs(standing, team, sheets))
+            (rank_text(team), team.team, *number_cells(standing, team), _runs(standing, team, sheets))
             for team in standing.lines
         ], ("number", "team", *("number" for _ in names), "")),
     ]
@@ -267,7 +307,7 @@ def standing_markup(standing: Standing, sheets: Mapping[str, str]) -> Markup:
 def _runs(standing: Standing, team: TeamLine, sheets: Mapping[str, str]) -> Markup:
     parts: List[Child] = []
     for i, run in enumerate(team.runs):
-        numbers = ", ".join(number_text(number) for number in run.numbers)
+        numbers = ", ".join(map(number_with_unit, run.numbers, standing.units))
         text = f"{run_text(run)}: {numbers}"
         link = linked(text, run.record.identity, sheets)
         parts += [tag("br")] if i else []
@@ -303,5 +343,5 @@ def index_page(
         *(standing_markup(standing, sheets) for standing in standings),
         tag("h2", "Runs"),
         table(("No.", "Connected", "Zone", "Benchmark", "Team", "Round / run", "State", "Sheet"), rows,
-              ("number", "time", "", "", "team")),
+              ("number", "when", "", "", "team", "", "", "who")),
     )

@@ -41,6 +41,23 @@ def load(benchmarks_file: str, schedule_file: str, passwords_file: str) -> Tuple
     return Config(benchmarks.by_code, passwords.by_team, schedule.zones), report.warnings
 
 
+def load_benchmarks(benchmarks_file: str) -> Dict[str, Benchmark]:
+    """Read the benchmarks by their codes; raises `ConfigErrors`."""
+    report = Report()
+    benchmarks = BenchmarksFile(benchmarks_file, report)
+    report.raise_errors()
+    return benchmarks.by_code
+
+
+def load_schedule(benchmarks_file: str, schedule_file: str) -> Tuple[Dict[str, Benchmark], Tuple[ZonePlan, ...]]:
+    """Read the benchmarks and the schedule, without the passwords; raises `ConfigErrors`."""
+    report = Report()
+    benchmarks = BenchmarksFile(benchmarks_file, report)
+    schedule = ScheduleFile(schedule_file, report, benchmarks, None)
+    report.raise_errors()
+    return benchmarks.by_code, schedule.zones
+
+
 # -- the benchmarks file ----------------------------------------------------------------------------
 
 # A run of more than a day is a typing error.
@@ -292,8 +309,9 @@ class ScheduleFile:
     """The file's zones, checked against the benchmarks and teams of the two other files."""
 
     def __init__(
-        self, path: str, report: Report, benchmarks: BenchmarksFile, passwords: PasswordsFile
+        self, path: str, report: Report, benchmarks: BenchmarksFile, passwords: Optional[PasswordsFile]
     ) -> None:
+        """`passwords`: None if the teams are not to be checked."""
         self.zones: Tuple[ZonePlan, ...] = ()
         self._report = report
         self._benchmarks = benchmarks
@@ -362,7 +380,7 @@ class ScheduleFile:
         if kind is BenchmarkKind.ALL_ROBOTS:
             found = f"team {quote(team)} in {code}"
             self._report.error(place, found, f"team {ALL_TEAMS}: all robots do it at once")
-        elif self._passwords.teams is not None and team not in self._passwords.teams:
+        elif self._passwords is not None and self._passwords.teams is not None and team not in self._passwords.teams:
             self._teams_without_password.setdefault(team, []).append(place)
 
     def _warn_of_twin(self, run: _Run, place: Place) -> None:
@@ -382,6 +400,8 @@ class ScheduleFile:
             found = f"benchmark {quote(code)}{_also(places)}, which is not in {file}"
             codes = ", ".join(sorted(self._benchmarks.codes or ()))
             self._report.error(places[0], found, f"one that is there ({codes}), or an entry for it there")
+        if self._passwords is None:
+            return
         file = self._passwords.path
         for team, places in self._teams_without_password.items():
             # The suggestion must not show a password: only names that are certain to be teams are candidates.

@@ -7,7 +7,7 @@ import os
 import re
 import sys
 import time
-from typing import Any, Callable, Dict, List, NoReturn, Optional, TextIO
+from typing import Any, Callable, Dict, Iterable, Iterator, List, NoReturn, Optional, TextIO
 
 from roah_rsbb.arguments import Parser
 from roah_rsbb.core import run_log
@@ -16,6 +16,7 @@ from roah_rsbb.journal.damage import text_of
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover
+from roah_rsbb.results.checklist import check_lines, checklist
 from roah_rsbb.results.export import (
     RESULT_COLUMNS,
     STANDING_COLUMNS,
@@ -25,15 +26,20 @@ from roah_rsbb.results.export import (
     standing_rows,
     write_table,
 )
+from roah_rsbb.results.page import page
+from roah_rsbb.results.paper import blank_front, front_markup
+from roah_rsbb.results.printing import CannotPrint, browser, print_pdf
 from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, find, records, run_result
 from roah_rsbb.results.sheet import list_lines, sheet_lines, sheet_page
 from roah_rsbb.results.standing_rules import OfRuns, Rules, read_rules
 from roah_rsbb.results.standings import Choice, Standing, index_page, standing_lines, standings, standings_page
+from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.wording.times import date_time
 
 LOG_DIR = "~/.ros/roah_rsbb"
 RULES_FILE = "standings.yaml"
+BENCHMARKS_FILE, SCHEDULE_FILE = "benchmarks.yaml", "schedule.yaml"
 
 _DESCRIPTION = """\
 Shows and exports the results of a competition from its journal, during the competition and afterwards.
@@ -43,7 +49,10 @@ Examples:
   results list                                   all runs
   results show 3                                 the complete score sheet of run 3
   results export --html results                  a printable sheet for each run, and an index
+  results export --pdf results --no-appendix     the same as PDF, one A4 page for each run
   results export --csv results.csv --json -      for spreadsheets and programs (- is standard output)
+  results blank --pdf blank.pdf                  empty score sheets of all events, to be filled in by hand
+  results checklist                              which events have a signed-off result, and what is missing
   results standings HGTKMH --signed-off          ranking of the teams
   results --journal /media/usb/roah_rsbb_journal.sqlite3 list
 
@@ -56,6 +65,14 @@ Exports all runs, or the runs with these numbers or identities.
 _STANDINGS = """\
 Ranks the teams of all benchmarks, or of the given ones. Runs count if they started and ended. Of an event that was
 repeated, only the last run counts.
+"""
+_BLANK = """\
+Writes a page for each event of the schedule, and one for each benchmark without an event: with the items of the score
+sheet, and lines for times, remarks and signatures.
+"""
+_CHECKLIST = """\
+Lists all events of the schedule: signed off (final, and public if the organisers publish results), not signed off, or
+without a run. The exit status is 0 only if every event has a signed-off result, so scripts can wait for it.
 """
 _BAG = """\
 Writes a run's log (rosbag) again from the journal, for example after it was lost. This needs ROS's Python modules,
@@ -82,10 +99,10 @@ def main(config_dir: str, arguments: Optional[List[str]] = None) -> NoReturn:
     sys.stdout.reconfigure(errors="backslashreplace")  # escape characters that this terminal cannot show
     try:
         status = options.do(options)
-    except (JournalError, _NoBag, NoSuchRun, _Usage) as error:
+    except (JournalError, _NoBag, NoSuchRun, _Usage, CannotPrint) as error:
         status = _fail(str(error))
     except ConfigErrors as error:
-        status = _fail(f"the rules of the standings are invalid:\n{error}")
+        status = _fail(f"a file of the competition is invalid:\n{error}")
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader has closed the pipe
         status = 0
@@ -116,6 +133,9 @@ def _add_views(commands: Any) -> None:
     export.add_argument("--csv", metavar="FILE", help="one row for each scoring item and each value of a module")
     export.add_argument("--json", metavar="FILE", help="everything that is recorded")
     export.add_argument("--html", metavar="DIR", help="a printable score sheet for each run, and index.html")
+    export.add_argument("--pdf", metavar="DIR", help="the same, printed by Chromium if it is installed")
+    export.add_argument("--no-appendix", action="store_true",
+                        help="only the page that is signed, without the history and the link")
     _add_choice(export)
     export.set_defaults(do=_export)
     ranks = commands.add_parser("standings", help="rank the teams", description=_STANDINGS, epilog=_RULES)
@@ -123,8 +143,19 @@ def _add_views(commands: Any) -> None:
     ranks.add_argument("--csv", metavar="FILE")
     ranks.add_argument("--json", metavar="FILE")
     ranks.add_argument("--html", metavar="FILE", help="a page that can be printed")
+    ranks.add_argument("--pdf", metavar="FILE", help="the same, printed by Chromium if it is installed")
     _add_choice(ranks)
     ranks.set_defaults(do=_standings)
+    blank = commands.add_parser("blank", help="write empty score sheets, to be filled in by hand", description=_BLANK)
+    blank.add_argument("benchmarks", metavar="CODE", nargs="*", help="only these benchmarks, such as HGTKMH")
+    blank.add_argument("--html", metavar="FILE", help="a page that can be printed")
+    blank.add_argument("--pdf", metavar="FILE", help="the same, printed by Chromium if it is installed")
+    _add_files(blank)
+    blank.set_defaults(do=_blank)
+    check = commands.add_parser("checklist", help="list what is signed off and what is missing", description=_CHECKLIST)
+    check.add_argument("--missing", action="store_true", help="only events without a signed-off result")
+    _add_files(check)
+    check.set_defaults(do=_checklist)
 
 
 def _add_recovery(commands: Any) -> None:
@@ -157,8 +188,15 @@ def _sub_parser(**options: str) -> Parser:
     return parser
 
 
+def _add_files(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--benchmarks-file", metavar="YAML", help=f"default: {BENCHMARKS_FILE} beside the log_dir")
+    parser.add_argument("--schedule-file", metavar="YAML", help=f"default: {SCHEDULE_FILE} beside the log_dir")
+
+
 def _add_choice(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rules", metavar="YAML", help=f"rules of the ranking; default: the included {RULES_FILE}")
+    parser.add_argument("--benchmarks-file", metavar="YAML",
+                        help=f"titles of the benchmarks; default: {BENCHMARKS_FILE} beside the log_dir")
     parser.add_argument("--runs", choices=[of.value for of in OfRuns], dest="of_runs", default=None,
                         help="which of a team's runs counts; overrides the rules")
     parser.add_argument("--signed-off", action="store_true", help="count only signed-off runs in standings")
@@ -192,8 +230,10 @@ def _show(options: argparse.Namespace) -> int:
 
 
 def _export(options: argparse.Namespace) -> int:
-    if not (options.csv or options.json or options.html):
-        raise _Usage("choose what to write: --csv FILE, --json FILE, --html DIR, or several of them")
+    if not (options.csv or options.json or options.html or options.pdf):
+        raise _Usage("choose what to write: --csv FILE, --json FILE, --html DIR, --pdf DIR, or several of them")
+    if options.pdf:
+        browser()  # before anything is written
     now = time.time()
     with _open(options) as reader:
         known = records(reader, _warn)
@@ -203,31 +243,45 @@ def _export(options: argparse.Namespace) -> int:
         if options.csv:
             _write(options.csv, lambda file: write_table(
                 file, RESULT_COLUMNS, result_rows((r for _, r in chosen), options.utc)), "utf-8-sig")
-        results = (run_result(reader, number, record, _warn) for number, record in chosen)
+
+        def results() -> Iterator[RunResult]:
+            return (run_result(reader, number, record, _warn) for number, record in chosen)
+
         if options.json:
-            value = exported(list(results), ranked, reader.path, now)
+            value = exported(list(results()), ranked, reader.path, now)
             _write(options.json, lambda file: _dump(value, file))
-            results = (run_result(reader, number, record, _warn) for number, record in chosen)
-        if options.html:
-            _write_pages(options, results, chosen, ranked, now)
+        for folder, suffix, write in ((options.html, "html", _write_html), (options.pdf, "pdf", print_pdf)):
+            if folder:
+                _write_pages(options, folder, suffix, write, results(), chosen, ranked, now)
     return 0
 
 
-def _write_pages(options, results, chosen, ranked: List[Standing], now: float) -> None:
+def _write_pages(
+    options, folder: str, suffix: str, write: Callable[[str, str], None], results: Iterable[RunResult], chosen,
+    ranked: List[Standing], now: float,
+) -> None:
+    rules, titles = _rules(options), _titles(options)
     sheets: Dict[str, str] = {}
-    os.makedirs(options.html, exist_ok=True)
+    os.makedirs(folder, exist_ok=True)
     for result in results:
-        sheets[result.record.identity] = name = _file_name(result)
-        _write(os.path.join(options.html, name), lambda file, r=result: file.write(sheet_page(r, options.utc)))
-    index = index_page(chosen, sheets, ranked, now, options.utc)
-    _write(os.path.join(options.html, "index.html"), lambda file: file.write(index))
-    print(f"{len(sheets)} score sheets and index.html are in {options.html}")
+        record = result.record
+        sheets[record.identity] = name = f"{_file_name(result)}.{suffix}"
+        text = sheet_page(result, options.utc, rules.get(record.benchmark), titles.get(record.benchmark, ""),
+                          not options.no_appendix)
+        write(text, os.path.join(folder, name))
+    index = f"index.{suffix}"
+    write(index_page(chosen, sheets, ranked, now, options.utc), os.path.join(folder, index))
+    print(f"{len(sheets)} score sheets and {index} are in {folder}")
+
+
+def _write_html(text: str, path: str) -> None:
+    _write(path, lambda file: file.write(text))
 
 
 def _file_name(result: RunResult) -> str:
     record = result.record
     words = (f"{result.number:03d}", record.benchmark, record.team, f"round{record.round}", f"run{record.run}")
-    return "_".join(re.sub(r"[^A-Za-z0-9-]", "-", word)[:60] for word in words) + ".html"
+    return "_".join(re.sub(r"[^A-Za-z0-9-]", "-", word)[:60] for word in words)
 
 
 def _standings(options: argparse.Namespace) -> int:
@@ -246,15 +300,43 @@ def _standings(options: argparse.Namespace) -> int:
             file, STANDING_COLUMNS, standing_rows(ranked)), "utf-8-sig")
     if options.json:
         _write(options.json, lambda file: _dump(exported_standings(ranked, path, now), file))
-    if options.html:
-        _write(options.html, lambda file: file.write(standings_page(ranked, now, options.utc)))
-    if not (options.csv or options.json or options.html):
+    _write_page(options, standings_page(ranked, now, options.utc))
+    if not (options.csv or options.json or options.html or options.pdf):
         for standing in ranked:
             for text in standing_lines(standing):
                 print(text)
         if not ranked:
             print("No run has started yet.")
     return 0
+
+
+def _blank(options: argparse.Namespace) -> int:
+    if not (options.html or options.pdf):
+        raise _Usage("choose what to write: --html FILE, --pdf FILE, or both")
+    benchmarks, plans = config.load_schedule(_file(options, BENCHMARKS_FILE), _file(options, SCHEDULE_FILE))
+    unknown = [code for code in options.benchmarks if code not in benchmarks]
+    if unknown:
+        raise _Usage(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(benchmarks)}")
+    events = [(plan.name, event) for plan in plans for event in plan.events]
+    events.sort(key=lambda line: line[1].scheduled)
+    with_event = {event.benchmark.code for _, event in events}
+    sheets = [blank_front(event.benchmark, zone, event, options.utc) for zone, event in events
+              if not options.benchmarks or event.benchmark.code in options.benchmarks]
+    sheets += [blank_front(benchmark) for code, benchmark in benchmarks.items()
+               if (code in options.benchmarks or not options.benchmarks) and code not in with_event]
+    _write_page(options, page("Score sheets", *map(front_markup, sheets)))
+    print(f"{len(sheets)} empty score sheets are in {' and '.join(filter(None, (options.html, options.pdf)))}")
+    return 0
+
+
+def _checklist(options: argparse.Namespace) -> int:
+    _, plans = config.load_schedule(_file(options, BENCHMARKS_FILE), _file(options, SCHEDULE_FILE))
+    with _open(options) as reader:
+        lines = checklist(plans, records(reader, _warn), options.utc)
+    shown = [line for line in lines if not (options.missing and line.is_final)]
+    for text in check_lines(shown, options.utc):
+        print(text)
+    return 0 if all(line.is_final for line in lines) else 1
 
 
 def _bag(options: argparse.Namespace) -> int:
@@ -339,11 +421,37 @@ def _open(options: argparse.Namespace) -> JournalReader:
     return reader
 
 
+def _rules(options: argparse.Namespace) -> Dict[str, Rules]:
+    return read_rules(options.rules or os.path.join(options.config_dir, RULES_FILE))
+
+
+def _file(options: argparse.Namespace, name: str) -> str:
+    """The path of a file of the competition: the option's, or the one beside the log_dir, else the included one."""
+    given = getattr(options, name.replace(".yaml", "_file"))
+    log_dir = os.path.dirname(options.journal) if options.journal else os.path.expanduser(options.log_dir)
+    beside = os.path.join(os.path.dirname(os.path.abspath(log_dir)), name)
+    if given or os.path.exists(beside):
+        return given or beside
+    return os.path.join(options.config_dir, name)
+
+
+def _titles(options: argparse.Namespace) -> Dict[str, str]:
+    benchmarks = config.load_benchmarks(_file(options, BENCHMARKS_FILE))
+    return {code: benchmark.desc or benchmark.name for code, benchmark in benchmarks.items()}
+
+
+def _write_page(options: argparse.Namespace, text: str) -> None:
+    """Write a page as the options say."""
+    if options.html:
+        _write_html(text, options.html)
+    if options.pdf:
+        print_pdf(text, options.pdf)
+
+
 def _ranked(options: argparse.Namespace, known: List[RunRecord]) -> List[Standing]:
-    rules: Dict[str, Rules] = read_rules(options.rules or os.path.join(options.config_dir, RULES_FILE))
     without = tuple(known[find(known, word)].identity for word in options.without)
     of_runs = OfRuns(options.of_runs) if options.of_runs else None
-    return standings(known, rules, Choice(options.signed_off, without, of_runs))
+    return standings(known, _rules(options), Choice(options.signed_off, without, of_runs), _titles(options))
 
 
 def _write(path: str, write: Callable[[TextIO], object], encoding: str = "utf-8") -> None:

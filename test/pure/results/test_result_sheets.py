@@ -55,7 +55,7 @@ class Page(html.parser.HTMLParser):
 
     def __init__(self, text):
         super().__init__()
-        self.elements, self.attributes, self.texts, self._open = [], [], [], []
+        self.elements, self.attributes, self.texts, self._open, self._in_word = [], [], [], [], False
         self.feed(text)
         self.close()
         assert self._open == [], "every element is closed"
@@ -63,15 +63,20 @@ class Page(html.parser.HTMLParser):
     def handle_starttag(self, tag, attrs):
         self.elements.append(tag)
         self.attributes += attrs
-        if tag not in ("br", "meta"):
+        self._in_word = tag == "wbr"
+        if tag not in ("br", "meta", "wbr"):
             self._open.append(tag)
 
     def handle_endtag(self, tag):
+        self._in_word = False
         assert self._open.pop() == tag
 
     def handle_data(self, data):
-        if "style" not in self._open:
-            self.texts.append((tuple(self._open), data))
+        if "style" in self._open:
+            return
+        before = self.texts.pop()[1] if self._in_word else ""
+        self._in_word = False
+        self.texts.append((tuple(self._open), before + data))
 
     def text(self, within=""):
         return "\n".join(text for where, text in self.texts if not within or within in where)
@@ -259,7 +264,7 @@ def test_a_page_is_what_was_written_and_no_more(result):
     page = Page(page_text)
     assert set(page.elements) <= {
         "html", "head", "meta", "title", "style", "body", "h1", "h2", "h3", "p", "table", "thead", "tbody", "tr", "th",
-        "td", "div", "span", "del", "svg", "rect", "line", "text", "path", "circle",
+        "td", "div", "span", "del", "wbr", "svg", "rect", "line", "text", "path", "circle",
     }
     assert page.text().count(texts.visible(EVIL)) >= 7, "shown as it is, at all places"
     names = {name for name, _ in page.attributes}

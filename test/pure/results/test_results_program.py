@@ -81,7 +81,7 @@ def test_a_journal_without_runs(run, tmp_path):
     (("export", "--csv", "/nowhere/x"), 1, "/nowhere/x.draft: No such file or directory"),
     (("standings", "HOPF"), 1, "there are no runs of HOPF; there are some of HGTKMH, HNF"),
     (("standings", "--without", "77"), 1, "there is no run '77'"),
-    (("standings", "--rules", "/nowhere/rules"), 1, "the rules of the standings are invalid:\n/nowhere/rules"),
+    (("standings", "--rules", "/nowhere/rules"), 1, "a file of the competition is invalid:\n/nowhere/rules"),
     (("standings", "--runs", "worst"), 2, "best"),
     ((), 2, "COMMAND"),
     (("--journal", "/nowhere/j", "list"), 1, "the file is missing"),
@@ -341,3 +341,90 @@ def test_a_damaged_journal(run, tmp_path):
     status, _, err = run("show", "1", source=("--journal", path))
     assert status == 1
     assert "results recover" in err
+
+
+# -- paper and the checklist ------------------------------------------------------------------------
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """The folder of a competition, with its journal in `log`."""
+    for name in ("benchmarks.yaml", "schedule.yaml"):
+        shutil.copyfile(ROOT / "config" / name, tmp_path / name)
+    write_competition(tmp_path / "log")
+    return tmp_path
+
+
+def test_titles_come_from_the_competitions_folder(run, folder):
+    text = (folder / "benchmarks.yaml").read_text().replace("desc: Getting to know my home", "desc: Our own title")
+    (folder / "benchmarks.yaml").write_text(text)
+    source = ("--log-dir", folder / "log")
+    assert "Our own title (HGTKMH): the best run" in run("standings", "HGTKMH", source=source)[1]
+    shipped = run("standings", "--benchmarks-file", ROOT / "config" / "benchmarks.yaml", source=source)[1]
+    assert "Getting to know my home (HGTKMH)" in shipped
+    assert run("export", "--html", folder / "out", source=source)[0] == 0
+    assert "Our own title (HGTKMH)" in (folder / "out" / "index.html").read_text()
+    (folder / "benchmarks.yaml").write_text("nonsense: [")
+    status, _, err = run("standings", source=source)
+    assert status == 1
+    assert f"{folder}/benchmarks.yaml:1" in err
+
+
+def test_pages_without_the_appendix(run, tmp_path):
+    assert run("export", "1", "--html", tmp_path, "--no-appendix")[0] == 0
+    (name,) = [name for name in os.listdir(tmp_path) if name.startswith("001")]
+    assert "Appendix" not in (tmp_path / name).read_text()
+    assert run("export", "1", "--html", tmp_path)[0] == 0
+    assert "Appendix" in (tmp_path / name).read_text()
+
+
+def test_pdf(run, tmp_path, monkeypatch):
+    printed = {}
+    monkeypatch.setattr(program, "browser", lambda: "chromium")
+    monkeypatch.setattr(program, "print_pdf", lambda text, path: printed.update({os.path.basename(path): text}))
+    status, out, _ = run("export", "1", "2", "--pdf", tmp_path / "pdf")
+    assert (status, out) == (0, f"2 score sheets and index.pdf are in {tmp_path}/pdf\n")
+    assert sorted(printed) == ["001_HGTKMH_Alpha_round1_run1.pdf", "002_HGTKMH_Beta_round1_run2.pdf", "index.pdf"]
+    assert 'href="002_HGTKMH_Beta_round1_run2.pdf"' in printed["index.pdf"]
+    assert run("standings", "--pdf", tmp_path / "s.pdf")[0] == 0
+    assert "Standings" in printed["s.pdf"]
+
+
+def test_without_a_browser_nothing_is_written(run, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    status, _, err = run("export", "--html", tmp_path / "html", "--pdf", tmp_path / "pdf")
+    assert (status, os.listdir(tmp_path)) == (1, [])
+    assert "install it (sudo apt install chromium)" in err
+
+
+def test_blank_sheets(run, folder):
+    source = ("--log-dir", folder / "log")
+    assert "choose what to write" in run("blank", source=source)[2]
+    unknown = run("blank", "X", "--html", folder / "b.html", source=source)
+    assert "there is no benchmark X; there are HGTKMH" in unknown[2]
+    status, out, _ = run("blank", "--html", folder / "b.html", source=source)
+    assert (status, out) == (0, f"34 empty score sheets are in {folder}/b.html\n")
+    text = (folder / "b.html").read_text()
+    assert text.count('class="front"') == 34
+    assert "CopperKettle" in text
+    run("blank", "HWV", "--html", folder / "b.html", source=source)
+    text = (folder / "b.html").read_text()
+    assert text.count("Welcoming visitors (HWV)") == text.count('class="front"') == 5
+    one = "{benchmark: HWV, team: T, round: 1, run: 1, scheduled_time: 2026-01-01 10:00:00}"
+    (folder / "schedule.yaml").write_text(f"- zone: A\n  schedule:\n    - {one}\n")
+    status, out, _ = run("blank", "--html", folder / "b.html", source=source)
+    assert out.startswith("11 empty"), "one event, and each other benchmark"
+
+
+def test_the_checklist(run, folder):
+    source = ("--log-dir", folder / "log")
+    status, out, _ = run("checklist", "--utc", source=source)
+    assert status == 1
+    assert "✘  2015-12-31 00:00:00Z  Testing TestingTeam" in out
+    assert out.splitlines()[-1] == "1 of 38 signed off, 3 not signed off, 34 without a run"
+    assert "✔" in out
+    assert "✔" not in run("checklist", "--missing", source=source)[1]
+    (folder / "schedule.yaml").write_text("- zone: A\n  schedule: 3\n")
+    status, _, err = run("checklist", source=source)
+    assert status == 1
+    assert f"{folder}/schedule.yaml:2" in err

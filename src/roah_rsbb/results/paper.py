@@ -1,0 +1,290 @@
+"""The front page of a score sheet: one A4 page with everything that is signed, filled in or blank.
+
+It has the run, its scores with units, points and totals, remarks, and lines for two signatures. A long sheet is set in
+two or three columns of smaller letters. What is too long for the page is cut with "…": the appendix has all of it.
+"""
+
+from typing import Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+
+from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, grouped
+from roah_rsbb.results.page import Child, Markup, tag
+from roah_rsbb.results.runs import signature_of, state_of
+from roah_rsbb.results.standing_rules import DEFAULT, Rules
+from roah_rsbb.results.standings import DISQUALIFIED, criteria_of, number_text, number_with_unit, standing_of_run
+from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent, ScoreKind
+from roah_rsbb.wording import sheets
+from roah_rsbb.wording.module_scores import by_group
+from roah_rsbb.wording.texts import one_line
+from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_time
+
+SIGNERS = ("Referee: name, date, signature", "Team: name, date, signature")
+# More remarks are in the appendix only. Empty lines below them are for handwriting.
+MAX_REMARKS = 5
+EMPTY_LINES, EMPTY_LINES_BLANK = 2, 5
+# The longest texts on the page, characters.
+MAX_FACT, MAX_ITEM, MAX_VALUE, MAX_REMARK = 60, 110, 30, 150
+MORE = "… {} more in the appendix"
+
+
+class Layout(NamedTuple):
+    """How the scores are set."""
+
+    name: str  # CSS class
+    columns: int
+    line_mm: float  # height of a line
+    letters: int  # in a line, beside value and points
+
+
+# The first one that holds all scores is used.
+LAYOUTS = (Layout("one", 1, 5.6, 70), Layout("two", 2, 4.6, 33), Layout("three", 3, 3.6, 22))
+# Height for the scores. It is somewhat less than there is, for columns that cannot be filled evenly. Facts that take
+# several lines, and remarks, reduce it.
+SCORES_MM = 135.0
+FACT_MM, FACT_LETTERS = 4.8, 33
+REMARK_MM, REMARK_LETTERS = 5.0, 80
+
+
+class Line(NamedTuple):
+    """A scoring item, or a value of the benchmarking module."""
+
+    what: str
+    value: str
+    points: str = ""
+
+
+class Group(NamedTuple):
+    """Lines with a title."""
+
+    title: str
+    lines: Tuple[Line, ...]
+
+
+class Front(NamedTuple):
+    """The texts of the page."""
+
+    title: str
+    state: str  # below the title: whether the sheet is signed off
+    facts: Tuple[Tuple[str, str], ...]
+    groups: Tuple[Group, ...]
+    totals: Tuple[Tuple[str, str], ...]
+    remarks: Tuple[str, ...]
+    empty_lines: int
+
+
+def cut(text: str, letters: int) -> str:
+    """Returns a text in one line of limited length."""
+    text = one_line(text)
+    return text if len(text) <= letters else text[:letters - 1] + "…"
+
+
+# -- the texts --------------------------------------------------------------------------------------
+
+
+def benchmark_name(code: str, title: str) -> str:
+    """Returns a benchmark's title with its code, or the code alone."""
+    return f"{title} ({code})" if title else code
+
+
+def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool) -> Front:
+    """Returns the texts of a run's front page. `title`: what its benchmark is called; empty: not known."""
+    rules = rules or DEFAULT
+    ended = f"{state_of(record)}, after {elapsed(record.elapsed_s)} min" if record.started_utc else state_of(record)
+    return Front(
+        benchmark_name(record.benchmark, title),
+        "Score sheet" if record.sign_off else "Score sheet, not signed off: may still change",
+        (
+            ("Team", record.team), ("Round, run", f"{record.round}, {record.run}"),
+            ("Robot", ", ".join(record.robots) or NOTHING), ("Zone", record.zone),
+            ("Scheduled", date_time(record.scheduled, in_utc)),
+            ("Started", optional_date_time(record.started_utc, in_utc)),
+            ("Disconnected", optional_date_time(record.closed_utc, in_utc)), ("End", ended),
+            ("Sheet", signature_of(record, in_utc)), ("Run", record.identity),
+        ),
+        (*_item_groups(record, rules), *_module_groups(record)),
+        tuple(_totals(record, rules)),
+        tuple(_remarks(record)),
+        EMPTY_LINES,
+    )
+
+
+def blank_front(
+    benchmark: Benchmark, zone: str = "", event: Optional[ScheduledEvent] = None, in_utc: bool = False
+) -> Front:
+    """Returns the texts of a sheet to be filled in by hand: of an event, or of any run of a benchmark."""
+    known = event is not None
+    items = [ItemRecord(i.group, i.desc, i.kind.name.lower(), 0) for i in benchmark.scoring]
+    is_bool = ScoreKind.BOOL.name.lower()
+    return Front(
+        benchmark_name(benchmark.code, benchmark.desc or benchmark.name),
+        "Score sheet, to be filled in by hand",
+        (
+            ("Team", event.team if known else ""), ("Round, run", f"{event.round}, {event.run}" if known else ""),
+            ("Robot", ""), ("Zone", zone),
+            ("Scheduled", date_time(event.scheduled, in_utc) if known else ""), ("Started", ""),
+            ("Ended", ""), ("Time limit", f"{elapsed(benchmark.total_timeout)} min"),
+            ("Time", ""), ("End", "☐ completed  ☐ stopped  ☐ timeout"),
+        ),
+        tuple(
+            Group(name, tuple(Line(i.desc, "☐ yes  ☐ no" if i.kind == is_bool else "", "") for i in group))
+            for name, group in grouped(items).items()
+        ),
+        (("Total", ""),),
+        (),
+        EMPTY_LINES_BLANK,
+    )
+
+
+def _item_groups(record: RunRecord, rules: Rules) -> Iterator[Group]:
+    for name, items in grouped(record.items).items():
+        lines = [Line(_what(item), _value(item), _points(rules, [item])) for item in items]
+        total = _points(rules, items)
+        if total and len(items) > 1:
+            lines.append(Line(f"Total of {name}", "", total))
+        yield Group(name, tuple(lines))
+
+
+def _what(item: ItemRecord) -> str:
+    return f"{item.desc} ({sheets.CORRECTED})" if item.corrected else item.desc
+
+
+def _value(item: ItemRecord) -> str:
+    text = sheets.item_value(item.kind == "bool", item.value, item.not_attempted)
+    return text if item.kind == "bool" or item.not_attempted else f"{text} ×"
+
+
+def _points(rules: Rules, items: Sequence[ItemRecord]) -> str:
+    """Returns what items contribute to the criteria of the ranking; empty: they do not count."""
+    counted = [
+        term.weight * item.value
+        for item in items for criterion in rules.criteria for term in criterion.terms if term.counts(item)
+    ]
+    return number_text(sum(counted)) if counted else ""
+
+
+def _module_groups(record: RunRecord) -> Iterator[Group]:
+    for name, lines in by_group(record.module_scores):
+        yield Group(f"Module: {name}", tuple(Line(line.name, line.value) for line in lines))
+
+
+def _totals(record: RunRecord, rules: Rules) -> Iterator[Tuple[str, str]]:
+    """Yields the numbers by which the run is ranked."""
+    if not record.started_utc:
+        return
+    standing = standing_of_run(record, rules)
+    (team,) = standing.lines
+    for name, number, unit in zip(criteria_of(standing), team.runs[0].numbers, standing.units):
+        yield name, number_with_unit(number, unit)
+    if team.disqualified:
+        yield "Result", DISQUALIFIED
+
+
+def _remarks(record: RunRecord) -> Iterator[str]:
+    for stop in record.stops:
+        if stop.reason:
+            yield f"{stop.desc or sheets.end_reason(stop.end_reason)}: {stop.reason}"
+    for entry in record.history:
+        if entry.note and not entry.withdrawn_utc:
+            yield f"{entry.desc}: {entry.note}"
+
+
+# -- the page ---------------------------------------------------------------------------------------
+
+
+def layout_of(front: Front) -> Tuple[Layout, Tuple[Group, ...]]:
+    """Returns the layout of a page's scores, and the groups cut to what fits."""
+    height = SCORES_MM - _other_mm(front)
+    for layout in LAYOUTS:
+        if sum(_height(group, layout) for group in front.groups) <= layout.columns * int(height / layout.line_mm):
+            return layout, front.groups
+    layout = LAYOUTS[-1]
+    left = layout.columns * int(height / layout.line_mm) - 2
+    fitting, count = [], 0
+    for group in front.groups:
+        lines: List[Line] = []
+        left -= 2
+        for line in group.lines:
+            left -= _lines(line, layout)
+            if left < 0:
+                break
+            lines.append(line)
+        if lines:
+            fitting.append(group._replace(lines=tuple(lines)))
+            count += len(lines)
+    missing = sum(len(group.lines) for group in front.groups) - count
+    return layout, (*fitting, Group(MORE.format(missing), ()))
+
+
+def _other_mm(front: Front) -> float:
+    """Returns the height of what other pages do not have: remarks, and facts of several lines."""
+    facts = [wrapped_lines(cut(value, MAX_FACT), FACT_LETTERS) - 1 for _, value in front.facts]
+    remarks = [min(2, wrapped_lines(cut(remark, MAX_REMARK), REMARK_LETTERS)) for remark in front.remarks[:MAX_REMARKS]]
+    rows = [max(pair) for pair in zip(facts[::2], facts[1::2])]
+    return FACT_MM * sum(rows) + REMARK_MM * sum(remarks)
+
+
+def _height(group: Group, layout: Layout) -> int:
+    """Returns the lines that a group takes, about; its title counts two."""
+    return 2 + sum(_lines(line, layout) for line in group.lines)
+
+
+def _lines(line: Line, layout: Layout) -> int:
+    return wrapped_lines(cut(line.what, MAX_ITEM), layout.letters)
+
+
+def wrapped_lines(text: str, letters: int) -> int:
+    """Returns how many lines a text takes, if a line breaks between words only."""
+    lines, used = 1, 0
+    for word in text.split():
+        length = min(len(word), letters)
+        if used and used + 1 + length > letters:
+            lines, used = lines + 1, 0
+        used += length + (1 if used else 0)
+    return lines
+
+
+def front_markup(front: Front) -> Markup:
+    """Build the page."""
+    layout, groups = layout_of(front)
+    parts: List[Child] = [
+        tag("h1", cut(front.title, MAX_FACT)), tag("p", front.state), _facts(front.facts),
+        tag("div", *(_group(group) for group in groups), class_=f"scores {layout.name}"),
+    ]
+    if front.totals:
+        parts.append(tag("table", *_rows(front.totals), class_="totals"))
+    parts += [tag("h2", "Remarks"), *_remark_lines(front)]
+    signatures = tag("div", *(tag("div", signer) for signer in SIGNERS), class_="signatures")
+    return tag("div", tag("div", *parts, class_="content"), signatures, class_="front")
+
+
+def _facts(facts: Sequence[Tuple[str, str]]) -> Markup:
+    """Build a table with two facts in each row."""
+    cells = [(tag("th", name), tag("td", cut(value, MAX_FACT))) for name, value in facts]
+    return tag("table", *(tag("tr", *pair, *other) for pair, other in zip(cells[::2], cells[1::2])), class_="facts")
+
+
+def _group(group: Group) -> Markup:
+    has_points = any(line.points for line in group.lines)
+    rows = [
+        tag("tr", tag("td", cut(line.what, MAX_ITEM)), tag("td", cut(line.value, MAX_VALUE), class_="value"),
+            *((tag("td", line.points, class_="number"),) if has_points else ()))
+        for line in group.lines
+    ]
+    heads: List[str] = ["Value", "Points"] if has_points else ["Value"]
+    head = tag("tr", tag("th", cut(group.title, MAX_ITEM), class_="title"),
+               *(tag("th", head, class_="number") for head in heads if group.lines))
+    return tag("table", tag("tbody", head, *rows))  # no thead, which a browser repeats in the next column
+
+
+def _rows(pairs: Iterable[Tuple[str, str]]) -> Iterator[Markup]:
+    for name, value in pairs:
+        yield tag("tr", tag("th", name), tag("td", value, class_="number"))
+
+
+def _remark_lines(front: Front) -> Iterator[Markup]:
+    for remark in front.remarks[:MAX_REMARKS]:
+        yield tag("p", cut(remark, MAX_REMARK), class_="remark")
+    if len(front.remarks) > MAX_REMARKS:
+        yield tag("p", MORE.format(len(front.remarks) - MAX_REMARKS))
+    for _ in range(front.empty_lines):
+        yield tag("p", class_="line")
+
