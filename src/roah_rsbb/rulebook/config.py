@@ -53,7 +53,7 @@ def load_schedule(benchmarks_file: str, schedule_file: str) -> Tuple[Dict[str, B
     """Read the benchmarks and the schedule, without the passwords; raises `ConfigErrors`."""
     report = Report()
     benchmarks = BenchmarksFile(benchmarks_file, report)
-    schedule = ScheduleFile(schedule_file, report, benchmarks, None)
+    schedule = ScheduleFile(schedule_file, report, benchmarks, passwords=None)
     report.raise_errors()
     return benchmarks.by_code, schedule.zones
 
