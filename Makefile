@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install-deps build demo test test-all lint test-pure test-python38 test-pip test-docs test-install test-ros test-net screenshots bench fuzz clean
+.PHONY: help install-deps build demo test test-all lint test-pure test-python38 test-pip test-docs test-install test-ros test-net screenshots bench fuzz deb clean
 
 # ROS's Python. The first python3 on PATH may be another one.
 PYTHON := /usr/bin/python3
@@ -84,6 +84,9 @@ bench: build ## speed and load (bench/README.md), also in build/bench.json; make
 
 fuzz: build ## coverage-guided fuzzing (test/fuzz/README.md); make fuzz FUZZ_SECONDS=600
 	@tools/fuzz $(FUZZ)
+
+deb: build ## a package for this Debian or Ubuntu, in build/deb
+	@packaging/make_deb
 
 clean: ## remove all build results
 	rm -rf build

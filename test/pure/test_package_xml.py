@@ -2,6 +2,7 @@
 
 import ast
 import pathlib
+import re
 import sys
 import xml.etree.ElementTree as ElementTree
 from typing import Iterator, Set
@@ -50,3 +51,20 @@ def _missing(folder: str, *kinds: str) -> Set[str]:
 ])
 def test_every_imported_package_is_declared(folder: str, kinds) -> None:
     assert _missing(folder, *kinds) == set()
+
+
+# Debian's names where they do not follow from those of ROS and rosdep. Without a name: needed for building only.
+DEBIAN_NAMES = {
+    "alsa-utils": "alsa-utils", "message_runtime": None, "python3-rospkg-modules": "python3-rospkg", "rqt_gui": None,
+    "rqt_gui_py": "ros-noetic-rqt-gui-py",
+}
+
+
+def test_the_debian_package_depends_on_what_package_xml_declares() -> None:
+    control = (ROOT / "packaging" / "debian" / "control").read_text(encoding="utf-8")
+    named = set(re.findall(r"[a-z0-9][a-z0-9.+-]+", control.partition("\nDepends:")[2].partition("\nDescription:")[0]))
+    wanted = set()
+    for name in _declared("depend", "exec_depend"):
+        default = name if name.startswith("python3-") else "python3-" + name.replace("_", "-")
+        wanted.add(DEBIAN_NAMES.get(name, default))
+    assert wanted - {None} - named == set()

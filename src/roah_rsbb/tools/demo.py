@@ -88,9 +88,10 @@ def _scripted(environment: Dict[str, str], master_port: int) -> int:
                 break
     print(f"The logs of the runs (rosbags) are in {LOG_DIR}, and the output of the programs in {LAUNCH_LOG}")
     if status == 0:
-        # `make demo` has sourced setup.bash, but the reader's terminal has not.
-        setup = os.path.join(os.environ["CMAKE_PREFIX_PATH"].split(os.pathsep)[0], "setup.bash")
-        print(f"To print both score sheets: source {setup}; "
+        # `make demo` has sourced setup.bash, but the reader's terminal has not. A Debian package needs no setup.bash.
+        workspace = os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)[0]
+        setup = f"source {os.path.join(workspace, 'setup.bash')}; " if workspace else ""
+        print(f"To print both score sheets: {setup}"
               f"rosrun roah_rsbb results export --html sheets --log-dir {LOG_DIR}")
     return status
 
