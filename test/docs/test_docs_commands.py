@@ -12,7 +12,8 @@ import pytest
 from pages import ROOT
 
 # Programs that a venue's computer has, and this one perhaps not: they are taken on trust.
-ELSEWHERE = {"apt-get", "apt-key", "catkin_make", "chronyc", "curl", "git", "pip", "sudoedit", "systemctl", "ufw", "xset"}
+ELSEWHERE = {"apt-get", "apt-key", "catkin_make", "chronyc", "curl", "git", "pip", "sudoedit", "systemctl", "ufw",
+             "xset"}
 IN_THE_SHELL = {".", "cd", "export", "source", "echo", "set", "umask"}
 COMMANDS = [(f"{block.where}: {command}", command) for page in pages.NAMES for block in pages.blocks(page)
             if block.language == "sh" for command in pages.commands(block)]
