@@ -15,7 +15,7 @@ HANG_S = 20
 RSS_LIMIT_MB = 1500
 MAX_BYTES = 66_000
 # The others are likely the same fault.
-MOST_TOLD = 5
+MOST_REPORTED = 5
 
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
@@ -76,7 +76,7 @@ def _check(name: str, files: List[pathlib.Path]) -> int:
             seconds, size = target.check(data)
         except Exception as error:
             faults += 1
-            if faults <= MOST_TOLD:
+            if faults <= MOST_REPORTED:
                 print(f"{name}: {where}: {type(error).__name__}: {str(error)[:300]}", file=sys.stderr)
             if len(files) == 1:
                 raise

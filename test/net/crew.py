@@ -185,7 +185,7 @@ class Stranger:
 
 
 class Impostor:
-    """Knows a team's password, and tells the box on the robot's private channel what is not so."""
+    """Knows a team's password, and sends false messages to the box on the robot's private channel."""
 
     def __init__(self, station: Station, team: str, port: int, box: str) -> None:
         self._host = station.host

@@ -97,7 +97,7 @@ def _logged_scores(result: Result) -> Dict[Tuple[str, str], int]:
 
 
 def _robot_faults(code: str, robot: Robot, reboots: int) -> List[str]:
-    """The robot must have gone through each goal once, whatever it was told late."""
+    """The robot must have gone through each goal once, whatever arrived late."""
     goals = _GOALS.get(code, 1)
     ended = len(robot.did("RESULT_TX"))
     begun = len(robot.did("EXECUTING"))

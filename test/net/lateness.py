@@ -83,7 +83,7 @@ def of_run(result: Result, robot: Robot, outages: Iterable[Tuple[float, float]] 
 
 
 def _first(moments: List[float], utc: float) -> Optional[float]:
-    # What is logged, or noted, may be a moment older than what it tells of.
+    # What is logged, or noted, may be slightly older than what it describes.
     place = bisect.bisect_left(moments, utc - 0.002)
     return moments[place] if place < len(moments) else None
 

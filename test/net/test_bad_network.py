@@ -44,7 +44,7 @@ def test_round(net: Net, plan: Plan, measured: List[str]) -> None:
 
 
 def test_flood(net: Net, measured: List[str]) -> None:
-    """Garbage comes on the public port and on a private one, and runs go on."""
+    """Garbage arrives on the public port and on a private one, and the runs continue."""
     net.impair(wire.PERFECT)
     with Round(net, FLOODED) as played, lateness.Stalls() as stalls:
         with contextlib.ExitStack() as around:

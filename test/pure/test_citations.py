@@ -11,7 +11,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 SUFFIXES = {".py", ".msg", ".srv", ".proto", ".launch", ".xml", ".test", ".yaml", ".js", ".html", ".css", ""}
 FOLDERS = ("src", "scripts", "msg", "srv", "proto", "launch", "config", "resource", "tools", "bench", "test",
            "roah_rsbb_comm_ros")
-# In a comment of several lines, a citation may go on behind the sign of the next comment line.
+# In a comment of several lines, a citation may continue after the sign of the next comment line.
 _BREAK = re.compile(r"\s*\n\s*(?:#|//)?\s*")
 _CITATION = re.compile(r'(?<![\w$/.-])((?:[\w-]+/)*[\w-]+\.md)((?:,| and) "[^"\n]+"(?:(?:,| and) "[^"\n]+")*)?')
 _OTHER_FORM = re.compile(r"(?:wire protocol|ROS interface|manual|benchmarks|architecture), (?:[A-Z]|section|rule)")

@@ -28,7 +28,7 @@ _MAX_MESSAGE_BYTES = 1024
 _MAX_BODY_BYTES = 1024
 _MAX_HEADER_BYTES = 16 * 1024
 _IDLE_S = 30.0
-_TELL_PERIOD_S = 1.0
+_PUBLISH_PERIOD_S = 1.0
 
 # Pages load and run nothing from other sites, and no other site may show them in a frame.
 _HEADERS = {
@@ -129,7 +129,7 @@ class TabletServer:
             page.send(text)
 
     def _publish_each_second(self) -> None:
-        self._timer = self._loop.call_later(_TELL_PERIOD_S, self._publish_each_second)
+        self._timer = self._loop.call_later(_PUBLISH_PERIOD_S, self._publish_each_second)
         now = self._loop.time()
         for page, heard in list(self._sockets.items()):
             if now - heard > PAGE_SILENT_S:

@@ -108,7 +108,7 @@ def datagram_seeds() -> List[bytes]:
 
 
 def recording_seeds() -> List[bytes]:
-    """A recording, and what is none."""
+    """A recording, and invalid data."""
     head = recording.header_line(_PORT) + "\n"
     line = recording.datagram_line(Datagram(_UTC, "10.0.0.2", _PORT, "10.0.0.1", _PORT, public_seeds()[0])) + "\n"
     texts = (

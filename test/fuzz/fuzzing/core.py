@@ -50,7 +50,7 @@ class ForgetfulDriver(BoxDriver):
                 bag.clear()
 
     def restart(self) -> None:
-        """The core is ended, and goes on from what it had saved."""
+        """The core ends, and continues from its saved state."""
         box = self.box
         zones = {name: _again(ZoneState, box.zones[name].saved()) for name in box.zones}
         saved = Saved(self.now.utc, _again(BoxSaved, box.saved()), zones)
@@ -252,7 +252,7 @@ class Play:
         ))()
 
     def _pass(self) -> Step:
-        """Time goes by: the box is told of it only now."""
+        """Time passes, and the box only notices now."""
         self.driver.jump(self.reader.choice(_TIMES_S))
         return self._event("tick")
 

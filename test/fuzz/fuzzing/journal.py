@@ -191,7 +191,7 @@ def _change(value: Any, reader: Reader) -> None:
 
 
 def start_steps(data: bytes) -> Iterator[Step]:
-    """A core starts with this journal, goes on from it or sets it aside, and writes."""
+    """A core starts with this journal, continues it or sets it aside, and writes."""
     folder = _FOLDERS.fresh()
     path = folder / FILE_NAME
     _written(path, data)
@@ -224,12 +224,12 @@ def read_steps(data: bytes) -> Iterator[Step]:
     yield lambda: _read(str(path))
     before = path.read_bytes()
 
-    def mend() -> None:
+    def repair() -> None:
         with contextlib.suppress(JournalError):
             recover(str(path), str(folder / "new.sqlite3"))
             _read(str(folder / "new.sqlite3"))
 
-    yield mend
+    yield repair
     assert path.read_bytes() == before
 
 
@@ -299,7 +299,7 @@ def journal_seeds() -> List[bytes]:
 
 
 def read_seeds() -> List[bytes]:
-    """Fewer of them: each is read, mended and read again."""
+    """Fewer inputs, because each is read, repaired and read again."""
     return journal_seeds()[::4]
 
 

@@ -137,7 +137,7 @@ def session_seeds() -> List[bytes]:
 
 
 def goal_seeds() -> List[bytes]:
-    """Goals as boxes send them, and what is none."""
+    """Goals as boxes send them, and invalid ones."""
     texts = (
         b"[1.0, 2.0, 3.0]", b"- 1\n- 2\n- 3\n", b"--- [1, 2, 3]", b"[1, 2, 65535]", b"[1e999, 0, 0]", b"[1, 2]", b"",
         b"[" * 190, b"[ " + b" " * 190, b"[" + b"9" * 199, b"- " + b"\n" * 190, b"[1,2,3" + b" " * 60_000,

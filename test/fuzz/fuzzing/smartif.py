@@ -93,7 +93,7 @@ def seeds() -> List[bytes]:
 
 
 def home_seeds() -> List[bytes]:
-    """Saved states, and what is none."""
+    """Saved states, and invalid data."""
     states: List[object] = [
         Home().saved(), {"values": {"dimmer": 1e400}, "bell": [1, 2], "door": 1}, {"values": {"dimmer": "1" * 5000}},
         {"values": [], "bell": 1}, [], 1, None, {"values": {"nothing": 1}, "bell": ["1", "2"], "door": False},

@@ -76,7 +76,7 @@ class _Touched(dummy_tablet.DummyTablet):
 
     def __init__(self) -> None:
         self._state = TabletState()
-        self._told = (False, False)
+        self._reported = (False, False)
 
     def _touched(self) -> None:
         for time in (self._state.call_time, self._state.position_time):

@@ -38,7 +38,7 @@ def test_all_that_rules_ask_for_is_there():
     assert set(DummyWorld().poses()) == {"robot", "person", "positioner", "object", "table"}
 
 
-def test_the_robot_drives_to_a_waypoint_when_it_is_told_to():
+def test_the_robot_drives_to_a_waypoint_when_it_must_execute():
     w = World("HNF")
     before = w.asks(RequestKind.GOAL, pose=(4.0, 3.0, 3.0))["robot"]
     assert w.goes_on(3.0)["robot"] == before  # it only prepares

@@ -169,7 +169,7 @@ def test_a_run_that_ends_otherwise_is_judged_by_its_length(reason, elapsed, fail
     assert not r.finished
 
 
-def test_limits_that_leave_nothing_between_them_are_told():
+def test_limits_that_leave_nothing_between_them_are_reported():
     assert "no distance can be scored" in hpff(minimum_distance=3.5).module.warnings[0]
     assert hpff(minimum_distance=3.4).module.warnings == []
 

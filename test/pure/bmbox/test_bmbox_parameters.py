@@ -1,4 +1,4 @@
-"""Parameters of modules: read from their files, or told what is wrong with them."""
+"""Parameters of modules: reading them from their files, and reporting their errors."""
 
 import pathlib
 

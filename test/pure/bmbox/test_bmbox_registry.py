@@ -42,13 +42,13 @@ def test_a_new_file_is_enough(folder):
     ("def broken(:\n", "invalid syntax"), ("import nonsense_that_is_not_there\n", "nonsense_that_is_not_there"),
     ("raise RuntimeError('no rules')\n", "no rules"), (MODULE.format(name="Twin", code="STB"), "both define STB"),
 ])
-def test_a_file_that_is_wrong_is_told_and_left_out(folder, text, reason):
+def test_a_file_that_is_wrong_is_reported_and_left_out(folder, text, reason):
     (folder / "zz_wrong.py").write_text(text, encoding="utf-8")
-    told = []
-    assert set(registry.modules(told.append)) == FUNCTIONALITY
-    assert len(told) == 1
-    assert told[0].startswith("zz_wrong.py cannot be used")
-    assert reason in told[0]
-    assert "Traceback" in told[0]
+    reported = []
+    assert set(registry.modules(reported.append)) == FUNCTIONALITY
+    assert len(reported) == 1
+    assert reported[0].startswith("zz_wrong.py cannot be used")
+    assert reason in reported[0]
+    assert "Traceback" in reported[0]
     with pytest.raises((SyntaxError, ImportError, RuntimeError, ValueError)):
         registry.modules()

@@ -17,7 +17,7 @@ DONE = Outcome(OutcomeKind.DONE)
 
 
 class Story(Module):
-    """Some of everything; tells what it was told."""
+    """Uses some of everything, and records the answers."""
 
     CODE = "X"
     SCORES = {"said": Value("Said"), "drawn": Value("Drawn"), "end": Value("How it ended"), "looks": Value("Looks")}
@@ -213,7 +213,7 @@ def test_a_module_that_crashed_just_after_a_goal_has_what_was_gathered():
     assert r.score["looks"] == 4
 
 
-def test_changed_rules_cannot_go_on():
+def test_changed_rules_cannot_continue():
     r = story()
     r.answer("no")
     other = r.run.steps[0].request._replace(text="another")

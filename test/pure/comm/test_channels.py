@@ -26,22 +26,22 @@ ROBOT_STATE = pb.RobotState(time=TIME, messages_saved=1, robot_state=pb.RobotSta
 
 @pytest.fixture
 def public(loop, port, inbox, opened):
-    """Opens a public channel with inboxes `messages` and `told` (complaints)."""
+    """Opens a public channel with inboxes `messages` and `reported` (complaints)."""
     def make(bind_host, rsbb_host=BROADCAST, **options):
-        messages, told = inbox(), inbox()
-        channel = PublicChannel(loop, rsbb_host, port, messages, told, bind_host, **options)
-        channel.messages, channel.told = messages, told
+        messages, reported = inbox(), inbox()
+        channel = PublicChannel(loop, rsbb_host, port, messages, reported, bind_host, **options)
+        channel.messages, channel.reported = messages, reported
         return opened(channel)
     return make
 
 
 @pytest.fixture
 def private(loop, port, inbox, opened):
-    """Opens a private channel with inboxes `messages` and `told` (complaints)."""
+    """Opens a private channel with inboxes `messages` and `reported` (complaints)."""
     def make(bind_host, key=KEY, remote=None, rsbb_host=BROADCAST, **options):
-        messages, told = inbox(), inbox()
-        channel = PrivateChannel(loop, rsbb_host, port, key, messages, told, bind_host=bind_host, **options)
-        channel.messages, channel.told, channel.remote = messages, told, remote
+        messages, reported = inbox(), inbox()
+        channel = PrivateChannel(loop, rsbb_host, port, key, messages, reported, bind_host=bind_host, **options)
+        channel.messages, channel.reported, channel.remote = messages, reported, remote
         return opened(channel)
     return make
 
@@ -79,7 +79,7 @@ def test_a_robot_may_be_given_the_boxes_own_address(public, port, robot_first):
     assert box.messages.wait() == [(ROBOT_BEACON, (ROBOT, port))]
     assert box.send(TABLET_BEACON)
     assert robot.messages.wait() == [(TABLET_BEACON, (BOX, port))]
-    assert not robot.told
+    assert not robot.reported
 
 
 def test_a_bad_datagram_is_one_complaint_and_the_next_message_is_received(public, port):
@@ -90,8 +90,8 @@ def test_a_bad_datagram_is_one_complaint_and_the_next_message_is_received(public
         for datagram in (bad, bad, b"", frame.encode(ROBOT_BEACON)):
             sender.sendto(datagram, (BOX, port))
         assert box.messages.wait() == [(ROBOT_BEACON, sender.getsockname())]
-    assert len(box.told) == 2
-    assert f"public channel: a bad datagram from {RIVAL}:" in box.told[0]
+    assert len(box.reported) == 2
+    assert f"public channel: a bad datagram from {RIVAL}:" in box.reported[0]
     assert box.complaints.totals() == {(RIVAL, "wrong size"): 2, (RIVAL, "too short"): 1}
 
 
@@ -118,7 +118,7 @@ def test_a_beacon_over_the_limit_is_not_sent(public):
     assert frame.encoded_size(beacon) > 100
     assert robot.send(beacon) is False
     assert robot.unsent == 1
-    assert "raise max_datagram" in robot.told[0]
+    assert "raise max_datagram" in robot.reported[0]
 
 
 def test_address_and_port_are_shown(public, port):
@@ -145,7 +145,7 @@ def test_box_and_robot_by_unicast(private, port):
     assert box.send(BOX_STATE)
     assert rival.messages.wait() == [(BOX_STATE, (BOX, port))]
     assert len(robot.messages) == 1
-    assert not box.told + robot.told + rival.told
+    assert not box.reported + robot.reported + rival.reported
 
 
 def test_a_box_that_broadcasts(private, port):
@@ -166,7 +166,7 @@ def test_any_cipher_is_understood(private, cipher):
 def test_a_wrong_password_is_named(private, port):
     box, robot = private(BOX), private(ROBOT, key=Key("wrong"), remote=BOX)
     assert robot.send(ROBOT_STATE)
-    [text] = box.told.wait()
+    [text] = box.reported.wait()
     assert text.startswith(f"private channel {port}: a bad datagram from {ROBOT}:{port}: does not decrypt")
     assert "wrong password" in text
     assert not box.messages
@@ -207,4 +207,4 @@ def test_a_state_over_the_limit_is_not_sent(private):
     state = pb.RobotState(generic_result="x" * 1000)
     state.MergeFrom(ROBOT_STATE)
     assert robot.send(state) is False
-    assert "raise max_datagram" in robot.told[0]
+    assert "raise max_datagram" in robot.reported[0]

@@ -58,7 +58,7 @@ def test_a_flood_of_senders_is_bounded_and_not_lost():
     assert totals["10.0.3.249", "wrong size"] == 2
 
 
-def test_a_sender_that_goes_on_is_not_the_one_forgotten():
+def test_a_sender_that_continues_is_not_the_one_forgotten():
     complaints = Complaints(max_entries=3)
     for number in range(20):
         complaints.add(0.0, "x", ROBOT, PASSWORD)

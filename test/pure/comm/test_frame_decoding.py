@@ -272,7 +272,7 @@ def test_random_protobufs(kind, protobuf, cipher):
 
 
 def test_a_robots_message_has_room_for_a_datagram_of_strings_and_not_for_many_more():
-    """Each string that is new goes on record: hundreds in one datagram would take the box longer than a tick."""
+    """Each new string is recorded. Hundreds in one datagram would take the box longer than a tick."""
     state = pb.RobotState(time=pb.Time(sec=1, nsec=0), messages_saved=0, robot_state=0)
     state.notifications.extend("x" for _ in range(329))
     assert decode(frame.encode(state, Cipher.AES_128_CBC, KEY), "private") == state

@@ -196,7 +196,7 @@ def test_too_large_for_the_system(peer):
     (errno.EPERM, "firewall"), (errno.EACCES, "firewall"), (errno.EAGAIN, "too slow"),
     (errno.ENOBUFS, "too slow"), (errno.EINVAL, "bind_host"), (errno.EIO, "check the network"),
 ])
-def test_errors_of_sending_are_told_with_a_remedy_once_a_second(loop, port, inbox, number, remedy):
+def test_errors_of_sending_are_reported_with_a_remedy_once_a_second(loop, port, inbox, number, remedy):
     complaints, clock = inbox(), Clock(loop)
     sender = Peer(clock, BROADCAST, port, inbox(), complaints)
     sender._sockets = [Failing(number)]
@@ -209,7 +209,7 @@ def test_errors_of_sending_are_told_with_a_remedy_once_a_second(loop, port, inbo
     assert remedy in complaints[0]
 
 
-def test_errors_of_reading_are_told_once_a_second(loop, port, inbox):
+def test_errors_of_reading_are_reported_once_a_second(loop, port, inbox):
     complaints, clock = inbox(), Clock(loop)
     reader = Peer(clock, BROADCAST, port, inbox(), complaints)
     for clock.now in (100.0, 100.5, 101.0):

@@ -176,11 +176,14 @@ def test_the_size_is_asked_with_the_robot_that_comes():
     assert asked[-1] == [6667]
 
 
-@pytest.mark.parametrize("last_port, told", [(6990, None), (6991, "9 UDP ports"), (7000, "0 UDP ports"),
+@pytest.mark.parametrize("last_port, reported", [(6990, None), (6991, "9 UDP ports"), (7000, "0 UDP ports"),
                                              (7001, "0 UDP ports")])
-def test_every_referee_is_warned_before_ports_leave_the_range_of_firewalls(last_port, told):
+def test_every_referee_is_warned_before_ports_leave_the_range_of_firewalls(last_port, reported):
     driver = BoxDriver(last_port=last_port)
     driver.robot().beacon()
     assert driver.off("connect") == []
     found = driver.box.warnings(driver.now)
-    assert found == [] if told is None else [f"{told} are left of 6666 to 7000" in text for text in found] == [True]
+    if reported is None:
+        assert found == []
+    else:
+        assert [f"{reported} are left of 6666 to 7000" in text for text in found] == [True]

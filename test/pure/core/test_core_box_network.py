@@ -24,7 +24,7 @@ def test_a_box_that_hears_another_one_at_first_gives_up_and_names_it(after):
 
 
 @pytest.mark.parametrize("after", [5.0, 1000.0])
-def test_a_box_that_hears_another_one_later_warns_every_referee_and_goes_on(after):
+def test_a_box_that_hears_another_one_later_warns_every_referee_and_continues(after):
     driver = BoxDriver(competition(a=["HWV"], b=["HGTKMH"]), listening=True)
     driver.run(after)
     robot = driver.executing("a")
@@ -44,7 +44,7 @@ def test_a_box_that_hears_another_one_later_warns_every_referee_and_goes_on(afte
     assert views.status(driver.box, driver.now) == "OK"
 
 
-def test_a_box_that_is_told_to_take_over_starts_beside_another_one():
+def test_a_box_with_take_over_starts_beside_another_one():
     driver = BoxDriver(settings=Settings(take_over=True), listening=True)
     for _ in range(10):
         driver.event(driver.box.on_foreign_box, "10.0.0.99")
@@ -62,7 +62,7 @@ def test_a_box_that_gives_up_says_how_to_start_beside_a_forged_one():
     assert "start with take_over:=true" in give_up.reason
 
 
-def test_who_announces_too_many_robots_is_told_and_another_teams_robot_is_connected():
+def test_a_host_with_too_many_robots_is_reported_and_another_teams_robot_is_connected():
     driver = BoxDriver()
     driver.taken()
     for i in range(250):
@@ -74,7 +74,7 @@ def test_who_announces_too_many_robots_is_told_and_another_teams_robot_is_connec
     assert driver.off("connect") == []
 
 
-def test_the_status_tells_that_the_box_listens():
+def test_the_status_says_that_the_box_listens():
     driver = BoxDriver(listening=True)
     assert views.status(driver.box, driver.now) == "Listening for another box before transmitting: 5 s"
     driver.run(5)
@@ -87,7 +87,7 @@ def test_a_box_that_need_not_listen_connects_at_once():
     assert driver.off("connect") == []
 
 
-def test_a_robot_is_told_of_when_it_appears():
+def test_a_robot_is_reported_when_it_appears():
     driver = BoxDriver()
     driver.taken()
     driver.robot().beacon(5)
@@ -95,7 +95,7 @@ def test_a_robot_is_told_of_when_it_appears():
     assert views.robots(driver.box, driver.now) == [("Alpha", "r1", pytest.approx(0.0), driver.now.utc)]
 
 
-def test_two_hosts_with_one_name_are_told_to_every_referee():
+def test_two_hosts_with_one_name_are_reported_to_every_referee():
     driver = BoxDriver()
     one, two = driver.robot(host="10.0.0.2"), driver.robot(host="10.0.0.3", skew=5.0)
     one.beacon()
@@ -159,7 +159,7 @@ def test_a_recording_of_an_earlier_run_is_refused_before_the_robot_says_a_word()
     driver.command("start")
 
 
-def test_a_flood_of_robots_is_bounded_and_the_run_goes_on():
+def test_a_flood_of_robots_is_bounded_and_the_run_continues():
     driver = BoxDriver(competition(a=["HWV"], b=["HGTKMH"]))
     robot = driver.executing("a")
     driver.taken()
@@ -178,7 +178,7 @@ def test_a_flood_of_robots_is_bounded_and_the_run_goes_on():
 
 
 @pytest.mark.parametrize("team, name", [("", ""), ("x" * 1000, "r"), ("Alpha", "")])
-def test_names_that_no_robot_has_are_told_and_not_listed(team, name):
+def test_names_that_no_robot_has_are_reported_and_not_listed(team, name):
     driver = BoxDriver()
     driver.taken()
     driver.event(driver.box.on_robot_beacon, "10.0.0.5", team, name, (0, 0))
@@ -197,7 +197,7 @@ def test_complaints_of_the_public_channel_are_shown_for_a_while():
     assert views.status(driver.box, driver.now) == "OK"
 
 
-def test_trouble_of_this_computer_is_told_once():
+def test_trouble_of_this_computer_is_reported_once():
     driver = BoxDriver()
     driver.taken()
     for _ in range(3):
@@ -210,7 +210,7 @@ def test_trouble_of_this_computer_is_told_once():
     assert driver.box.watches.warnings(driver.now) == ["another trouble"]
 
 
-def test_a_copy_of_what_the_robot_said_changes_nothing_and_is_told_if_it_comes_from_elsewhere():
+def test_a_copy_of_what_the_robot_said_changes_nothing_and_is_reported_if_it_comes_from_elsewhere():
     driver = BoxDriver()
     robot = driver.executing()
     driver.run(5)
@@ -220,12 +220,12 @@ def test_a_copy_of_what_the_robot_said_changes_nothing_and_is_told_if_it_comes_f
         driver.event(driver.box.on_robot_copy, robot.port, "10.0.0.66")
         driver.event(driver.box.on_robot_copy, robot.port, robot.host)
     driver.event(driver.box.on_robot_copy, 9999, "10.0.0.66")
-    told, = driver.notices(Level.WARNING)
-    assert told.startswith("Messages for this run also come from 10.0.0.66")
+    reported, = driver.notices(Level.WARNING)
+    assert reported.startswith("Messages for this run also come from 10.0.0.66")
     assert driver.run_in().link.sample(driver.now, 0).duplicates == 10
 
 
-def test_a_robot_whose_messages_are_not_read_is_told_of():
+def test_a_robot_whose_messages_are_not_read_is_reported():
     driver = BoxDriver()
     robot = driver.executing()
     driver.taken()
@@ -245,8 +245,8 @@ def test_a_robot_that_always_says_something_new_is_logged_as_far_as_its_budget_g
     logged = [value for topic, value in driver.bags[robot.port] if topic == run_log.NOTIFICATION]
     assert logged[:300] == [f"0 {j}" for j in range(300)]
     assert len(logged) == pytest.approx(StringsBudget.STRINGS_AT_ONCE + 0.2 * StringsBudget.STRINGS_PER_SECOND, abs=2)
-    told, = (text for text in driver.notices(Level.WARNING) if "sends too much" in text)
-    assert told.startswith("Robot sends too much: 100 new strings were not logged")
+    reported, = (text for text in driver.notices(Level.WARNING) if "sends too much" in text)
+    assert reported.startswith("Robot sends too much: 100 new strings were not logged")
     driver.run(2)
     robot.says(notifications=["at last"])
     assert driver.bags[robot.port][-1] != logged[-1]

@@ -31,7 +31,7 @@ def test_a_time_for_the_referee():
     assert times.time_with_zone(1_800_000_000.9) == "08:00:00Z"
 
 
-def test_a_step_of_the_clock_is_told_once_and_with_its_sign():
+def test_a_step_of_the_clock_is_reported_once_and_with_its_sign():
     watch = ClockWatch()
     assert watch.look(Now(10.0, 1000.0)) == 0.0
     assert watch.look(Now(20.0, 1010.0)) == 0.0

@@ -145,7 +145,7 @@ def test_connect_needs_a_robot_that_was_heard_within_the_timeout():
     assert "No robot of team Alpha is active" in _refused(driver, "connect")[0]
 
 
-def test_a_skew_that_is_not_known_is_told():
+def test_a_skew_that_is_not_known_is_reported():
     driver = BoxDriver()
     robot = driver.robot()
     robot.beacon(3)
@@ -223,7 +223,7 @@ def test_a_run_by_its_name_is_stopped_and_never_left():
     assert driver.run_in() is run
     driver.command("disconnect")
     driver.event(driver.box.scores.stop, name)  # it is over: that is what was wanted
-    with pytest.raises(Refused, match="no run 'HWV-1' was started"):
+    with pytest.raises(Refused, match="'HWV-1' is not one of the newest"):
         driver.event(driver.box.scores.stop, RunName("tbm", "HWV-1"))
 
 

@@ -23,19 +23,19 @@ from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot.machine import IllegalEvent
 
 
-def _check_records(driver, told):
-    """What was told of a run is what is in force; and what was signed off stays as it is."""
+def _check_records(driver, reported):
+    """The last published record of a run is the valid one, and a signed-off record does not change."""
     for effect in driver.taken(effects.RecordChanged):
-        before = told.get(effect.record.identity)
+        before = reported.get(effect.record.identity)
         assert before is None or before.sign_off is None
-        told[effect.record.identity] = effect.record
+        reported[effect.record.identity] = effect.record
     for zone in driver.box.zones.values():
         if zone.run is not None:
             record = zone.run.record(driver.now)
-            last = told[record.identity]
+            last = reported[record.identity]
             assert record._replace(elapsed_s=0.0, robots=()) == last._replace(elapsed_s=0.0, robots=())
     for record in driver.box.finished.records():
-        assert record == told[record.identity]
+        assert record == reported[record.identity]
 
 
 @examples(150)
@@ -43,10 +43,10 @@ def _check_records(driver, told):
 def test_no_order_of_events_breaks_the_box(sequence):
     """Nothing but a refusal is raised; the rules of effects hold (the driver sees to that)."""
     driver = BoxDriver(random_competition(), Settings(display_log_size=300))
-    told = {}  # identity -> the last record that was told
+    reported = {}  # identity -> the last published record
     for name, arguments in sequence:
         apply_event(driver, name, arguments)
-        _check_records(driver, told)
+        _check_records(driver, reported)
         runs = driver.box.zones.members()
         assert len({run.robot for run in runs}) == len(runs)
         assert len({run.port for run in runs}) == len(runs)

@@ -4,7 +4,7 @@ from roah_rsbb.core.referee import Refused
 from roah_rsbb.wording.suggestions import did_you_mean
 
 
-def test_a_refusal_tells_every_reason():
+def test_a_refusal_has_every_reason():
     refused = Refused(["no robot", "no port"])
     assert refused.reasons == ["no robot", "no port"]
     assert str(refused) == "no robot; no port"

@@ -49,7 +49,7 @@ def test_after_a_step_of_the_boxs_clock_skews_are_measured_anew():
     assert "is -10.000 s" in driver.off("connect", "b")[0]
 
 
-def test_a_robot_whose_clock_was_set_back_in_a_run_goes_on_and_the_referee_is_told():
+def test_a_robot_whose_clock_was_set_back_in_a_run_continues_and_the_referee_is_warned():
     driver = _minute()
     robot = driver.executing()
     robot.lives(10)
@@ -62,7 +62,7 @@ def test_a_robot_whose_clock_was_set_back_in_a_run_goes_on_and_the_referee_is_to
     assert driver.run_in().end_reason is EndReason.COMPLETED
 
 
-def test_a_robot_whose_clock_was_set_forward_goes_on_and_the_referee_is_told():
+def test_a_robot_whose_clock_was_set_forward_continues_and_the_referee_is_warned():
     driver = _minute()
     robot = driver.executing()
     robot.lives(10)
@@ -149,7 +149,7 @@ def test_times_that_arrive_while_the_skew_is_out_of_bounds_are_marked_in_state_a
     assert "time_valid" not in driver.logged(robot.port, run_log.CLIENT_PAYLOAD)[-1]
 
 
-def test_a_robot_that_falls_silent_is_told_of_once_and_its_run_goes_on():
+def test_a_robot_that_falls_silent_is_reported_once_and_its_run_continues():
     driver = _minute()
     robot = driver.executing()
     driver.taken()
@@ -161,7 +161,7 @@ def test_a_robot_that_falls_silent_is_told_of_once_and_its_run_goes_on():
     assert "No message" not in driver.view().state
 
 
-def test_a_robot_that_never_answers_is_told_of():
+def test_a_robot_that_never_answers_is_reported():
     driver = _minute()
     driver.robot().beacon()
     driver.command("connect")

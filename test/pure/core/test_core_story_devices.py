@@ -109,13 +109,13 @@ def test_a_tablet_says_where_it_was_touched_but_not_which_view_it_shows():
     driver, robot = _catering()
     robot.says(display_map=True)
     driver.taken()
-    told = TabletState(False, (12, 5), (13, 6), 1.5, -2.5)
-    driver.event(driver.box.on_tablet, "10.0.0.3", told)
-    assert driver.box.beacon().tablet == told._replace(display_map=True)
+    reported = TabletState(False, (12, 5), (13, 6), 1.5, -2.5)
+    driver.event(driver.box.on_tablet, "10.0.0.3", reported)
+    assert driver.box.beacon().tablet == reported._replace(display_map=True)
     assert driver.box.tablet.heard == driver.now
     assert driver.taken(SendBeacon) == [SendBeacon()]
     driver.run(1.0)
-    driver.event(driver.box.on_tablet, "10.0.0.3", told)
+    driver.event(driver.box.on_tablet, "10.0.0.3", reported)
     assert driver.box.tablet.heard == driver.now
     assert driver.taken(SendBeacon) == []
 
@@ -161,7 +161,7 @@ def test_a_device_that_refuses_is_shown_to_the_referee():
     assert text not in driver.box.warnings(driver.now)
 
 
-def test_a_refusal_that_comes_after_the_run_is_told_nevertheless():
+def test_a_refusal_that_comes_after_the_run_is_reported_nevertheless():
     driver, robot = _catering()
     driver.command("disconnect")
     driver.taken()
@@ -173,7 +173,7 @@ def test_a_refusal_that_comes_after_the_run_is_told_nevertheless():
 
 def test_a_controller_that_is_not_reached_is_a_warning_where_devices_are_needed():
     driver, _ = _catering()
-    told = ["Home devices: the controller does not answer"]
+    reported = ["Home devices: the controller does not answer"]
     other = BoxDriver(competition(tbm=["HWV"]))
     for which, warned in ((driver, True), (other, False)):
         if which is driver:
@@ -181,8 +181,8 @@ def test_a_controller_that_is_not_reached_is_a_warning_where_devices_are_needed(
             driver.command("next")
         before = which.box.warnings(which.now)
         which.event(which.box.on_devices_status, False, "the controller does not answer")
-        assert [w for w in which.box.warnings(which.now) if w not in before] == (told if warned else [])
+        assert [w for w in which.box.warnings(which.now) if w not in before] == (reported if warned else [])
         which.run(1000.0)
-        assert (told[0] in which.box.warnings(which.now)) is warned
+        assert (reported[0] in which.box.warnings(which.now)) is warned
         which.event(which.box.on_devices_status, True, "connected")
         assert not any("Home devices" in warning for warning in which.box.warnings(which.now))

@@ -1,4 +1,4 @@
-"""Runs as a referee would tell of them: start, stop, restart, timeout, completion, the next event."""
+"""Runs as a referee would describe them: start, stop, restart, timeout, completion, the next event."""
 
 import pytest
 
@@ -64,7 +64,7 @@ def test_the_box_wants_to_be_ticked_at_the_deadline():
     driver.command("start")
     deadline = driver.now.mono + 60
     assert driver.run_in().clock.deadline() == deadline
-    driver.run(10)  # the silence was told
+    driver.run(10)  # the silence was reported
     assert driver.box.deadline() == deadline
 
 
@@ -132,7 +132,7 @@ def test_after_a_timeout_there_is_no_start_but_a_new_run():
     assert driver.run_in().timer(driver.now) == 60.0
 
 
-def test_a_stopped_run_goes_on_and_its_clock_did_so_too():
+def test_a_stopped_run_continues_and_its_clock_kept_running():
     driver = _minute()
     robot = driver.executing()
     robot.lives(20)

@@ -44,7 +44,7 @@ def test_a_robot_that_saves_nothing_is_stopped_also_while_it_talks():
     assert _ended(driver) is EndReason.NO_MESSAGES_SAVED
 
 
-def test_a_robot_that_saves_in_time_goes_on():
+def test_a_robot_that_saves_in_time_continues():
     driver, robot = _executing()
     robot.lives(4)
     robot.saved = 1

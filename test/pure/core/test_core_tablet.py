@@ -1,4 +1,4 @@
-"""The tablet: which of its beacons are news, which host it is, what the referee is told."""
+"""The tablet: which of its beacons are new, which host it is, and the referee's warnings."""
 
 import itertools
 
@@ -111,14 +111,14 @@ def test_a_tablet_that_was_started_again_and_was_never_touched_since_undoes_noth
     assert box.taken(SendBeacon) == []
 
 
-def test_a_second_tablet_is_told_and_does_not_count(box):
+def test_a_second_tablet_is_reported_and_does_not_count(box):
     for _ in range(3):
         box.hear(said(CALL, PLACE, 1.0, 2.0), after=1.0)
         box.hear(said(LATER, LATER, 8.0, 9.0), OTHER)
     assert box.shown == said(CALL, PLACE, 1.0, 2.0)
-    told = f"Two tablets are on: {HOST} counts, {OTHER} is ignored. Switch off the wrong one"
-    assert box.notices(Level.WARNING) == [told]
-    assert told in views.status(box.box, box.now)
+    reported = f"Two tablets are on: {HOST} counts, {OTHER} is ignored. Switch off the wrong one"
+    assert box.notices(Level.WARNING) == [reported]
+    assert reported in views.status(box.box, box.now)
 
 
 def test_another_tablet_takes_over_from_a_silent_one(box):
@@ -128,21 +128,21 @@ def test_another_tablet_takes_over_from_a_silent_one(box):
     assert box.shown == said(EARLIER, EARLIER, 8.0, 9.0)
 
 
-@pytest.mark.parametrize(("absurd", "told"), [
+@pytest.mark.parametrize(("absurd", "reported"), [
     (said((-1, 0)), "set its clock"), (said((LAST_SECOND + 1, 0)), "set its clock"),
     (said((2**63 - 1, -(2**63))), "set its clock"), (said((5, 1_000_000_000)), "set its clock"),
     (said(CALL, (-(2**63), 0)), "set its clock"), (said(CALL, (5, -1)), "set its clock"),
     (said(CALL, LATER, float("nan")), "correct its map"), (said(CALL, LATER, 0.0, float("-inf")), "correct its map"),
     (said(CALL, LATER, 1e300), "correct its map"), (said(CALL, LATER, 0.0, -MAX_DISTANCE_M * 1.01), "correct its map"),
 ])
-def test_absurd_values_are_ignored_whole_and_told_once(box, absurd, told):
+def test_absurd_values_are_ignored_whole_and_reported_once(box, absurd, reported):
     heard = box.box.tablet.heard
     for _ in range(3):
         box.hear(absurd, after=1.0)
     assert box.shown == said(CALL, PLACE, 1.0, 2.0)
     assert box.box.tablet.heard == heard
     (notice,) = box.notices(Level.WARNING)
-    assert told in notice and HOST in notice
+    assert reported in notice and HOST in notice
     assert notice in views.status(box.box, box.now)
 
 
@@ -151,7 +151,7 @@ def test_the_last_time_that_ros_can_hold_is_no_absurd_one(box):
     assert box.shown.call_time == (LAST_SECOND, 999_999_999)
 
 
-def test_a_flood_from_many_hosts_tells_little(box):
+def test_a_flood_from_many_hosts_causes_few_reports(box):
     for number in range(1000):
         box.hear(said(LATER), f"10.0.1.{number}")
         box.hear(said((-1, 0)), f"10.0.2.{number}")
@@ -169,7 +169,7 @@ def test_a_tablet_that_was_never_heard_is_not_missed():
     assert driver.box.warnings(driver.now) == []
 
 
-def test_a_silent_tablet_is_told_until_it_is_heard(box):
+def test_a_silent_tablet_is_reported_until_it_is_heard(box):
     box.run(SILENT_S)
     assert silent(box) == []
     box.run(1.0)
@@ -179,14 +179,14 @@ def test_a_silent_tablet_is_told_until_it_is_heard(box):
     assert silent(box) == []
 
 
-@pytest.mark.parametrize(("code", "is_told"), [("HCFGAC", True), ("HGTKMH", False)])
-def test_a_tablet_that_went_long_ago_is_missed_where_it_is_needed(code, is_told):
+@pytest.mark.parametrize(("code", "is_reported"), [("HCFGAC", True), ("HGTKMH", False)])
+def test_a_tablet_that_went_long_ago_is_missed_where_it_is_needed(code, is_reported):
     driver = Driven(competition(tbm=[code]))
     driver.hear(said(CALL))
     driver.run(REMEMBER_SILENT_S)
     assert silent(driver)
     driver.run(1.0)
-    assert bool(silent(driver)) is is_told
+    assert bool(silent(driver)) is is_reported
 
 
 def test_a_run_begins_with_the_call_button_and_leaves_the_tablet_as_it_was():

@@ -65,7 +65,7 @@ def test_a_warning_is_new_once_and_stays_a_while_after_its_last_cause(watches, n
     assert note(watches, at(10 + 2 * remembered)) == first
 
 
-def test_a_step_of_the_clock_is_told_each_time(watches):
+def test_a_step_of_the_clock_is_reported_each_time(watches):
     assert "set by +3.000 s" in watches.clock_stepped(at(10), 3.0)
     second = watches.clock_stepped(at(11), -0.5)
     assert watches.warnings(at(11 + CLOCK_REMEMBER_S)) == [second]
@@ -85,8 +85,8 @@ def test_the_last_complaint_stays_a_while(watches):
     lambda w, i: w.trouble(at(10), f"trouble {i}"),
 ])
 def test_a_flood_of_one_kind_is_bounded_hides_no_other_kind_and_passes(watches, flood):
-    told = [flood(watches, i) for i in range(1000)]
-    assert sum(text is not None for text in told) == MAX_KEPT
+    reported = [flood(watches, i) for i in range(1000)]
+    assert sum(text is not None for text in reported) == MAX_KEPT
     assert len(watches.warnings(at(10))) == MAX_KEPT
     others = [note for note, _, _ in CASES if note(watches, at(10)) is not None]
     assert len(others) >= len(CASES) - 1

@@ -1,6 +1,6 @@
 """Competitions with configuration files of 2015 and 2019: sheets and messages stay as they were, byte for byte.
 
-`test/data/README.md` tells which version wrote the expected files.
+`test/data/README.md` says which version wrote the expected files.
 """
 
 import json

@@ -63,7 +63,7 @@ class World:
             raise AssertionError(f"not: {what}; {self.statuses}, {self.heard}") from None
 
     async def until_connected(self, number):
-        """Until the client's connection of this number has told everything."""
+        """Wait until the client's connection of this number has sent everything."""
         await self.until(lambda: len(self.heard) >= number and len(self.heard[number - 1]) >= 5, f"connection {number}")
 
     def happened(self):
@@ -105,11 +105,11 @@ def scripted(script):
     asyncio.run(run())
 
 
-def test_all_that_is_held_is_told_on_each_connection():
+def test_all_values_are_sent_on_each_connection():
     async def script(world):
         world.home.set("blinds", 40)
         world.client.send(world.home.set("dimmer", 30))
-        await world.until(lambda: len(world.heard[0]) == 6, "the dimmer is told")
+        await world.until(lambda: len(world.heard[0]) == 6, "the dimmer is set")
         assert world.heard[0][5] == ("58", 30)
         world.hang_up()
         await world.until_connected(2)
@@ -119,10 +119,10 @@ def test_all_that_is_held_is_told_on_each_connection():
     scripted(script)
 
 
-def test_what_is_set_while_the_controller_is_away_is_told_when_it_is_back():
+def test_values_set_while_the_controller_is_away_are_sent_when_it_is_back():
     async def script(world):
         world.stop()
-        await world.until(lambda: any("cannot be reached" in text for _, text in world.statuses), "it is told")
+        await world.until(lambda: any("cannot be reached" in text for _, text in world.statuses), "it is reported")
         assert not world.client.connected
         world.client.send(world.home.set("switch_3", 1))
         await world.open(world.port)
@@ -181,9 +181,9 @@ def test_another_client_is_named_and_the_client_keeps_trying():
         await world.until_connected(2)
         world.say(encode(Busy("10.0.0.9:4711")))
         await world.until_connected(3)
-        told = [text for connected, text in world.statuses if not connected]
-        assert [text for text in told if "is connected to another client at 10.0.0.9:4711" in text]
-        assert told.count(told[-1]) == 1, "the same is told once"
+        reported = [text for connected, text in world.statuses if not connected]
+        assert [text for text in reported if "is connected to another client at 10.0.0.9:4711" in text]
+        assert reported.count(reported[-1]) == 1, "the same is reported once"
         await world.until(lambda: world.statuses[-1][0], "connected in the end")
     scripted(script)
 
@@ -203,7 +203,7 @@ def test_a_controller_that_reads_nothing_does_not_make_it_grow(monkeypatch):
     scripted(script)
 
 
-def test_a_controller_that_does_not_answer_is_told(monkeypatch):
+def test_a_controller_that_does_not_answer_is_reported(monkeypatch):
     monkeypatch.setattr(client_module, "CONNECT_S", 0.1)
 
     async def never(*_args):
@@ -223,29 +223,29 @@ def test_a_controller_that_does_not_answer_is_told(monkeypatch):
 
 
 @pytest.fixture
-def told():
+def reported():
     return []
 
 
-def test_the_dummy_server_prints_rings_and_sends_a_second_client_away(told):
+def test_the_dummy_server_prints_rings_and_sends_a_second_client_away(reported):
     async def run():
         world = World()
-        server = DummyServer("127.0.0.1", 0, lambda text: (told.append(text), world.happened()))
+        server = DummyServer("127.0.0.1", 0, lambda text: (reported.append(text), world.happened()))
         await server.open()
         world.port = server.port
         assert not server.ring()
         world.start()
-        await world.until(lambda: "blinds is set to 0" in told, "all is told")
+        await world.until(lambda: "blinds is set to 0" in reported, "all values are sent")
         world.client.send(world.home.set("blinds", 35))
-        await world.until(lambda: "blinds is set to 35" in told, "the blinds")
+        await world.until(lambda: "blinds is set to 35" in reported, "the blinds")
         assert server.ring()
         await world.until(lambda: world.rings == 1, "the ring")
 
-        first = next(text for text in told if text.startswith("127.") and text.endswith("connected")).split()[0]
+        first = next(text for text in reported if text.startswith("127.") and text.endswith("connected")).split()[0]
         second = World()
         second.port = server.port
         second.start()
-        await second.until(lambda: second.statuses, "the second one is told")
+        await second.until(lambda: second.statuses, "the second one is rejected")
         assert f"is connected to another client at {first}" in second.statuses[0][1]
         world.running.cancel()
         await asyncio.gather(world.running, return_exceptions=True)
@@ -256,9 +256,9 @@ def test_the_dummy_server_prints_rings_and_sends_a_second_client_away(told):
     asyncio.run(run())
 
 
-def test_the_dummy_server_survives_garbage(told):
+def test_the_dummy_server_survives_garbage(reported):
     async def run():
-        server = DummyServer("127.0.0.1", 0, told.append)
+        server = DummyServer("127.0.0.1", 0, reported.append)
         await server.open()
         for data in (b"GET / HTTP/1.0\r\n\r\n", b"I\xff\xff", encode(DeviceEvent("E", "47", "1"))):
             reader, writer = await asyncio.open_connection("127.0.0.1", server.port)
@@ -266,5 +266,5 @@ def test_the_dummy_server_survives_garbage(told):
             assert await asyncio.wait_for(reader.read(), LIMIT_S) == b""
             writer.close()
         server.close()
-        assert sum("it does not use the SmartIF protocol" in text for text in told) == 3
+        assert sum("it does not use the SmartIF protocol" in text for text in reported) == 3
     asyncio.run(run())

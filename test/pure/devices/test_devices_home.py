@@ -13,7 +13,7 @@ from roah_rsbb.devices.smartif import Changed, DeviceEvent, Set
     ("dimmer", 70, Set("58", 70)), ("dimmer", 100, Set("58", 100)),
     ("blinds", 35, Set("77", 3500)), ("blinds", 100, Set("77", 10000)), ("blinds", 0, Set("77", 0)),
 ])
-def test_what_the_controller_is_told(device, value, message):
+def test_what_the_controller_receives(device, value, message):
     """Ids and scales of docs/devices.md, "The SmartIF protocol"."""
     home = Home()
     assert home.set(device, value) == message

@@ -75,7 +75,7 @@ def test_one_at_a_time_and_one_more_afterwards(tmp_path, sound, troubles):
     bell.ring()
     player.wait_begun()
     player.let_end()
-    assert troubles.empty(), "the same is told once"
+    assert troubles.empty(), "the same is reported once"
 
 
 def test_each_ring_is_heard_once(tmp_path, sound):

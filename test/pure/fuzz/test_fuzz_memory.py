@@ -1,4 +1,4 @@
-"""Nothing grows, however long others go on: what a box holds after many rounds is what it held after a few."""
+"""Memory does not grow, however long others continue: after many rounds, a box uses as much as after a few."""
 
 import contextlib
 import gc

@@ -26,7 +26,7 @@ def robots_of(driver, teams=TEAMS):
 
 
 def take_ports(driver, robots):
-    """Tell robots their ports from the beacon; one that is not listed gets None."""
+    """Give robots their ports from the beacon; a robot that is not listed gets None."""
     listed = {(r.team, r.robot): r.port for r in driver.box.beacon().robots}
     for robot in robots:
         robot.port = listed.get((robot.team, robot.name))

@@ -1,4 +1,4 @@
-"""A Box in simulated time, which jumps from deadline to deadline, and robots that say what a test tells them."""
+"""A Box in simulated time, which jumps from deadline to deadline, and robots that report what a test wants."""
 
 from helpers.competition import UTC0, competition
 from helpers.effect_rules import EffectRules
@@ -174,7 +174,7 @@ class BoxDriver:
 
 
 class FakeRobot:
-    """A robot that says what it is told to; its clock is ahead of the box's by `skew` seconds."""
+    """A robot that reports what the test wants. Its clock is ahead of the box's by `skew` seconds."""
 
     def __init__(self, driver, team, name, host, skew):
         self.driver = driver

@@ -25,7 +25,7 @@ class EffectRules:
         self._taken = set()  # ports on record
         self._opened = set()  # ports of channels
         self._bags = set()  # ports of run logs that are open
-        self._resumed = None  # port of a run that goes on now
+        self._resumed = None  # port of a run that is in progress
         self._last = {}  # (port, topic) -> last value logged
 
     def see(self, effect):
@@ -56,7 +56,7 @@ class EffectRules:
         self._taken, self._opened, self._bags = set(), set(), set()
 
     def _RunResumed(self, effect):
-        assert effect.port in self._opened, "a run goes on whose channel is not opened"
+        assert effect.port in self._opened, "a run continues without its channel"
         self._bags.add(effect.port)
         self._resumed = effect.port
 

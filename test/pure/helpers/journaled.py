@@ -1,4 +1,4 @@
-"""A box in simulated time with a real journal: it can be killed at any moment, and goes on from what is on record."""
+"""A box in simulated time with a real journal: it can be killed at any moment, and resumes from the journal."""
 
 import shutil
 
@@ -39,7 +39,7 @@ class JournaledDriver(BoxDriver):
         super()._begin(listening)
 
     def open(self, directory, resume=Resume.ALWAYS, launch=""):
-        """Open the journal in a directory, and go on from it."""
+        """Open the journal in a directory, and resume from it."""
         session = Session(self.now.utc, self.now.mono, self.boot, 1, "uuid", launch)
         events = journal.competition(self.config)
         self.journal = Journal(str(directory), session, events, resume, self.troubles.append)

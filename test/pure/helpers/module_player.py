@@ -1,4 +1,4 @@
-"""A node of benchmarking modules that asks for what a test tells it, beside a box in simulated time."""
+"""A node of benchmarking modules that makes the test's requests, beside a box in simulated time."""
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
@@ -23,11 +23,11 @@ class FakeModules:
         self.driver.event(self.driver.box.modules.on_modules, state)
 
     def run(self, zone="tbm"):
-        """What the core tells of the run in a zone."""
+        """What the core publishes of the run in a zone."""
         return next(run for run in self.driver.box.modules.runs() if run.zone == zone)
 
     def says(self, zone="tbm", **fields):
-        """Go on from the last progress in this attempt, with these fields changed."""
+        """Continue from the last progress in this attempt, with these fields changed."""
         run = self.run(zone)
         last = self.progress.get(run.run)
         if last is None or last.attempt != run.attempt:

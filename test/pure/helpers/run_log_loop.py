@@ -20,14 +20,14 @@ class Loop:
     def __init__(self, log_dir):
         self.posted = queue.Queue()
         self.journal = collections.defaultdict(list)
-        self.troubles, self.mended = [], []
+        self.troubles, self.repaired = [], []
         self.news = threading.Condition()
         self.writer = RunLogWriter(
-            str(log_dir), UUID, lambda text: self.tell(self.troubles, text),
-            lambda trouble, text: self.tell(self.mended, (trouble, text)), self.entries_of, self.posted.put,
+            str(log_dir), UUID, lambda text: self.put(self.troubles, text),
+            lambda trouble, text: self.put(self.repaired, (trouble, text)), self.entries_of, self.posted.put,
         )
 
-    def tell(self, where, what):
+    def put(self, where, what):
         with self.news:
             where.append(what)
             self.news.notify_all()

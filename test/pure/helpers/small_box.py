@@ -59,9 +59,9 @@ class SmallBox:
     async def __aenter__(self):
         loop = asyncio.get_event_loop()
         self._news = asyncio.Event()
-        self._public = PublicChannel(loop, BROADCAST, self.port, self._on_public, self._told, bind_host=BOX)
+        self._public = PublicChannel(loop, BROADCAST, self.port, self._on_public, self._reported, bind_host=BOX)
         self._private = PrivateChannel(
-            loop, BROADCAST, self.private_port, self._key, self._on_robot, self._told, bind_host=BOX
+            loop, BROADCAST, self.private_port, self._key, self._on_robot, self._reported, bind_host=BOX
         )
         self._private.remote = ROBOT
         self._public.open()
@@ -167,5 +167,5 @@ class SmallBox:
         del self.goals[0]
         self.state = BoxState.PREPARE if self.goals else BoxState.STOP
 
-    def _told(self, text):
+    def _reported(self, text):
         self._news.set()

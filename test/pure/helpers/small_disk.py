@@ -4,7 +4,7 @@ import os
 import pathlib
 import subprocess
 
-# What a broken disk does when it is told to: as if its controller had failed.
+# Makes a disk fail as if its controller were broken.
 _BREAK = 'd=$(findmnt -no SOURCE "$1") && echo broken by a test > /sys/fs/ext4/${d#/dev/}/trigger_fs_error'
 
 

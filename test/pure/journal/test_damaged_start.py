@@ -17,7 +17,7 @@ ENTRY = NewEntry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "notice", "")
 
 @pytest.fixture
 def start(tmp_path):
-    """Starts a core's journal in the folder; returns it, all that it told of, and what was set aside."""
+    """Starts a core's journal in the folder; returns it, its reports, and the files that were set aside."""
     opened = []
 
     def start():
@@ -38,12 +38,12 @@ def start(tmp_path):
 def test_a_file_in_which_is_nothing_is_begun(start, tmp_path, makes):
     """As it is when the computer is switched off in the moment in which it is made."""
     makes(tmp_path / FILE_NAME)
-    journal, told, aside = start()
-    assert (told, aside) == ([], [])
+    journal, reported, aside = start()
+    assert (reported, aside) == ([], [])
     assert journal.previous == NOTHING
     journal.close()
-    journal, told, _ = start()
-    assert told == []
+    journal, reported, _ = start()
+    assert reported == []
     assert journal.previous.states == {"box": "{}"}
 
 
@@ -58,9 +58,9 @@ def test_a_file_with_other_tables_is_set_aside(start, tmp_path, statement):
     with sqlite3.connect(str(tmp_path / FILE_NAME)) as connection:
         connection.execute(statement)
     connection.close()
-    journal, told, aside = start()
+    journal, reported, aside = start()
     assert len(aside) == 1
-    assert len(told) == 1 and "is not continued" in told[0]
+    assert len(reported) == 1 and "is not continued" in reported[0]
     assert journal.previous == NOTHING
 
 
@@ -74,9 +74,9 @@ def test_values_that_nobody_wrote_do_not_keep_it_from_going_on(start, tmp_path, 
     with sqlite3.connect(str(tmp_path / FILE_NAME)) as connection:
         connection.execute(statement)
     connection.close()
-    journal, told, aside = start()
+    journal, reported, aside = start()
     assert aside == []
-    warning, = told
+    warning, = reported
     assert "is damaged" in warning
     last = journal.previous.last
     assert last is None or abs(last.mono) < 1e12
@@ -89,8 +89,8 @@ def test_a_file_that_only_says_that_it_is_a_journal(start, tmp_path):
         connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
         connection.execute(f"PRAGMA user_version = {VERSION}")
     connection.close()
-    _, told, aside = start()
-    assert len(aside) == 1 and "its tables are not a journal's" in told[0]
+    _, reported, aside = start()
+    assert len(aside) == 1 and "its tables are not a journal's" in reported[0]
 
 
 def test_a_core_resumes_behind_a_damaged_write_ahead_log(start, tmp_path):
@@ -105,8 +105,8 @@ def test_a_core_resumes_behind_a_damaged_write_ahead_log(start, tmp_path):
     log[len(log) // 2] ^= 1
     (tmp_path / FILE_NAME).write_bytes(copies[""])
     (tmp_path / f"{FILE_NAME}-wal").write_bytes(log)
-    again, told, aside = start()
+    again, reported, aside = start()
     assert again.previous.states == {"box": '{"n":39}'}
     assert len(aside) == 1
-    assert "write-ahead log" in told[0] and str(aside[0]) in told[0]
+    assert "write-ahead log" in reported[0] and str(aside[0]) in reported[0]
     assert len(again.entries_of(6667)) >= 35

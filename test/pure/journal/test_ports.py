@@ -36,7 +36,7 @@ def test_a_torn_last_line_hides_nothing(record):
     assert record.read() == (6668, [])
 
 
-def test_what_is_no_port_is_skipped_and_told(record):
+def test_an_invalid_port_is_skipped_and_reported(record):
     write(record, b"6667\nport six\n99999999\n\xff\xfe\n")
     largest, warnings = record.read()
     assert largest == 6667
@@ -54,7 +54,7 @@ def test_digits_without_end_are_no_port(record):
     assert record.read()[0] == 6667
 
 
-def test_a_directory_that_is_gone_is_told(tmp_path):
+def test_a_directory_that_is_gone_is_reported(tmp_path):
     record = PortRecord(os.path.join(str(tmp_path), "gone"))
     with pytest.raises(OSError, match="gone"):
         record.add(6667, pytest.fail)

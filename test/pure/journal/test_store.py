@@ -67,7 +67,7 @@ def test_what_was_written_is_there_before_write_returns(journals):
     assert rows(journal, "port, log_file", "members") == [(6667, "/logs/run.bag")]
 
 
-def test_what_the_next_start_goes_on_from(journals):
+def test_what_the_next_start_continues_from(journals):
     journal = journals()
     journal.write(BATCH)
     journal.write(Batch(states={"zone:Home": '{"n":2}'}, outcomes={"HNF-6667-1": RunOutcome(1e9 + 9, '{"n":2}')}))
@@ -217,7 +217,7 @@ def test_a_directory_that_was_removed_is_written_anew(journals, tmp_path):
     assert journal.why_not_saved(ticket) == ""
 
 
-def test_a_directory_that_was_removed_and_cannot_be_made_again_is_told_until_it_can(journals, tmp_path):
+def test_a_directory_that_was_removed_and_cannot_be_made_again_is_reported_until_it_can(journals, tmp_path):
     journal = journals()
     journal.write(BATCH)
     shutil.rmtree(tmp_path / "log")

@@ -1,4 +1,4 @@
-"""A core that is killed goes on where it was: at every record boundary, after every event, from torn files."""
+"""A core that is killed resumes where it was: at every record boundary, after every event, from torn files."""
 
 import pytest
 
@@ -25,7 +25,7 @@ class Story:
         self.driver = driver
         self.modules = driver.modules = FakeModules(driver, "HNF")
 
-    def tell(self):
+    def play(self):
         driver, modules = self.driver, self.modules
         modules.beat()
         alpha = driver.connected("tbm")
@@ -74,7 +74,7 @@ class Story:
 
 
 def essence(driver):
-    """The state of all zones but what every datagram changes, and the texts that tell of the restart."""
+    """The state of all zones, without what every datagram changes and without the texts about the restart."""
 
     def of_run(run):
         run = dict(run, message={key: run["message"][key] for key in run["message"] if key != "acknowledgement"})
@@ -101,7 +101,7 @@ def test_at_every_record_boundary_the_journal_has_what_is_in_force(tmp_path):
         there.append((directory, driver.now, essence(driver)))
 
     driver = box(tmp_path, on_record=on_record)
-    Story(driver).tell()
+    Story(driver).play()
     assert len(there) > 35
     driver.on_record = None
     for directory, now, expected in there[::1 if ALL else 3]:
@@ -139,7 +139,7 @@ class _Killed(JournaledDriver):
 def _story_with_kill(directory, after):
     directory.mkdir()
     driver = _Killed(directory, two_zones(), NO_LISTENING, after=after)
-    outcome = Story(driver).tell().outcome()
+    outcome = Story(driver).play().outcome()
     driver.journal.close()
     return driver, outcome
 
@@ -154,20 +154,20 @@ def test_a_core_that_is_killed_after_any_event_comes_to_the_same_end(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory):
-    """The driver of a story that was told, and all states that were in force meanwhile."""
+def reported(tmp_path_factory):
+    """The driver of a story that was played, and all states that were in force meanwhile."""
     states = []
     driver = box(tmp_path_factory.mktemp("story"), on_record=lambda d: states.append(essence(d)))
     states.append(essence(driver))
-    Story(driver).tell()
+    Story(driver).play()
     driver.on_record = None
     return driver, states
 
 
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99])
 @pytest.mark.parametrize("garbage", [False, True])
-def test_a_torn_file_gives_a_state_that_was_in_force(told, tmp_path, share, garbage):
-    driver, states = told
+def test_a_torn_file_gives_a_state_that_was_in_force(reported, tmp_path, share, garbage):
+    driver, states = reported
     torn = tmp_path / "torn"
     driver.copy(torn)
     wal = next(torn.glob("*-wal"))
@@ -235,7 +235,7 @@ def test_what_was_stale_before_is_stale_after(tmp_path):
     assert driver.box_state("tbm") is BoxState.WAITING_RESULT
 
 
-def test_robots_are_told_the_same_of_devices_and_tablet(tmp_path):
+def test_robots_receive_the_same_state_of_devices_and_tablet(tmp_path):
     driver = box(tmp_path)
     devices = DevicesState(bell=(5, 6), switch_2=True, blinds=30)
     driver.event(driver.box.on_devices, devices)
@@ -307,7 +307,7 @@ def test_who_said_what(tmp_path):
     assert ("/referee_2", '{"command":"start"}') in commands
 
 
-def test_all_robots_go_on_together(tmp_path):
+def test_all_robots_continue_together(tmp_path):
     first = event("HSUF", team="ALL", timeout=120.0, scoring=())
     driver = box(tmp_path, competition(tbm=[first]))
     robots = robots_of(driver)

@@ -1,4 +1,4 @@
-"""A core that is started anew with another schedule, or in another launch: what goes on, and what does not."""
+"""A core that is started anew with another schedule, or in another launch: what continues, and what does not."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.journal.file import Resume
 
 
-def test_a_run_that_cannot_go_on_can_be_corrected_and_signed_off(tmp_path):
+def test_a_run_that_cannot_continue_can_be_corrected_and_signed_off(tmp_path):
     driver = box(tmp_path)
     driver.executing("tbm")
     driver.score(DOOR.group, DOOR.desc, 1, "tbm")
@@ -34,7 +34,7 @@ def test_an_event_that_was_moved_in_time_is_found(tmp_path):
     assert driver.box.zones["tbm"].event.benchmark.code == "HWV"
 
 
-def test_a_run_whose_event_is_gone_is_told(tmp_path):
+def test_a_run_whose_event_is_gone_is_reported(tmp_path):
     driver = box(tmp_path)
     driver.executing("tbm")
     driver.kill(config=competition(tbm=["HGTKMH"], fbm=[NAVIGATION]))
@@ -53,7 +53,7 @@ def test_the_journal_of_another_competition_is_set_aside(tmp_path):
 @pytest.mark.parametrize("resume, launch, goes_on", [
     (Resume.ALWAYS, "2", True), (Resume.LAUNCH, "1", True), (Resume.LAUNCH, "2", False), (Resume.NEVER, "1", False),
 ])
-def test_when_a_core_goes_on(tmp_path, resume, launch, goes_on):
+def test_when_a_core_resumes(tmp_path, resume, launch, goes_on):
     driver = box(tmp_path)
     driver.journal.close()
     driver.open(tmp_path / "0", launch="1")

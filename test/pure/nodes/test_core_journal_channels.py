@@ -1,4 +1,4 @@
-"""A run whose private channel can no longer be had does not go on, and does not keep the core from its start."""
+"""A run whose private channel is no longer available does not continue, and does not prevent the core's start."""
 
 import json
 

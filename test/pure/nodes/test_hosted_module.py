@@ -31,9 +31,9 @@ class Rules(Module):
 
 
 def hosted(wrong=lambda module: None, load=SimpleNamespace):
-    told = []
+    reported = []
     kind = type("Wrong", (Rules,), {"WRONG": staticmethod(wrong)})
-    return HostedModule(kind, load, GroundTruth(), told.append), told
+    return HostedModule(kind, load, GroundTruth(), reported.append), reported
 
 
 def answered(module, run=RUN):
@@ -59,7 +59,7 @@ def _status(module):
 
 
 def test_a_module_that_works():
-    module, told = hosted()
+    module, reported = hosted()
     assert module.progress() is None
     module.on_run(RUN)
     assert module.progress().request.text == "First"
@@ -67,29 +67,29 @@ def test_a_module_that_works():
     progress = module.progress()
     assert (progress.request.text, progress.failed, progress.scores[0].value) == ("Second", "", "1")
     module.close()
-    assert told == []
+    assert reported == []
 
 
 @pytest.mark.parametrize(("wrong", "reason"), [
     (_raise, "RuntimeError: no rule"), (_exit, "SystemExit: enough"), (_keep, "TypeError"), (_status, "TypeError"),
 ])
 def test_whatever_goes_wrong_ends_this_run_with_its_score(wrong, reason):
-    module, told = hosted(wrong)
+    module, reported = hosted(wrong)
     module.on_run(RUN)
     module.on_run(answered(module))
     progress = module.progress()
     assert reason in progress.failed
     assert (progress.run, progress.attempt, progress.finished) == ("TEST-1", 1, False)
     assert [score.value for score in progress.scores] == ["1"]
-    assert len(told) == 1
-    assert told[0].startswith("TEST in zone Home: Traceback")
-    assert reason in told[0]
+    assert len(reported) == 1
+    assert reported[0].startswith("TEST in zone Home: Traceback")
+    assert reason in reported[0]
     module.on_run(answered(module)._replace(running=False, end_reason="module_failed"))
     module.tick(5.0)
     assert not module.watching()
     assert module.progress() == progress
     module.close()
-    assert len(told) == 1, "it is told once"
+    assert len(reported) == 1, "it is reported once"
 
 
 @pytest.mark.parametrize("wrong", [_raise, _exit, _keep, _status])
@@ -109,7 +109,7 @@ def test_parameters_that_cannot_be_read_are_the_reason():
         report.error(Place("TEST.yaml", 7, 1), "x", "y")
         report.raise_errors()
 
-    module, told = hosted(load=load)
+    module, reported = hosted(load=load)
     module.on_run(RUN)
     assert module.progress().failed == "TEST.yaml:7: found x; expected y"
-    assert told == []
+    assert reported == []

@@ -1,4 +1,4 @@
-"""What a module may say: cut, mended or refused, each as it should be; nothing raises."""
+"""Limits of a module's messages: each is cut, repaired or refused correctly, and nothing raises."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Files that are mended while they are in use."""
+"""Files that are repaired while they are in use."""
 
 import os
 
@@ -51,7 +51,7 @@ def test_it_is_read_when_it_changed_and_only_then(path):
     assert file.content() == 33
 
 
-def test_what_is_wrong_is_told_until_it_is_mended(path):
+def test_what_is_wrong_is_reported_until_it_is_repaired(path):
     file, read = watched(path)
     assert len(file.problems) == 1
     with pytest.raises(ConfigErrors, match="nonsense"):

@@ -22,7 +22,7 @@ def test_numbers_of_the_states_are_those_on_the_wire():
     assert {s.name: s.value for s in RobotState} == dict(pb.RobotState.State.items())
 
 
-def test_fields_that_a_robot_does_not_send_are_told_from_zeros():
+def test_fields_that_a_robot_does_not_send_differ_from_zeros():
     report = wire_convert.report_of(robot_state())
     assert (report.time, report.messages_saved, report.state) == (WIRE_TIME, 7, RobotState.EXECUTING)
     assert report[3:7] == ((), (), (), ())

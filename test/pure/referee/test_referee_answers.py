@@ -15,7 +15,7 @@ TO_CONFIRM = Switches((1,), 0, True)
 
 
 class Table:
-    """A referee's place: what is asked in a running zone, what is typed, what is told."""
+    """A referee's terminal: the questions in a running zone, the typed lines, the output."""
 
     def __init__(self, kind, ahead=False):
         self.link = FakeLink()
@@ -132,7 +132,7 @@ def test_what_is_shown_for_a_moment_longer_is_not_asked_again(ahead):
     assert len(table.link.given) == (2 if ahead else 1)
 
 
-def test_what_is_no_answer_is_told_and_asked_again():
+def test_an_invalid_answer_is_reported_and_asked_again():
     table = Table(Typed)
     table.asks(AGAIN)
     table.types("what")
@@ -197,10 +197,10 @@ def test_another_referee_may_be_quicker():
 
 
 def _run(link, operations):
-    told = []
+    reported = []
     plan = Plan("Home A", 20.0, operations=operations)
-    outcome = RunScript(link, plan, told.append).run()
-    return outcome, [change.facts["text"] for change in told if change.kind == "note"]
+    outcome = RunScript(link, plan, reported.append).run()
+    return outcome, [change.facts["text"] for change in reported if change.kind == "note"]
 
 
 def test_a_run_with_manual_operations():

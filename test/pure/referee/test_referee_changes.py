@@ -26,14 +26,14 @@ def test_a_change_has_the_boxs_time():
     assert [change.utc_s for change in changes(box(running_zone()), new)] == [UTC0 + 5]
 
 
-def test_the_states_are_told_with_what_changed():
+def test_the_states_are_reported_with_what_changed():
     (kind, name, facts), = _facts(box(running_zone()), box(running_zone(robot_state="EXECUTING", box_state="GOAL_TX")))
     assert (kind, name) == ("state", "Home A")
     assert facts["changed"] == ["box_state", "robot_state"]
     assert (facts["phase"], facts["robot_state"]) == ("running", "EXECUTING")
 
 
-def test_lines_are_told_once_and_in_order():
+def test_lines_are_reported_once_and_in_order():
     old = running_zone(log="a\nb\n", online_data="x\n")
     new = running_zone(log="a\nb\nc\nd\n", online_data="x\ny\n")
     assert _facts(box(old), box(new)) == [
@@ -41,7 +41,7 @@ def test_lines_are_told_once_and_in_order():
     ]
 
 
-def test_lines_go_on_where_the_beginning_was_cut_off():
+def test_lines_continue_where_the_beginning_was_cut_off():
     lines = [f"12:00:{second:02d}Z a line long enough to be found again\n" for second in range(20)]
     found = changes(box(running_zone(log="".join(lines[:15]))), box(running_zone(log="".join(lines[5:18]))))
     assert [change.facts["text"] + "\n" for change in found] == lines[15:18]
@@ -52,7 +52,7 @@ def test_the_next_runs_log_begins_anew():
     assert found == [("log", "Home A", {"text": "new"})]
 
 
-def test_a_score_is_told_once_although_the_core_logs_it_too():
+def test_a_score_is_reported_once_although_the_core_logs_it_too():
     old, new = running_zone(), running_zone(
         score=(ITEMS[0]._replace(value=1), *ITEMS[1:]), log="Score: Achievements: Detects the door 0 -> 1\nother\n")
     assert _facts(box(old), box(new)) == [
@@ -62,12 +62,12 @@ def test_a_score_is_told_once_although_the_core_logs_it_too():
     ]
 
 
-def test_what_was_not_attempted_is_told_although_the_value_stays():
+def test_what_was_not_attempted_is_reported_although_the_value_stays():
     marked = running_zone(score=(ITEMS[0]._replace(not_attempted=True), *ITEMS[1:]))
-    for old, new, told in ((running_zone(), marked, (False, True)), (marked, running_zone(), (True, False))):
+    for old, new, reported in ((running_zone(), marked, (False, True)), (marked, running_zone(), (True, False))):
         ((kind, _, facts),) = _facts(box(old), box(new))
         assert (kind, facts["old"], facts["value"]) == ("score", 0, 0)
-        assert (facts["old_not_attempted"], facts["not_attempted"]) == told
+        assert (facts["old_not_attempted"], facts["not_attempted"]) == reported
 
 
 def test_another_runs_sheet_is_no_change_of_scores():
@@ -131,7 +131,7 @@ def test_a_warning_with_other_numbers_is_the_same_one(old, new):
     assert news((old,), (new,)) == []
 
 
-def test_a_restart_of_the_core_is_told():
+def test_a_restart_of_the_core_is_reported():
     assert _facts(box(), box(box_uuid="uuid-2")) == [("core", "", {"what": "restarted", "box_uuid": "uuid-2"})]
 
 

@@ -17,10 +17,10 @@ def link():
 
 
 def _run(link, **plan):
-    """The outcome and all that was told, as (kind, what) pairs."""
-    told = []
-    outcome = RunScript(link, Plan(**{"zone": "Home A", "wait_s": 20.0, **plan}), told.append).run()
-    return outcome, [(c.kind, c.facts.get("text") or c.facts.get("phase") or c.facts.get("what")) for c in told]
+    """The outcome and all reports, as (kind, what) pairs."""
+    reported = []
+    outcome = RunScript(link, Plan(**{"zone": "Home A", "wait_s": 20.0, **plan}), reported.append).run()
+    return outcome, [(c.kind, c.facts.get("text") or c.facts.get("phase") or c.facts.get("what")) for c in reported]
 
 
 def _interrupt():
@@ -29,23 +29,23 @@ def _interrupt():
 
 def test_a_run_from_connect_to_disconnect(link):
     link.at(5, lambda: link.end("completed"))
-    outcome, told = _run(link)
+    outcome, reported = _run(link)
     assert (outcome.status, outcome.text) == (Exit.OK, "the run is completed")
     assert link.commands == ["connect", "start", "leave_run"]
     assert outcome.zone.end_reason == "completed"
-    assert [what for kind, what in told if kind == "state"] == ["connected", "running", "ended", "idle"]
+    assert [what for kind, what in reported if kind == "state"] == ["connected", "running", "ended", "idle"]
 
 
-def test_it_waits_for_connect_and_for_start_and_tells_each_reason_once(link):
+def test_it_waits_for_connect_and_for_start_and_reports_each_reason_once(link):
     link.block("connect", "No robot for 1 s")
     link.block("start", "Robot has not stopped")
     link.at(3, lambda: link.block("connect", "No robot for 2 s", "Skew"))
     link.at(10, lambda: link.block("connect"))
     link.at(25, lambda: link.block("start"))
     link.at(30, lambda: link.end("completed"))
-    outcome, told = _run(link)
+    outcome, reported = _run(link)
     assert outcome.status is Exit.OK
-    assert [what for kind, what in told if kind == "note"] == [
+    assert [what for kind, what in reported if kind == "note"] == [
         "waiting to connect: No robot for 1 s", "waiting to connect: Skew", "waiting to start: Robot has not stopped",
     ]
 
@@ -68,9 +68,9 @@ def test_a_start_that_stays_impossible_leaves_no_run_behind(link):
 def test_a_refusal_although_the_button_was_on_is_waited_out(link):
     link.answers["connect"] = [Refused(["Skew"]), None]
     link.at(5, lambda: link.end("completed"))
-    outcome, told = _run(link)
+    outcome, reported = _run(link)
     assert outcome.status is Exit.OK
-    assert ("note", "waiting to connect: Skew") in told
+    assert ("note", "waiting to connect: Skew") in reported
     assert link.commands[:2] == ["connect", "connect"]
 
 
@@ -140,15 +140,15 @@ def test_keep_stays_connected(link):
 
 def test_scores_are_set_once_the_run_is_started(link):
     link.at(5, lambda: link.end("completed"))
-    outcome, told = _run(link, scores=(("door", "yes"), ("2", "+3")))
+    outcome, reported = _run(link, scores=(("door", "yes"), ("2", "+3")))
     assert outcome.status is Exit.OK
     assert link.scores == {"Detects the door": 1, "Moved furniture": 3}
-    assert [kind for kind, _ in told].count("score") == 2
+    assert [kind for kind, _ in reported].count("score") == 2
     assert [item.value for item in outcome.zone.score] == [1, 3, 0]
 
 
 @pytest.mark.parametrize("score, status", [(("furniture", "1"), Exit.USAGE), (("door", "2"), Exit.REFUSED)])
-def test_a_wrong_score_is_told_before_the_start(link, score, status):
+def test_a_wrong_score_is_reported_before_the_start(link, score, status):
     outcome, _ = _run(link, scores=(score,))
     assert outcome.status is status
     assert link.commands == ["connect", "leave_run"]
@@ -198,10 +198,10 @@ def test_a_restart_on_the_way_to_the_event_is_waited_out(link):
     link.at(0.3, link.die)
     link.at(9, link.restart)
     link.at(20, lambda: link.end("completed"))
-    outcome, told = _run(link, event=event_wanted("HCFGAC"))
+    outcome, reported = _run(link, event=event_wanted("HCFGAC"))
     assert outcome.status is Exit.OK
     assert outcome.zone.event.code == "HCFGAC"
-    assert [what for kind, what in told if kind == "note"] == ["waiting for the core: silent"]
+    assert [what for kind, what in reported if kind == "note"] == ["waiting for the core: silent"]
     assert link.commands == ["next", "next", "next", "next", "next", "connect", "start", "leave_run"]
 
 
@@ -245,9 +245,9 @@ def test_a_core_that_resumes_the_run_after_a_restart(link):
     link.at(5, link.die)
     link.at(15, lambda: link.restart(phase="running"))
     link.at(20, lambda: link.end("completed"))
-    outcome, told = _run(link)
+    outcome, reported = _run(link)
     assert outcome.status is Exit.OK
-    assert [what for kind, what in told if kind == "core"] == ["silent", "back", "restarted"]
+    assert [what for kind, what in reported if kind == "core"] == ["silent", "back", "restarted"]
 
 
 def test_a_core_that_lost_the_run_in_a_restart(link):
@@ -271,9 +271,9 @@ def test_a_restart_before_the_start_loses_nothing(link):
 def test_a_core_that_goes_during_the_command_is_waited_for(link):
     link.answers["connect"] = [NoCore("gone"), None]
     link.at(5, lambda: link.end("completed"))
-    outcome, told = _run(link)
+    outcome, reported = _run(link)
     assert outcome.status is Exit.OK
-    assert ("note", "waiting to connect: the core does not answer") in told
+    assert ("note", "waiting to connect: the core does not answer") in reported
 
 
 def test_a_core_that_stays_gone_before_connect_ends_it_as_such(link):
@@ -294,9 +294,9 @@ def test_a_core_that_was_gone_and_then_refuses_is_a_refusal(link):
 def test_a_core_that_goes_during_the_disconnect_is_waited_for(link, answers):
     link.answers["leave_run"] = answers
     link.at(5, lambda: link.end("completed"))
-    outcome, told = _run(link)
+    outcome, reported = _run(link)
     assert (outcome.status, outcome.text, link.zone.phase) == (Exit.OK, "the run is completed", "idle")
-    assert (("note", "waiting to disconnect: gone") in told) == (len(link.commands) == 4)
+    assert (("note", "waiting to disconnect: gone") in reported) == (len(link.commands) == 4)
 
 
 def test_a_core_that_disconnected_before_it_could_answer(link):
@@ -390,11 +390,11 @@ def test_a_second_interrupt_leaves_at_once_and_warns(link):
 def test_details_that_are_always_late(link, late_s):
     link.details_late_s = lambda: late_s
     link.at(8, lambda: link.end("completed"))
-    outcome, told = _run(link, scores=(("door", "1"),))
+    outcome, reported = _run(link, scores=(("door", "1"),))
     assert (outcome.status, outcome.text) == (Exit.OK, "the run is completed")
     assert link.commands == ["connect", "start", "leave_run"]
     assert link.scores == {"Detects the door": 1}
-    assert not [what for kind, what in told if kind == "note"]
+    assert not [what for kind, what in reported if kind == "note"]
 
 
 @pytest.mark.parametrize("seed", range(20))

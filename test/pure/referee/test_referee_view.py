@@ -89,14 +89,14 @@ Score of the benchmarking module
              –  Distance error""")
 
 
-@pytest.mark.parametrize(("old", "new", "told"), [
+@pytest.mark.parametrize(("old", "new", "reported"), [
     (None, 1.25, True), (1.25, 2.5, False), (False, True, True), ("", "a", True), (1.25, None, False),
 ])
-def test_a_score_that_changes_all_the_time_is_told_once(old, new, told):
+def test_a_score_that_changes_all_the_time_is_reported_once(old, new, reported):
     zones = [running_zone(module_score=(SCORES[0]._replace(value=value),)) for value in (old, new)]
     lines = _lines(*map(box, zones))
     assert [line.partition(" Home A: ")[2] for line in lines] == (
-        ["module's score: goal 1: Time: " + {1.25: "1.25 s", True: "yes s", "a": "a s"}[new] if told else ""])
+        ["module's score: goal 1: Time: " + {1.25: "1.25 s", True: "yes s", "a": "a s"}[new] if reported else ""])
 
 
 def test_what_happens_by_hand():
@@ -170,7 +170,7 @@ def test_lines_of_the_core_keep_their_own_time():
     ]
 
 
-def test_a_state_that_the_core_logs_itself_is_not_told_twice():
+def test_a_state_that_the_core_logs_itself_is_not_reported_twice():
     assert _lines(box(running_zone()), box(running_zone(box_state="WAITING_RESULT"))) == [""]
 
 

@@ -20,7 +20,7 @@ def test_a_zone_is_found_by_its_name_or_beginning(word, name):
     assert pick_zone(word, ZONES) == name
 
 
-def test_zones_that_differ_in_case_only_are_told_apart():
+def test_zones_that_differ_in_case_only_are_distinguished():
     assert pick_zone("home", ["Home", "home", "home 2"]) == "home"
     with pytest.raises(BadWord):
         pick_zone("HOME", ["Home", "home"])
@@ -100,7 +100,7 @@ def test_what_is_no_value_says_what_would_be(item, text, hint):
 
 @pytest.mark.parametrize("item, text", [(0, "2"), (0, "-1"), (1, "-1")])
 def test_values_that_the_core_would_refuse_are_refused_in_its_words(item, text):
-    with pytest.raises(Refused, match="its value is 0 or"):
+    with pytest.raises(Refused, match="its value must be 0 or"):
         value_of(text, ITEMS[item])
 
 

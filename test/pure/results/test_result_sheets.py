@@ -123,21 +123,21 @@ def test_a_record_that_cannot_be_read_costs_only_itself(writer):
 
 
 def test_the_events_of_a_run(result):
-    told = {section.title: [h.text for h in section.events] for section in sections(result)}
-    assert told["Timeline of states"] == [
+    reported = {section.title: [h.text for h in section.events] for section in sections(result)}
+    assert reported["Timeline of states"] == [
         "Box: STOP: Connected", "Robot: STOP", "Robot's address: 10.0.0.7",
         "Box: PREPARE: Robot preparing for the task", "Robot: PREPARING",
         "Box: WAITING_RESULT: Robot prepared, executing", "Robot: EXECUTING", "Disconnected",
     ]
-    assert told["Goals and results"] == [
+    assert reported["Goals and results"] == [
         "Goal: waypoint 1; goal: [1, 2, 0.5]; pose: [1, 2, 0.5]; 120.0 s", "Result: {class: a" + EVIL + "}"
     ]
-    assert told["Manual operations"] == ["place the object " + EVIL]
-    assert told["Referee's commands"] == [f"start; REFUSED: Robot has not answered; {EVIL}", "start"]
-    assert told["Online data"] == [f"notification: {EVIL}"]
-    assert told["Home devices and tablet"] == ["dimmer: 40"]
-    assert told["Warnings"] == ["WARNING: No message from the robot for 9 s"]
-    assert told["Other"] == ['something_new: {"a": 1}']
+    assert reported["Manual operations"] == ["place the object " + EVIL]
+    assert reported["Referee's commands"] == [f"start; REFUSED: Robot has not answered; {EVIL}", "start"]
+    assert reported["Online data"] == [f"notification: {EVIL}"]
+    assert reported["Home devices and tablet"] == ["dimmer: 40"]
+    assert reported["Warnings"] == ["WARNING: No message from the robot for 9 s"]
+    assert reported["Other"] == ['something_new: {"a": 1}']
 
 
 def test_what_is_bad_and_who_did_it(result):
@@ -147,7 +147,7 @@ def test_what_is_bad_and_who_did_it(result):
     assert by_title["Online data"][0].who == "10.0.0.7"
 
 
-def test_a_robots_state_that_is_said_again_is_told_once(writer):
+def test_a_robots_state_that_is_said_again_is_reported_once(writer):
     record = task_record("Alpha", 1)
     writer.run(record)
     for state in (3, 3, 4, 9):

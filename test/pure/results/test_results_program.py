@@ -35,8 +35,8 @@ def run(journal, capsys):
     def results(*arguments, source=("--journal", journal)):
         with pytest.raises(SystemExit) as ended:
             program.main(str(ROOT / "config"), [str(a) for a in (*source, *arguments)])
-        told = capsys.readouterr()
-        return ended.value.code, told.out, told.err
+        reported = capsys.readouterr()
+        return ended.value.code, reported.out, reported.err
 
     return results
 
@@ -75,7 +75,7 @@ def test_a_journal_without_runs(run, tmp_path):
     assert run("export", "--html", tmp_path / "html", source=source)[0] == 0
 
 
-@pytest.mark.parametrize(("arguments", "status", "told"), [
+@pytest.mark.parametrize(("arguments", "status", "reported"), [
     (("show", "9"), 1, "there is no run '9': there are 1 to 5"),
     (("export",), 1, "choose what to write"),
     (("export", "--csv", "/nowhere/x"), 1, "/nowhere/x.draft: No such file or directory"),
@@ -86,10 +86,10 @@ def test_a_journal_without_runs(run, tmp_path):
     ((), 2, "COMMAND"),
     (("--journal", "/nowhere/j", "list"), 1, "the file is missing"),
 ])
-def test_what_cannot_be_done_is_told(run, arguments, status, told):
+def test_an_impossible_request_is_reported(run, arguments, status, reported):
     found, out, err = run(*arguments)
     assert (found, out) == (status, "")
-    assert told in err
+    assert reported in err
     assert err.startswith("results")
 
 
@@ -237,8 +237,8 @@ def test_json_has_all(run, tmp_path):
     [robot] = first["robot_parts"]
     assert (robot["port"], len(robot["link"])) == (6667, 300)
     assert set(robot["link"][0]) == {"utc", *LinkSample._fields}
-    told = next(entry for entry in first["entries"] if entry["kind"] == "/notification")
-    assert (told["value"], told["who"], told["port"]) == (EVIL, "10.0.0.7", 6667)
+    reported = next(entry for entry in first["entries"] if entry["kind"] == "/notification")
+    assert (reported["value"], reported["who"], reported["port"]) == (EVIL, "10.0.0.7", 6667)
     table = data["standings"][0]
     assert (table["benchmark"], [team["team"] for team in table["teams"]]) == ("HGTKMH", ["Beta", "Alpha"])
     assert table["teams"][0]["runs"][0]["counts"] is True

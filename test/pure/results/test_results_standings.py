@@ -59,7 +59,7 @@ def test_ties_share_a_rank_and_are_shown_as_ties():
     assert [text.split()[0] for text in lines[2:6]] == ["1=", "1=", "3", "4"]
 
 
-def test_sums_that_only_rounding_tells_apart_tie():
+def test_sums_that_differ_only_by_rounding_tie():
     weighed = Rules(OfRuns.BEST, (), (Criterion("Points", True, (Term(item=DOOR, weight=0.3),
                                                                 Term(item=OBJECTS, weight=0.1))),))
     found = ranks([task_record("A", 1, objects=3), task_record("B", 2, door=1)], weighed)
@@ -107,7 +107,7 @@ def test_a_value_of_a_part_of_the_run_is_not_that_of_the_run():
     assert f"run {record.identity} of team A has no 'time'" in table.remarks
 
 
-def test_a_group_that_the_sheet_lacks_is_told():
+def test_a_group_that_the_sheet_lacks_is_reported():
     assert "has no 'Achivements'" in remarks(
         [task_record("A", 1)], rules=Rules(OfRuns.BEST, (), (Criterion("x", True, (Term(group="Achivements"),)),))
     )
@@ -248,7 +248,7 @@ HWV:
     ("HWV: {disqualified_by: Hits, criteria: [{name: x, of: [{group: y}]}]}", 1, "groups of the score sheet"),
     ("- HWV", 1, "a map"),
 ])
-def test_what_is_wrong_in_the_file_is_told_with_its_line(tmp_path, text, line, expected):
+def test_what_is_wrong_in_the_file_is_reported_with_its_line(tmp_path, text, line, expected):
     with pytest.raises(ConfigErrors) as caught:
         rules_of(tmp_path, text)
     [error] = caught.value.errors

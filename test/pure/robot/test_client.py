@@ -159,8 +159,8 @@ def test_stopped_by_the_referee_and_started_again():
         "execute", "stop", "cancelled"] * 2
 
 
-def test_what_the_owner_tells_arrives():
-    class Telling(Recorder):
+def test_what_the_owner_sends_arrives():
+    class Requesting(Recorder):
         async def execute(self, benchmark, goal):
             for text in ("a", "b", "a"):
                 self.client.notify(text)
@@ -173,7 +173,7 @@ def test_what_the_owner_tells_arrives():
             while self.client.strings_pending:
                 await asyncio.sleep(0.01)
 
-    box = run_through(Telling())
+    box = run_through(Requesting())
     assert dict(box.logged) == {
         "notifications": ["a", "b", "a"], "activation_event": ["bell"], "visitor": ["Deli Man"],
         "final_command": ["open"],
@@ -308,10 +308,10 @@ def test_another_robot_of_this_name_is_reported():
     async def body():
         async with SmallBox() as box, running(box, behaviour):
             await box.until(lambda: box.received)
-            told = []
+            reported = []
             loop = asyncio.get_event_loop()
             twin = PublicChannel(
-                loop, BROADCAST, box.port, lambda *_: None, told.append, bind_host="127.0.0.3"
+                loop, BROADCAST, box.port, lambda *_: None, reported.append, bind_host="127.0.0.3"
             )
             twin.open()
             try:
@@ -319,7 +319,7 @@ def test_another_robot_of_this_name_is_reported():
                 await box.until(lambda: behaviour.reports)
             finally:
                 twin.close()
-            assert told == []
+            assert reported == []
 
     asyncio.run(body())
     assert [report.problem for report in behaviour.reports] == [fx.Problem.SAME_NAME]
@@ -338,7 +338,7 @@ def test_a_client_that_cannot_begin_says_why(settings, error, found):
         asyncio.run(RobotClient(**{**usual, **settings}).run())
 
 
-def test_a_client_that_does_not_run_tells_nobody():
+def test_a_client_that_does_not_run_refuses_requests():
     client = RobotClient(TEAM, PASSWORD, Recorder(), rsbb_host=BOX)
     with pytest.raises(IllegalEvent, match="is not running"):
         client.notify("x")

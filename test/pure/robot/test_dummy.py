@@ -99,7 +99,7 @@ def _executes_until_stopped(code, **options):
     asyncio.run(body())
 
 
-def test_hpff_goes_on_until_it_is_stopped():
+def test_hpff_continues_until_it_is_stopped():
     _executes_until_stopped("HPFF")
 
 

@@ -123,7 +123,7 @@ def test_the_same_states_at_the_same_events(name):
 
 
 def _news(values):
-    """Values without repetitions one after the other: a topic tells only what changed."""
+    """Values without repetitions one after the other: a topic only publishes changes."""
     return [value for value, _ in itertools.groupby(values)]
 
 
@@ -139,13 +139,13 @@ def _wire_time(time):
 
 
 # What the node's documentation calls the robot's states on its topic.
-TOLD_AS = {
+PUBLISHED_AS = {
     RobotState.STOP: "STOP", RobotState.PREPARING: "PREPARE", RobotState.WAITING_GOAL: "PREPARE",
     RobotState.EXECUTING: "EXECUTE", RobotState.RESULT_TX: "EXECUTE",
 }
-# What each session's robot was told to do, in the words of that topic; STOP is also where it begins.
+# The states of each session's robot, in the words of that topic. It begins with STOP.
 ONE_GOAL = ["STOP", "PREPARE", "EXECUTE", "STOP"]
-TOLD = {
+PUBLISHED = {
     "HCFGAC_2015": ONE_GOAL, "HGTKMH_2015": ONE_GOAL, "HGTKMH_2020": ONE_GOAL,
     "HNF_2020": ["STOP", *["PREPARE", "EXECUTE"] * 5, "STOP"],
     "STB_2020": ["STOP", *["PREPARE", "EXECUTE"] * 2, "STOP"],
@@ -157,14 +157,14 @@ HALTED = {"TIMEOUT_2015": [True, True]}
 
 @pytest.mark.parametrize("name", SESSIONS)
 def test_the_robots_programs_hear_what_the_box_said(name):
-    """What topics tell: the benchmark and its end, each state and goal once, no stop that was none."""
+    """What topics publish: the benchmark and its end, each state and goal once, and no unnecessary stop."""
     effects = Replay(name).run(_complete_as_the_original_did).effects
     code = next(sent["benchmark_type"] for public, sent in _from_original_box(name) if not public)
     run = [effect for effect in effects if isinstance(effect, (fx.BenchmarkIs, fx.StateIs))]
     assert run[0] == fx.BenchmarkIs(code)
     assert run[-1] == fx.BenchmarkIs(None)
     assert all(isinstance(effect, fx.StateIs) for effect in run[1:-1])
-    assert _news(["STOP", *(TOLD_AS[effect.state] for effect in run[1:-1])]) == TOLD[name]
+    assert _news(["STOP", *(PUBLISHED_AS[effect.state] for effect in run[1:-1])]) == PUBLISHED[name]
     executed = [effect.goal and effect.goal.text for effect in effects if isinstance(effect, fx.Execute)]
     sent = [state.get("generic_goal") for public, state in _from_original_box(name) if not public]
     assert executed == ([goal for goal in _news(sent) if goal] or [None])
@@ -173,7 +173,7 @@ def test_the_robots_programs_hear_what_the_box_said(name):
 
 
 @pytest.mark.parametrize("name", SESSIONS)
-def test_the_home_is_told_when_it_changes(name):
+def test_the_home_is_published_when_it_changes(name):
     effects = Replay(name).run(_complete_as_the_original_did).effects
     beacons = [sent for public, sent in _from_original_box(name) if public]
     assert [effect for effect in effects if isinstance(effect, fx.Devices)] == _news(

@@ -46,7 +46,7 @@ def test_it_completes_a_run(code, goals, heard):
 
 
 class _HeldBox(SmallBox):
-    """Does not go on by itself while it is held."""
+    """Does not continue by itself while it is held."""
 
     held = True
 

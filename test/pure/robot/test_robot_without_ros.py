@@ -102,17 +102,17 @@ def test_the_example_follows_a_person_until_it_is_stopped(run_program, monkeypat
     assert "stopped: the box sent STOP" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("password, host, told", [
+@pytest.mark.parametrize("password, host, reported", [
     (None, BROADCAST, "password is empty"), (PASSWORD, "no such host", "nor a known host"),
 ])
-def test_the_example_says_why_it_cannot_begin(example, monkeypatch, capsys, password, host, told):
+def test_the_example_says_why_it_cannot_begin(example, monkeypatch, capsys, password, host, reported):
     monkeypatch.delenv("ROAH_RSBB_KEY", raising=False)
     if password is not None:
         monkeypatch.setenv("ROAH_RSBB_KEY", password)
     monkeypatch.setattr("sys.argv", ["my_robot.py", TEAM, host, "--bind", ROBOT])
     with pytest.raises(SystemExit):
         example.main()
-    assert told in capsys.readouterr().err
+    assert reported in capsys.readouterr().err
 
 
 # -- what the page says -----------------------------------------------------------------------------

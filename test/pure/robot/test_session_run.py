@@ -183,7 +183,7 @@ def test_the_last_goal_is_no_error_when_it_comes_after_what_the_referee_or_a_mod
     assert linked.state is asked and linked.take_news() == []
     linked.run(2)
     linked.box_says(late, "HNF", acknowledge=newest)
-    assert linked.take_news(fx.Report), "it is no straggler after so long: the box is told where the robot is"
+    assert linked.take_news(fx.Report), "after so long it is not a delayed message: report the robot's state to the box"
 
 
 def test_the_result_waits_for_strings_that_no_message_carried_yet(linked):

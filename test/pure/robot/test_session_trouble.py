@@ -47,7 +47,7 @@ def test_a_box_silent_on_the_private_channel_is_reported_once(linked):
     assert [(report.problem, report.over) for report in linked.take_news()] == [(fx.Problem.BOX_SILENT, True)]
 
 
-def test_a_wrong_password_is_told_once_and_not_taken_for_silence(linked):
+def test_a_wrong_password_is_reported_once_and_not_taken_for_silence(linked):
     for _ in range(20):
         linked.beacon()
         linked.session.private_undecodable(linked.now, BOX)

@@ -16,7 +16,7 @@ def test_late_messages_do_not_set_it_back():
     assert clock.now(53.0) == pytest.approx(1003.0, abs=0.01)
 
 
-def test_a_quicker_message_tells_better():
+def test_a_faster_message_gives_a_better_estimate():
     clock = BoxClock()
     clock.sample(50.0, 1000.0)
     clock.sample(50.5, 1000.7)

@@ -43,7 +43,7 @@ def test_a_gap_is_remembered_as_long_as_the_window_and_no_longer():
     assert text(watch.longest()) == "▮▮▮ good"
 
 
-def test_a_silence_that_goes_on_counts_at_once():
+def test_a_silence_that_lasts_counts_at_once():
     watch = Watch()
     watch.go_on(5.0)
     watch.go_on(4.0, None)

@@ -66,7 +66,7 @@ def test_a_run(run, big, word):
     )
 
 
-def test_the_countdown_goes_on_from_one_message_and_ends_at_zero():
+def test_the_countdown_continues_from_one_message_and_ends_at_zero():
     assert [_content([_run()], utc_s=NOW + s).cards[0].big for s in (0.0, 30.0, 89.5, 90.0, 200.0)] == [
         "▶ 1:30", "▶ 1:00", "▶ 0:01", "▶ 0:00", "▶ 0:00"
     ]

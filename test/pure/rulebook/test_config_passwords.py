@@ -76,7 +76,7 @@ def test_something_else_than_lines_of_teams(files, text, found):
     assert found in message and "S3CRET" not in message
 
 
-def test_a_schedule_that_names_a_team_wrongly_is_told_of_no_other_teams(files):
+def test_the_error_about_a_wrong_team_names_no_other_teams(files):
     """Who swaps team and password would otherwise read passwords in the list of teams."""
     swapped = "".join(f"S3CRET{i}: {team}\n" for i, team in enumerate(("TestingTeam", "HomeAlone")))
     messages = [message for _, _, message in files.errors(passwords=swapped)]

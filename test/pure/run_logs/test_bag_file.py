@@ -59,7 +59,7 @@ def test_an_entry_that_no_message_can_hold_is_left_out(path):
     assert read(path) == [(TEXT, "good")]
 
 
-def test_a_whole_log_goes_on_in_its_file(path):
+def test_a_whole_log_continues_in_its_file(path):
     bag, _ = write_whole(str(path), entries(5), stays_open=True)
     bag.write(message_of(entries(1, first=5)[0]))
     bag.close()

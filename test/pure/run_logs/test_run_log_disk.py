@@ -36,9 +36,9 @@ def loop(disk):
     made.writer.stop()
 
 
-def answer_until_mended(loop):
+def answer_until_repaired(loop):
     deadline = time.monotonic() + LIMIT_S
-    while not loop.mended:
+    while not loop.repaired:
         assert time.monotonic() < deadline
         loop.answer()
         loop.settle()
@@ -54,7 +54,7 @@ def test_a_full_disk(disk, loop):
     assert "No space left" in loop.troubles[0] and "free space" in loop.troubles[0]
     loop.log(entries(20, first=320))
     disk.free()
-    answer_until_mended(loop)
+    answer_until_repaired(loop)
     loop.log(entries(20, first=340))
     loop.close()
     assert complete(path) == plain(entries(360))
@@ -70,7 +70,7 @@ def test_a_disk_that_is_full_before_the_run(disk, loop):
     loop.close()
     loop.settle()
     disk.free()
-    answer_until_mended(loop)
+    answer_until_repaired(loop)
     assert complete(path) == plain(entries(20))
 
 
@@ -83,10 +83,10 @@ def test_a_disk_that_has_room_for_a_little_only(disk, loop):
     loop.log(entries(2000, first=2000))
     loop.wait(loop.troubles)
     time.sleep(0.3)  # some attempts
-    assert (loop.mended, loop.posted.qsize()) == ([], 0)
+    assert (loop.repaired, loop.posted.qsize()) == ([], 0)
     assert not pathlib.Path(str(path) + DRAFT).exists()
     disk.free()
-    answer_until_mended(loop)
+    answer_until_repaired(loop)
     loop.close()
     assert complete(path) == plain(entries(4000))
 
@@ -121,7 +121,7 @@ def test_a_read_only_directory(disk):
     loop.wait(loop.troubles)
     assert "Read-only" in loop.troubles[0] and "make the disk of log_dir writable" in loop.troubles[0]
     disk.make_writable()
-    answer_until_mended(loop)
+    answer_until_repaired(loop)
     loop.log(entries(20, first=20))
     loop.close()
     assert complete(path) == plain(entries(40))
@@ -164,6 +164,6 @@ def test_a_disk_that_fails(disk, loop):
     assert str(path) in loop.troubles[0]
     loop.close()
     loop.settle()
-    assert loop.mended == []
+    assert loop.repaired == []
     with open(str(path), "rb") as file:
         assert len(list(Salvage(file))) >= 20

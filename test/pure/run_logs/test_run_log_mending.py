@@ -1,4 +1,4 @@
-"""Run logs that a killed process left open: mended at the next start, and nothing else touched."""
+"""Run logs that a killed process left open are repaired at the next start. Nothing else is changed."""
 
 from helpers.bags import NAME, entries, plain, read, rosbag
 from helpers.run_log_loop import OTHER, PORT, Loop, complete
@@ -82,7 +82,7 @@ def test_only_our_own_logs_that_nobody_closed_or_writes_are_touched(loop, log_di
     assert loop.troubles == []
 
 
-def test_a_log_that_cannot_be_mended_stays_and_is_told(loop, log_dir):
+def test_a_log_that_cannot_be_repaired_stays_and_is_reported(loop, log_dir):
     log_dir.mkdir()
     (log_dir / name(1)).write_text("no bag")
     after = left_open(log_dir / name(2), 3)
@@ -105,7 +105,7 @@ def test_of_a_damaged_log_what_can_be_read_is_saved_and_all_of_it_kept(loop, log
     assert str(kept) in loop.troubles[0] and "rosbag reindex" in loop.troubles[0]
 
 
-def test_runs_are_logged_before_old_logs_are_mended(loop, log_dir):
+def test_runs_are_logged_before_old_logs_are_repaired(loop, log_dir):
     for number in range(2, 40):
         left_open(log_dir / name(number), 50)
     path = loop.open()

@@ -1,4 +1,4 @@
-"""The thread that writes run logs: what fails is told, and is written when it can be."""
+"""The thread that writes run logs: failures are reported, and the data is written later."""
 
 import errno
 import os
@@ -92,10 +92,10 @@ def test_stop_closes_what_is_open(log_dir):
     assert read(path) == plain(entries(500))
 
 
-# -- going on after a kill ----------------------------------------------------------------------------
+# -- continuing after a kill ----------------------------------------------------------------------------
 
 
-def test_a_run_goes_on_in_its_file(loop, log_dir):
+def test_a_run_continues_in_its_file(loop, log_dir):
     log_dir.mkdir()
     path = log_dir / NAME
     bag = GrowingBag(str(path))
@@ -112,10 +112,10 @@ def test_a_run_goes_on_in_its_file(loop, log_dir):
     loop.log(entries(2, first=10))
     loop.close()
     assert complete(path) == plain(entries(12))
-    assert loop.troubles == loop.mended == []
+    assert loop.troubles == loop.repaired == []
 
 
-def test_a_run_that_is_over_before_its_log_can_go_on(loop, log_dir):
+def test_a_run_that_is_over_before_its_log_can_continue(loop, log_dir):
     loop.journal[PORT] = entries(6)
     loop.writer.resumed(PORT, str(log_dir / NAME))
     loop.log([(END, None, UTC + 6)])
@@ -140,7 +140,7 @@ def test_the_log_is_in_log_dir_wherever_it_was(loop, log_dir, tmp_path):
     assert complete(other) == plain(entries(2))
 
 
-def test_a_run_that_goes_on_when_the_core_is_ended_at_once(log_dir):
+def test_a_run_that_continues_when_the_core_is_ended_at_once(log_dir):
     loop = Loop(log_dir)
     loop.journal[PORT] = entries(6)
     loop.writer.resumed(PORT, str(log_dir / NAME))
@@ -155,29 +155,29 @@ def test_a_run_that_goes_on_when_the_core_is_ended_at_once(log_dir):
     (errno.ENOSPC, "free space on the disk"), (errno.EROFS, "make the disk of log_dir writable"),
     (errno.EACCES, "make log_dir writable for this user"), (errno.EIO, "check the disk"),
 ])
-def test_what_cannot_be_written_is_told_and_written_later(loop, monkeypatch, number, remedy):
+def test_what_cannot_be_written_is_reported_and_written_later(loop, monkeypatch, number, remedy):
     path = loop.open()
     loop.log(entries(3))
     loop.settle()
-    mend = broken_disk(monkeypatch, number)
+    repair = broken_disk(monkeypatch, number)
     loop.log(entries(2, first=3))
     loop.wait(loop.troubles)
     assert os.strerror(number) in loop.troubles[0] and remedy in loop.troubles[0] and str(path) in loop.troubles[0]
     loop.log(entries(2, first=5))
     loop.settle()
     time.sleep(0.2)  # some more attempts
-    assert (len(loop.troubles), loop.mended, loop.posted.qsize()) == (1, [], 0)
-    mend()
+    assert (len(loop.troubles), loop.repaired, loop.posted.qsize()) == (1, [], 0)
+    repair()
     loop.answer()
     loop.log(entries(2, first=7))
-    loop.wait(loop.mended)
-    assert loop.mended == [(loop.troubles[0], f"The run log {path} is complete again")]
+    loop.wait(loop.repaired)
+    assert loop.repaired == [(loop.troubles[0], f"The run log {path} is complete again")]
     loop.close()
     assert complete(path) == plain(entries(9))
     assert len(loop.troubles) == 1
 
 
-def test_a_trouble_that_comes_again_is_told_again(loop, log_dir):
+def test_a_trouble_that_comes_again_is_reported_again(loop, log_dir):
     path = loop.open()
     loop.log(entries(2))
     for times in (1, 2):
@@ -185,8 +185,8 @@ def test_a_trouble_that_comes_again_is_told_again(loop, log_dir):
         shutil.rmtree(str(log_dir))
         loop.wait(loop.troubles, times)
         loop.answer()
-        loop.wait(loop.mended, times)
-    assert len(loop.mended) == 2
+        loop.wait(loop.repaired, times)
+    assert len(loop.repaired) == 2
     loop.close()
     assert complete(path) == plain(entries(2))
 
@@ -206,25 +206,25 @@ def test_an_answer_that_comes_twice_counts_once(loop, log_dir):
     assert complete(log_dir / NAME) == plain(entries(5))
 
 
-def test_a_run_that_is_over_before_the_disk_is_mended(loop, monkeypatch):
-    mend = broken_disk(monkeypatch)
+def test_a_run_that_is_over_before_the_disk_is_repaired(loop, monkeypatch):
+    repair = broken_disk(monkeypatch)
     path = loop.open()
     loop.log(entries(3))
     loop.wait(loop.troubles)
     loop.close()
     loop.settle()
-    mend()
+    repair()
     loop.answer()
     assert complete(path) == plain(entries(3))
 
 
-def test_the_disk_is_mended_when_the_core_is_ended(log_dir, monkeypatch):
+def test_the_disk_is_repaired_when_the_core_is_ended(log_dir, monkeypatch):
     loop = Loop(log_dir)
-    mend = broken_disk(monkeypatch)
+    repair = broken_disk(monkeypatch)
     path = loop.open()
     loop.log(entries(3))
     loop.wait(loop.troubles)
-    mend()
+    repair()
     loop.writer.stop()
     assert read(path) == plain(entries(3))
 
@@ -240,7 +240,7 @@ def test_a_core_that_is_ended_with_a_broken_disk_ends(log_dir, monkeypatch):
 
 
 def test_a_log_that_fails_while_it_is_written_anew(loop, monkeypatch):
-    mend = broken_disk(monkeypatch)
+    repair = broken_disk(monkeypatch)
     path = loop.open()
     loop.log(entries(3))
     loop.wait(loop.troubles)
@@ -249,8 +249,8 @@ def test_a_log_that_fails_while_it_is_written_anew(loop, monkeypatch):
         loop.answer()
         loop.settle()
     assert path.exists() and not pathlib.Path(str(path) + DRAFT).exists()
-    mend()
-    while not loop.mended:
+    repair()
+    while not loop.repaired:
         loop.answer()
         loop.settle()
     loop.close()
@@ -274,7 +274,7 @@ def test_a_log_that_somebody_removed_is_written_anew(loop, log_dir, tmp_path, ho
     loop.log(entries(2, first=3))
     loop.answer()
     loop.log(entries(2, first=5))
-    loop.wait(loop.mended)
+    loop.wait(loop.repaired)
     loop.close()
     assert complete(path) == plain(entries(7))
     if how == "rename":
@@ -318,7 +318,7 @@ def test_a_disk_that_is_too_slow_gets_the_rest_later(loop, monkeypatch):
     loop.answer()
     loop.answer()
     loop.log(entries(5, first=1006))
-    loop.wait(loop.mended, 2)
+    loop.wait(loop.repaired, 2)
     loop.close(PORT)
     loop.close(OTHER)
     assert complete(path) == plain(entries(1011))

@@ -135,7 +135,7 @@ def test_an_image_may_be_named_with_its_whole_path(saved, tmp_path):
 GOOD = {"image": "it.pgm", "resolution": "0.5", "origin": "[0, 0, 0]"}
 
 
-@pytest.mark.parametrize(("changes", "told"), [
+@pytest.mark.parametrize(("changes", "reported"), [
     ({"image": None}, "image is None"), ({"image": "[3]"}, "image is"), ({"image": "missing.pgm"}, "cannot be read"),
     ({"image": "map.yaml"}, "not a PGM file"), ({"resolution": None}, "resolution is None"),
     ({"resolution": "0"}, "resolution is '0'"), ({"resolution": "-0.05"}, "resolution is '-0.05'"),
@@ -147,9 +147,9 @@ GOOD = {"image": "it.pgm", "resolution": "0.5", "origin": "[0, 0, 0]"}
     ({"image": "/dev/zero"}, "a device"),
     ({"image": "."}, "a directory"), ({"resolution": "1" + "0" * 400}, "resolution is"),
 ])
-def test_what_is_wrong_in_a_map_file_is_named(saved, changes, told):
+def test_what_is_wrong_in_a_map_file_is_named(saved, changes, reported):
     lines = [f"{key}: {value}\n" for key, value in {**GOOD, **changes}.items() if value is not None]
-    with pytest.raises(MapError, match=told):
+    with pytest.raises(MapError, match=reported):
         maps.load(saved("".join(lines)))
 
 

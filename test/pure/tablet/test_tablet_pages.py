@@ -30,7 +30,7 @@ def shown(pages, now=100.0):
     return json.loads(pages.text(now))
 
 
-def test_a_call_has_its_time_and_is_told_once_the_box_repeats_it(pages, state):
+def test_a_call_has_its_time_and_is_acknowledged_once_the_box_repeats_it(pages, state):
     assert shown(pages)["call"] == {"time": 0, "acknowledged": False}
     assert pages.do(100.0, NS, '{"do": "call"}') is True
     assert state.call_time == (1_451_556_000, 123_456_789)

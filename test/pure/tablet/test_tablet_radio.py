@@ -22,7 +22,7 @@ BROADCAST, BOX = "127.255.255.255", "127.0.0.1"
 
 
 class OneBox:
-    """A box that repeats what the tablet says, where it is told to."""
+    """A box that repeats the tablet's data if the test wants it."""
 
     def __init__(self, running, bind_host):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
@@ -159,7 +159,7 @@ def test_dummy_calls_and_places_once(running, box, start):
     assert (last.x, last.y) == (-1.5, 2.0)
 
 
-def test_dummy_does_what_is_typed_and_tells_what_the_box_wants(running, box, start):
+def test_dummy_does_what_is_typed_and_shows_the_requested_view(running, box, start):
     program = start()
     running.until(lambda: box.heard)
     program.process.stdin.write("call\n1.5 -2\nnonsense\n3,4\n")  # all at once

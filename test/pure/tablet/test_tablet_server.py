@@ -117,8 +117,8 @@ def test_broken_requests_are_cut_off_and_the_next_one_is_served(served, data):
     assert served.get("/").code == 200
 
 
-def test_a_call_is_sent_on_and_told_to_every_page_at_once(running, monkeypatch):
-    monkeypatch.setattr(server_module, "_TELL_PERIOD_S", 1e6)
+def test_a_call_is_forwarded_and_shown_on_every_page_at_once(running, monkeypatch):
+    monkeypatch.setattr(server_module, "_PUBLISH_PERIOD_S", 1e6)
     served = Served(running)
     pages = [served.page(), served.page()]
     for page in pages:
@@ -130,7 +130,7 @@ def test_a_call_is_sent_on_and_told_to_every_page_at_once(running, monkeypatch):
     served.server.close()
 
 
-def test_a_refusal_is_told_to_who_asked_only(served):
+def test_a_refusal_goes_only_to_the_page_that_asked(served):
     asking, other = served.page(), served.page()
     served.read(asking), served.read(other)
     asking.write_message('{"do": "place", "u": 7, "v": 0}')
@@ -197,7 +197,7 @@ def test_a_tablet_is_there_while_a_page_is_open(served, monkeypatch):
 def test_a_page_that_fell_silent_is_left_behind(served, monkeypatch):
     monkeypatch.setattr(server_module, "PAGE_SILENT_S", 0.5)
     page = served.page()
-    # What it is told until then: one at once, one a second.
+    # The messages until then: one at once, and one a second.
     assert any(served.read(page) is None for _ in range(5))
     served.running.until(lambda: served.presence[-1] is False)
 

@@ -179,7 +179,7 @@ def test_an_interrupt_ends_all_tests(runner: Runner, number: int) -> None:
 
 
 def test_tests_side_by_side_have_slots_and_folders_of_their_own(runner: Runner) -> None:
-    # Each opens the pipe at one end, so that both can go on only when both are there.
+    # Each opens the pipe at one end, so both continue only when both are running.
     os.mkfifo(str(runner.path / "meet"))
     folders = "$ROS_HOME $ROS_LOG_DIR $ROS_TEST_RESULTS_DIR"
     note = f"echo $ROAH_TEST_SLOT >> $HERE/slots; echo {folders} >> $HERE/folders; good"

@@ -16,7 +16,7 @@ from support.comm_case import (
     SAYS_STOP,
     ChannelCase,
     Heard,
-    told_with,
+    reported_with,
 )
 from support.raw_box import now
 from support.waiting import wait_until
@@ -32,7 +32,7 @@ STOP, PREPARE, GOAL_TX, WAITING_RESULT = (
 BURST = 10  # docs/protocol.md, "Timing"
 
 class TestHome(ChannelCase):
-    """Devices and tablet, as the box's beacons tell."""
+    """Devices and tablet, from the box's beacons."""
 
     def test_devices(self) -> None:
         bells = self.heard("devices/bell", Empty)
@@ -115,7 +115,7 @@ class TestGoals(ChannelCase):
             ("STB", {"generic_goal": "goal: GOAL 1\ndetails: 4\n"}, GOALS["STB"]("goal: GOAL 1\ndetails: 4\n")),
             ("HNF", {"generic_goal": "- 1\n- 2.5\n- -0.5\n"}, Pose2D(1.0, 2.5, -0.5)),
         ):
-            with told_with(code):
+            with reported_with(code):
                 self.begin(code)
                 early = self.heard("goal", GOALS[code])
                 early.wait_connected()
@@ -198,7 +198,7 @@ class TestResults(ChannelCase):
 class TestOrder(ChannelCase):
     """What the box hears, and when."""
 
-    def test_a_call_needs_no_box_and_is_told_at_once(self) -> None:
+    def test_a_call_needs_no_box_and_is_reported_at_once(self) -> None:
         self.begin("HGTKMH")
         for service, state, after, said in (
             ("end_prepare", RobotState.WAITING_GOAL, PREPARE, SAYS_PREPARE),
@@ -236,7 +236,7 @@ class TestOrder(ChannelCase):
                          [texts[:count] for count in (1, 2, 3)])
 
     def test_one_round_trip_then_the_burst(self) -> None:
-        """The box answers the first datagram of the new state, and the robot goes on before its burst is over."""
+        """The box answers the first datagram of the new state, and the robot continues before its burst is over."""
         self.begin("HGTKMH")
         self.box.send("HGTKMH", PREPARE)
         self.wait_said(SAYS_PREPARE)
@@ -257,7 +257,7 @@ class TestOrder(ChannelCase):
         ])
         for state, count in runs:
             if state in (RobotState.WAITING_GOAL, RobotState.RESULT_TX):
-                self.assertLess(count, BURST + 1, f"{state.name}: the answer was heard, and told, within the burst")
+                self.assertLess(count, BURST + 1, f"{state.name}: the answer came and was published in the burst")
         self.assertGreaterEqual(runs[-1][1], BURST + 1)
         self.assertEqual([m.benchmark_state for m in self.states.messages],
                          [SAYS_STOP, SAYS_PREPARE, SAYS_EXECUTE, SAYS_STOP])

@@ -19,7 +19,7 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState
 
 NO_GOAL = [BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT, BoxState.STOP]
-# What the dummy tells in HWV, in its order.
+# The dummy's reports in HWV, in order.
 NOTIFICATIONS = ["going to the door", "guiding the visitor", "going to the door"]
 
 
@@ -65,14 +65,14 @@ class TestTaskBenchmarks(DummyCase):
         self.assertEqual(log.values("/notification"), NOTIFICATIONS)
 
     def catering(self) -> None:
-        self.home_is_told()
+        self.home_is_published()
         log = self.complete("Tasks")
         self.assertEqual(log.values("/command"), ["close the blinds, light, and show me the map"])
         for topic, values in (("devices/switch_1", [1]), ("devices/switch_2", [1]), ("devices/switch_3", [1, 0]),
                               ("devices/dimmer", [70]), ("devices/blinds", [100, 0]), ("tablet/display_map", [1, 0])):
             self.assertEqual(log.values(f"/rsbb_log/{topic}"), values, topic)
 
-    def home_is_told(self) -> None:
+    def home_is_published(self) -> None:
         """A ring of the bell, a call and a place on the tablet's map come through to the robot."""
         publisher = rospy.Publisher("/devices/state", DevicesState, queue_size=1, latch=True)
         self.addCleanup(publisher.unregister)
@@ -85,8 +85,8 @@ class TestTaskBenchmarks(DummyCase):
 
 
 class TestStops(DummyCase):
-    def test_what_was_stopped_does_not_go_on(self) -> None:
-        """After a stop and a new start, the dummy tells what it has to tell once."""
+    def test_stopped_work_does_not_continue(self) -> None:
+        """After a stop and a new start, the dummy sends each report once."""
         robot = self.dummy("Theta", execute_duration=9.0)  # it is silent for the first 1.5 s
         self.begin("Again")
         robot.wait_printed("HWV: executing")
@@ -131,7 +131,7 @@ class TestMisbehaviour(DummyCase):
         self.box.wait_text("Crash", "Benchmark completed by the robot")
 
     def test_a_comm_node_that_is_killed(self) -> None:
-        """It is started again, and the box goes on with it: the dummy, which lived on, begins anew."""
+        """It restarts, and the box continues with it. The dummy, which kept running, begins again."""
         robot = self.dummy("Eta", execute_duration=4.0)
         self.begin("Back")
         self.box.wait_details("Back", lambda d: d.robot_state == "EXECUTING", "the robot executes")
@@ -153,7 +153,7 @@ class TestMisbehaviour(DummyCase):
     def test_it_never_ends(self) -> None:
         robot = self.dummy("Zeta", never_end=True, execute_duration=0.5)
         self.begin("Endless")
-        self.box.wait_zone("Endless", lambda z: z.online_data.count("going to the door") == 2, "it has told all")
+        self.box.wait_zone("Endless", lambda z: z.online_data.count("going to the door") == 2, "all reports are sent")
         self.box.command("stop", "Endless")
         robot.wait_printed("stopped: the comm node sent STOP")
         self.box.start("Endless")

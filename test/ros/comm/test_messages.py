@@ -1,4 +1,4 @@
-"""What the comm node tells of troubles: silence, passwords, others who take its place or the box's."""
+"""The comm node's reports of problems: silence, passwords, impostors of the robot or the box."""
 
 from rosgraph_msgs.msg import Log
 from support.box_case import TABLET
@@ -11,7 +11,7 @@ from roah_rsbb.protocol import BoxState
 
 
 class TestTroubles(ChannelCase):
-    """What is wrong is told, with what to do about it."""
+    """Problems are reported with their remedy."""
 
     def test_a_box_that_falls_silent(self) -> None:
         self.begin("HGTKMH")

@@ -20,7 +20,7 @@ from support.comm_case import (
     WAITING_RESULT,
     CommCase,
     CommRefusal,
-    told_with,
+    reported_with,
 )
 from support.programs import Program
 from support.waiting import wait_until
@@ -74,7 +74,7 @@ class TestSequences(OverrideCase):
         said = [SAYS_STOP]
         codes = ["HNF", "HGMF", "HOMF", "STB", *(code for code in NUMBERS if code not in GOALS), "HNF"]
         for code in codes:
-            with told_with(code):
+            with reported_with(code):
                 self.begin(code)
                 self.one_goal(code)
                 if code in GOALS:
@@ -289,7 +289,7 @@ class TestWhatWouldBeSent(OverrideCase):
 
 
 class TestGoals(OverrideCase):
-    """What of a goal an override can tell."""
+    """The parts of a goal that an override can contain."""
 
     def test_switches(self) -> None:
         number = NUMBERS["HOMF"]

@@ -1,6 +1,6 @@
 """Sessions of the original box with the original robot, replayed to the comm node: its states, topics and services.
 
-The box's messages go to the node as they were recorded, whenever they tell something new; the robot's owner calls a
+The box's messages go to the node as they were recorded, whenever they contain something new; the robot's owner calls a
 service when the original one did. Then the node must say what the original said.
 """
 
@@ -115,7 +115,7 @@ class TestRecordings(ChannelCase):
             goals.close()
 
     def box_beacons(self, message: pb.RoahRsbbBeacon) -> None:
-        """What tells nothing new tells it again, as the original did."""
+        """A message without news publishes nothing, as in the original."""
         listed = bool(message.benchmarking_teams)
         self.box.beacon_message.CopyFrom(message)
         if listed and self.port is None:

@@ -4,7 +4,7 @@ from typing import Dict
 
 import rosgraph
 from support.box_case import NetworkCase
-from support.comm_case import told_with
+from support.comm_case import reported_with
 from support.programs import Program, own
 from support.robots import BROADCAST, RSBB_PORT
 from support.waiting import wait_until
@@ -20,7 +20,7 @@ class TestParameters(NetworkCase):
         return self._leaving(Program(own(program), f"__name:={name}",
                                      *(f"_{key}:={value}" for key, value in chosen.items())))
 
-    def test_what_is_wrong_is_told_at_once(self) -> None:
+    def test_what_is_wrong_is_reported_at_once(self) -> None:
         nodes = {
             self.node("comm", "nameless", rsbb_key="key"): ["/nameless/team_name: found nothing, expected a text"],
             self.node("comm", "empty", team_name="''", rsbb_key="key"): ["/empty/team_name: found '', expected a text"],
@@ -37,14 +37,14 @@ class TestParameters(NetworkCase):
             ],
         }
         for node, texts in nodes.items():
-            with told_with(texts[0]):
+            with reported_with(texts[0]):
                 self.assertEqual(node.wait_ended(), 1, node.text)
                 for text in texts:
                     self.assertIn(text, node.text)
                 self.assertEqual(node.text.count("[FATAL]"), len(texts), node.text)
                 self.assertNotIn("Traceback", node.text)
 
-    def test_without_a_key_it_asks_for_it_and_goes_on(self) -> None:
+    def test_without_a_key_it_asks_for_it_and_continues(self) -> None:
         node = self.node("comm", "keyless", team_name="KeylessTeam")
         node.wait_printed("[ERROR]")
         node.wait_printed("Set the parameter rsbb_key to the team's password from the organisers")

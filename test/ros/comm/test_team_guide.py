@@ -1,4 +1,4 @@
-"""The robot that docs/team.md shows completes benchmarks, and stops when it is told to."""
+"""The robot that docs/team.md shows completes benchmarks, and stops on request."""
 
 import pathlib
 

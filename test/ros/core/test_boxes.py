@@ -50,7 +50,7 @@ class TestTwoBoxes(BoxCase):
         self.assertNotIn(EARLY_BOX, {host for _, host in listener.heard}, "it only listened")
         self.assertFalse([warning for warning in self.box.details.warnings if EARLY_BOX in warning])
 
-    def test_a_box_that_comes_later_is_told_to_every_referee(self) -> None:
+    def test_a_box_that_comes_later_is_reported_to_every_referee(self) -> None:
         robot = self.robot("Zeta")
         self.box.connect("Two boxes")
         self.box.start("Two boxes")
@@ -69,5 +69,5 @@ class TestTwoBoxes(BoxCase):
         robot.let("execute")
         self.box.wait_text("Two boxes", "Benchmark completed by the robot")
         clock = other.gui.clock
-        wait_until(lambda: other.gui.clock > clock, "the other box goes on, too")
+        wait_until(lambda: other.gui.clock > clock, "the other box continues, too")
         self.assertIsNone(second.ended_mono)

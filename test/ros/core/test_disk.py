@@ -1,4 +1,4 @@
-"""A core whose disk is full, read-only, removed or broken: referees are told, runs go on, nothing is lost."""
+"""A core whose disk is full, read-only, removed or broken: referees are warned, runs continue, nothing is lost."""
 
 import os
 import pathlib
@@ -18,7 +18,7 @@ from roah_rsbb.msg import Unsaved
 ZONE = "Home"
 GROUP, DOOR = "Achievements", "Detects the door whose state has changed"
 JOURNAL, LOG = "The journal", "The run log"
-# What a robot says that no disk has room for by chance.
+# A text that is too long for the rest of the disk.
 MUCH = tuple(f"{number} {'x' * 400}" for number in range(30))
 
 
@@ -62,9 +62,9 @@ class DiskCase(OwnCoreCase):
         return str(refused.exception)
 
     def wait_unsaved(self, entries: List[int]) -> None:
-        """Wait until panels are told that these entries of the run's history are not saved."""
+        """Wait until panels know that these entries of the run's history are not saved."""
         wait_until(lambda: self.unsaved and [n for run in self.unsaved.runs for n in run.entries] == entries,
-                   lambda: f"{entries} are not saved; told was\n{self.unsaved}")
+                   lambda: f"{entries} are not saved; published:\n{self.unsaved}")
 
     def on_unsaved(self, unsaved: Unsaved) -> None:
         self.unsaved = unsaved
@@ -73,7 +73,7 @@ class DiskCase(OwnCoreCase):
     def say(self, robot: Robot, *sayings: str) -> None:
         """The robot says something, and the box has it."""
         for saying in sayings:
-            robot.tell("notify", saying)
+            robot.request("notify", saying)
         robot.wait_said()
 
     def to_the_end(self, robot: Robot, saying: str) -> None:
@@ -149,7 +149,7 @@ class TestDisk(DiskCase):
         self.assertIn("not saved: ", self.score_without_disk())
         self.wait_warned(LOG)
         self.to_the_end(robot, "into the void")
-        self.box.wait_zone(ZONE, lambda z: z.connect_enabled, "the zone can go on")
+        self.box.wait_zone(ZONE, lambda z: z.connect_enabled, "the zone can continue")
         self.assertIsNone(self.core.ended_mono)
 
     def test_a_core_that_is_killed_while_its_disk_is_full(self) -> None:
@@ -162,7 +162,7 @@ class TestDisk(DiskCase):
         self.wait_warned(JOURNAL)
         self.core.kill()
         self.start()
-        self.assertEqual(self.box.zone_details(ZONE).port, self.port, "the run goes on from what was written")
+        self.assertEqual(self.box.zone_details(ZONE).port, self.port, "the run continues from what was written")
         self.wait_warned(JOURNAL)
         disk.free()
         self.to_the_end(robot, "there is room again")
@@ -181,7 +181,7 @@ class TestDisk(DiskCase):
         self.core.kill()
         disk.make_read_only()
         self.start()
-        self.assertEqual(self.box.zone_details(ZONE).port, self.port, "the run goes on from what was written")
+        self.assertEqual(self.box.zone_details(ZONE).port, self.port, "the run continues from what was written")
         self.wait_warned(JOURNAL)
         self.to_the_end(robot, "nowhere")
         disk.make_writable()

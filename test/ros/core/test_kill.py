@@ -1,4 +1,4 @@
-"""A core that is killed (kill -9) at any moment: every run goes on as it was, and is on record once and whole."""
+"""A core that is killed (kill -9) at any moment: every run continues unchanged, and is recorded once and completely."""
 
 import contextlib
 import itertools
@@ -72,9 +72,9 @@ class TestKilledOnce(KillCase):
         box = self.box
         alpha, beta, gamma = self.robot("Alpha"), self.robot("Beta"), self.robot("Gamma")
         ports = [self.begin("Home", alpha, "HGTKMH"), self.begin("Kitchen", beta, "HCFGAC")]
-        alpha.tell("notify", "before")
+        alpha.request("notify", "before")
         alpha.wait_said()
-        beta.tell("final_command", "bring the cup")
+        beta.request("final_command", "bring the cup")
         beta.wait_said()
         box.set_score("Home", *ITEM, 2)
         box.set_score("Kitchen", *ITEM, 5)
@@ -83,7 +83,7 @@ class TestKilledOnce(KillCase):
         up = self.ends("Door")
 
         self.core.kill()
-        alpha.tell("notify", "while it was dead")  # is repeated until it is acknowledged
+        alpha.request("notify", "while it was dead")  # is repeated until it is acknowledged
         rospy.sleep(max(0.0, up - rospy.get_time()))  # HWV's time is up
         self.start()
         self.assertEqual([box.zone_details(zone).port for zone in ("Home", "Kitchen")], ports[:2])
@@ -195,7 +195,7 @@ class Referee:
         if run.scored < SCORES:
             if self.robot.client.strings_pending == 0:
                 run.said.append(f"{port}: {len(run.said)}")
-                self.robot.tell("notify", run.said[-1])
+                self.robot.request("notify", run.said[-1])
             self._box.set_score(self.zone, *ITEM, run.scored + 1)
             run.scored += 1
         elif self.robot.client.strings_pending == 0:
@@ -268,6 +268,6 @@ class TestKilledAtRandom(KillCase):
         record = self.run_on_record(run.port)
         self.assertEqual(record.outcome["end_reason"], "completed")
         self.assertIsNotNone(record.closed_utc)
-        # The sheet counts quick changes of an item as one: each goes on from the one before.
+        # The sheet counts quick changes of an item as one: each continues the one before.
         changes = [(entry["old"], entry["value"]) for entry in record.outcome["history"]]
         self.assertEqual([old for old, _ in changes] + [SCORES], [0] + [value for _, value in changes])

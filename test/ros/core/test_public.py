@@ -1,4 +1,4 @@
-"""What the core tells the public display: /core/public_details."""
+"""What the core publishes for the public display: /core/public_details."""
 
 import calendar
 import contextlib
@@ -90,7 +90,7 @@ class TestPublicDetails(BoxCase):
         self.assertLess(abs(run.ends.to_sec() - clock - 600.0), 10.0)
 
     def finished(self) -> None:
-        (result,) = wait_until(lambda: self.newest.finished, "the result is told")
+        (result,) = wait_until(lambda: self.newest.finished, "the result is published")
         self.assertEqual((result.event.team, result.event.run, result.end_reason), ("Alpha", 3, "completed"))
         self.assertLess(abs(result.disconnected.to_sec() - self.newest.clock.to_sec()), 30.0)
         scores = {(group.group_name, desc): value for group in result.scoring

@@ -1,4 +1,4 @@
-"""A core that dies in the middle of a run comes back, and the run goes on; no port is given twice."""
+"""A core that dies in the middle of a run comes back, and the run continues; no port is used twice."""
 
 import contextlib
 import os
@@ -28,7 +28,7 @@ class TestRestart(BoxCase):
         port = self.box.connect("Home")
         self.box.start("Home")
         robot.wait_did("execute HGTKMH")
-        robot.tell("notify", "at the door")
+        robot.request("notify", "at the door")
         robot.wait_said()
         self.box.set_score("Home", *DOOR, 1)
         left = self.box.zone("Home").timer
@@ -41,7 +41,7 @@ class TestRestart(BoxCase):
         self.assertIn((*DOOR, 0, 1), self.box.scores("Home"))
         self.assertLess(self.box.zone("Home").timer, left)
         listener.wait_beacon(lambda b: [entry[-1] for entry in listed(b)] == [port], "the beacon lists the robot")
-        robot.tell("notify", "at the bed")
+        robot.request("notify", "at the bed")
         robot.wait_said()
         robot.let("execute")
         self.box.wait_text("Home", "Benchmark completed by the robot")

@@ -89,9 +89,9 @@ class TestAttacks(BoxCase):
         self.said.append(log.msg)
         happened()
 
-    def told(self, text: str) -> None:
-        """Wait until the box tells of it; then it has read the datagram."""
-        wait_until(lambda: any(text in said for said in self.said), lambda: f"the box tells '{text}': {self.said}")
+    def reported(self, text: str) -> None:
+        """Wait until the box reports it; then it has read the datagram."""
+        wait_until(lambda: any(text in said for said in self.said), lambda: f"the box reports '{text}': {self.said}")
 
     def test_nobody_else_moves_a_run(self) -> None:
         box, robot = self.box, self.robot("Epsilon")
@@ -102,17 +102,17 @@ class TestAttacks(BoxCase):
         box.wait_details("Attacked", lambda d: d.box_state == "WAITING_RESULT", "the robot executes")
 
         attacker.send(port, result_of(time.time() + 10.0))
-        self.told("not encrypted")
+        self.reported("not encrypted")
         attacker.send(port, result_of(time.time() + 10.0), team="Alpha")
-        self.told("does not decrypt")
+        self.reported("does not decrypt")
         attacker.send(port, result_of(time.time() - 3600.0), team="Epsilon")  # recorded an hour ago
         attacker.send(port, result_of(time.time() + 10.0), team="Epsilon")
-        self.told(f"also come from {ATTACKER}. They are ignored: the robot is at {host_of('Epsilon')}")
+        self.reported(f"also come from {ATTACKER}. They are ignored: the robot is at {host_of('Epsilon')}")
         attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Epsilon", robot_name="Robot", time=wire(time.time() + 9.0)))
         # A robot that is in a run is known by what it says there.
-        self.told("Two robots call themselves Robot of team Epsilon")
+        self.reported("Two robots call themselves Robot of team Epsilon")
         attacker.send(RSBB_PORT, empty_beacon())
-        self.told(f"ANOTHER RSBB is transmitting from {ATTACKER}")
+        self.reported(f"ANOTHER RSBB is transmitting from {ATTACKER}")
         attacker.send(port, pb.BenchmarkState(benchmark_type="HGTKMH", benchmark_state=0), team="Epsilon")
 
         details = box.zone_details("Attacked")
@@ -128,7 +128,7 @@ class TestAttacks(BoxCase):
         # No other case has this team: the box would still list this robot beside that of the case.
         name = "\x1b[2Jred\n[ERROR] forged"
         attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Eta", robot_name=name, time=wire(time.time())))
-        self.told("Robot \\u001b[2Jred\\u000a[ERROR] forged of team Eta is active")
+        self.reported("Robot \\u001b[2Jred\\u000a[ERROR] forged of team Eta is active")
         self.assertFalse([said for said in self.said if "\x1b" in said or "\n[ERROR]" in said])
 
     def test_a_recording_moves_no_run_while_its_robot_is_silent(self) -> None:
@@ -151,10 +151,10 @@ class TestAttacks(BoxCase):
         for datagram in robot.recorded:
             attacker.replay(port, datagram)
         attacker.send(port, result_of(time.time()))
-        self.told("not encrypted")  # so the box has read all before it, too
+        self.reported("not encrypted")  # so the box has read all before it, too
         details = box.zone_details("Attacked")
         self.assertEqual((details.phase, details.box_state), ("running", "WAITING_RESULT"))
-        self.told(f"also come from {ATTACKER}.")
+        self.reported(f"also come from {ATTACKER}.")
 
 
 class TestConnections(BoxCase):
@@ -206,10 +206,10 @@ class TestPasswords(BoxCase):
         box.connect("Secrets")
         box.start("Secrets")
         robot.wait_did("execute HWV")
-        robot.tell("notify", "all is well")
+        robot.request("notify", "all is well")
         robot.wait_said()
         box.connect("Guessed")
-        box.wait_details("Guessed", lambda d: any("password" in r for r in d.start_off), "the referee is told why")
+        box.wait_details("Guessed", lambda d: any("password" in r for r in d.start_off), "the referee sees the reason")
         robot.let("execute")
         box.wait_text("Secrets", "Benchmark completed by the robot")
         log_dir = pathlib.Path(rospy.get_param("/roah_rsbb_core/log_dir"))

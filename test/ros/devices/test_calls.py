@@ -1,4 +1,4 @@
-"""Robots' device commands on their way to the devices node: latest wish first, what hangs or refuses is told."""
+"""Robots' device commands on their way to the devices node: the latest first; failures are reported."""
 
 import threading
 import unittest
@@ -14,8 +14,8 @@ from roah_rsbb.srv import Bool, BoolResponse, Percentage, PercentageResponse
 
 class DeviceCallsTest(unittest.TestCase):
     def setUp(self) -> None:
-        self.told = []
-        self.calls = DeviceCalls(lambda wish, reason: self.told.append((wish, reason)))
+        self.reported = []
+        self.calls = DeviceCalls(lambda wish, reason: self.reported.append((wish, reason)))
         self.done = []
         self.gate = threading.Event()
         self.gate.set()
@@ -52,9 +52,9 @@ class DeviceCallsTest(unittest.TestCase):
         self.set("dimmer", 70)
         self.set("switch_1", 1)
         wait_until(lambda: sorted(self.done) == [("dimmer", 70), ("switch_1", True)], "both are set")
-        self.assertEqual(self.told, [])
+        self.assertEqual(self.reported, [])
 
-    def test_while_a_call_hangs_only_the_latest_wish_waits_and_other_devices_go_on(self) -> None:
+    def test_while_a_call_hangs_only_the_latest_wish_waits_and_other_devices_continue(self) -> None:
         self.gate.clear()
         self.set("dimmer", 1)
         wait_until(lambda: self.done == [("dimmer", 1)], "the first call is made")
@@ -66,30 +66,30 @@ class DeviceCallsTest(unittest.TestCase):
         wait_until(lambda: self.done[-1] == ("dimmer", 4), "the latest wish follows")
         self.assertEqual([value for device, value in self.done if device == "dimmer"], [1, 4])
 
-    def test_a_refusal_is_told_with_its_reason(self) -> None:
+    def test_a_refusal_is_reported_with_its_reason(self) -> None:
         self.refuse = "the controller is on fire"
         wish = self.set("dimmer", 5)
-        wait_until(lambda: self.told, "the refusal is told")
-        self.assertEqual(self.told, [(wish, "the controller is on fire")])
+        wait_until(lambda: self.reported, "the refusal is reported")
+        self.assertEqual(self.reported, [(wish, "the controller is on fire")])
         self.refuse = ""
         self.set("dimmer", 6)
         wait_until(lambda: self.done[-1] == ("dimmer", 6), "the next wish has its chance")
 
-    def test_no_devices_node_is_told(self) -> None:
+    def test_no_devices_node_is_reported(self) -> None:
         wish = self.set("blinds", 5)
-        wait_until(lambda: self.told, "it is told")
-        self.assertEqual(self.told[0][0], wish)
-        self.assertIn("no devices node answers", self.told[0][1])
+        wait_until(lambda: self.reported, "it is reported")
+        self.assertEqual(self.reported[0][0], wish)
+        self.assertIn("no devices node answers", self.reported[0][1])
 
-    def test_a_node_that_hangs_is_told_once_and_while_it_hangs(self) -> None:
+    def test_a_node_that_hangs_is_reported_once_and_while_it_hangs(self) -> None:
         limit, device_calls.ANSWER_TIMEOUT_S = device_calls.ANSWER_TIMEOUT_S, 0.2
         self.addCleanup(setattr, device_calls, "ANSWER_TIMEOUT_S", limit)
         self.gate.clear()
         wish = self.set("dimmer", 7)
-        wait_until(lambda: self.told, "it is told")
-        self.assertEqual(self.told[0][0], wish)
-        self.assertIn("/devices/dimmer/set has not answered within", self.told[0][1])
+        wait_until(lambda: self.reported, "it is reported")
+        self.assertEqual(self.reported[0][0], wish)
+        self.assertIn("/devices/dimmer/set has not answered within", self.reported[0][1])
         self.gate.set()
         self.set("dimmer", 8)
         wait_until(lambda: self.done[-1] == ("dimmer", 8), "it answers again")
-        self.assertEqual(len(self.told), 1)
+        self.assertEqual(len(self.reported), 1)

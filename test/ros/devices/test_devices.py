@@ -78,9 +78,9 @@ class DevicesCase(BoxCase):
                    lambda: f"{values}; it is\n{self.state}")
 
     def wait_robot(self, robot, **values):
-        """Until the beacon has told the robot."""
+        """Wait until the robot has received the beacon."""
         wait_until(lambda: robot.devices and all(getattr(robot.devices, k) == v for k, v in values.items()),
-                   lambda: f"the robot is told {values}; it knows {robot.devices}")
+                   lambda: f"the robot receives {values}; it has {robot.devices}")
 
 
 class TestInterface(DevicesCase):
@@ -117,7 +117,7 @@ class TestBell(DevicesCase):
     def played(self, what):
         return PLAYED.read_text(encoding="utf-8").split().count(what) if PLAYED.exists() else 0
 
-    def test_rings_are_told_shown_and_heard(self):
+    def test_rings_are_published_shown_and_heard(self):
         self.ring_and_check(lambda: call("/devices/bell/mock"))
 
     def test_rings_of_the_dummy_server(self):
@@ -166,14 +166,14 @@ class TestCatering(DevicesCase):
         robot = self.run_of("Alpha", "Catering")
         for device, value in (("switch_1", True), ("switch_2", True), ("switch_3", True), ("dimmer", 70),
                               ("blinds", 100), ("switch_3", False), ("blinds", 5)):
-            robot.tell("set_device", device, value)
+            robot.request("set_device", device, value)
             self.wait_robot(robot, **{device: value})
             self.wait_state(**{device: value})
             self.wait_log("Catering", f"Robot sets {device} to {int(value)}")
         call("/devices/dimmer/set", Percentage, 20)
         self.wait_robot(robot, dimmer=20)
-        robot.tell("set_device", "dimmer", 70)  # as before: no change
-        robot.tell("set_device", "switch_2", False)  # this one comes after it
+        robot.request("set_device", "dimmer", 70)  # as before: no change
+        robot.request("set_device", "switch_2", False)  # this one comes after it
         self.wait_robot(robot, switch_2=False)
         self.assertEqual((robot.devices.dimmer, self.state.dimmer), (20, 20))
         log = self.leave("Catering")
@@ -182,17 +182,17 @@ class TestCatering(DevicesCase):
 
     def test_in_another_benchmark_they_are_ignored_with_one_warning(self):
         robot = self.run_of("Beta", "Visitors")
-        robot.tell("set_device", "switch_1", True)
+        robot.request("set_device", "switch_1", True)
         self.wait_log("Visitors", "which HWV does not use: ignored")
-        robot.tell("set_device", "dimmer", 50)
-        robot.tell("notify", "after the dimmer")
+        robot.request("set_device", "dimmer", 50)
+        robot.request("notify", "after the dimmer")
         robot.wait_said()
         self.wait_state(switch_1=False, dimmer=0)
         self.assertEqual(self.log("Visitors").count("ignored"), 1)
 
-    def test_a_killed_devices_node_goes_on_and_a_missing_one_is_told(self):
+    def test_a_killed_devices_node_continues_and_a_missing_one_is_reported(self):
         robot = self.run_of("Alpha", "Catering")
-        robot.tell("set_device", "dimmer", 33)
+        robot.request("set_device", "dimmer", 33)
         self.wait_robot(robot, dimmer=33)
         before = self.state.bell
         call("/devices/bell/mock")
@@ -201,15 +201,15 @@ class TestCatering(DevicesCase):
                    "it is kept")
         self.state = self.status = None
         kill("/roah_devices")
-        robot.tell("set_device", "blinds", 44)  # nobody is there to take it
+        robot.request("set_device", "blinds", 44)  # nobody is there to take it
         self.wait_log("Catering", "WARNING: blinds was not set to 44 as the robot commanded: no devices node answers")
         wait_until(lambda: any("blinds was not set to 44" in w for w in self.box.details.warnings), "it is a warning")
         self.wait_connected()
         self.assertEqual((self.state.dimmer, self.state.bell, self.state.blinds), (33, bell, 0))
-        robot.tell("set_device", "blinds", 45)
+        robot.request("set_device", "blinds", 45)
         self.wait_robot(robot, blinds=45, dimmer=33)
 
-    def test_a_controller_that_is_gone_is_told_and_gets_all_when_it_is_back(self):
+    def test_a_missing_controller_is_reported_and_gets_all_values_when_it_is_back(self):
         def warned():
             return any("Home devices" in warning for warning in self.box.details.warnings)
         wait_until(lambda: not warned(), "no warning")

@@ -87,14 +87,14 @@ class TestCoresThatCannotStart(unittest.TestCase):
         self.assertNotIn("Listening on UDP", core.text)
         return core
 
-    def test_errors_of_all_files_are_told_at_once(self) -> None:
+    def test_errors_of_all_files_are_reported_at_once(self) -> None:
         core = self.ended("broken_core")
-        told = [line for line in core.lines if "[FATAL]" in line]
-        self.assertEqual(len(told), len(ERRORS), core.text)
-        for line, error in zip(told, ERRORS):
+        reported = [line for line in core.lines if "[FATAL]" in line]
+        self.assertEqual(len(reported), len(ERRORS), core.text)
+        for line, error in zip(reported, ERRORS):
             self.assertRegex(line, error)
 
-    def test_wrong_parameters_are_told_at_once(self) -> None:
+    def test_wrong_parameters_are_reported_at_once(self) -> None:
         core = self.ended("wrong_core")
         for param, value in WRONG_PARAMS.items():
             with self.subTest(param):
@@ -120,10 +120,10 @@ class TestShutdownNode(unittest.TestCase):
 
 
 class TestLaunchesThatCannotWork(LaunchCase):
-    """What cannot be mended by starting the core again ends the launch."""
+    """An error that a restart of the core cannot repair ends the launch."""
 
-    def assert_not_mendable(self, launched: Program, texts: tuple) -> None:
-        """The launch ended by itself, after it told what is wrong, once: no core was started again."""
+    def assert_not_repairable(self, launched: Program, texts: tuple) -> None:
+        """The launch ended by itself after it reported the error once. No core was restarted."""
         launched.wait_ended()
         for text in texts:
             self.assertEqual(len(re.findall(text, launched.text)), 1, f"{text} in\n{launched.text}")
@@ -131,14 +131,14 @@ class TestLaunchesThatCannotWork(LaunchCase):
         self.assertNotIn("Traceback", launched.text)
 
     def test_a_wrong_configuration(self) -> None:
-        self.assert_not_mendable(self.launch("roah_rsbb.launch", **BROKEN, **CORE_ALONE), ERRORS)
+        self.assert_not_repairable(self.launch("roah_rsbb.launch", **BROKEN, **CORE_ALONE), ERRORS)
 
     def test_another_box(self) -> None:
         foreign = self.participant(FOREIGN_BOX)
         launched = self.launch("roah_rsbb.launch", **GOOD, **CORE_ALONE)
         launched.wait_printed("Listening on UDP")
         foreign.send(empty_beacon())
-        self.assert_not_mendable(launched, (rf"\[FATAL\].*Another RSBB is running at {re.escape(FOREIGN_BOX)}",))
+        self.assert_not_repairable(launched, (rf"\[FATAL\].*Another RSBB is running at {re.escape(FOREIGN_BOX)}",))
 
 
 class TestDummySetUp(LaunchCase):

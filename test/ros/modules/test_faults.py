@@ -66,7 +66,7 @@ class TestCrashes(FaultsCase):
         robot.wait_did("execute HNF")
         self.modules("second")
         two = "2 nodes drive HNF: end all but one. The first one counts"
-        self.box.wait_details("HNF 2", lambda d: two in d.warnings, "the referee is told")
+        self.box.wait_details("HNF 2", lambda d: two in d.warnings, "the referee is warned")
         robot.let("execute")
         robot.wait_did("execute HNF", 2)
         measured = self.scored("HNF 2", "distance_error")

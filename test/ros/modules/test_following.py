@@ -17,7 +17,7 @@ class TestFollowing(FunctionalityCase):
         self.begin("HPFF")
         before = self.box.wait_details("HPFF", lambda d: self.samples(d) >= 2 and self.samples(d), "it is measured")
         self.kill_modules()
-        self.box.wait_zone("HPFF", lambda z: "Benchmarking module is back, at step 2" in z.log, "the run goes on")
+        self.box.wait_zone("HPFF", lambda z: "Benchmarking module is back, at step 2" in z.log, "the run continues")
         scores, log = self.to_the_end("HPFF")
         self.assertGreater(scores["", "samples"], before)
         self.assertGreater(scores["", "reliability"], 0.5)

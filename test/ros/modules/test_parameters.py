@@ -1,4 +1,4 @@
-"""Parameters of modules that are wrong: they keep start off until they are mended, without a restart."""
+"""Parameters of modules that are wrong: they keep start off until they are repaired, without a restart."""
 
 import shutil
 
@@ -7,7 +7,7 @@ from support.robots import CONFIG
 
 
 class TestParameters(FaultsCase):
-    def test_what_is_wrong_can_be_mended_without_a_restart(self) -> None:
+    def test_wrong_parameters_can_be_repaired_without_a_restart(self) -> None:
         good = (self.folder / "STB.yaml").read_text(encoding="utf-8")
         (self.folder / "STB.yaml").write_text("goals: []\ngoal_timeout: soon\n", encoding="utf-8")
         (self.folder / "HNF.yaml").unlink()
@@ -46,7 +46,7 @@ class TestParameters(FaultsCase):
         for reason, pattern in zip(reasons, patterns):
             self.assertRegex(reason, pattern)
 
-    def test_a_process_drives_what_it_is_told_to(self) -> None:
+    def test_a_process_drives_the_selected_benchmarks(self) -> None:
         wrong = self.modules(benchmarks="HNF,HOPV")
         self.assertEqual(wrong.wait_ended(), 1)
         self.assertIn("no module for HOPV: did you mean 'HOPF'?", wrong.text)

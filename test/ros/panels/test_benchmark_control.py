@@ -68,7 +68,7 @@ class TestBenchmarkControl(PanelCase):
             self.assertLess(time.monotonic() - began, 1.0)
             before = self.client.model.clock_s
             wait_until(lambda: self.client.model.clock_s > before, "messages are still shown")
-            wait_until(lambda: "no answer within 1 s" in self.panel._answer.text(), "the referee is told")
+            wait_until(lambda: "no answer within 1 s" in self.panel._answer.text(), "the referee is warned")
         finally:
             calls.TIMEOUT_S = limit
 
@@ -95,7 +95,7 @@ class TestBenchmarkControl(PanelCase):
         self.core.silent = False
         self.wait_phase("ENDED")
 
-    def test_disconnect_asks_while_the_run_goes_on(self) -> None:
+    def test_disconnect_asks_while_the_run_is_in_progress(self) -> None:
         self.zone.command("connect")
         self.zone.command("start")
         self.wait_phase("RUNNING")

@@ -84,9 +84,9 @@ class TestPanelMessages(unittest.TestCase):
             self.driver.run(1.0)
             for robot in robots:
                 robot.beacon()
-            told = {robot.team: robot for robot in self.tick().active_robots}
+            listed = {robot.team: robot for robot in self.tick().active_robots}
             self.assertEqual(
-                [(told[r.id.team].robot, round(told[r.id.team].skew.to_sec(), 6), told[r.id.team].beacon.to_sec())
+                [(listed[r.id.team].robot, round(listed[r.id.team].skew.to_sec(), 6), listed[r.id.team].beacon.to_sec())
                  for r in self.driver.box.robots.all(self.driver.now)],
                 [("r1", -0.25, self.driver.now.utc), ("r2", 1.5, self.driver.now.utc)])
 
@@ -137,14 +137,14 @@ class TestPanelMessages(unittest.TestCase):
         self.assertAlmostEqual(zone.elapsed.to_sec(), 0.2, 6)
         self.assertAlmostEqual(zone.after_stop.to_sec(), 119.9, 6)
 
-    def test_a_log_that_is_written_elsewhere_now_is_told(self) -> None:
+    def test_a_log_that_is_written_elsewhere_now_is_reported(self) -> None:
         robot = self.driver.connected()
         for path in ("", LOG, "/other/run.bag"):
             self.log_files[robot.port] = path
             self.tick()
             self.assertEqual(self.details().zones[0].log_file, path)
 
-    def test_a_warning_of_the_box_is_told_at_once(self) -> None:
+    def test_a_warning_of_the_box_is_reported_at_once(self) -> None:
         self.tick()
         self.details()
         self.driver.event(self.driver.box.on_trouble, "the disk is full: free it")

@@ -27,7 +27,7 @@ def opened(kind: type):
 
 
 class WordsCase(PanelCase):
-    """The first zone has a run that goes on."""
+    """The first zone has a run in progress."""
 
     def setUp(self) -> None:
         super().setUp()
@@ -257,7 +257,7 @@ class TestResults(WordsCase):
         dialog = opened(ScoreDialog)
         dialog.not_attempted.setChecked(True)
         click(dialog.yes)
-        wait_until(lambda: self.value(DOOR) == ("not attempted", "✎ corrected"), "it is told from 0")
+        wait_until(lambda: self.value(DOOR) == ("not attempted", "✎ corrected"), "it differs from 0")
 
     def test_the_reason_of_a_stop(self) -> None:
         self.panel.tabs.setCurrentIndex(2)

@@ -237,7 +237,7 @@ class TestNoCore(unittest.TestCase):
 
 
 class TestWatch(WithCore):
-    def test_what_happens_is_told_in_lines_with_their_time(self) -> None:
+    def test_what_happens_is_reported_in_lines_with_their_time(self) -> None:
         watch = self.start("watch", "--zone", "Home A")
         watch.line(lambda line: "allowed now" in line, "the status")
         self.zone.command("connect")
@@ -357,7 +357,7 @@ class TestRun(WithCore):
         self.assertEqual(run.wait_ended(), 129)
         self.assertEqual([call[0] for call in self.core.calls], ["connect", "start"])
 
-    def test_the_run_goes_on_over_a_restart_of_the_core(self) -> None:
+    def test_the_run_continues_over_a_restart_of_the_core(self) -> None:
         run = self._running()
         identity = self.zone.identity
         self.core.close()

@@ -58,7 +58,7 @@ class TestRun(BoxCase):
         run.event("robot", what="came", team="Beta")
         run.event("score", value=2)
         robot.wait_did("execute HWV")
-        robot.tell("visitor", "postman")
+        robot.request("visitor", "postman")
         self.assertRegex(run.event("online_data")["text"], r"^\d\d:\d\d:\d\dZ visitor: postman$")
         robot.wait_said()
         robot.let("execute")
@@ -82,7 +82,7 @@ class TestRun(BoxCase):
             self.assertEqual((run.wait_ended(), result["text"]), (0, "the run is completed"), run.text)
             self.box.wait_details(self.ZONE, lambda d: d.phase == "idle", "it is disconnected")
 
-    def test_the_core_tells_no_score_twice(self) -> None:
+    def test_the_core_reports_no_score_twice(self) -> None:
         self.robot("Beta")
         run = self.start("--score", "kimble rings=yes")
         run.event("score", value=1)

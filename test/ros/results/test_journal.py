@@ -58,14 +58,14 @@ class ResultsCase(BoxCase):
 
 
 class TestResults(ResultsCase):
-    def test_a_run_that_goes_on_and_is_over(self) -> None:
+    def test_a_run_in_progress_and_one_that_is_over(self) -> None:
         robot = self.robot("Alpha")
         port = self.box.connect(ZONE)
         identity = self.box.wait_details(ZONE, lambda d: d.identity, "the run has a name")
         self.assertIn("  connected", self.results("list"))
         self.box.start(ZONE)
         robot.wait_did("execute HGTKMH")
-        robot.tell("notify", "<b>at the door</b>")
+        robot.request("notify", "<b>at the door</b>")
         robot.wait_said()
         self.box.set_score(ZONE, *DOOR, 1)
         self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 2, False, "the vase", "Anna")

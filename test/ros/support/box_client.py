@@ -20,7 +20,7 @@ class Refusal(Exception):
 class BoxClient:
     """Follows one core and commands it. `prefix` stands before all names of a core that was remapped.
 
-    Each topic comes in its own time: what one of them told need not be in another one's last message yet.
+    Each topic comes in its own time: data of one topic may not be in the last message of another yet.
     """
 
     def __init__(self, prefix: str = "") -> None:
@@ -118,7 +118,7 @@ class BoxClient:
     def connect(self, zone: str) -> int:
         """Connect as soon as the button is on; returns the private port once it is known."""
         self.wait_zone(zone, lambda z: z.connect_enabled, "connect is on")
-        # The details may be a moment behind, and still tell of the run before.
+        # The details may be a moment behind, and still describe the run before.
         old = self.zone_details(zone).port
         self.command("connect", zone)
         return self.wait_details(zone, lambda d: d.port != old and d.port, "the run has a port")

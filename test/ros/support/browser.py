@@ -92,10 +92,10 @@ class Browser:
         return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(LIMIT_S)
 
     async def _connect(self) -> websocket.WebSocketClientConnection:
-        told = pathlib.Path(self._folder, "DevToolsActivePort")
-        while not (told.exists() and len(told.read_text().splitlines()) == 2):
+        reported = pathlib.Path(self._folder, "DevToolsActivePort")
+        while not (reported.exists() and len(reported.read_text().splitlines()) == 2):
             await asyncio.sleep(LOOK_AGAIN_S)  # a file cannot be awaited
-        port, path = told.read_text().splitlines()
+        port, path = reported.read_text().splitlines()
         return await websocket.websocket_connect(
             f"ws://127.0.0.1:{port}{path}", on_message_callback=self._receive, max_message_size=_MAX_ANSWER_BYTES
         )

@@ -44,7 +44,7 @@ _ports = itertools.count(RSBB_PORT + 1)
 
 
 @contextlib.contextmanager
-def told_with(what: str) -> Iterator[None]:
+def reported_with(what: str) -> Iterator[None]:
     """A failure in here says what it is about. (rostest shows no text of a unittest's subTest.)"""
     try:
         yield

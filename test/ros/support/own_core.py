@@ -87,14 +87,14 @@ class OwnCoreCase(NetworkCase):
         return wait_until(lambda: path.exists() and RunLog.complete(path), f"{path} is complete")
 
     def wait_warned(self, text: str, limit_s: float = 5.0) -> str:
-        """Wait until every referee is told something; returns the whole warning."""
+        """Wait until every referee is warned of something; returns the whole warning."""
         return wait_until(lambda: next((w for w in self.box.details.warnings if text in w), None),
-                          lambda: f"a warning tells '{text}'; warnings: {self.box.details.warnings}", limit_s)
+                          lambda: f"a warning contains '{text}'; warnings: {self.box.details.warnings}", limit_s)
 
     def wait_no_warning(self, text: str) -> None:
-        """Wait until no warning tells that any more."""
+        """Wait until no warning contains that text."""
         wait_until(lambda: not any(text in warning for warning in self.box.details.warnings),
-                   lambda: f"no warning tells '{text}' any more; warnings: {self.box.details.warnings}")
+                   lambda: f"no warning contains '{text}' any more; warnings: {self.box.details.warnings}")
 
 
 def _entries(log: RunLog) -> List[Tuple[str, Any]]:

@@ -12,7 +12,7 @@ from support.waiting import happened, wait_until
 
 
 class RawBox:
-    """It beacons and sends states only when told to; `answers` are what it does by itself.
+    """It sends beacons and states only on request; `answers` are what it does by itself.
 
     `received` are the robot's messages on the private channel, in their order, of all channels of the test.
     """

@@ -126,7 +126,7 @@ class Robot:
         with contextlib.suppress(Exception):
             self._running.result(LIMIT_S)
 
-    def tell(self, method: str, *arguments: Any) -> None:
+    def request(self, method: str, *arguments: Any) -> None:
         """Call a method of the client, such as notify."""
         self._network.do(lambda: getattr(self.client, method)(*arguments))
 
@@ -228,7 +228,7 @@ def wire(utc: float) -> pb.Time:
 class RawRobot:
     """A robot of which each datagram is the test's: no state machine, no repetition.
 
-    It beacons only when told to, and has a private channel once `open_private` was called.
+    It sends beacons only on request, and has a private channel once `open_private` was called.
     """
 
     def __init__(self, network: Network, team: str, name: str = "Robot") -> None:

@@ -8,7 +8,7 @@ T = TypeVar("T")
 
 # A guard against hanging, not a measure: nothing that is waited for takes long, but the machine may be busy.
 LIMIT_S = 60.0
-# Some things tell nobody when they happen (a file is complete, a process is gone): they are looked at this often.
+# Some events cannot be waited for (a file is complete, a process has ended): they are checked this often.
 LOOK_S = 0.1
 
 _news = threading.Condition()

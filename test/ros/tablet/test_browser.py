@@ -109,7 +109,7 @@ class TestWholeWay(BrowserCase):
         self.robot.wait_did("execute HCFGAC")
         self.a_call_reaches_the_robot(phone, tablet)
         self.turn_through_screens(phone, "call", "#call")
-        self.robot.tell("display_map", True)
+        self.robot.request("display_map", True)
         for page in (phone, tablet):
             page.wait(f"{SHOWS_MAP} && document.getElementById('map').naturalWidth === 200", "the map is shown")
         self.a_place_reaches_the_robot(phone, tablet, 0.25, 0.75)
@@ -117,7 +117,7 @@ class TestWholeWay(BrowserCase):
         self.two_fingers_pick_nothing(phone)
         self.a_keyboard_picks_a_place(tablet)
         self.turn_through_screens(phone, "map", "#sheet")
-        self.robot.tell("display_map", False)
+        self.robot.request("display_map", False)
         phone.wait(SHOWS_CALL, "the call button is shown again")
         self.assertEqual(self.browser.errors, [])
 
@@ -151,7 +151,7 @@ class TestWholeWay(BrowserCase):
         fingers = [{"x": left + width * part, "y": top + height / 2, "id": number}
                    for number, part in enumerate((0.3, 0.6))]
         spread = [{**fingers[0], "x": left + 5}, {**fingers[1], "x": left + width - 5}]
-        places = self.places_told()
+        places = self.places_published()
         for kind, points in (("touchStart", fingers[:1]), ("touchStart", fingers), ("touchMove", spread),
                              ("touchEnd", spread[:1]), ("touchEnd", [])):
             page.command("Input.dispatchTouchEvent", type=kind, touchPoints=points)
@@ -159,11 +159,11 @@ class TestWholeWay(BrowserCase):
             page.touch_at("#said")
         self.assertEqual(page.get("visualViewport.scale"), 1)
         self.a_place_reaches_the_robot(page, page, 0.5, 0.6)
-        wait_until(lambda: len(self.places_told()) > len(places), "the place is in the box's beacon")
-        self.assertEqual(len(self.places_told()), len(places) + 1)
+        wait_until(lambda: len(self.places_published()) > len(places), "the place is in the box's beacon")
+        self.assertEqual(len(self.places_published()), len(places) + 1)
 
-    def places_told(self) -> set:
-        """The times of all places that the box has told so far."""
+    def places_published(self) -> set:
+        """The times of all places that the box has published so far."""
         return {(m.tablet_position_time.sec, m.tablet_position_time.nsec)
                 for m, _ in list(self.listener.heard) if isinstance(m, pb.RoahRsbbBeacon)}
 

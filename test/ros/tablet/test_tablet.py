@@ -41,9 +41,9 @@ class TestTablet(BoxCase):
         self.box.connect("Room")
         self.box.start("Room")
         robot.wait_did("execute HCFGAC")
-        robot.tell("display_map", True)
+        robot.request("display_map", True)
         tablet.wait_printed("the box requests the view: map")
-        robot.tell("display_map", False)
+        robot.request("display_map", False)
         tablet.wait_printed("the box requests the view: call button", 2)
         tablet.close()
         wait_until(lambda: "The tablet has been silent" in self.box.gui.status, lambda: str(self.box.gui))
@@ -75,7 +75,7 @@ class TestTablet(BoxCase):
         self.assertFalse([m for m, _ in listener.heard if isinstance(m, pb.RoahRsbbBeacon) and (
             m.tablet_call_time.sec < 0 or m.tablet_position_time.sec > 2**32)])
 
-    def test_two_tablets_are_told(self) -> None:
+    def test_two_tablets_are_reported(self) -> None:
         listener, first = self.participant(LISTENER), self.participant(TABLET)
         second = self.participant(OTHER_TABLET)
         self.wait_no_tablet()
@@ -116,7 +116,7 @@ class TestNode(BoxCase):
     def count_of(listener, kind) -> int:
         return sum(isinstance(message, kind) for message, _ in list(listener.heard))
 
-    def test_a_port_in_use_is_told_once_and_used_when_it_is_free(self) -> None:
+    def test_a_port_in_use_is_reported_once_and_used_when_it_is_free(self) -> None:
         with socket.socket() as other:
             other.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             other.bind(("127.0.0.1", tablet_nodes.OWN_TABLET_PORT))
@@ -126,7 +126,7 @@ class TestNode(BoxCase):
         started.wait_printed(f"The tablet's page: open {tablet_nodes.own_url()}")
         self.assertEqual(started.text.count("choose another tablet_port"), 1)
 
-    def test_wrong_parameters_and_a_wrong_map_are_told(self) -> None:
+    def test_wrong_parameters_and_a_wrong_map_are_reported(self) -> None:
         started = self._leaving(tablet_nodes.node(map_file="/none.yaml"))
         started.wait_printed("/none.yaml: cannot be read")
         started.wait_printed("The tablet's page: open")

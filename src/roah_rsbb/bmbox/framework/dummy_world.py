@@ -44,7 +44,7 @@ class DummyWorld:
         self._positioner = self._on_table()
         self._object = self._on_table()
         self._carry: Optional[Tuple[Pose3, Pose3]] = None  # from, to; in the test bed
-        self._told_s: Optional[float] = None  # time of the command to execute
+        self._execute_s: Optional[float] = None  # time of the command to execute
 
     def poses(self) -> Dict[str, Pose3]:
         """All poses in the test bed by subject."""
@@ -62,26 +62,26 @@ class DummyWorld:
         if run is not None and step is not None:
             self._look(run, step, now_s)
         else:
-            self._told_s = self._drive_to = None
-        following = run is not None and run.benchmark == "HPFF" and self._told_s is not None
+            self._execute_s = self._drive_to = None
+        following = run is not None and run.benchmark == "HPFF" and self._execute_s is not None
         if run is None or run.benchmark != "HPPF":
             self._walk(dt)
         if following:
             self._drive_to = self._behind_person()
-        if self._drive_to is not None and self._told_s is not None:
+        if self._drive_to is not None and self._execute_s is not None:
             self._robot = _towards(self._robot, self._drive_to, DRIVE_SPEED * dt, TURN_SPEED * dt)
-        if self._carry is not None and self._told_s is not None:
-            self._object = _carried(*self._carry, now_s - self._told_s)
+        if self._carry is not None and self._execute_s is not None:
+            self._object = _carried(*self._carry, now_s - self._execute_s)
 
     def _look(self, run: RunForModule, step: Step, now_s: float) -> None:
         """React to the present request."""
         request = step.request
         if self._seen != (run.run, run.attempt, request.number):
             self._seen = (run.run, run.attempt, request.number)
-            self._told_s = None
+            self._execute_s = None
             self._begin(run.benchmark, step)
-        if request.kind == RequestKind.GOAL and step.outcome is None and run.told_utc and self._told_s is None:
-            self._told_s = now_s
+        if request.kind == RequestKind.GOAL and step.outcome is None and run.told_utc and self._execute_s is None:
+            self._execute_s = now_s
 
     def _begin(self, benchmark: str, step: Step) -> None:
         """React to a new request: place subjects, or choose the robot's destination."""

@@ -26,7 +26,7 @@ REMEMBER_S = 30.0
 # For this long after the robot's last message, another host with its team's password does not replace it.
 HERE_S = 2.5
 # In a silence, this many messages that are not newer than the last one are not merely delayed.
-OLD_TOLD = 3
+OLD_REPORTED = 3
 # The warning about an unreadable datagram is shown for this long, or until a readable datagram arrives.
 BAD_S = 10.0
 
@@ -69,7 +69,7 @@ class RobotLink:
         self._skew = SkewEstimate(self.state.skew)
         self._listens_since = now.mono
         self._old = 0  # messages since the last fresh one that were not newer than it
-        self._told_silent = False
+        self._reported_silent = False
         self._step: Optional[str] = None
         self._step_mono = 0.0
         self._rival: Optional[str] = None
@@ -141,7 +141,7 @@ class RobotLink:
         state, state_changed = self.state, report.state != self.robot_state
         state.host, state.last, state.last_heard = host, report, now
         self._old = 0
-        self._told_silent = False
+        self._reported_silent = False
         self._bad = None
         return HeardReport(True, new_host, state_changed, tuple(notices))
 
@@ -170,14 +170,14 @@ class RobotLink:
 
     def tick(self, now: Now) -> List[str]:
         """Return the notices that are due by now."""
-        if self.is_silent(now) and not self._told_silent:
-            self._told_silent = True
+        if self.is_silent(now) and not self._reported_silent:
+            self._reported_silent = True
             return [self._silence_text(now)]
         return []
 
     def deadline(self) -> Optional[float]:
         """Monotonic time (s) at which `tick` has a notice unless a message comes first; None: it had it."""
-        return None if self._told_silent else self._silent_from()
+        return None if self._reported_silent else self._silent_from()
 
     def is_silent(self, now: Now) -> bool:
         """Whether the robot has been silent for too long."""
@@ -223,7 +223,7 @@ class RobotLink:
         if self.last_heard is None:
             return NO_ANSWER
         text = f"No message from the robot for {now.mono - self.last_heard.mono:.0f} s"
-        if self._old >= OLD_TOLD:
+        if self._old >= OLD_REPORTED:
             return f"{text} but old ones: check whether its clock is stopped or set back repeatedly"
         return text
 

@@ -72,7 +72,7 @@ class ModuleDesk:
         """A node of benchmarking modules reports its benchmarks and its progress in runs."""
         self._tick(now)
         self._modules.hear(now, state)
-        self._tell_runs(now)
+        self._update_runs(now)
 
     def runs(self) -> Tuple[RunForModule, ...]:
         """Return what benchmarking modules need to know of the functionality runs."""
@@ -90,12 +90,12 @@ class ModuleDesk:
             for run in self._zones.runs():
                 run.tick(then)
             self._modules.forget_gone(then)
-            self._tell_runs(then)
+            self._update_runs(then)
             due = self._modules.deadline()
 
     def _functionality_runs(self) -> List[FunctionalityRun]:
         return [run for run in self._zones.members() if isinstance(run, FunctionalityRun)]
 
-    def _tell_runs(self, now: Now) -> None:
+    def _update_runs(self, now: Now) -> None:
         for run in self._functionality_runs():
             run.on_modules(now)

@@ -97,9 +97,9 @@ class MemberRun(Run):
         """Log a line in the shared log, with the robot's name."""
         self._whole.say(now, level, f"{self.robot}: {text}")
 
-    def tell_online(self, now: Now, text: str) -> None:
+    def show_online(self, now: Now, text: str) -> None:
         """As `say`, for online data."""
-        self._whole.tell_online(now, f"{self.robot}: {text}")
+        self._whole.show_online(now, f"{self.robot}: {text}")
 
 
 class AllRobotsRun(ZoneRun):

@@ -59,7 +59,7 @@ class DeviceCommands:
         if not had_first or wishes == NO_WISHES:
             return taken
         if any(value is not None and field not in self._obeyed for field, value in zip(FIELDS, wishes)):
-            taken.problems.extend(self._tell_ignored())
+            taken.problems.extend(self._report_ignored())
         # A field that the robot stops sending is no command, and its last value is kept.
         before = self.state.wishes
         self.state.wishes = tuple(old if new is None else new for old, new in zip(before, wishes))
@@ -74,7 +74,7 @@ class DeviceCommands:
                 taken.commands.append((field, int(new)))
         return taken
 
-    def _tell_ignored(self) -> List[str]:
+    def _report_ignored(self) -> List[str]:
         if self.state.told_ignored:
             return []
         self.state.told_ignored = True

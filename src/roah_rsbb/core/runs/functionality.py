@@ -328,7 +328,7 @@ class FunctionalityRun(Run):
             self._emit(effects.RunLogged(self.port, run_log.RESULT, result))
             if self.event.benchmark.profile.result is ResultForm.OBJECT:
                 self._emit(effects.RunLogged(self.port, run_log.HOPF_RESULT, result))
-            self.tell_online(now, f"result: {result}")
+            self.show_online(now, f"result: {result}")
         self.say(now, Level.INFO, f"Goal completed by the robot in {seconds:.1f} s")
         self._close_goal(Outcome(OutcomeKind.DONE, result=result, executing_s=seconds, ended_utc=now.utc))
 

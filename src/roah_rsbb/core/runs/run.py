@@ -275,7 +275,7 @@ class ZoneRun(abc.ABC):
         self.state.log = with_line(self.state.log, f"{times.time_with_zone(now.utc)} {mark}{text}", self._display_size)
         self._emit(effects.Notice(level, text, self.zone))
 
-    def tell_online(self, now: Now, text: str) -> None:
+    def show_online(self, now: Now, text: str) -> None:
         """Show online data to the referee."""
         line = f"{times.time_with_zone(now.utc)} {text}"
         self.state.online_data = with_line(self.state.online_data, line, self._display_size)
@@ -465,7 +465,7 @@ class Run(ZoneRun):
                     dropped += 1
                     continue
                 self._emit(effects.RunLogged(self.port, online.topic, text))
-                self.tell_online(now, f"{online.name}: {text}{mark}")
+                self.show_online(now, f"{online.name}: {text}{mark}")
         if dropped:
             self._dropped_strings += dropped
             self._say_dropped(now)

@@ -54,7 +54,7 @@ def read_sheet(
     """Read the plan in a sheet; None after errors. The report gets an error for each invalid cell.
 
     Without `teams`, all names of teams are accepted. Without `codes`, all shipped benchmarks are accepted. `for_all`
-    tells whether all robots do a benchmark at once.
+    says whether all robots do a benchmark at once.
     """
     before = len(report.errors)
     content = read_text(path, report, _WHAT)

@@ -5,7 +5,7 @@ import pytest
 from helpers.box_driver import wire
 from helpers.competition import UTC0
 from roah_rsbb.core.clock import Now
-from roah_rsbb.core.link.link import BAD_S, HERE_S, OLD_TOLD, REMEMBER_S, SILENT_S, RobotLink
+from roah_rsbb.core.link.link import BAD_S, HERE_S, OLD_REPORTED, REMEMBER_S, SILENT_S, RobotLink
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.protocol import RobotState
 
@@ -66,7 +66,7 @@ def test_a_stale_message_is_as_if_it_had_not_come(line):
     assert link.skew == pytest.approx(0.0)
 
 
-def test_a_robot_that_does_not_answer_is_told_once(line):
+def test_a_robot_that_does_not_answer_is_reported_once(line):
     assert line.link.deadline() == OPENED.mono + SILENT_S
     assert line.wait(SILENT_S - 0.1) == []
     assert line.warnings == []
@@ -76,7 +76,7 @@ def test_a_robot_that_does_not_answer_is_told_once(line):
     assert line.warnings == ["Robot has not answered on the private channel yet"]
 
 
-def test_each_silence_is_told_once(line):
+def test_each_silence_is_reported_once(line):
     line.hear()
     assert line.link.deadline() == line.now.mono + SILENT_S
     assert line.wait(SILENT_S) == ["No message from the robot for 3 s"]
@@ -88,11 +88,11 @@ def test_each_silence_is_told_once(line):
 
 
 def test_a_clock_that_stands_still_is_no_plain_silence(line):
-    for _ in range(OLD_TOLD + 1):
+    for _ in range(OLD_REPORTED + 1):
         line.hear(time=(12345, 0))
     assert "No message from the robot for 3 s but old ones: check whether its clock is stopped" in line.warnings[0]
     line.hear()
-    assert not any("stand still" in text for text in line.warnings)
+    assert not any("is stopped" in text for text in line.warnings)
     line.wait(SILENT_S)
     assert line.warnings[0] == "No message from the robot for 3 s"
 
@@ -116,7 +116,7 @@ def test_times_are_invalid_while_the_skew_is_out_of_bounds(line, skew):
     assert sum("times are valid again" in text for text in said) == 1
 
 
-def test_a_bad_skew_from_the_first_message_on_is_told(line):
+def test_a_bad_skew_from_the_first_message_on_is_reported(line):
     assert line.hear(skew=0.15).notices == ("Robot's times are invalid from here on: clock skew +0.150 s",)
     assert line.hear(skew=0.15).notices == ()
 
@@ -169,7 +169,7 @@ def test_steps_of_the_boxs_clock_are_no_steps_of_the_robots(line):
     assert not any("jumped" in text for text in heard.notices)
 
 
-def test_another_address_is_told_but_not_with_every_message(line):
+def test_another_address_is_reported_but_not_with_every_message(line):
     line.hear()
     said = []
     for i in range(10):

@@ -17,7 +17,7 @@ BURST = [0.4] + [BURST_INTERVAL_S] * (BURST_COUNT - 1)
 
 
 class Line:
-    """A link, and a robot that sends to it when and what a test tells."""
+    """A link, and a robot that sends what the test wants, when the test wants it."""
 
     def __init__(self):
         self.now = OPENED
@@ -86,7 +86,7 @@ def test_regular_messages_that_are_missing(line, passed, lost):
     assert line.sample().lost == lost
 
 
-def test_the_robots_clock_tells_lost_from_late(line):
+def test_the_robots_clock_distinguishes_lost_from_late(line):
     """Three messages wait in a radio and come at once: nothing is lost."""
     line.sends()
     for late in (2.0, 1.0, 0.0):
@@ -181,7 +181,7 @@ def test_unreadable_datagrams_since_the_last_sample(line):
     assert line.sample(unreadable=0).unreadable == 0
 
 
-def test_a_gap_is_told_whole(line):
+def test_a_gap_is_reported_whole(line):
     line.sends()
     line.sample()
     assert line.sample(after=2.0).gap_s == 2.0

@@ -34,7 +34,7 @@ SETTINGS = Settings(listen_duration=0.0, display_log_size=10**9)
 # What a restart may lose, by class. Everything else must be the same after it.
 LOST = {
     # Robots and modules say it again within a second.
-    "RobotLink": {"_listens_since", "_old", "_told_silent", "record", "_skew"},
+    "RobotLink": {"_listens_since", "_old", "_reported_silent", "record", "_skew"},
     "Timeline": {"_candidate", "_rising"},
     "SavingWatch": {"_since"},
     "FunctionalityRun": {"_node", "_progress"},
@@ -95,7 +95,7 @@ def _again(kind, state):
 
 
 def without_the_restart(found):
-    """Without the line in the log that tells of the restart."""
+    """Return the log without the line about the restart."""
     def cut(path, value):
         is_log = path.endswith(".state.log") and "The core was restarted at" in value
         return value[:value.rindex("\n", 0, -1) + 1] if is_log else value

@@ -86,7 +86,7 @@ def test_robots_that_cannot_take_part_are_named_and_keep_nobody_from_it():
     assert driver.view().warnings == tuple(names)
 
 
-def test_every_reason_of_a_robot_is_told():
+def test_every_reason_of_a_robot_is_reported():
     driver = all_robots_box()
     driver.robot("Nobody", "r9", skew=0.5).beacon()
     driver.run(5.0)

@@ -168,7 +168,7 @@ def test_it_is_complete_with_the_last_robot():
     assert driver.taken(effects.TimeoutRung) == []
 
 
-def test_what_one_robot_does_is_told_to_no_other():
+def test_what_one_robot_does_is_sent_to_no_other():
     driver, robots = running()
     before = len(driver.states[robots[1].port])
     robots[0].says(notifications=("hello",))
@@ -296,7 +296,7 @@ def test_stop_ends_all_in_every_state(reached):
     assert driver.run_in() is run
 
 
-def test_after_a_stop_all_start_again_and_the_clock_went_on():
+def test_after_a_stop_all_start_again_and_the_clock_kept_running():
     driver, robots = running(timeout=120.0)
     deadline = driver.run_in().clock.deadline()
     robots[2].completes()

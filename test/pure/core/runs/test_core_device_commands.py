@@ -62,7 +62,7 @@ def test_a_field_that_is_left_out_for_a_while_is_no_change(devices, in_between):
 
 @pytest.mark.parametrize("value", [101, 255, 2**32 - 1])
 @pytest.mark.parametrize("field", ["dimmer", "blinds"])
-def test_more_than_100_per_cent_is_told_once_and_not_obeyed(devices, field, value):
+def test_more_than_100_per_cent_is_reported_once_and_not_obeyed(devices, field, value):
     taken = devices.take(_report(**{field: value, "switch_1": True}))
     assert taken.commands == [("switch_1", 1)]
     assert taken.problems == [f"Robot sets {field} to {value}: ignored, because the range is 0 to 100 per cent"]

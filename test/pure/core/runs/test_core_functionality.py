@@ -79,7 +79,7 @@ def test_a_whole_run_with_waypoints_and_manual_operations():
     assert sent(driver, robot) == states
 
 
-def test_without_an_explicit_goal_the_robot_is_only_told_to_execute():
+def test_without_an_explicit_goal_the_robot_only_executes():
     driver, modules, robot = started("HOPF")
     modules.asks(timeout=10.0)
     robot.says(RobotState.PREPARING)
@@ -107,7 +107,7 @@ def test_a_result_of_2015_reaches_the_module_as_yaml():
 
 @pytest.mark.parametrize("result", [{"generic_result": "[" * 60_000}, {"object_class": "m" * 60_000}])
 def test_a_result_that_no_module_reads_is_not_kept_whole(result):
-    """It is told to modules and put on record with every further step."""
+    """It is sent to modules and recorded with every further step."""
     _, modules, robot = started("HOPF")
     modules.asks()
     does_goal(robot, **result)
@@ -257,7 +257,7 @@ def test_the_referee_sees_what_is_asked_and_what_the_module_says():
     assert "WARNING: frame robot is 3 s old" in state
     assert [n for n in driver.notices() if "3 s old" in n] == ["Benchmarking module: frame robot is 3 s old"]
     modules.says(status="Waypoint 2 of 3")
-    assert not [n for n in driver.notices() if "3 s old" in n], "it is told once"
+    assert not [n for n in driver.notices() if "3 s old" in n], "it is reported once"
     driver.command("stop")
     driver.command("start")
     assert "Waypoint" not in driver.view().state
@@ -298,7 +298,7 @@ def test_a_goal_that_no_datagram_can_carry_ends_the_run():
     assert modules.run().end_reason == "module_failed"
 
 
-def test_a_module_that_cannot_go_on_ends_the_run_with_what_was_scored():
+def test_a_module_that_cannot_continue_ends_the_run_with_what_was_scored():
     driver, modules, _ = started()
     score = ScoreValue("", "reached", "1", "")
     modules.says(scores=(score,), failed="its rules changed")

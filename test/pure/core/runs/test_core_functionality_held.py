@@ -57,7 +57,7 @@ def test_a_box_that_notices_late_holds_from_when_the_module_was_gone():
     assert driver.run_in().clock.left(driver.now) == pytest.approx(598.0)
 
 
-def test_the_same_module_that_was_only_slow_goes_on():
+def test_the_same_module_that_was_only_slow_continues():
     driver, modules, robot = started()
     modules.asks(**GOAL)
     driver.run(3.0)
@@ -144,7 +144,7 @@ def test_of_two_nodes_only_the_first_is_listened_to():
     assert driver.run_in().asked.text == "of the first again"
 
 
-def test_two_zones_with_the_same_benchmark_are_told_apart():
+def test_two_zones_with_the_same_benchmark_are_distinguished():
     driver = BoxDriver(competition(a=[event("STB")], b=[event("STB", team="Beta")]))
     modules = FakeModules(driver, "STB")
     modules.beat()

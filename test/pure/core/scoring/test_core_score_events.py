@@ -108,11 +108,11 @@ def test_an_end_that_comes_by_itself_is_nobodys():
     assert [stop[1:] for stop in record.stops] == [("", "timeout", "Stopped due to timeout", "", "")]
 
 
-def test_every_change_of_a_record_is_told(driver):
+def test_every_change_of_a_record_is_published(driver):
     """The journal has what is in force, whatever happens next."""
     def last():
-        told = [effect.record for effect in driver.taken(effects.RecordChanged)]
-        return told[-1] if told else None
+        reported = [effect.record for effect in driver.taken(effects.RecordChanged)]
+        return reported[-1] if reported else None
 
     robot = driver.connected()
     assert last() == _record(driver)
@@ -151,7 +151,7 @@ def test_what_a_module_scored_is_in_the_record():
     assert driver.box.finished.records()[0].module_scores == (reached,)
 
 
-def test_a_module_is_told_the_time_of_an_attempt_when_it_has_ended():
+def test_a_module_receives_the_time_of_an_attempt_when_it_has_ended():
     driver, modules, robot = started()
     modules.lives(10.0, robot)
     driver.command("stop")
@@ -169,9 +169,9 @@ def test_all_robots_have_one_record():
     assert record.robots == ("r1 of team Alpha", "r2 of team Beta", "r3 of team Gamma")
     driver.run(10.0)
     driver.event(driver.box.command, "tbm", "stop", "Anna", "fire alarm")
-    told = driver.taken(effects.RecordChanged)
-    assert {effect.record.identity for effect in told} == {identity}
-    (stop,) = told[-1].record.stops
+    reported = driver.taken(effects.RecordChanged)
+    assert {effect.record.identity for effect in reported} == {identity}
+    (stop,) = reported[-1].record.stops
     assert (stop.who, stop.end_reason, stop.reason) == ("Anna", "stopped", "fire alarm")
     assert stop.desc.startswith("Benchmark stopped by the referee (3 stopped")
     driver.command("disconnect")
@@ -207,7 +207,7 @@ def test_not_attempted_and_withdrawn_are_logged_as_what_counts_then(driver):
     )
 
 
-def test_a_module_is_told_of_a_withdrawal():
+def test_a_module_receives_a_withdrawal():
     driver, modules, _ = started()
     _score(driver, BUMPS, 3)
     driver.taken()
@@ -377,8 +377,8 @@ def test_all_that_a_referee_does_is_on_record(driver):
         with contextlib.suppress(Refused):
             driver.event(method, *arguments)
         (done,) = _done(driver)
-        told = {key: found for key, found in done.value.items() if key not in ("command", "refused")}
-        assert (done.zone, told) == ("tbm", value)
+        reported = {key: found for key, found in done.value.items() if key not in ("command", "refused")}
+        assert (done.zone, reported) == ("tbm", value)
         freeze(done.value)
 
 

@@ -43,7 +43,7 @@ def test_a_run_from_connect_to_its_end():
     assert (run.phase, run.counting, run.end_reason) == (Phase.ENDED, False, EndReason.STOPPED)
 
 
-def test_how_a_run_ended_is_told_only_if_allowed():
+def test_how_a_run_ended_is_published_only_if_allowed():
     driver = BoxDriver()
     driver.executing()
     driver.command("stop")
@@ -103,7 +103,7 @@ def test_what_follows_is_bounded():
     assert [line.event.run for line in _view(driver).following] == list(range(1, MAX_FOLLOWING + 1))
 
 
-def test_results_are_told_only_if_allowed():
+def test_results_are_published_only_if_allowed():
     driver = BoxDriver()
     robot = driver.executing()
     driver.score(DOOR.group, DOOR.desc, 1)
@@ -125,7 +125,7 @@ def test_what_a_module_scored_is_a_result():
     assert _view(driver, OUTCOMES).finished[0].module_scores == ()
 
 
-def test_only_the_newest_results_are_told():
+def test_only_the_newest_results_are_published():
     driver = BoxDriver()
     for run in range(MAX_FINISHED + 1):
         driver.box.finished.add(run_record(run))

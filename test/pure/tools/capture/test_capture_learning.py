@@ -105,7 +105,7 @@ def test_ports_that_cannot_be_are_no_private_channels():
     (PORT, PORT, True), (5, PORT, True),
     (PORT + 1, PORT + 1, True), (PORT + PRIVATE_PORTS, PORT + PRIVATE_PORTS, True),
     (PORT + PRIVATE_PORTS + 1, PORT + PRIVATE_PORTS + 1, False), (PORT - 1, PORT - 1, False),
-    (5, PORT + 1, False),  # another program's, by chance on such a port
+    (5, PORT + 1, False),  # another program's, on such a port by coincidence
     (20000, 20000, False),
 ])
 def test_what_is_on_a_channel(sport, dport, concerns):

@@ -47,7 +47,7 @@ def test_a_datagram_shorter_than_its_packet():
     assert parse_packet(packet(udp_length=8 + 5), TIME) == EXPECTED._replace(data=DATA[:5])
 
 
-def test_the_first_fragment_is_told_and_the_others_cannot_be_known():
+def test_the_first_fragment_is_reported_and_the_others_are_ignored():
     assert parse_packet(packet(fragment=MORE_FRAGMENTS, udp_length=8 + 3000), TIME) == Fragment(SRC, 6668, 3000)
     assert parse_packet(packet(fragment=MORE_FRAGMENTS | 185), TIME) is None
     assert parse_packet(packet(fragment=185), TIME) is None

@@ -198,7 +198,7 @@ def test_a_terminal_gets_colours_unless_it_does_not_want_them(network, monkeypat
     assert "\x1b" not in shown(NO_COLOR="1") and "\x1b" not in shown(TERM="dumb")
 
 
-@pytest.mark.parametrize("arguments, told", [
+@pytest.mark.parametrize("arguments, reported", [
     (["--host", "127.0.0.1"], "--host 127.0.0.1 is not a broadcast address"),
     (["--host", "no such host"], "--host 'no such host' is neither an IPv4 address"),
     (["--write", "/nonexistent/run.jsonl"], "cannot open /nonexistent/run.jsonl: No such file"),
@@ -208,13 +208,13 @@ def test_a_terminal_gets_colours_unless_it_does_not_want_them(network, monkeypat
     (["--password", ""], "the password is empty"),
     (["--team", "Team", "--password", ""], "the password is empty"),
 ])
-def test_what_it_cannot_begin_with_is_told_in_a_line(arguments, told):
+def test_what_it_cannot_begin_with_is_reported_in_a_line(arguments, reported):
     given = [*([] if "--host" in arguments else ["--host", BROADCAST]), "--plain", "--duration", "0"]
-    with pytest.raises(SystemExit, match=told):
+    with pytest.raises(SystemExit, match=reported):
         main([*given, "--port", str(free_ports()), *arguments])
 
 
-def test_an_error_in_the_passwords_file_is_told_with_its_line_and_without_the_password(tmp_path, capsys):
+def test_an_error_in_the_passwords_file_is_reported_with_its_line_and_without_the_password(tmp_path, capsys):
     file = tmp_path / "passwords.yaml"
     file.write_text("Team: secret1\nTeam: secret2\n", encoding="utf-8")
     with pytest.raises(SystemExit) as ended:
@@ -223,7 +223,7 @@ def test_an_error_in_the_passwords_file_is_told_with_its_line_and_without_the_pa
     assert "secret" not in str(ended.value) + capsys.readouterr().err
 
 
-@pytest.mark.parametrize("arguments, told", [
+@pytest.mark.parametrize("arguments, reported", [
     (["--port", "0"], "'0' is not a UDP port"),
     (["--port", "65536"], "'65536' is not a UDP port"),
     (["--port", "²"], "'²' is not a UDP port"),
@@ -232,12 +232,12 @@ def test_an_error_in_the_passwords_file_is_told_with_its_line_and_without_the_pa
     (["--password", "a", "--password-file", "b"], "not allowed with argument"),
     (["--message", "Beacon"], "invalid choice"),
 ])
-def test_arguments_that_make_no_sense_are_told_in_a_line(arguments, told, capsys):
+def test_arguments_that_make_no_sense_are_reported_in_a_line(arguments, reported, capsys):
     with pytest.raises(SystemExit) as ended:
         main(arguments)
     err = capsys.readouterr().err
     assert ended.value.code == 2 and err.startswith("capture_comm: argument ") and err.count("\n") == 1
-    assert told in err
+    assert reported in err
 
 
 def test_the_help_says_where_states_of_a_run_can_be_heard(capsys):

@@ -72,7 +72,7 @@ def test_an_error_is_shown_with_its_reason_and_its_likely_cause(shown):
     assert all("ERROR does not decrypt" in line and "password" in line for line in lines)
 
 
-def test_changes_only_tells_the_story_of_a_run(shown):
+def test_changes_only_shows_the_course_of_a_run(shown):
     arguments = ["--json", "--password", PASSWORD, "--changes-only", "--message", "BenchmarkState"]
     lines, _ = shown(datagrams("HGTKMH_2020"), *arguments)
     states = [json.loads(line)["fields"]["benchmark_state"] for line in lines]
@@ -89,7 +89,7 @@ HEADER = recording.header_line(PORT) + "\n"
 GOOD = recording.datagram_line(Datagram(BEGIN, "10.99.0.2", PORT, "10.99.0.255", PORT, b"\x02")) + "\n"
 
 
-@pytest.mark.parametrize("text, told", [
+@pytest.mark.parametrize("text, reported", [
     ("", ":1: this is not a recording"),
     ("TestingTeam: PASSWORD\n", ":1: this is not a recording"),
     ('{"roah_rsbb_capture": 2, "rsbb_port": 6666}\n', ":1: the recording has format 2"),
@@ -103,8 +103,8 @@ GOOD = recording.datagram_line(Datagram(BEGIN, "10.99.0.2", PORT, "10.99.0.255",
     (HEADER + GOOD.replace("1700000000.0", "9" * 400), ":2: found an invalid line"),
     (HEADER + "[" * 100000 + "\n", ":2: found an invalid line"),
 ])
-def test_a_damaged_recording_is_told_with_its_line(shown, text, told):
-    with pytest.raises(SystemExit, match=told):
+def test_a_damaged_recording_is_reported_with_its_line(shown, text, reported):
+    with pytest.raises(SystemExit, match=reported):
         shown(text)
 
 

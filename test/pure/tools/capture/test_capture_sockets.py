@@ -95,7 +95,7 @@ def test_private_ports_are_left_to_a_robot_on_this_machine():
     assert [notice.split(":")[0] for notice in notices] == ["private channels are not heard"]
 
 
-def test_a_private_port_that_cannot_be_opened_is_told():
+def test_a_private_port_that_cannot_be_opened_is_reported():
     port, notices = free_ports(), []
     decoder = Decoder(port, {})
     with contextlib.closing(PlainListener(decoder, BROADCAST, notices.append)) as listener, \

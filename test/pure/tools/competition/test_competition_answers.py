@@ -33,7 +33,7 @@ def test_teams():
     assert read(answers.read_teams, " Brass Butlers ,CopperKettle, 123") == ("Brass Butlers", "CopperKettle", "123")
 
 
-@pytest.mark.parametrize("text, told", [
+@pytest.mark.parametrize("text, reported", [
     ("a,,b", "found an empty text as a team's name"),
     ("a,ALL", "found ALL as a team's name; expected another name"),
     ("a:b", "found 'a:b' as a team's name; expected a name without a colon"),
@@ -41,12 +41,12 @@ def test_teams():
     ("é" * 51, "expected a text of at most 100 bytes; it has 102"),
     ("a\x07b", "expected a text of one line"),
 ])
-def test_wrong_teams(text, told):
+def test_wrong_teams(text, reported):
     assert len(refused(answers.read_teams, text)) == 1
-    assert told in refused(answers.read_teams, text)[0]
+    assert reported in refused(answers.read_teams, text)[0]
 
 
-def test_all_wrong_teams_are_told_at_once():
+def test_all_wrong_teams_are_reported_at_once():
     assert len(refused(answers.read_teams, "a:b,ALL,c,c")) == 3
 
 

@@ -52,8 +52,8 @@ def test_errors_of_all_files_at_once(competition):
     change(directory / files.BENCHMARKS, "timeout: 600", "timeout: soon")
     change(directory / files.LAUNCH, "</launch>", "")
     found = check(str(directory))
-    told = [error.replace(str(directory) + "/", "").partition(":")[0] for error in found.errors]
-    assert sorted(told) == ["benchmarks.yaml", "competition.launch", "schedule.yaml"]
+    reported = [error.replace(str(directory) + "/", "").partition(":")[0] for error in found.errors]
+    assert sorted(reported) == ["benchmarks.yaml", "competition.launch", "schedule.yaml"]
     assert found.summary == ""
 
 
@@ -61,17 +61,17 @@ def test_parameters_of_modules(competition):
     directory = competition()
     change(directory / "modules" / "HNF.yaml", "# goal_timeout: 120", "goal_timeout: long")
     change(directory / "modules" / "ground_truth.yaml", "maximum_age: 0.5", "maximum_age: old")
-    told = check(str(directory)).errors
-    assert [error.partition("found ")[2].partition(";")[0] for error in told] == [
+    reported = check(str(directory)).errors
+    assert [error.partition("found ")[2].partition(";")[0] for error in reported] == [
         "the text 'long' as goal_timeout", "the text 'old' as maximum_age"]
 
 
 def test_parameters_that_are_not_there(competition):
     directory = competition()
     (directory / "modules" / "HNF.yaml").unlink()
-    told = check(str(directory)).errors
-    assert len(told) == 1
-    assert "modules/HNF.yaml: found no file" in told[0]
+    reported = check(str(directory)).errors
+    assert len(reported) == 1
+    assert "modules/HNF.yaml: found no file" in reported[0]
 
 
 def test_no_parameters_at_all_are_a_warning(competition):
@@ -105,9 +105,9 @@ def test_runs_that_follow_too_soon(competition):
 
 def test_many_runs_that_follow_too_soon_are_one_warning(competition):
     directory = competition(X=[run("HWV", "AB"[n % 2], n, n + 1) for n in range(9)])
-    told = warnings(directory)
-    assert len(told) == 1
-    assert told[0].endswith("; and 5 more")
+    reported = warnings(directory)
+    assert len(reported) == 1
+    assert reported[0].endswith("; and 5 more")
 
 
 def test_a_team_in_two_zones_at_once(competition):
@@ -142,17 +142,17 @@ def test_no_launch_file(competition):
 def test_a_launch_file_that_is_no_xml(competition):
     directory = competition()
     change(directory / files.LAUNCH, "in this folder", "-- in this folder")
-    told = check(str(directory)).errors
-    assert len(told) == 1
-    assert "competition.launch:2: found invalid XML" in told[0]
+    reported = check(str(directory)).errors
+    assert len(reported) == 1
+    assert "competition.launch:2: found invalid XML" in reported[0]
 
 
 def test_a_launch_file_that_does_not_start_the_box(competition):
     directory = competition()
     change(directory / files.LAUNCH, "roah_rsbb.launch\"", "other.launch\"")
-    told = check(str(directory)).errors
-    assert len(told) == 1
-    assert "found nothing that starts the box; expected <include" in told[0]
+    reported = check(str(directory)).errors
+    assert len(reported) == 1
+    assert "found nothing that starts the box; expected <include" in reported[0]
 
 
 def test_a_launch_file_with_another_schedule(competition):

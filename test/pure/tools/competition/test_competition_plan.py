@@ -88,7 +88,7 @@ def test_the_last_run_may_end_when_the_day_does():
     assert len(plan(["A", "B"], {"X": ["HWV"]}, days(last="09:30")).zones[0].runs) == 2
 
 
-def test_a_day_that_is_too_short_is_told_with_what_would_help():
+def test_a_day_that_is_too_short_is_reported_with_what_would_help():
     report = Report()
     timetable(report, ["A", "B"], {"X": ["HWV"]}, days(2, last="09:29"), UTC)
     assert [error.found for error in report.errors] == [
@@ -97,7 +97,7 @@ def test_a_day_that_is_too_short_is_told_with_what_would_help():
         assert option in report.errors[0].expected
 
 
-def test_a_day_that_goes_on_at_night():
+def test_a_day_that_continues_at_night():
     report = Report()
     timetable(report, ["A"] * 5, {"X": ["HWV"]}, days(minutes=300), UTC)
     assert report.errors[0].found == "runs on 2026-11-28 until 10:00 the next day"

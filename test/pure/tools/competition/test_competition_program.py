@@ -86,9 +86,9 @@ def test_questions_are_asked_again_until_they_are_answered(run, tmp_path):
     typed = "\na:b\nBrassButlers, CopperKettle\nHWX\nHWV\n\n28.11.\n2026-11-28\n9h\n\n10.0.0\n\n"
     status, out, err = run("erl", "--time-zone", "UTC", typed=typed)
     assert (status, err) == (0, "")
-    for told in ("found nothing; expected 'BrassButlers, CopperKettle'", "found 'a:b'", "found the text 'HWX'",
+    for reported in ("found nothing; expected 'BrassButlers, CopperKettle'", "found 'a:b'", "found the text 'HWX'",
                  "found '28.11.'", "found '9h'", "found '10.0.0'"):
-        assert out.count(told) == 1
+        assert out.count(reported) == 1
     assert "  HCFGAC  Catering for Granny Annie's Comfort\n" in out
     loaded = load(tmp_path / "erl")[0]
     assert [(event.team, event.scheduled % 86400) for event in loaded.zones[0].events] == [
@@ -109,7 +109,7 @@ def test_a_terminal_that_is_closed(run, tmp_path, typed):
     assert os.listdir(str(tmp_path)) == []
 
 
-def test_all_wrong_options_are_told_at_once(run, tmp_path):
+def test_all_wrong_options_are_reported_at_once(run, tmp_path):
     status, _, err = run("erl", "--teams", "a:b", "--benchmarks", "X", "--days", "x", "--begin", "x", "--every", "x",
                          "--time-zone", "x", "--rsbb-host", "x")
     assert status == 1

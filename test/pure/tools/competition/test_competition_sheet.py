@@ -97,15 +97,16 @@ def test_every_bad_cell_is_named_with_line_column_and_the_expected_form(errors):
         "X,HSUF,A,1,1,2026-11-28,10:00\n")
     assert [(line, column) for line, column, _ in found] == [
         (2, 1), (2, 2), (2, 3), (2, 6), (2, 7), (2, 4), (2, 5), (4, 3)]
-    told = [text for _, _, text in found]
-    assert told[0] == "found an empty text as zone (column A); expected a text that is not empty"
-    assert told[1].startswith("found the text 'HNV' as benchmark (column B); expected a benchmark code")
-    assert told[2].startswith("found ALL as team (column C); expected another name")
-    assert told[3] == ("found '28.11.26' as date (column F); expected a day as year-month-day, such as 2026-11-28")
-    assert told[4] == ("found '9h' as time (column G); expected a time of day from 0:00 to 23:59, such as 09:30")
-    assert told[5] == "found the number '0' as round (column D); expected a whole number from 1 to 255"
-    assert told[6] == "found the text 'x' as run (column E); expected a whole number from 1 to 255"
-    assert told[7] == "found 'A' as team (column C) in HSUF; expected ALL or an empty cell: all robots do it at once"
+    reported = [text for _, _, text in found]
+    assert reported[0] == "found an empty text as zone (column A); expected a text that is not empty"
+    assert reported[1].startswith("found the text 'HNV' as benchmark (column B); expected a benchmark code")
+    assert reported[2].startswith("found ALL as team (column C); expected another name")
+    assert reported[3] == ("found '28.11.26' as date (column F); expected a day as year-month-day, such as 2026-11-28")
+    assert reported[4] == ("found '9h' as time (column G); expected a time of day from 0:00 to 23:59, such as 09:30")
+    assert reported[5] == "found the number '0' as round (column D); expected a whole number from 1 to 255"
+    assert reported[6] == "found the text 'x' as run (column E); expected a whole number from 1 to 255"
+    assert reported[7] == (
+        "found 'A' as team (column C) in HSUF; expected ALL or an empty cell: all robots do it at once")
 
 
 def test_empty_columns_beside_the_sheet(good):
@@ -124,17 +125,17 @@ def test_a_row_that_is_too_short_or_too_long(errors):
                            "an empty cell")
 
 
-@pytest.mark.parametrize("head, line, told", [
+@pytest.mark.parametrize("head, line, reported", [
     ("zone,benchmark,team,day,time", 1, "found 'day' in column D; expected the name of a column"),
     ("zone,benchmark,taem,date,time", 1, "did you mean 'team'?"),
     ("zone,benchmark,team,date,time,zone", 1, "found column zone twice; expected each column once"),
     ("\nzone,benchmark,team", 2, "found no column date and time; expected a row that names the columns: zone, "),
 ])
-def test_a_wrong_head(errors, head, line, told):
+def test_a_wrong_head(errors, head, line, reported):
     found = errors(head + "\nX,HNF,A,2026-11-28,10:00\n")
     assert len(found) == 1
     assert found[0][0] == line
-    assert told in found[0][2]
+    assert reported in found[0][2]
 
 
 def test_a_quote_that_is_not_closed_is_named_with_its_line(errors):
@@ -147,15 +148,15 @@ def test_lines_are_counted_where_a_cell_has_more(errors):
     assert [line for line, _, _ in found] == [2, 4]
 
 
-@pytest.mark.parametrize("data, told", [
+@pytest.mark.parametrize("data, reported", [
     (b"", "found no column zone, "), (HEAD.encode(), "found no runs"),
     ("zone;Übung".encode("latin-1"), "expected UTF-8: choose this encoding"),
     (HEAD.encode("utf-16"), "found UTF-16 text"),
     (HEAD.encode() + b"X,HNF,A\0,2026-11-28,10:00\n", "found a control character"),
     (HEAD.encode() + b"x" * 1_000_001, "found more than 1000 kB; expected the sheet (option --sheet)"),
 ])
-def test_what_is_no_sheet(errors, data, told):
-    assert told in errors(data)[0][2]
+def test_what_is_no_sheet(errors, data, reported):
+    assert reported in errors(data)[0][2]
 
 
 def test_a_sheet_that_is_not_there(tmp_path):

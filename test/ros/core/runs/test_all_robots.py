@@ -75,7 +75,7 @@ class TestOneFails(AllRobotsCase):
 
     def others_complete(self, zone: str) -> None:
         for number, robot in enumerate(self.others):
-            robot.tell("notify", f"heard by {robot.team}")
+            robot.request("notify", f"heard by {robot.team}")
             robot.wait_said()
             robot.let("execute")
             robot.wait_state(RobotState.STOP)

@@ -1,4 +1,4 @@
-"""The core in functionality benchmarks: what robots are told, what referees do, what modules may do to it."""
+"""The core in functionality benchmarks: messages to robots, actions of referees, faults of modules."""
 
 
 from support.box_client import Refusal
@@ -16,7 +16,7 @@ WAYPOINT = {"goal": "[1.5, -2, 0.25]", "pose": (1.5, -2.0, 0.25)}
 
 
 class TestOnTheWire(ModulesCase):
-    """What robots of all generations are told, and what they answer; each datagram of the robot is the test's."""
+    """What robots of all generations receive and answer. The test makes each datagram of the robot."""
 
     def begin(self, team: str, zone: str):
         robot = self.raw_robot(team)
@@ -27,31 +27,31 @@ class TestOnTheWire(ModulesCase):
         self.fbm.wait_attempt(zone)
         return robot
 
-    def wait_told(self, robot, state: BoxState) -> pb.BenchmarkState:
+    def wait_sent(self, robot, state: BoxState) -> pb.BenchmarkState:
         """Wait until the box's last word to the robot is `state`; returns it."""
         return wait_until(
             lambda: robot.received and robot.received[-1].benchmark_state == state and robot.received[-1],
             f"the box sends {state.name}",
         )
 
-    def test_a_goal_goes_out_in_both_forms_and_only_while_it_is_told(self) -> None:
+    def test_a_goal_is_sent_in_both_forms_and_only_in_goal_tx(self) -> None:
         self.fbm = self.modules("HNF")
         robot = self.begin("Alpha", "Wire")
-        self.assertEqual(self.wait_told(robot, BoxState.STOP).benchmark_type, "HNF")
+        self.assertEqual(self.wait_sent(robot, BoxState.STOP).benchmark_type, "HNF")
         self.fbm.asks("Wire", text="Waypoint 1", timeout=100.0, **WAYPOINT)
-        told = self.wait_told(robot, BoxState.PREPARE)
-        self.assertFalse(told.HasField("generic_goal") or told.HasField("target_pose_x"))
+        sent = self.wait_sent(robot, BoxState.PREPARE)
+        self.assertFalse(sent.HasField("generic_goal") or sent.HasField("target_pose_x"))
         robot.send(RobotState.WAITING_GOAL)
-        told = self.wait_told(robot, BoxState.GOAL_TX)
-        self.assertEqual(told.generic_goal, "[1.5, -2, 0.25]")
-        self.assertEqual((told.target_pose_x, told.target_pose_y, told.target_pose_theta), (1.5, -2.0, 0.25))
+        sent = self.wait_sent(robot, BoxState.GOAL_TX)
+        self.assertEqual(sent.generic_goal, "[1.5, -2, 0.25]")
+        self.assertEqual((sent.target_pose_x, sent.target_pose_y, sent.target_pose_theta), (1.5, -2.0, 0.25))
         robot.send(RobotState.EXECUTING)
-        told = self.wait_told(robot, BoxState.WAITING_RESULT)
-        self.assertFalse(told.HasField("generic_goal") or told.HasField("target_pose_x"))
+        sent = self.wait_sent(robot, BoxState.WAITING_RESULT)
+        self.assertFalse(sent.HasField("generic_goal") or sent.HasField("target_pose_x"))
         robot.send(RobotState.RESULT_TX)
         self.assertEqual(self.fbm.wait_outcome("Wire").kind, OutcomeKind.DONE)
         self.fbm.says("Wire", finished=True)
-        self.wait_told(robot, BoxState.STOP)
+        self.wait_sent(robot, BoxState.STOP)
         self.wait_phase("Wire", "ended", "completed")
 
     def test_a_result_comes_in_in_either_form(self) -> None:
@@ -65,10 +65,10 @@ class TestOnTheWire(ModulesCase):
             (of_2019, of_2019["generic_result"]), ({**of_2015, **of_2019}, of_2019["generic_result"]), ({}, ""),
         ):
             self.fbm.asks("Table")
-            self.wait_told(robot, BoxState.PREPARE)
+            self.wait_sent(robot, BoxState.PREPARE)
             robot.send(RobotState.WAITING_GOAL)
-            told = self.wait_told(robot, BoxState.WAITING_RESULT)
-            self.assertFalse(told.HasField("generic_goal"), "there is no explicit goal")
+            sent = self.wait_sent(robot, BoxState.WAITING_RESULT)
+            self.assertFalse(sent.HasField("generic_goal"), "there is no explicit goal")
             robot.send(RobotState.EXECUTING)
             robot.send(RobotState.RESULT_TX, **result)
             self.assertEqual(self.fbm.wait_outcome("Table").result, text)
@@ -193,7 +193,7 @@ class TestStops(ModulesCase):
             self.bot.wait_state(RobotState.STOP)
             if reach != self.asking:
                 self.bot.wait_did("stop", stops + 1)
-            run = self.fbm.wait_run("Stops", lambda run: not run.running, "the module is told of the stop")
+            run = self.fbm.wait_run("Stops", lambda run: not run.running, "the module receives the stop")
             self.assertEqual((run.end_reason, run.attempt), ("stopped", attempt))
             self.assertEqual(self.box.zone_details("Stops").operation, 0)
         self.started("Stops", 5)

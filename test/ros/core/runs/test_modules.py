@@ -43,9 +43,9 @@ class TestModulesThatComeAndGo(ModulesCase):
         self.assertLess(abs((self.box.zone("Gone").timer - left).to_sec()), 600 - 90, "of the run, no more of the goal")
 
         self.fbm = self.modules("HGMF", node="another process")
-        run = self.fbm.wait_run("Gone", lambda run: run.steps[-1].outcome, "all is told again")
+        run = self.fbm.wait_run("Gone", lambda run: run.steps[-1].outcome, "everything is published again")
         self.assertEqual(len(run.steps), 1)
-        self.box.wait_details("Gone", lambda d: not d.held, "the run goes on")
+        self.box.wait_details("Gone", lambda d: not d.held, "the run continues")
         self.fbm.says("Gone", request=run.steps[0].request)
         self.fbm.asks("Gone", REFEREE, text="next")
         self.wait_asked("Gone", "next")
@@ -92,7 +92,7 @@ class TestModulesThatComeAndGo(ModulesCase):
         self.fbm.asks("Late", REFEREE, text="of the first")
         other = self.modules("STB", node="second")
         two = "2 nodes drive STB: end all but one. The first one counts"
-        self.box.wait_details("Late", lambda d: two in d.warnings, "the referee is told")
+        self.box.wait_details("Late", lambda d: two in d.warnings, "the referee is warned")
         other.wait_run("Late", lambda run: run.steps, "the second one knows all")
         other.says("Late", request=Request(2, REFEREE, "of the second"), failed="wrong rules")
         self.box.command("manual_operation_complete", "Late")

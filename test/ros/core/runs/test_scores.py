@@ -52,7 +52,7 @@ class TestScores(BoxCase):
         node = xmlrpc.client.ServerProxy(rosgraph.Master(self.node).lookupNode("/roah_rsbb_core"))
         os.kill(node.getPid(self.node)[2], signal.SIGKILL)
         wait_until(lambda: self.box.details.box_uuid != uuid, "another core runs")
-        wait_until(lambda: self.results[-1].box_uuid == self.box.details.box_uuid, "and tells the results")
+        wait_until(lambda: self.results[-1].box_uuid == self.box.details.box_uuid, "and publishes the results")
 
     def test_from_the_first_mark_to_the_sign_off(self) -> None:
         self.robot("Beta")

@@ -79,7 +79,7 @@ class TestGettingToKnowMyHome(BoxCase):
         box.wait_zone("Home", lambda z: 590 < z.timer.to_sec() < 600, "the time runs")
         self.robot.save(7)
         box.wait_text("Home", "Messages saved: 7")
-        box.wait_details("Home", lambda d: d.messages_saved == 7, "the details tell it, too")
+        box.wait_details("Home", lambda d: d.messages_saved == 7, "the details have it, too")
 
     def scored(self) -> None:
         box = self.box
@@ -115,7 +115,7 @@ class TestGettingToKnowMyHome(BoxCase):
         self.listener.wait_beacon(lambda b: not listed(b), "the beacon lists the robot no more")
         box.wait_zone("Home", lambda z: z.code == "HWV", "the next event follows by itself")
         wait_until(lambda: not any(line.run == 3 for line in box.public.schedule), "the public sees no past event")
-        box.wait_zone("Home", lambda z: z.connect_enabled, "the robot may go on with the next event")
+        box.wait_zone("Home", lambda z: z.connect_enabled, "the robot may continue with the next event")
         box.command("previous", "Home")
         box.wait_zone("Home", lambda z: z.code == "HGTKMH", "previous goes back")
         self.assertEqual(box.refusal("previous", "Home"), "This is the zone's first event")
@@ -160,11 +160,11 @@ class TestWelcomingVisitors(BoxCase):
         self.box.connect("Door")
         self.box.start("Door")
         robot.wait_did("execute HWV")
-        robot.tell("activation_event", "doorbell")
-        robot.tell("notify", "going to the door")
-        robot.tell("visitor", "Señora Ωmega")
+        robot.request("activation_event", "doorbell")
+        robot.request("notify", "going to the door")
+        robot.request("visitor", "Señora Ωmega")
         robot.wait_said()
-        robot.tell("notify", "going to the door")
+        robot.request("notify", "going to the door")
         robot.wait_said()
         robot.let("execute")
         self.box.wait_text("Door", "Benchmark completed by the robot")
@@ -201,11 +201,11 @@ class TestWelcomingVisitors(BoxCase):
         robot.open_private(self.box.connect("Wire"))
         robot.send(RobotState.STOP)
         self.box.start("Wire")
-        self.wait_told(robot, PREPARE)
+        self.wait_sent(robot, PREPARE)
         robot.send(RobotState.WAITING_GOAL)
-        self.wait_told(robot, WAITING_RESULT)
+        self.wait_sent(robot, WAITING_RESULT)
 
-    def wait_told(self, robot, state: BoxState) -> None:
+    def wait_sent(self, robot, state: BoxState) -> None:
         """Wait until the box's last word to the robot is `state`."""
         wait_until(
             lambda: robot.received and robot.received[-1].benchmark_state == state, f"the box sends {state.name}"
@@ -219,8 +219,8 @@ class TestCateringForGrannyAnnie(BoxCase):
     def test_a_whole_run(self) -> None:
         self.listener = self.participant(LISTENER)
         self.robot = self.robot("Delta")
-        self.devices_are_told_to_all()
-        self.tablet_is_told_to_all()
+        self.devices_are_sent_to_all()
+        self.tablet_is_sent_to_all()
         self.box.connect("Room")
         self.box.start("Room")
         self.robot.wait_did("execute HCFGAC")
@@ -234,7 +234,7 @@ class TestCateringForGrannyAnnie(BoxCase):
             self.assertEqual(log.values(f"/rsbb_log/{topic}"), values, topic)
             self.assertEqual(log.types[f"/rsbb_log/{topic}"], "std_msgs/UInt8")
 
-    def devices_are_told_to_all(self) -> None:
+    def devices_are_sent_to_all(self) -> None:
         publisher = rospy.Publisher("/devices/state", DevicesState, queue_size=1, latch=True)
         self.addCleanup(publisher.unregister)
         for bell, on in ((rospy.Time(1451556000, 123456789), True), (rospy.Time(1451556001, 1), False)):
@@ -248,7 +248,7 @@ class TestCateringForGrannyAnnie(BoxCase):
             )
         wait_until(lambda: self.robot.devices and self.robot.devices.switch_3, "the robot sees the devices")
 
-    def tablet_is_told_to_all(self) -> None:
+    def tablet_is_sent_to_all(self) -> None:
         tablet = self.participant(TABLET)
         called, placed = wire(time.time() - 9), wire(time.time() - 3)
         tablet.send(pb.TabletBeacon(last_call=called, last_pos=placed, x=1.25, y=-2.5))
@@ -266,16 +266,16 @@ class TestCateringForGrannyAnnie(BoxCase):
 
     def robot_commands(self) -> None:
         robot = self.robot
-        robot.tell("final_command", "close the blinds")
-        robot.tell("set_device", "switch_1", True)
-        robot.tell("set_device", "dimmer", 70)
-        robot.tell("set_device", "blinds", 100)
+        robot.request("final_command", "close the blinds")
+        robot.request("set_device", "switch_1", True)
+        robot.request("set_device", "dimmer", 70)
+        robot.request("set_device", "blinds", 100)
         self.box.wait_zone("Room", lambda z: "Robot sets blinds to 100" in z.log, "the referee sees the commands")
-        robot.tell("set_device", "switch_1", False)
+        robot.request("set_device", "switch_1", False)
         self.box.wait_zone("Room", lambda z: "Robot sets switch_1 to 0" in z.log, "the referee sees the command")
         self.assertFalse(self.listener.beacon.tablet_display_map)
-        robot.tell("display_map", True)
-        self.listener.wait_beacon(lambda b: b.tablet_display_map, "the beacon tells the tablet to show the map")
+        robot.request("display_map", True)
+        self.listener.wait_beacon(lambda b: b.tablet_display_map, "the beacon requests the tablet's map")
         wait_until(lambda: self.box.gui.tablet_display_map, "the referee sees that the tablet shows the map")
 
 

@@ -54,7 +54,7 @@ class TestTime(BoxCase):
         box.wait_text("Restart", "Benchmark stopped by the referee")
         robot.wait_did("stop")
         box.wait_details("Restart", lambda d: (d.phase, d.end_reason) == ("ended", "stopped"), "the run is stopped")
-        # Long enough to see whether the run's clock goes on meanwhile.
+        # Long enough to see whether the run's clock keeps running.
         box.wait_zone("Restart", lambda z: z.timer.to_sec() < 118.0, "the time after a stop runs down from 120 s")
         box.wait_zone("Restart", lambda z: "Can be restarted" in z.state and z.start_enabled, "start is on again")
 
@@ -92,7 +92,7 @@ class TestClocks(BoxCase):
         box = self.box
         wait_until(lambda: box.robot(team) and abs(box.robot(team).skew.to_sec() - skew) < 0.04,
                    lambda: f"team {team} is seen with its skew: {box.gui.active_robots}")
-        box.wait_details(zone, lambda d: any("Clock skew" in reason for reason in d.connect_off), "the skew is told")
+        box.wait_details(zone, lambda d: any("Clock skew" in reason for reason in d.connect_off), "the skew is shown")
         self.assertFalse(box.zone(zone).connect_enabled)
         self.assertRegex(
             box.refusal("connect", zone),
@@ -123,11 +123,11 @@ class TestClocks(BoxCase):
         box.connect("Clock")
         box.start("Clock")
         robot.wait_did("execute HCFGAC")
-        robot.tell("final_command", "with the right time")
+        robot.request("final_command", "with the right time")
         robot.wait_said()
         robot.skew = 7.05  # a datagram that is late by a little must not make it 6.9
         box.wait_text("Clock", "WARNING: Robot's times are INVALID: clock skew +7.0")
-        robot.tell("final_command", "with a wrong time")
+        robot.request("final_command", "with a wrong time")
         robot.wait_said()
         box.wait_zone("Clock", lambda z: "with a wrong time" in z.online_data, "the string is shown")
         lines = box.zone("Clock").online_data.splitlines()
@@ -168,7 +168,7 @@ class TestRobots(BoxCase):
         port = box.connect("Stranger")
         wait_until(lambda: Problem.WRONG_PASSWORD in robot.reports, lambda: f"the robot notices: {robot.reports}")
         box.wait_details(
-            "Stranger", lambda d: any("password" in reason for reason in d.start_off), "the referee is told why"
+            "Stranger", lambda d: any("password" in reason for reason in d.start_off), "the referee sees the reason"
         )
         refusal = box.refusal("start", "Stranger")
         self.assertIn("Robot has not answered on the private channel yet", refusal)
@@ -204,8 +204,8 @@ class TestRobots(BoxCase):
             stranger.bind(("127.0.0.9", 0))
             for datagram in (b"", b"\1", b"hello box" * 9, b"\2\0\0\0\xff\xff\xff\xff", b"\2\2\0\0" + bytes(60)):
                 stranger.sendto(datagram, (BOX, RSBB_PORT))
-        wait_until(lambda: "127.0.0.9" in " ".join(self.box.details.warnings), "every referee is told")
-        wait_until(lambda: "127.0.0.9" in self.box.gui.status, "the box's status tells it")
+        wait_until(lambda: "127.0.0.9" in " ".join(self.box.details.warnings), "every referee is warned")
+        wait_until(lambda: "127.0.0.9" in self.box.gui.status, "the box's status says it")
         robot = self.robot("Epsilon")
-        wait_until(lambda: self.box.robot("Epsilon"), "the box goes on")
+        wait_until(lambda: self.box.robot("Epsilon"), "the box continues")
         robot.close()

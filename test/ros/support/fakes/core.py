@@ -1,6 +1,6 @@
 """A core for tests of panels: real ROS messages and services, a referee's view of a run, no robots.
 
-`FakeCore` lives in a test's process and does what the test tells it to. As a program it is a core to try
+`FakeCore` lives in a test's process and does what the test requests. As a program it is a core to try
 panels on: `python3 -m support.fakes.core` in test/ros, with a roscore.
 """
 

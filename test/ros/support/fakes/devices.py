@@ -15,7 +15,7 @@ PERCENTAGES = ("dimmer", "blinds")
 
 
 class FakeDevices:
-    """Holds what it is told, and publishes it. Tests change its attributes at any time."""
+    """Holds the values that it receives, and publishes them. Tests change its attributes at any time."""
 
     def __init__(self) -> None:
         self.state = DevicesState()

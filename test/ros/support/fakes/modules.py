@@ -40,7 +40,7 @@ class FakeModules:
         self._publisher = rospy.Publisher("/modules/state", ModulesStateMsg, queue_size=10, latch=True)
         self._subscriber = rospy.Subscriber("/core/module_runs", ModuleRuns, self._on_runs, tcp_nodelay=True)
         wait_until(self._publisher.get_num_connections, "the core listens to /modules/state")
-        wait_until(lambda: self.box_uuid, "the core tells its runs")
+        wait_until(lambda: self.box_uuid, "the core publishes its runs")
         threading.Thread(target=self._beats, name=node, daemon=True).start()
 
     def close(self) -> None:
@@ -61,7 +61,7 @@ class FakeModules:
         return mark
 
     def says(self, zone: str, **fields: Any) -> Progress:
-        """Go on from the last progress in this attempt, with these fields changed."""
+        """Continue from the last progress in this attempt, with these fields changed."""
         run = self.runs[zone]
         last = self.progress.get(run.run)
         if last is None or last.attempt != run.attempt:

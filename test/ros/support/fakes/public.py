@@ -1,4 +1,4 @@
-"""What a core tells the public display, as a test wants it: real messages, no runs behind them."""
+"""What a core publishes for the public display, as a test wants it: real messages without runs."""
 
 import time
 from typing import List, Tuple
