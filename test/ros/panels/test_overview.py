@@ -295,7 +295,7 @@ class TestDevices(PanelCase):
         self.assertTrue(self.rows["switch_1"].commands[0].isEnabled())  # it takes effect later
 
     def test_a_devices_node_that_is_gone_is_said_and_found_again(self) -> None:
-        self.devices.close()
+        self.devices.leave()
         wait_until(lambda: "NO DEVICES NODE" in self.panel.connection.text(), "it is gone")
         self.assertFalse(self.rows["switch_1"].commands[0].isEnabled())
         self.assertIn("devices:=true", self.rows["switch_1"].commands[0].toolTip())

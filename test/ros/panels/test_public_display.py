@@ -25,6 +25,8 @@ from roah_rsbb.srv import UInt8
 
 LAUNCH = pathlib.Path(__file__).resolve().parents[3] / "launch" / "roah_rsbb_public.launch"
 SIZES = ((1280, 720), (1920, 1080), (3840, 2160))
+# How many runs each size is tried with. The layout of a page depends on their number, its letters on the size.
+RUNS = {SIZES[0]: (0, 1, 2, 3, 4, 5, 6, 20), SIZES[1]: (1, 4, 20), SIZES[2]: (1, 4, 20)}
 FEW_S, MANY_S = 0.25, 1e9  # for how long a page is shown
 
 
@@ -219,24 +221,25 @@ class TestLayout(DisplayCase):
         for i, one in enumerate(written):
             for other in written[i + 1:]:
                 a, b = one.place, other.place
-                apart = (a.right <= b.x + 1 or b.right <= a.x + 1 or a.bottom <= b.y + 1 or b.bottom <= a.y + 1)
-                self.assertTrue(apart, f"{one} and {other}")
+                if a.right > b.x + 1 and b.right > a.x + 1 and a.bottom > b.y + 1 and b.bottom > a.y + 1:
+                    self.fail(f"{one} overlaps {other}")
 
     def see_all(self, wanted: set, may_shorten: bool = False) -> None:
-        seen = set()
+        seen, checked = set(), [self.display.written]
 
         def all_seen() -> bool:
             self.display.look()
-            self.display.repaint()
-            self.check(may_shorten)
-            seen.update(self.texts())
+            if self.display.written is not checked[-1]:  # it was painted
+                checked.append(self.display.written)
+                self.check(may_shorten)
+                seen.update(self.texts())
             return wanted <= seen
 
         wait_until(all_seen, "all pages are seen")
 
     def test_everything_is_whole_at_every_size(self) -> None:
         for size in SIZES:
-            for runs in (0, 1, 2, 3, 4, 5, 6, 20):
+            for runs in RUNS[size]:
                 with self.subTest(size=size, runs=runs):
                     show(self.display, *size)
                     results, following = scene(self.core, runs)

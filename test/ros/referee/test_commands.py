@@ -11,7 +11,7 @@ import time
 import unittest
 
 import rosgraph
-from support.fakes.core import Asked, FakeCore
+from support.fakes.core import NODE, Asked, FakeCore
 from support.referee_program import COMMAND, Referee, referee
 from support.waiting import LIMIT_S, wait_until
 
@@ -202,6 +202,9 @@ class TestCommands(WithCore):
 class TestNoCore(unittest.TestCase):
     """What does not answer is reported; `referee` gives the program a limited time."""
 
+    def setUp(self) -> None:
+        NODE.leave()
+
     def assert_reported(self, hint: str, *words: str, **environment: str) -> None:
         done = referee(*(words or ["status"]), **environment)
         self.assertEqual(done.returncode, 3)
@@ -260,7 +263,7 @@ class TestWatch(WithCore):
     def test_the_core_is_restarted(self) -> None:
         watch = self.start("watch", "--json")
         self.assertEqual(len(watch.event("start")["box"]["zones"]), 2)
-        self.core.close()
+        self.core.leave()
         watch.event("core", what="silent")
         self.core = RestartedCore()
         self.core.ready = True
@@ -290,7 +293,7 @@ class TestRun(WithCore):
         return run
 
     def test_a_whole_run_begun_before_the_core_is_there(self) -> None:
-        self.core.close()
+        self.core.leave()
         run = self.start("run", "home a", "--wait", "15", "--json", "--event", "HWV", "--score", "door=yes")
         self.core = FakeCore()
         zone = self.core.zones["Home A"]
@@ -360,7 +363,7 @@ class TestRun(WithCore):
     def test_the_run_continues_over_a_restart_of_the_core(self) -> None:
         run = self._running()
         identity = self.zone.identity
-        self.core.close()
+        self.core.leave()
         run.event("core", what="silent")
         self.core = RestartedCore()
         zone = self.core.zones["Home A"]

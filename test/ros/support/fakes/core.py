@@ -32,10 +32,27 @@ from roah_rsbb.nodes.core.results_convert import summary_message
 from roah_rsbb.ros import refusals
 from roah_rsbb.rulebook.benchmarks import Benchmark, ScoreKind, ScoringItem
 from roah_rsbb.srv import GetClock, LeaveRun, ManualOperationAnswer, StopRun, Zone, ZoneScore, ZoneUInt8
-from support.fakes.scores import FakeScores, present
+from support.fakes.node import FakeNode
+from support.fakes.scores import SCORE_SERVICES, FakeScores, present
 
 COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next")
 FIELDS = {"previous": "prev"}
+NODE = FakeNode(
+    {"/core/to_gui": CoreToGui, "/core/details": CoreDetails, "/core/to_public": CoreToPublic,
+     "/core/clocks": RunClocks, "/core/results": Results},
+    {
+        **{f"/core/{command}": Zone for command in COMMANDS},
+        "/core/stop_run": StopRun,
+        "/core/leave_run": LeaveRun,
+        "/core/clock": GetClock,
+        "/core/set_score": ZoneScore,
+        **SCORE_SERVICES,
+        "/core/manual_operation_answer": ManualOperationAnswer,
+        "/core/omf_switches/complete": Zone,
+        "/core/omf_switches/button": ZoneUInt8,
+        "/core/omf_switches/damaged": ZoneUInt8,
+    },
+)
 EVENTS = (
     ("HGTKMH", "Task Benchmark 1", "Getting to know my home", "TestingTeam", 600.0),
     ("HWV", "Task Benchmark 2", "Welcoming visitors", "AnotherTeam", 600.0),
@@ -201,35 +218,32 @@ class FakeCore(FakeScores):
         self.robots = [("TestingTeam", "mbot", 0.0123), ("AnotherTeam", "amigo", -0.0871)]
         self.status = "OK"
         self.tablet_heard = True
-        self._gui = rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True)
-        self._details = rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True)
-        self._public = rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True)
-        self._clocks = rospy.Publisher("/core/clocks", RunClocks, queue_size=1, latch=True)
-        self._results = rospy.Publisher("/core/results", Results, queue_size=1, latch=True)
         self._last_results: Optional[Results] = None
-        self._services = [
-            rospy.Service(f"/core/{c}", Zone, lambda request, c=c: self._on_command(c, request)) for c in COMMANDS
-        ]
-        self._services += [
-            rospy.Service("/core/stop_run", StopRun, self._on_stop_run),
-            rospy.Service("/core/leave_run", LeaveRun, self._on_leave_run),
-            rospy.Service("/core/clock", GetClock, lambda _: [rospy.Time.from_sec(time.time())]),
-            rospy.Service("/core/set_score", ZoneScore, self._on_score),
-            *self.score_services(),
-            rospy.Service("/core/manual_operation_answer", ManualOperationAnswer, self._on_operation),
-            rospy.Service("/core/omf_switches/complete", Zone, self._on_switches_complete),
-            rospy.Service("/core/omf_switches/button", ZoneUInt8, self._on_switch),
-            rospy.Service("/core/omf_switches/damaged", ZoneUInt8, self._on_damaged),
-        ]
+        NODE.begin(self, {
+            **{f"/core/{c}": lambda request, c=c: self._on_command(c, request) for c in COMMANDS},
+            "/core/stop_run": self._on_stop_run,
+            "/core/leave_run": self._on_leave_run,
+            "/core/clock": lambda _: [rospy.Time.from_sec(time.time())],
+            "/core/set_score": self._on_score,
+            **self.score_answers(),
+            "/core/manual_operation_answer": self._on_operation,
+            "/core/omf_switches/complete": self._on_switches_complete,
+            "/core/omf_switches/button": self._on_switch,
+            "/core/omf_switches/damaged": self._on_damaged,
+        })
         self._timer = rospy.Timer(rospy.Duration(0.1), self._tick) if auto_publish else None
 
     def close(self) -> None:
-        """End: topics and services are gone."""
+        """The test case is over."""
         self.answer_gate.set()
         if self._timer is not None:
             self._timer.shutdown()
-        for thing in (*self._services, self._gui, self._details, self._public, self._results, self._clocks):
-            thing.shutdown() if isinstance(thing, rospy.Service) else thing.unregister()
+        NODE.end(self)
+
+    def leave(self) -> None:
+        """Topics and services are gone, as if the core's process had ended."""
+        self.close()
+        NODE.leave()
 
     # -- topics -------------------------------------------------------------------------------------
 
@@ -239,14 +253,14 @@ class FakeCore(FakeScores):
         gui = self.gui_message(now)
         if scores is not None:
             gui.zones[0].scoring = _scoring(scores)
-        self._gui.publish(gui)
-        self._details.publish(self.details_message(now))
-        self._clocks.publish(RunClocks(now, "fake", [zone.clock() for zone in self.zones.values()]))
-        self._public.publish(self.public_message(now))
+        NODE.publish(self, "/core/to_gui", gui)
+        NODE.publish(self, "/core/details", self.details_message(now))
+        NODE.publish(self, "/core/clocks", RunClocks(now, "fake", [zone.clock() for zone in self.zones.values()]))
+        NODE.publish(self, "/core/to_public", self.public_message(now))
         results = Results("fake", [summary_message(record) for record in self.records()])
         if results != self._last_results:
             self._last_results = results
-            self._results.publish(results)
+            NODE.publish(self, "/core/results", results)
 
     def gui_message(self, now: rospy.Time) -> CoreToGui:
         """CoreToGui at `now`."""

@@ -9,9 +9,17 @@ from std_srvs.srv import Empty
 
 from roah_rsbb.msg import DevicesState, DevicesStatus
 from roah_rsbb.srv import Bool, Percentage
+from support.fakes.node import FakeNode
 
 SWITCHES = ("switch_1", "switch_2", "switch_3")
 PERCENTAGES = ("dimmer", "blinds")
+NODE_SERVICES = {
+    **{f"/devices/{switch}/set": Bool for switch in SWITCHES},
+    **{f"/devices/{device}/set": Percentage for device in PERCENTAGES},
+    "/devices/door_win_detect/mock": Bool,
+    "/devices/bell/mock": Empty,
+}
+NODE = FakeNode({"/devices/state": DevicesState, "/devices/status": DevicesStatus}, NODE_SERVICES)
 
 
 class FakeDevices:
@@ -23,39 +31,36 @@ class FakeDevices:
         self.refuse: Optional[str] = None  # reason with which every service fails
         self.answer_gate = threading.Event()  # cleared: services do not answer
         self.answer_gate.set()
-        self._state = rospy.Publisher("/devices/state", DevicesState, queue_size=10, latch=True)
-        self._status = rospy.Publisher("/devices/status", DevicesStatus, queue_size=10, latch=True)
-        services = {f"{switch}/set": Bool for switch in SWITCHES}
-        services.update({f"{device}/set": Percentage for device in PERCENTAGES})
-        services["door_win_detect/mock"] = Bool
-        self._services = [
-            rospy.Service(f"/devices/{name}", kind, lambda request, name=name: self._on_set(name, request))
-            for name, kind in services.items()
-        ]
-        self._services.append(rospy.Service("/devices/bell/mock", Empty, self._on_ring))
+        setting = [name for name in NODE_SERVICES if name != "/devices/bell/mock"]
+        NODE.begin(self, {
+            **{name: lambda request, name=name: self._on_set(name, request) for name in setting},
+            "/devices/bell/mock": self._on_ring,
+        })
         self.connect(True, "connected to the SmartIF controller at 127.0.0.1:6665")
         self.publish()
 
     def close(self) -> None:
-        """End: topics and services are gone."""
+        """The test case is over."""
         self.answer_gate.set()
-        for service in self._services:
-            service.shutdown()
-        self._state.unregister()
-        self._status.unregister()
+        NODE.end(self)
+
+    def leave(self) -> None:
+        """Topics and services are gone, as if the node's process had ended."""
+        self.close()
+        NODE.leave()
 
     def publish(self, **values: object) -> None:
         """Publish the state, with other values."""
         for name, value in values.items():
             setattr(self.state, name, value)
-        self._state.publish(self.state)
+        NODE.publish(self, "/devices/state", self.state)
 
     def connect(self, connected: bool, text: str) -> None:
         """The controller is reached, or not."""
-        self._status.publish(DevicesStatus(connected, text))
+        NODE.publish(self, "/devices/status", DevicesStatus(connected, text))
 
     def _on_set(self, name: str, request: object) -> list:
-        device = name.partition("/")[0]
+        device = name.split("/")[2]
         self._take(device, request.data)
         self.publish(**{device: request.data})
         return []

@@ -12,7 +12,16 @@ from roah_rsbb.core.scoring.records import By, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.nodes.core.results_convert import sheet_message
 from roah_rsbb.srv import GetRunSheet, GetRunSheetResponse, ScoreMark, ScoreWithdraw, SignOff, StopReason
+from support.fakes.node import Answers
 
+# The core's services for scores beside /core/set_score.
+SCORE_SERVICES = {
+    "/core/score": ScoreMark,
+    "/core/score/withdraw": ScoreWithdraw,
+    "/core/stop_reason": StopReason,
+    "/core/sign_off": SignOff,
+    "/core/run_sheet": GetRunSheet,
+}
 # In `FakeScores.calls`, instead of a value.
 NOT_ATTEMPTED = -1
 
@@ -29,15 +38,15 @@ class FakeScores:
     calls: List[tuple]
     words: List[tuple]  # (identity, note, referee) of the calls that have them
 
-    def score_services(self) -> List[rospy.Service]:
-        """The core's services for scores beside /core/set_score."""
-        return [
-            rospy.Service("/core/score", ScoreMark, self._on_mark),
-            rospy.Service("/core/score/withdraw", ScoreWithdraw, self._on_withdrawal),
-            rospy.Service("/core/stop_reason", StopReason, self._on_reason),
-            rospy.Service("/core/sign_off", SignOff, self._on_sign_off),
-            rospy.Service("/core/run_sheet", GetRunSheet, self._on_run_sheet),
-        ]
+    def score_answers(self) -> Answers:
+        """The answers of these services."""
+        return {
+            "/core/score": self._on_mark,
+            "/core/score/withdraw": self._on_withdrawal,
+            "/core/stop_reason": self._on_reason,
+            "/core/sign_off": self._on_sign_off,
+            "/core/run_sheet": self._on_run_sheet,
+        }
 
     def records(self) -> List[RunRecord]:
         """All runs, as the real core has them."""
