@@ -5,6 +5,7 @@ import itertools
 import os
 import pathlib
 import random
+import sys
 import tempfile
 import threading
 import unittest
@@ -49,8 +50,8 @@ class KillCase(OwnCoreCase):
 
 
 class TestKilledOnce(KillCase):
-    def start(self) -> None:
-        self.start_core(self.log_dir, schedule_file=CONFIG / "kill.yaml", **BENCHMARKS)
+    def start(self, *inside: str) -> None:
+        self.start_core(self.log_dir, inside, schedule_file=CONFIG / "kill.yaml", **BENCHMARKS)
 
     def begin(self, zone: str, robot: Robot, benchmark: str) -> int:
         """Connect and start; returns the port once the robot executes."""
@@ -112,7 +113,7 @@ class TestKilledOnce(KillCase):
         self.assertEqual(box.timeouts, 1)
 
     def test_a_core_that_hangs(self) -> None:
-        self.start()
+        self.start(sys.executable)  # not forked: a core is recognised by its command line
         alpha = self.robot("Alpha")
         port = self.begin("Home", alpha, "HGTKMH")
         hung = self.core

@@ -1,6 +1,5 @@
 """Programs that a test starts itself: their lines, as they come, and their end."""
 
-import ctypes
 import os
 import signal
 import subprocess
@@ -8,17 +7,12 @@ import threading
 import time
 from typing import List, Optional
 
+from support.forking import start
 from support.waiting import LIMIT_S, happened, wait_until
 
 # roslaunch gives its nodes so long before it kills them.
 END_S = 20.0
-_PR_SET_PDEATHSIG = 1
-_libc = ctypes.CDLL(None)
-
-
-def _end_with_parent() -> None:
-    """In the child: a test that is killed must not leave its programs behind."""
-    _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGINT)
+_NO_INPUT = os.open(os.devnull, os.O_RDONLY)
 
 
 def own(name: str) -> str:
@@ -37,15 +31,15 @@ class Program:
         self.lines: List[str] = []
         self.began_mono = time.monotonic()
         self.ended_mono: Optional[float] = None
-        self._process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True,
-            errors="replace", env={**os.environ, "PYTHONUNBUFFERED": "1"}, preexec_fn=_end_with_parent,
-        )
+        reading, writing = os.pipe()
+        self._output = os.fdopen(reading, encoding="utf-8", errors="replace")
+        self._process = start(command, (_NO_INPUT, writing, writing), PYTHONUNBUFFERED="1")
+        os.close(writing)
         self._reader = threading.Thread(target=self._read, name=command[0], daemon=True)
         self._reader.start()
 
     def _read(self) -> None:
-        for line in self._process.stdout:
+        for line in self._output:
             self.lines.append(line.rstrip("\n"))
             happened()
         self._process.wait()
@@ -61,7 +55,7 @@ class Program:
             except subprocess.TimeoutExpired:
                 self._process.kill()
         self._reader.join(END_S)
-        self._process.stdout.close()
+        self._output.close()
 
     def kill(self) -> None:
         """End it as nothing can be worse; its children live on."""
