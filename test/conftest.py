@@ -19,8 +19,27 @@ def _generate() -> None:
     (package / "__init__.py").touch()
 
 
+def pytest_addoption(parser):
+    parser.addoption(
+        "--second-python", action="store_true",
+        help="leave out what another Python tests: long tests, and all but three cases of each test")
+
+
 def pytest_configure(config):
-    config.addinivalue_line("markers", "random: makes many random inputs; Python 3.8 leaves it to make test-all")
+    config.addinivalue_line("markers", "random: makes many random inputs; a second Python leaves it out")
+    config.addinivalue_line("markers", "long: takes long and depends on no version; a second Python leaves it out")
+
+
+def pytest_collection_modifyitems(config, items):
+    if not config.getoption("--second-python"):
+        return
+    cases = {}
+    for item in items:
+        is_left_out = item.get_closest_marker("random") or item.get_closest_marker("long")
+        cases.setdefault(item.nodeid.partition("[")[0], []).extend([] if is_left_out else [item])
+    chosen = {item for those in cases.values() for item in (*those[:1], *those[len(those) // 2:][:1], *those[-1:])}
+    config.hook.pytest_deselected(items=[item for item in items if item not in chosen])
+    items[:] = [item for item in items if item in chosen]
 
 
 sys.path.insert(0, str(ROOT / "src"))

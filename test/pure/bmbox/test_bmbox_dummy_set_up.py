@@ -24,6 +24,7 @@ def completed(set_up, **how):
     return saved
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("restart_every_s", RESTARTS)
 def test_hopf(restart_every_s):
     def result():
@@ -56,6 +57,7 @@ def test_hppf(restart_every_s):
     assert score["", "distance_error"] == pytest.approx(0.5)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("restart_every_s", [None, 50.0])
 def test_hpff(restart_every_s):
     set_up = DummySetUp("HPFF", None, goal=300.0, total=305.0)

@@ -248,6 +248,7 @@ def test_truncations_and_bit_flips(record):
         decode_or_bad(bytes(flipped))
 
 
+@pytest.mark.long
 def test_bit_flips_in_the_protobuf_of_a_beacon():
     protobuf = bytes.fromhex(golden.frame("rsbb_beacon_many_teams_extremes")["payload_protobuf_hex"])
     for bit in range(len(protobuf) * 8):

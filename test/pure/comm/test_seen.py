@@ -2,6 +2,8 @@
 
 import os
 
+import pytest
+
 from roah_rsbb.comm.seen import BITS_PER_ENTRY, Seen
 
 
@@ -19,6 +21,7 @@ def test_what_was_added_is_known_and_nothing_else():
     assert sum(os.urandom(32) in seen for _ in range(2000)) <= 20
 
 
+@pytest.mark.long
 def test_a_full_filter_is_kept_while_the_next_one_fills():
     seen = Seen(2**12)
     capacity = 2**12 // BITS_PER_ENTRY

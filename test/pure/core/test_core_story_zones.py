@@ -93,6 +93,7 @@ def _week(zones, teams, days=7, runs_a_day=8):
     return competition(teams=[e.team for events in plans.values() for e in events], **plans)
 
 
+@pytest.mark.long
 def test_a_week():
     """Every robot takes its 600 s in one run of four, which times out; else it completes after 200 s."""
     config = _week(zones=3, teams=4)

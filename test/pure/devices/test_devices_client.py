@@ -188,6 +188,7 @@ def test_another_client_is_named_and_the_client_keeps_trying():
     scripted(script)
 
 
+@pytest.mark.long
 def test_a_controller_that_reads_nothing_does_not_make_it_grow(monkeypatch):
     monkeypatch.setattr(client_module, "KEEPALIVE", ())  # not the connection's supervision ends this, but the limit
 

@@ -149,6 +149,7 @@ def crashed(killed, tmp_path):
     return str(tmp_path / killed.name)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("place", [0.0, 0.1, 0.3, 0.5, 0.7, 0.9])
 def test_a_damaged_write_ahead_log_is_reported_and_costs_only_what_is_damaged(crashed, tmp_path, place):
     log = f"{crashed}-wal"

@@ -92,6 +92,7 @@ def essence(driver):
     return found
 
 
+@pytest.mark.long
 def test_at_every_record_boundary_the_journal_has_what_is_in_force(tmp_path):
     there = []
 
@@ -144,6 +145,7 @@ def _story_with_kill(directory, after):
     return driver, outcome
 
 
+@pytest.mark.long
 def test_a_core_that_is_killed_after_any_event_comes_to_the_same_end(tmp_path):
     undisturbed, expected = _story_with_kill(tmp_path / "undisturbed", None)
     assert undisturbed.count > 50

@@ -173,6 +173,7 @@ def test_files_that_cannot_be_read(files, monkeypatch):
     assert "may not read" in messages[1] and "chmod" in messages[1]
 
 
+@pytest.mark.long
 def test_a_file_that_is_too_large(files):
     assert files.errors(benchmarks="#" * yaml_lines.MAX_BYTES)[0][2].startswith("found nothing but comments")
     name, line, message = files.error(benchmarks="#" * (yaml_lines.MAX_BYTES + 1))

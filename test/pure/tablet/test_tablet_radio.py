@@ -178,6 +178,7 @@ def test_dummy_does_what_is_typed_and_shows_the_requested_view(running, box, sta
     assert "the box has published the position" in printed
 
 
+@pytest.mark.long
 def test_dummy_ends_when_interrupted(running, box, start):
     program = start()
     running.until(lambda: box.heard)

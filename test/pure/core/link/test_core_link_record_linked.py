@@ -72,6 +72,7 @@ def test_an_undisturbed_link_has_no_losses():
     assert min(high - low for low, high in bounds) < 0.01
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("loss", [0.1, 0.3])
 def test_losses_that_are_on_record_are_no_more_than_there_were(seed, loss):
@@ -95,6 +96,7 @@ def test_a_robot_that_hears_nothing_answers_nothing():
     assert 11 <= world.total("unanswered") <= world.lost_to_robot - lost
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 def test_late_and_doubled_datagrams_are_no_losses(seed):
     world = CountingWorld(FakeLink(random.Random(seed), double=0.3, late=0.2, longest_delay=0.3)).runs(4)

@@ -158,6 +158,7 @@ def test_other_runs_logs_have_no_robots_name():
 THIRTY = [f"Team{i:02}" for i in range(30)]
 
 
+@pytest.mark.long
 def test_thirty_robots_run_at_once():
     driver = all_robots_box(teams=["Alpha", *THIRTY], settings=Settings(max_datagram=2000))
     robots = start_all(driver, connect_all(driver, robots_of(driver, THIRTY)))

@@ -14,13 +14,13 @@ BAD = {"loss": 0.25, "double": 0.3, "late": 0.3, "longest_delay": 0.8}
 EVENT = {"team": "ALL", "timeout": 120.0, "scoring": ()}
 
 
-def _world(seed, teams, link=None, max_datagram=1024, **of_robots):
-    """A box with all robots connected."""
+def _world(seed, teams, link=None, max_datagram=1024, longest_s=20.0):
+    """A box with all robots connected; their tasks take up to `longest_s`."""
     config = competition(teams=teams, tbm=[event("HSUF", **EVENT)])
     world = World(config, FakeLink(random.Random(seed), **(link or {})), Settings(max_datagram=max_datagram))
     rng = random.Random(seed)
     for team in teams:
-        world.add_robot(team, skew=rng.uniform(-0.03, 0.03), execute_s=rng.uniform(2.0, 20.0), **of_robots)
+        world.add_robot(team, skew=rng.uniform(-0.03, 0.03), execute_s=rng.uniform(2.0, longest_s))
     ready = f"{len(teams)} robots ready"
     assert world.run_until(lambda: ready in world.box.view().state, 300), world.box.view().state
     world.press("connect")
@@ -47,15 +47,17 @@ def test_all_complete_on_a_bad_link(seed):
     assert world.run_until(lambda: all(robot.port is None for robot in world.robots), 30)
 
 
+@pytest.mark.long
 def test_thirty_robots_complete():
     # Without jitter many datagrams arrive at the same time, so that there are fewer moments to simulate.
-    world = _world(1, [f"Team{i:02}" for i in range(30)], {"jitter": False}, max_datagram=2000)
+    world = _world(1, [f"Team{i:02}" for i in range(30)], {"jitter": False}, max_datagram=2000, longest_s=6.0)
     run = _started(world)
     assert world.run_until(lambda: run.phase is Phase.ENDED, 60)
     assert run.desc == "All robots have ended (30 completed)"
     assert all(robot.tasks == 1 for robot in world.robots)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 def test_a_robot_that_crashes_and_comes_back_begins_anew_and_the_others_do_not(seed):
     world = _world(seed, TEAMS)
@@ -67,6 +69,7 @@ def test_a_robot_that_crashes_and_comes_back_begins_anew_and_the_others_do_not(s
     assert [robot.tasks for robot in world.robots] == [1, 2, 1]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 def test_stop_reaches_all_and_all_start_again(seed):
     world = _world(seed, TEAMS, BAD)
@@ -90,6 +93,7 @@ def test_a_robot_that_goes_before_the_start_keeps_nobody_from_it():
     assert gone.tasks == 0
 
 
+@pytest.mark.long
 def test_the_timeout_reaches_all():
     world = _world(2, TEAMS, BAD)
     for robot in world.robots[1:]:

@@ -237,6 +237,7 @@ def test_a_withdrawn_entry_is_not_changed_any_more():
     assert [(e.value, bool(e.withdrawn_utc)) for e in referee.sheet.history] == [(1, True), (2, False)]
 
 
+@pytest.mark.long
 def test_wild_clicking_grows_nothing_and_loses_nothing_that_matters():
     referee = Referee()
     referee.set(DOOR, 1, note="through the window")
@@ -256,6 +257,7 @@ def test_wild_clicking_grows_nothing_and_loses_nothing_that_matters():
     assert _values(referee.sheet) == [[1, 11], [78]]
 
 
+@pytest.mark.long
 def test_it_is_the_oldest_that_is_left_out():
     referee = Referee()
     for i in range(1000):
@@ -263,6 +265,7 @@ def test_it_is_the_oldest_that_is_left_out():
     assert [value for (value,) in referee.entries("value")][-100:] == list(range(901, 1001))
 
 
+@pytest.mark.long
 def test_entries_of_two_people_stay_longer_than_those_of_one():
     referee = Referee()
     for i in range(50):
@@ -275,6 +278,7 @@ def test_entries_of_two_people_stay_longer_than_those_of_one():
     assert len(referee.sheet.history) <= MAX_ENTRIES + 2 * len(SCORING)
 
 
+@pytest.mark.long
 def test_notes_and_withdrawals_are_bounded_and_leave_room_for_values(referee):
     for i in range(MAX_NOTED):
         referee.set(BUMPS, i + 1, note=f"bump {i + 1}")
