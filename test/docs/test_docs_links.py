@@ -73,6 +73,6 @@ def test_every_example_stands_in_a_page_as_it_is():
 @pytest.mark.parametrize("page", pages.NAMES)
 def test_files_that_are_named_exist(page):
     """What stands in a page as `core/run.py`, `docs/team.md` or `msg/Benchmark.msg` is there."""
-    rooms = "bench|config|core|comm|docs|journal|launch|modules|msg|nodes|proto|robot|rqt|scripts|srv|test|tools"
-    for name in re.findall(rf"`((?:src/roah_rsbb/)?(?:{rooms})/[\w/.-]+\.\w+)`", pages.prose(page)):
+    folders = "bench|config|core|comm|docs|journal|launch|modules|msg|nodes|proto|robot|rqt|scripts|srv|test|tools"
+    for name in re.findall(rf"`((?:src/roah_rsbb/)?(?:{folders})/[\w/.-]+\.\w+)`", pages.prose(page)):
         assert any((ROOT / folder / name).exists() for folder in ("", "src/roah_rsbb", "config")), f"{page}: {name}"

@@ -35,7 +35,7 @@ def check_imports():
     found = [name for name in FOREIGN if importlib.util.find_spec(name)]
     assert not found, f"this venv is not clean: {found}"
     found = [name for name in LEFT_OUT if importlib.util.find_spec(f"roah_rsbb.{name}")]
-    assert not found, f"rooms that need more are in the wheel: {found}"
+    assert not found, f"packages that need ROS are in the wheel: {found}"
     modules = [module.name for module in pkgutil.walk_packages(roah_rsbb.__path__, "roah_rsbb.")]
     assert len(modules) > 30, modules
     for name in modules:

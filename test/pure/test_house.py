@@ -16,28 +16,28 @@ GENERATED = ("pb", "msg", "srv")
 ROS = ("rospy", "rosgraph", "rospkg", "genpy", "rosbag", "std_msgs", "std_srvs", "geometry_msgs", "tf2_msgs", "tf2_ros")
 
 
-class Room(NamedTuple):
+class Allowed(NamedTuple):
     """What a folder may import besides itself and the standard library."""
 
     project: Tuple[str, ...] = ()  # folders or modules of the package
     others: Tuple[str, ...] = ()  # other top-level packages
 
 
-def _read_table() -> Dict[str, Room]:
+def _read_table() -> Dict[str, Allowed]:
     """The table "Imports" of docs/architecture.md."""
     page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     part = page[page.index("\n## Imports\n"):]
-    rooms: Dict[str, Room] = {"__init__": Room()}
+    table: Dict[str, Allowed] = {"__init__": Allowed()}
     for row in re.findall(r"^\| (`.*) \|$", part[:part.index("\n## ", 1)], re.MULTILINE):
         folders, project, others = (cell.strip() for cell in row.split("|"))
-        above = (*(room for room in rooms if room != "__init__"), *GENERATED) if "all above" in project else ()
+        above = (*(folder for folder in table if folder != "__init__"), *GENERATED) if "all above" in project else ()
         ros = ROS if "ROS" in others else ()
-        room = Room((*above, *re.findall(r"`([\w.]+)`", project)), (*ros, *re.findall(r"`(\w+)`", others)))
-        rooms.update(dict.fromkeys(re.findall(r"`(\w+)`", folders), room))
-    return rooms
+        allowed = Allowed((*above, *re.findall(r"`([\w.]+)`", project)), (*ros, *re.findall(r"`(\w+)`", others)))
+        table.update(dict.fromkeys(re.findall(r"`(\w+)`", folders), allowed))
+    return table
 
 
-ROOMS = _read_table()
+FOLDERS = _read_table()
 
 # Imports that still break the table: (file, what it imports). Only ever take entries out.
 KNOWN: Set[Tuple[str, str]] = set()
@@ -74,17 +74,17 @@ def _is_in(module: str, folder: str) -> bool:
     return module == folder or module.startswith(f"{folder}.")
 
 
-def _problem(room: str, name: str) -> str:
+def _problem(folder: str, name: str) -> str:
     """What is wrong with a folder importing this; empty: nothing."""
     if name == "roah_rsbb":
         return ""
     if not name.startswith("roah_rsbb."):
         top = name.split(".")[0]
         standard = getattr(sys, "stdlib_module_names", None)  # Python 3.10 and later
-        allowed = standard is None or top in standard or top in ROOMS[room].others
+        allowed = standard is None or top in standard or top in FOLDERS[folder].others
         return "" if allowed else name
     module = name[len("roah_rsbb."):]
-    allowed = any(_is_in(module, folder) for folder in (room, *ROOMS[room].project))
+    allowed = any(_is_in(module, place) for place in (folder, *FOLDERS[folder].project))
     return "" if allowed else module
 
 
@@ -92,14 +92,14 @@ def _problems() -> Dict[Tuple[str, str], str]:
     found = {}
     for path in _files():
         file = str(path.relative_to(PACKAGE))
-        room = _module(path).split(".")[0]
-        if room not in ROOMS:
-            found[file, ""] = f"{file}: {room} is not in the table of docs/architecture.md"
+        folder = _module(path).split(".")[0]
+        if folder not in FOLDERS:
+            found[file, ""] = f"{file}: {folder} is not in the table of docs/architecture.md"
             continue
         for name in _imported(path):
-            problem = _problem(room, name)
+            problem = _problem(folder, name)
             if problem:
-                found[file, problem] = f"{file} imports {problem}, which {room} may not"
+                found[file, problem] = f"{file} imports {problem}, which {folder} may not"
     return found
 
 

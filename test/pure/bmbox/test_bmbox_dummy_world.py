@@ -17,7 +17,7 @@ class World:
         self.now_s = 0.0
         self.run = RunForModule("run", 1, "zone", benchmark, "Team", 1, 1, running=True)
 
-    def goes_on(self, seconds):
+    def pass_time(self, seconds):
         for _ in range(round(seconds * 20)):
             self.world.step(self.now_s, [self.run])
             self.now_s += 0.05
@@ -27,11 +27,11 @@ class World:
         steps = tuple(step._replace(outcome=Outcome(OutcomeKind.DONE)) for step in self.run.steps)
         request = Request(len(steps) + 1, kind, **fields)
         self.run = self.run._replace(steps=(*steps, Step(request)), told_utc=0.0)
-        return self.goes_on(seconds)
+        return self.pass_time(seconds)
 
     def executes(self, seconds=2.5):
         self.run = self.run._replace(told_utc=1.8e9)
-        return self.goes_on(seconds)
+        return self.pass_time(seconds)
 
 
 def test_all_that_rules_ask_for_is_there():
@@ -41,11 +41,11 @@ def test_all_that_rules_ask_for_is_there():
 def test_the_robot_drives_to_a_waypoint_when_it_must_execute():
     w = World("HNF")
     before = w.asks(RequestKind.GOAL, pose=(4.0, 3.0, 3.0))["robot"]
-    assert w.goes_on(3.0)["robot"] == before  # it only prepares
+    assert w.pass_time(3.0)["robot"] == before  # it only prepares
     after = w.executes()["robot"]
     assert 0.0 < distance(after, Pose2D(4.0, 3.0, 0.0)) < 0.2
     assert 0.0 < abs(angle_difference(after.theta, 3.0)) < 0.3
-    assert w.goes_on(1.0)["robot"] == after
+    assert w.pass_time(1.0)["robot"] == after
 
 
 def test_it_is_on_its_way_and_does_not_jump():
@@ -74,11 +74,11 @@ def test_the_robot_follows_the_person():
 
 def test_the_person_walks():
     w = World("HPFF")
-    w.goes_on(20.0)
-    before = w.goes_on(0.05)["person"]
-    after = w.goes_on(1.0)["person"]
+    w.pass_time(20.0)
+    before = w.pass_time(0.05)["person"]
+    after = w.pass_time(1.0)["person"]
     assert 0.4 < distance(before, after) < 0.6
-    assert w.goes_on(1.0)["person"] != after
+    assert w.pass_time(1.0)["person"] != after
 
 
 def test_people_stand_in_the_target_area():
@@ -140,7 +140,7 @@ def test_a_new_attempt_is_noticed():
     w = World("HOPF")
     before = w.asks(RequestKind.REFEREE)["positioner"]
     w.run = w.run._replace(attempt=2)
-    assert w.goes_on(0.1)["positioner"] != before
+    assert w.pass_time(0.1)["positioner"] != before
 
 
 def test_without_a_run_only_the_person_moves():
@@ -158,5 +158,5 @@ def test_a_clock_that_jumps_moves_nothing_far():
     before = w.executes(0.1)["robot"]
     for now_s in (-1000.0, 1e9):
         w.now_s = now_s
-        after = w.goes_on(0.05)["robot"]
+        after = w.pass_time(0.05)["robot"]
         assert distance(before, after) <= 3.0 + 1e-9

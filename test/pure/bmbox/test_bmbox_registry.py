@@ -1,4 +1,4 @@
-"""All modules of the room; a file that is wrong costs no other one."""
+"""All modules of the folder. An invalid file does not affect the others."""
 
 import sys
 
@@ -21,7 +21,7 @@ FUNCTIONALITY = {code for code, profile in PROFILES.items() if profile.kind is B
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A folder whose files are in the room, too."""
+    """A folder whose files are modules, too."""
     monkeypatch.setattr(bmbox, "__path__", [*bmbox.__path__, str(tmp_path)])
     before = set(sys.modules)
     yield tmp_path

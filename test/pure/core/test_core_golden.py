@@ -65,7 +65,7 @@ class Replay:
     def _pass_time(self, time):
         driver = self.driver
         if self.modules is not None:
-            self.modules.go_on()
+            self.modules.proceed()
         self._note(self.ours, driver.now.mono - MONO0 - 10)
         mono = MONO0 + 10 + time
         deadline = driver.box.deadline()

@@ -126,7 +126,7 @@ class Played:
 
     def _beat(self, modules):
         if modules is not None:
-            modules.go_on()
+            modules.proceed()
 
     def _see(self, modules):
         self._beat(modules)

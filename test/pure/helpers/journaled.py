@@ -79,9 +79,9 @@ class JournaledDriver(BoxDriver):
             self.now = Now(50.0, self.now.utc)
         self.config = config or self.config
         self.restarts += 1
-        self.go_on_in(after)
+        self.resume_in(after)
 
-    def go_on_in(self, directory):
+    def resume_in(self, directory):
         """A core that is started with the journal in this directory."""
         self.channels = {}
         self.open(directory)

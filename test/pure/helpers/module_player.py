@@ -64,7 +64,7 @@ class ScriptedModules(FakeModules):
         super().__init__(driver, code, **kwargs)
         self.script = script  # (kind, fields of the request)
 
-    def go_on(self):
+    def proceed(self):
         """Say what there is to say now: the next request once the last has its outcome."""
         for run in self.driver.box.modules.runs():
             steps = len(run.steps)

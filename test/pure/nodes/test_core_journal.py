@@ -107,7 +107,7 @@ def test_at_every_record_boundary_the_journal_has_what_is_in_force(tmp_path):
     driver.on_record = None
     for directory, now, expected in there[::1 if ALL else 3]:
         driver.now = now
-        driver.go_on_in(directory)
+        driver.resume_in(directory)
         assert essence(driver) == expected
         assert driver.troubles == []
         driver.journal.close()
@@ -176,7 +176,7 @@ def test_a_torn_file_gives_a_state_that_was_in_force(reported, tmp_path, share, 
     whole = wal.read_bytes()
     kept = int(len(whole) * share)
     wal.write_bytes(whole[:kept] + (b"\xa5" * (len(whole) - kept) if garbage else b""))
-    driver.go_on_in(torn)
+    driver.resume_in(torn)
     found = essence(driver)
     assert found in states
     assert share < 0.3 or found != states[0]

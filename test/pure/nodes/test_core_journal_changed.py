@@ -50,14 +50,14 @@ def test_the_journal_of_another_competition_is_set_aside(tmp_path):
     assert [path.name for path in driver._directory.glob("*_aside_*.sqlite3")] != []
 
 
-@pytest.mark.parametrize("resume, launch, goes_on", [
+@pytest.mark.parametrize("resume, launch, resumes", [
     (Resume.ALWAYS, "2", True), (Resume.LAUNCH, "1", True), (Resume.LAUNCH, "2", False), (Resume.NEVER, "1", False),
 ])
-def test_when_a_core_resumes(tmp_path, resume, launch, goes_on):
+def test_when_a_core_resumes(tmp_path, resume, launch, resumes):
     driver = box(tmp_path)
     driver.journal.close()
     driver.open(tmp_path / "0", launch="1")
     driver.executing("tbm")
     driver.journal.close()
     driver.open(tmp_path / "0", resume, launch)
-    assert (driver.run_in("tbm") is not None) == goes_on
+    assert (driver.run_in("tbm") is not None) == resumes

@@ -227,7 +227,7 @@ def test_nothing_is_cut_and_the_signatures_are_at_the_bottom(document, chromium,
         assert abs(below) < 2
 
 
-def test_without_a_browser_the_remedy_is_told(monkeypatch, tmp_path):
+def test_without_a_browser_the_remedy_is_reported(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(CannotPrint, match="sudo apt install chromium.*--html"):
         print_pdf("", str(tmp_path / "x.pdf"))

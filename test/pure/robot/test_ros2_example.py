@@ -86,11 +86,11 @@ class Robot:
 
 
 def _story(story: Callable[[Any, Executor, Robot], Any]) -> None:
-    async def told() -> None:
+    async def played() -> None:
         robot, executor = Robot(), Executor()
         await story(_example().InExecutor(executor, robot), executor, robot)
 
-    asyncio.run(told())
+    asyncio.run(played())
 
 
 async def _through(behaviour: Any, executor: Executor, method: str, *arguments: Any) -> Any:

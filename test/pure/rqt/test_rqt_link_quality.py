@@ -13,7 +13,7 @@ class Watch:
         self.clock_s = 1000.0
         self.heard_s = 1000.0
 
-    def go_on(self, seconds, every_s=1.0):
+    def pass_time(self, seconds, every_s=1.0):
         """The robot is heard each `every_s`; None: not at all."""
         for _ in range(round(seconds / TICK_S)):
             self.clock_s += TICK_S
@@ -27,43 +27,43 @@ class Watch:
 
 def test_a_robot_that_sends_each_second_is_well_heard():
     watch = Watch()
-    watch.go_on(20.0)
+    watch.pass_time(20.0)
     assert watch.longest() <= 1.1
     assert text(watch.longest()) == "▮▮▮ good"
 
 
 def test_a_gap_is_remembered_as_long_as_the_window_and_no_longer():
     watch = Watch()
-    watch.go_on(5.0)
-    watch.go_on(2.5, None)
-    watch.go_on(5.0)
+    watch.pass_time(5.0)
+    watch.pass_time(2.5, None)
+    watch.pass_time(5.0)
     assert 2.4 <= watch.longest() <= 3.6
     assert "s" in text(watch.longest())
-    watch.go_on(WINDOW_S)
+    watch.pass_time(WINDOW_S)
     assert text(watch.longest()) == "▮▮▮ good"
 
 
 def test_a_silence_that_lasts_counts_at_once():
     watch = Watch()
-    watch.go_on(5.0)
-    watch.go_on(4.0, None)
+    watch.pass_time(5.0)
+    watch.pass_time(4.0, None)
     assert text(watch.longest()).startswith("▮▯▯ poor, ")
-    watch.go_on(8.0, None)
+    watch.pass_time(8.0, None)
     assert text(watch.longest()) == SILENT
 
 
 def test_what_was_while_the_core_was_silent_is_not_known():
     watch = Watch()
-    watch.go_on(5.0)
+    watch.pass_time(5.0)
     watch.clock_s += 60.0
     watch.heard_s = watch.clock_s
-    watch.go_on(3.0)
+    watch.pass_time(3.0)
     assert watch.longest() <= 1.1
 
 
 def test_a_robot_that_left_is_forgotten():
     watch = Watch()
-    watch.go_on(3.0)
+    watch.pass_time(3.0)
     watch.links.observe(watch.clock_s + TICK_S, {})
     assert watch.links.longest_silence_s("mbot") is None
     assert text(None) == ""

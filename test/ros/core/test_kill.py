@@ -171,12 +171,12 @@ class Referee:
         """What to look at if something is wrong."""
         return f"{[vars(run) for run in self.runs]}; its robot did {self.robot.did}"
 
-    def step(self, goes_on: bool) -> bool:
+    def step(self, resumes: bool) -> bool:
         """Do what is next; False: nothing, the zone is idle and no more runs are wanted."""
         details = self._box.zone_details(self.zone)
         with contextlib.suppress(Refusal, AssertionError, rospy.ROSException):  # the core died, or is ahead
             if details.phase == "idle":
-                if not goes_on:
+                if not resumes:
                     return False
                 self._box.command("connect", self.zone)
             elif details.phase == "connected":
@@ -208,7 +208,7 @@ def conduct(referees: List[Referee], enough: threading.Event) -> None:
     """Run after run, until there are enough."""
     while not enough.wait(0.05):
         for referee in referees:
-            referee.step(goes_on=len(referee.runs) < MOST_RUNS)
+            referee.step(resumes=len(referee.runs) < MOST_RUNS)
 
 
 @unittest.skipUnless(os.environ.get("ROAH_TEST_ALL") == "yes", "only in make test-all")
@@ -245,7 +245,7 @@ class TestKilledAtRandom(KillCase):
         enough.set()
         conducting.join()
         for referee in referees:
-            wait_until(lambda r=referee: not r.step(goes_on=False),
+            wait_until(lambda r=referee: not r.step(resumes=False),
                        lambda r=referee: f"the last run is over: {r.remembers()}; the core printed\n{self.core.text}")
         self.assertIsNone(self.core.ended_mono, f"the last core lives; it printed\n{self.core.text}")
         for referee in referees:

@@ -138,7 +138,7 @@ class TestBell(DevicesCase):
         wait_until(lambda: self.state.bell > before and self.rings == rings + 1 and self.played("bell") > heard,
                    lambda: f"a ring; state:\n{self.state}\nrings {self.rings}, played {self.played('bell')}")
 
-    def test_the_end_of_the_time_is_heard(self):
+    def test_the_timeout_is_heard(self):
         heard = self.played("timeout")
         publisher = rospy.Publisher("/timeout", Empty, queue_size=1)
         self.addCleanup(publisher.unregister)

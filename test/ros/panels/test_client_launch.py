@@ -18,7 +18,7 @@ from support.gui_testing import wait_until
 from support.programs import own
 from support.waiting import LIMIT_S
 
-from roah_rsbb.rqt.app import alone
+from roah_rsbb.rqt.app import standalone
 from roah_rsbb.rqt.app.panel_list import PANELS
 from roah_rsbb.rqt.model.client import Client
 
@@ -93,7 +93,7 @@ class TestPrograms(unittest.TestCase):
 
     def test_each_panel_opens_alone_and_ends(self) -> None:
         self.start_core()
-        names = [alone.name_of(kind) for kind in PANELS]
+        names = [standalone.name_of(kind) for kind in PANELS]
         # A few at a time: all of them at once would only wait for one another.
         for first in range(0, len(names), AT_A_TIME):
             self.open_and_end(names[first:first + AT_A_TIME])

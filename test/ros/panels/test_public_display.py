@@ -98,7 +98,7 @@ class TestWhatIsShown(DisplayCase):
         self.assertIn("running", self.texts())
         self.assertGreater(self.count(RUNNING), 3)
 
-    def test_time_that_stands_still_is_said(self) -> None:
+    def test_a_paused_run_is_shown_as_paused(self) -> None:
         self.core.runs = [self.core.run(left_s=100.0, counting=False)]
         self.wait_text("‖ 1:40")
         self.assertIn("paused", self.texts())

@@ -45,16 +45,16 @@ class ZoneParameter:
         self._wake.put(True)
 
     def _work(self) -> None:
-        go_on = True
-        while go_on:
+        continues = True
+        while continues:
             try:
                 self._exchange()
             except Exception as e:  # the master is gone: try again soon
                 rospy.logdebug("parameter %s: %s", NAME, e)
             try:
-                go_on = self._wake.get(timeout=POLL_S)
+                continues = self._wake.get(timeout=POLL_S)
             except queue.Empty:
-                go_on = True
+                continues = True
         try:
             self._exchange()
         except Exception as e:

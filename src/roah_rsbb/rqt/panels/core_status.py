@@ -96,13 +96,13 @@ class CoreStatusPanel(Panel):
             return
         details = self.model.details
         runs = [f"{d.zone} ({d.robot})" for d in details.zones if d.phase == "running"] if details else []
-        going_on = f"\n\nRuns in progress: {', '.join(runs)}" if runs else ""
+        in_progress = f"\n\nRuns in progress: {', '.join(runs)}" if runs else ""
         if found.result:
             question, yes = "End the whole RSBB?", "End the RSBB"
-            text = f"This ends the core and everything started with it, for all referees.{going_on}"
+            text = f"This ends the core and everything started with it, for all referees.{in_progress}"
         else:
             question, yes = "End this client?", "End this client"
-            text = f"This ends only this referee's client. The core and its runs continue.{going_on}"
+            text = f"This ends only this referee's client. The core and its runs continue.{in_progress}"
         ask(self, question, text, yes, lambda: self._exit(service))
 
     def _exit(self, service: str) -> None:

@@ -87,7 +87,7 @@ def test_each_silence_is_reported_once(line):
     assert line.wait(SILENT_S) == ["No message from the robot for 3 s"]
 
 
-def test_a_clock_that_stands_still_is_no_plain_silence(line):
+def test_a_stopped_clock_is_distinguished_from_silence(line):
     for _ in range(OLD_REPORTED + 1):
         line.hear(time=(12345, 0))
     assert "No message from the robot for 3 s but old ones: check whether its clock is stopped" in line.warnings[0]

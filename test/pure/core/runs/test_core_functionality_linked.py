@@ -34,7 +34,7 @@ class LinkedModules(ScriptedModules):
 
     def poll(self):
         self.next_mono = self.world.mono + BEAT_S
-        self.go_on()
+        self.proceed()
 
     def crash(self, seconds):
         """The process ends; another one is there after so many seconds."""

@@ -104,8 +104,8 @@ def test_runs_that_were_not_left_or_never_started_are_not_over():
 
 
 def test_a_run_that_was_left_behind_in_a_restart_was_stopped_then():
-    going_on = run_record(1, closed_utc=0.0, end_reason="", stops=(), elapsed_s=12.0)
-    left = left_behind(going_on, UTC0 + 50.0)
+    in_progress = run_record(1, closed_utc=0.0, end_reason="", stops=(), elapsed_s=12.0)
+    left = left_behind(in_progress, UTC0 + 50.0)
     assert (left.closed_utc, left.end_reason, left.elapsed_s) == (UTC0 + 50.0, "stopped", 12.0)
     assert [stop[:4] for stop in left.stops] == [
         (UTC0 + 50.0, "", "stopped", "The run did not continue after a restart of the core")

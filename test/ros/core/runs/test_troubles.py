@@ -45,7 +45,7 @@ class TestTime(BoxCase):
         box.start("Restart")
         robot.wait_did("execute HGTKMH")
         box.wait_zone("Restart", lambda z: z.timer.to_sec() < 600, "the time runs")
-        ends = self.end_of_time("Restart")
+        ends = self.time_of_end("Restart")
         self.assertEqual(box.refusal("start", "Restart"), "Already started")
         self.assertEqual(box.refusal("connect", "Restart"), "Already connected")
         self.assertIn("disconnect it first", box.refusal("next", "Restart"))
@@ -62,7 +62,7 @@ class TestTime(BoxCase):
         robot.wait_did("execute HGTKMH", times=2)
         box.wait_phase("Restart", "running")
         box.wait_zone("Restart", lambda z: z.timer.to_sec() > 120, "the run's time is shown again")
-        self.assertLess(abs(self.end_of_time("Restart") - ends), 1.0)
+        self.assertLess(abs(self.time_of_end("Restart") - ends), 1.0)
 
         box.command("stop", "Restart")
         box.wait_phase("Restart", "ended")
@@ -78,7 +78,7 @@ class TestTime(BoxCase):
                       "the zone stays at the event of a run that was not completed")
         self.assertIn("nothing to stop", box.refusal("stop", "Restart"))
 
-    def end_of_time(self, zone: str) -> float:
+    def time_of_end(self, zone: str) -> float:
         """When the time of the run will be up, UTC."""
         gui = self.box.gui
         return gui.clock.to_sec() + next(z.timer.to_sec() for z in gui.zones if z.zone == zone)
