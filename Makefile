@@ -4,8 +4,11 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: help install-deps build demo test test-all lint test-pure test-python38 test-pip test-docs test-install test-ros test-net screenshots bench fuzz deb clean
 
-# ROS's Python. The first python3 on PATH may be another one.
-PYTHON := /usr/bin/python3
+# ROS's Python: the system's, also where another python3 is the first on PATH. Where ROS 1 comes from another source
+# (RoboStack, ROS One), it is the python3 on PATH that has rospy.
+SYSTEM_ROS := $(wildcard /usr/lib/python3/dist-packages/rospy /opt/ros/noetic)
+OTHER_ROS := $(if $(SYSTEM_ROS),,$(shell python3 -c 'import catkin_pkg, rospy, sys; print(sys.executable)' 2>/dev/null))
+export PYTHON := $(or $(OTHER_ROS),/usr/bin/python3)
 # On Ubuntu, ROS is not in the system's paths.
 ROS_SETUP := if [ -e /opt/ros/noetic/setup.bash ]; then source /opt/ros/noetic/setup.bash; fi
 BUILT := source build/devel/setup.bash
