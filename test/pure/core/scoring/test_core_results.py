@@ -34,7 +34,7 @@ def _identities(runs):
 # -- which runs are kept ----------------------------------------------------------------------------
 
 
-def test_a_run_is_kept_when_it_is_left_with_the_score_of_then():
+def test_a_run_is_kept_with_its_score_when_it_is_left():
     driver = BoxDriver()
     driver.executing().completes()
     assert _kept(driver) == []
@@ -159,7 +159,7 @@ def test_a_withdrawal_and_not_attempted_are_corrections_too():
     assert run.record.history[0].withdrawal_corrects
 
 
-def test_the_sheet_of_a_run_has_the_items_of_then():
+def test_the_sheet_of_a_run_keeps_its_items():
     other = competition(tbm=[event(scoring=())]).benchmarks
     runs = FinishedRuns(other)
     runs.add(run_record(1))
