@@ -1,4 +1,4 @@
-"""The list for organisers before they publish: for each event, whether its result is signed off or what is missing."""
+"""The organisers' list before publication: whether the result of each event is signed off, or what is missing."""
 
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 

@@ -1,7 +1,7 @@
 """The front page of a score sheet: one A4 page with everything that is signed, filled in or blank.
 
 It has the run, its scores with units, points and totals, remarks, and lines for two signatures. A long sheet is set in
-two or three columns of smaller letters. What is too long for the page is cut with "…": the appendix has all of it.
+two or three columns of smaller letters. Text that is too long for the page is cut with "…". The appendix has all of it.
 """
 
 from typing import Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
@@ -86,7 +86,7 @@ def benchmark_name(code: str, title: str) -> str:
 
 
 def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool) -> Front:
-    """Returns the texts of a run's front page. `title`: what its benchmark is called; empty: not known."""
+    """Returns the texts of a run's front page. `title`: the benchmark's title; empty: not known."""
     rules = rules or DEFAULT
     ended = f"{state_of(record)}, after {elapsed(record.elapsed_s)} min" if record.started_utc else state_of(record)
     return Front(
@@ -215,7 +215,7 @@ def layout_of(front: Front) -> Tuple[Layout, Tuple[Group, ...]]:
 
 
 def _other_mm(front: Front) -> float:
-    """Returns the height of what other pages do not have: remarks, and facts of several lines."""
+    """Returns the height of the parts that other pages do not have: remarks, and facts of several lines."""
     facts = [wrapped_lines(cut(value, MAX_FACT), FACT_LETTERS) - 1 for _, value in front.facts]
     remarks = [min(2, wrapped_lines(cut(remark, MAX_REMARK), REMARK_LETTERS)) for remark in front.remarks[:MAX_REMARKS]]
     rows = [max(pair) for pair in zip(facts[::2], facts[1::2])]
@@ -223,7 +223,7 @@ def _other_mm(front: Front) -> float:
 
 
 def _height(group: Group, layout: Layout) -> int:
-    """Returns the lines that a group takes, about; its title counts two."""
+    """Returns roughly how many lines a group takes. Its title counts as two."""
     return 2 + sum(_lines(line, layout) for line in group.lines)
 
 

@@ -27,7 +27,7 @@ def browser() -> str:
 
 
 def print_pdf(html: str, path: str) -> None:
-    """Print a page into a file; raises `CannotPrint` or OSError. An old file is replaced as a whole, or stays."""
+    """Print a page into a file; raises `CannotPrint` or OSError. An old file is replaced completely, or unchanged."""
     program = browser()
     with tempfile.TemporaryDirectory() as folder:
         page, printed = os.path.join(folder, "page.html"), os.path.join(folder, "page.pdf")

@@ -1,8 +1,8 @@
-"""What the programs know of each benchmark code: the shipped ones, and any other (docs/benchmarks.md, "The table").
+"""The benchmark codes that the programs know, and the rules for other codes (docs/benchmarks.md, "The table").
 
-This is the only place with the codes of benchmarks. A competition's `benchmarks.yaml` may change what is a matter of
-rules, and define other codes. Robots cannot read that file: of another code they know `OTHER`. This module needs
-nothing but Python, because teams without ROS have it, too.
+This is the only place with the codes of benchmarks. A competition's `benchmarks.yaml` may change matters of the
+rules, and define other codes. Robots cannot read that file. They know another code only as `OTHER`. This module needs
+only Python, because teams without ROS have it, too.
 """
 
 import enum
@@ -16,7 +16,7 @@ class BenchmarkKind(enum.Enum):
 
     TASK = "task"  # scored by the referee
     FUNCTIONALITY = "functionality"  # driven by a benchmarking module: goals, manual operations, score
-    ALL_ROBOTS = "all robots"  # all active robots at once, nothing is sent but the state
+    ALL_ROBOTS = "all robots"  # all active robots at once; they receive the state and nothing else
 
 
 class GoalForm(enum.Enum):
@@ -45,7 +45,7 @@ DEVICES, TABLET, BELL = "devices", "tablet", "bell"
 # What a robot may use in a benchmark: strings of online data, home devices, the tablet, and visitors at the doorbell.
 USES = (*STRINGS, DEVICES, TABLET, BELL)
 
-# The number of all benchmarks that have none of their own, in the robot's topic `benchmark`.
+# The number of all benchmarks without their own number, in the robot's topic `benchmark`.
 OTHER_NUMBER = 255
 
 
@@ -58,9 +58,9 @@ class Profile:
     goal: GoalForm = GoalForm.NONE
     result: ResultForm = ResultForm.NONE
     uses: FrozenSet[str] = frozenset()  # of USES
-    # The goals are such that a robot which executes until the timeout has done what was asked.
+    # A robot that executes until the goal's timeout has completed the goal.
     runs_until_timeout: bool = False
-    # The robot takes PREPARE while it executes as the end of its goal, which timed out.
+    # PREPARE during execution means that the goal timed out.
     prepare_ends_goal: bool = False
     offline_data: bool = True  # the robot must record offline data
 
@@ -108,5 +108,5 @@ def new_profile(kind: BenchmarkKind) -> Profile:
 
 
 def profile_of(code: str) -> Profile:
-    """What the programs know of a code by themselves."""
+    """Return what the programs know of a code."""
     return PROFILES.get(code, OTHER)

@@ -30,12 +30,12 @@ class Figure(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """What is shown of the times of a run."""
+    """The times of a run, in words."""
 
     main: Figure  # of the run
     goal: Optional[Figure] = None
-    pause: str = ""  # that the run is paused, and why; empty: it is not
-    aside: str = ""  # what matters less
+    pause: str = ""  # says that the run is paused, and why; empty: not paused
+    aside: str = ""  # less important details
 
 
 def clock_of(message, passed_s: float) -> Clock:

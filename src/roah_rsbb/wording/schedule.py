@@ -21,7 +21,7 @@ _IN_ZONE = ("connected", "running", "ended")
 
 
 class Event(NamedTuple):
-    """An event of the schedule with what became of it. Times are UTC seconds."""
+    """An event of the schedule with its state and results. Times are UTC seconds."""
 
     number: int  # in the schedule of its zone, from 1
     zone: str
@@ -31,7 +31,7 @@ class Event(NamedTuple):
     round: int
     run: int
     scheduled_utc_s: float
-    begins_utc_s: float  # when it began, or the estimate of when it will
+    begins_utc_s: float  # when it began, or the estimated time
     state: str
     current: bool
     identity: str  # of the last run that is over; empty: none
@@ -47,7 +47,7 @@ class Event(NamedTuple):
 
     @property
     def unsigned(self) -> bool:
-        """Whether a run of it is over whose score sheet is not signed off."""
+        """Whether one of its runs is over and not signed off."""
         return self.state == "ended" or (bool(self.identity) and self.signed_utc_s is None)
 
 
@@ -69,7 +69,7 @@ def events_of(schedule) -> List[Event]:
 
 
 def state_text(event: Event) -> str:
-    """Returns what became of an event."""
+    """Returns the state of an event."""
     if event.state == "done":
         return f"✓ done: {sheets.end_reason(event.end_reason)}"
     text = _STATES.get(event.state, event.state)

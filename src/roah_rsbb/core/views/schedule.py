@@ -3,7 +3,7 @@
 Estimated times. No event begins before its scheduled time. An event that is late delays the later events of its zone,
 and gaps in the schedule absorb the delay. An event takes as long as the schedule gives its benchmark: the shortest
 time from an event of this benchmark to the zone's next one, but at most its time limit and `SETUP_S`. A run that
-takes longer ends now, for all that is known. Zones do not delay each other.
+takes longer is assumed to end now. Zones do not delay each other.
 """
 
 import enum
@@ -16,7 +16,7 @@ from roah_rsbb.core.scoring.records import RAN_TO_THE_END, Phase, RunRecord
 from roah_rsbb.core.zones import EventKey, Zone, key_of
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
 
-# The longest time in seconds that the schedule plans to get the next robot ready. What is longer is a break.
+# The longest time in seconds in which the next robot gets ready. A longer gap is a break.
 SETUP_S = 900.0
 # Estimates are whole minutes: they change once a minute at most.
 MINUTE_S = 60.0
@@ -25,9 +25,9 @@ _THE_END = {reason.name.lower() for reason in RAN_TO_THE_END}
 
 
 class EventState(enum.Enum):
-    """What became of an event of the schedule."""
+    """The state of an event of the schedule."""
 
-    DONE = "done"  # a run of it is over
+    DONE = "done"  # one of its runs is over
     CONNECTED = "connected"  # in its zone now, as the next three
     RUNNING = "running"
     ENDED = "ended"  # the run is over, but still connected
@@ -50,8 +50,8 @@ class EventLine(NamedTuple):
     event: ScheduledEvent
     current: bool  # its zone is at this event
     state: EventState
-    begins: float  # UTC seconds: when it began, or the estimate of when it will
-    last: Optional[RunRecord]  # the last run of it that is over; None: it has none
+    begins: float  # UTC seconds: when it began, or the estimated time
+    last: Optional[RunRecord]  # its last run that is over; None: no such run
 
 
 def schedule(box: Box, now: Now) -> List[EventLine]:

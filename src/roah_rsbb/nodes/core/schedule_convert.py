@@ -11,7 +11,7 @@ from roah_rsbb.ros.times import ros_time
 
 
 class ScheduleBoard:
-    """Makes /core/schedule of a box, whenever it changed."""
+    """Builds /core/schedule of a box when it has changed."""
 
     def __init__(self, box: Box, box_uuid: str) -> None:
         self._box = box

@@ -1,7 +1,8 @@
 """Panels that leave their space to Scoring while a run of the zone is scored, on small screens.
 
-They collapse when the run starts, keep a line in sight, and come back when it is disconnected. A button in the line
-shows them before. It works in rqt as in our window: a dock with a small maximum height leaves its space to the others.
+They collapse to one visible line when the run starts, and expand when it is disconnected. A button in that line
+expands them earlier. It works in rqt as in our window: a dock with a small maximum height leaves its space to the
+others.
 """
 
 from typing import Optional
@@ -10,7 +11,7 @@ from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QDockWidget, QMainWindow, Qt, QTimer, QToolButton, QWidget
 from roah_rsbb.rqt.widgets import basic
 
-# In a higher window there is space for all, in units of the desktop's font.
+# A window of this height has space for all panels, in units of the desktop's font.
 HIGH_WINDOW_EMS = 75
 SCORING = "ScoringPanel"
 SHOW, HIDE = "▸", "▾"
@@ -24,14 +25,14 @@ class CollapsingPanel(Panel):
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
         self.is_collapsed = False
-        self._run = ""  # that is scored
-        self._height = 0  # of the dock, before
+        self._run = ""  # the run that is scored
+        self._height = 0  # of the dock, before it collapsed
         self.toggle = QToolButton()
         self.toggle.setFocusPolicy(Qt.TabFocus)
         self.toggle.clicked.connect(lambda: self._collapse(not self.is_collapsed))
         self.toggle.hide()
         self.heading.addWidget(self.toggle)
-        # Also while the panel is hidden behind others, because its limit holds for all of them.
+        # Do this even while the panel is hidden behind others, because its limit applies to all of them.
         self.model.updated.connect(self._watch)
 
     def shutdown(self) -> None:
@@ -39,7 +40,7 @@ class CollapsingPanel(Panel):
         super().shutdown()
 
     def show_collapsed(self, is_collapsed: bool) -> None:
-        """Show what remains in sight, or everything."""
+        """Show only the visible line, or everything."""
         self.content.setVisible(not is_collapsed)
 
     def _watch(self) -> None:
@@ -83,7 +84,7 @@ class CollapsingPanel(Panel):
         self._on_update()
 
     def _grow(self) -> None:
-        """Take the height from before."""
+        """Restore the height from before."""
         dock, window = self._dock(), self.window()
         if dock is not None and isinstance(window, QMainWindow) and not self.is_collapsed:
             window.resizeDocks([dock], [self._height], Qt.Vertical)

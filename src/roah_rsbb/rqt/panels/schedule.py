@@ -162,7 +162,7 @@ def _name(event: Event) -> str:
 
 
 def _row(event: Event, several_days: bool) -> Row:
-    """Returns the row of an event. Estimated times have a mark, so that they are not taken for facts."""
+    """Returns the row of an event. Estimated times have a mark that distinguishes them from facts."""
     pattern = "%a %d %H:%M" if several_days else "%H:%M"
     has_begun = event.state in ("done", "running", "ended")
     begins = "" if event.state == "skipped" else schedule.moment(event.begins_utc_s, pattern)

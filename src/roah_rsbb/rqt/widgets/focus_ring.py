@@ -53,7 +53,7 @@ class FocusRing(QObject):
     def _follow(self, _before: Optional[QWidget], widget: Optional[QWidget]) -> None:
         self._leave()
         parent = None if widget is None else widget.parentWidget()
-        # A splitter would take the frame for one of its parts.
+        # A splitter would treat the frame as one of its parts.
         if parent is None or isinstance(parent, QSplitter) or not self._belongs(widget):
             return
         self._on = widget

@@ -1,4 +1,4 @@
-"""The page with all keys: `?` opens it, wherever the focus is but in a text."""
+"""The page with all keys. `?` opens it unless the focus is in a text."""
 
 from typing import Optional
 

@@ -1,6 +1,6 @@
-"""The items of a score sheet in their groups: in one column or two, so that all of them are in sight.
+"""The items of a score sheet in their groups, in one or two columns, so that all of them are visible.
 
-Disqualifying items stay in sight even where the others must scroll.
+Disqualifying items stay visible even if the others must scroll.
 """
 
 from typing import Dict, List, NamedTuple, Optional
@@ -8,9 +8,9 @@ from typing import Dict, List, NamedTuple, Optional
 from roah_rsbb.rqt.qt import QFrame, QGridLayout, QGroupBox, QScrollArea, QTimer, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 
-# Groups whose names begin so are never hidden.
+# Groups whose names begin with this are never hidden.
 PINNED = "disqualif"
-# Where the sheet has less width, it stays in one column, in units of the desktop's font.
+# A narrower sheet stays in one column, in units of the desktop's font.
 TWO_COLUMNS_EMS = 34
 
 
@@ -27,7 +27,7 @@ class Arrangement(NamedTuple):
     is_compact: bool
 
 
-# The first one in which all items are in sight is used; the last one scrolls if need be.
+# The first arrangement that shows all items is used. The last one scrolls if necessary.
 ARRANGEMENTS = (Arrangement(1, False), Arrangement(1, True), Arrangement(2, True))
 
 

@@ -1,7 +1,7 @@
 """The last marks of a score sheet, as buttons that withdraw them.
 
-A button keeps its place: a new mark takes the place of the oldest one. So no click meets another mark than the one that
-the referee saw.
+A button keeps its place, and a new mark replaces the oldest one. A click therefore never withdraws another mark than
+the one that the referee saw.
 """
 
 from typing import Callable, List, NamedTuple, Optional, Sequence
