@@ -32,7 +32,7 @@ SPEECH = "HSUF"  # of all teams at once
 
 
 class Used(NamedTuple):
-    """What a process has used so far."""
+    """Return the resources that a process has used so far."""
 
     mono: float
     cpu_s: float
@@ -46,7 +46,7 @@ class Box(BoxClient):
     """The running box, and its client."""
 
     def __init__(self, folder: pathlib.Path, rounds: int) -> None:
-        """`folder` is made anew, for all that the box reads and writes; each benchmark can be run `rounds` times."""
+        """`folder` is emptied for the box's files. Each benchmark can be run `rounds` times."""
         self.folder = folder
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
@@ -77,7 +77,7 @@ class Box(BoxClient):
         return xmlrpc.client.ServerProxy(uri).getPid("/test_net")[2]
 
     def core_used(self) -> Used:
-        """What the core has used so far."""
+        """Return the resources that the core has used so far."""
         self._core_pid = self._core_pid or self.core_pid
         text = pathlib.Path(f"/proc/{self._core_pid}/stat").read_text(encoding="ascii")
         fields = text.rpartition(")")[2].split()

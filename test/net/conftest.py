@@ -39,11 +39,11 @@ def net(request):
 
 @pytest.fixture(scope="session")
 def measured():
-    """What was measured, in lines; shown at the end."""
+    """Lines with measurements, which are shown at the end."""
     return _MEASURED
 
 
 def pytest_terminal_summary(terminalreporter) -> None:
-    """Show what was measured."""
+    """Show the measurements."""
     for line in _MEASURED:
         terminalreporter.write_line(line)

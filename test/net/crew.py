@@ -1,4 +1,4 @@
-"""Who is on the network beside the box: robots, the tablet, and those who disturb."""
+"""The other participants on the network: robots, the tablet, and attackers."""
 
 import asyncio
 import contextlib
@@ -89,7 +89,7 @@ class Robot:
         self._running = self.station.host.begin(self._live())
 
     def end(self) -> None:
-        """Switch it off, without a word."""
+        """Switch it off without a last message."""
         if self._running is not None:
             self._running.cancel()
             with contextlib.suppress(Exception):
@@ -132,7 +132,7 @@ class Robot:
 
 
 class Tablet:
-    """The tablet, on a host of its own."""
+    """The tablet, on its own host."""
 
     def __init__(self, station: Station) -> None:
         self._host = station.host
@@ -158,7 +158,7 @@ class Tablet:
 
 
 class Stranger:
-    """Sends on the public channel, again and again, what nobody should believe."""
+    """Repeatedly sends false messages on the public channel."""
 
     def __init__(self, station: Station, messages: Callable[[], List[Any]], period_s: float = 0.2) -> None:
         """`messages` gives what to broadcast each time."""
@@ -179,7 +179,7 @@ class Stranger:
             channel.close()
 
     def close(self) -> None:
-        """Be silent."""
+        """Stop sending."""
         self._sending.cancel()
         self._host.begin(asyncio.sleep(0)).result(LIMIT_S)
 
@@ -207,7 +207,7 @@ class Impostor:
             self._channel.close()
 
     def close(self) -> None:
-        """Be silent."""
+        """Stop sending."""
         self._sending.cancel()
         self._host.begin(asyncio.sleep(0)).result(LIMIT_S)
 

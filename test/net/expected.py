@@ -1,4 +1,4 @@
-"""What a run must look like afterwards, however bad the network was."""
+"""Checks of a run after it has ended, for any quality of the network."""
 
 from typing import Any, Dict, List, Tuple
 
@@ -81,7 +81,7 @@ def _logged_strings(result: Result) -> List[Tuple[str, List[str], List[str]]]:
 
 
 def _again(is_so: List[str], should: List[str]) -> bool:
-    """Whether what came before the last life is what an earlier life began to say."""
+    """Whether the strings before the last restart are the beginning of those of an earlier life."""
     before = is_so[:-len(should)] if should else is_so
     return before == should[:len(before)]
 

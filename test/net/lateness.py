@@ -1,4 +1,4 @@
-"""How late each side learned what the other one had become."""
+"""Measures how late each side learned of the other's changes of state."""
 
 import bisect
 import threading
@@ -40,7 +40,7 @@ class Stalls(threading.Thread):
         self._ended = threading.Event()
 
     def run(self) -> None:
-        """Measure until the end."""
+        """Measure until the block ends."""
         before = time.monotonic()
         while not self._ended.wait(self.STEP_S):
             now = time.monotonic()
@@ -57,7 +57,7 @@ class Stalls(threading.Thread):
 
 
 def allowed_s(longest_delay_s: float, worst_stall_s: float, periods: int = 1) -> float:
-    """The network's own delay and the retransmission period (or some), and what the machine may add."""
+    """Sums the network's delay, the retransmission periods, and a margin for a busy machine."""
     return longest_delay_s + periods * PERIOD_S + MACHINE_S + STALLS * worst_stall_s
 
 

@@ -23,7 +23,7 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 
 class NoRight(Exception):
-    """Hosts on a network of their own cannot be had here."""
+    """This machine cannot create network namespaces."""
 
 
 def address(number: int) -> str:
@@ -37,7 +37,7 @@ def other_address(number: int) -> str:
 
 
 def leave_network() -> None:
-    """Put the calling thread into a network namespace of its own, which has nothing but a loopback device."""
+    """Put the calling thread into a new network namespace with only a loopback device."""
     if _libc.unshare(_CLONE_NEWNET):
         raise NoRight(f"no right to make network namespaces ({os.strerror(ctypes.get_errno())}): be root")
     run_ip("link set lo up")
@@ -81,7 +81,7 @@ class Host:
         return f"/proc/{os.getpid()}/task/{self._thread.native_id}/ns/net"
 
     def do(self, function: Callable[..., T], *arguments: Any) -> T:
-        """Call a function there; returns or raises what it does."""
+        """Call a function there. Returns its result or raises its exception."""
         async def run() -> T:
             return function(*arguments)
         return self.begin(run()).result(LIMIT_S)
@@ -135,7 +135,7 @@ class Lan:
             station.host.do(_settle, number)
 
     def close(self) -> None:
-        """End all hosts but the box's."""
+        """End all hosts except the box's."""
         for station in self.stations.values():
             station.host.close()
         for each in self._wires.values():
@@ -143,7 +143,7 @@ class Lan:
         self._switch.close()
 
     def wire(self, number: int) -> wire.Wire:
-        """The cable of a slow host; its `how` may be set at any time."""
+        """The cable of a slow host. Its `how` may be changed at any time."""
         return self._wires[number]
 
     def move(self, number: int, old: str, new: str) -> None:

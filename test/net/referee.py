@@ -1,4 +1,4 @@
-"""A referee who conducts a run as the panels would, through the core's services, and never gives up."""
+"""A referee who conducts a run through the core's services, as panels do, and retries every command."""
 
 import json
 import re
@@ -52,7 +52,7 @@ class Referee:
         self._marked: Dict[Tuple[str, str], int] = {}
 
     def conduct(self, robots: int = 1) -> Result:
-        """The whole run. `robots`: so many must be connected first, where all run at once."""
+        """Conduct the whole run. `robots`: the number of robots that must be active first, if all run at once."""
         self.connect(robots)
         self.start()
         return self.finish()
@@ -68,7 +68,7 @@ class Referee:
         return box.zone_details(zone).port
 
     def _connect_all(self, robots: int) -> None:
-        """On a bad network a robot may just have come within the allowed skew, and be out of it again."""
+        """Wait until the robot's skew is allowed: on a bad network it may leave the allowed range again."""
         box = self._box
         while True:
             box.wait_zone(SPEECH, lambda z: f"{robots} robots ready" in z.state, f"{robots} robots are ready", LIMIT_S)
@@ -87,7 +87,7 @@ class Referee:
         self._insist("start", lambda d: d.phase not in ("idle", "connected"))
 
     def finish(self) -> Result:
-        """From start to the end, and what was logged."""
+        """Run from start to the end, and return the log."""
         box, zone = self._box, self._code
         done = 0
         self._mark()
@@ -111,7 +111,7 @@ class Referee:
         return details.phase == "ended" or details.operation > done or self._box.zone(self._code).omf_complete
 
     def _insist(self, command: str, done: Any) -> None:
-        """Give a command until it is taken: a robot may be silent just then."""
+        """Repeat a command until it is accepted: a robot may be silent at that moment."""
         refusal = ""
 
         def attempt() -> bool:
@@ -127,7 +127,7 @@ class Referee:
         wait_until(attempt, lambda: f"{command} in {self._code}: {refusal}", LIMIT_S)
 
     def _mark(self) -> None:
-        """Mark each scoring item with a value of its own."""
+        """Mark each scoring item with a different value."""
         zone = self._box.zone(self._code)
         items = [(group.group_name, desc, kind) for group in zone.scoring
                  for desc, kind in zip(group.descriptions, group.types)]

@@ -79,7 +79,7 @@ def _late(
     played: Round, results: Dict[str, Result], name: str, how: wire.Impairment, stalls: lateness.Stalls,
     measured: List[str],
 ) -> List[str]:
-    """What was heard too late."""
+    """Return the messages that arrived too late."""
     faults: List[str] = []
     everything: List[lateness.Late] = []
     for code, result in results.items():

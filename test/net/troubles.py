@@ -79,7 +79,7 @@ def wild_clock(the_round, code: str) -> None:
 
 
 def impostors(the_round, code: str) -> None:
-    """Somebody who knows the password speaks for the robot, and so does a second robot of the same name."""
+    """A host with the password impersonates the robot, and so does a second robot of the same name."""
     robot, _ = _executing(the_round, code)
     with contextlib.ExitStack() as leaving:
         port = the_round.box.zone_details(code).port
@@ -89,7 +89,7 @@ def impostors(the_round, code: str) -> None:
 
 
 def second_robot(the_round, code: str) -> None:
-    """Another robot of the same team is there, with a name of its own."""
+    """Another robot of the same team, with a different name."""
     robot, _ = _executing(the_round, code)
     second = Robot(the_round.twin, robot.team, 1.0, 1, name="Second")
     try:

@@ -22,7 +22,7 @@ _READS = 50  # at most, before others have their turn
 
 
 class Impairment(NamedTuple):
-    """What happens on the way, in each direction. Shares from 0 to 1; seconds."""
+    """How a cable treats datagrams in each direction. Shares from 0 to 1; seconds."""
 
     loss: float = 0.0
     duplicate: float = 0.0
@@ -61,7 +61,7 @@ class _Direction:
         self.passed = self.lost = self.doubled = 0
 
     def read(self) -> None:
-        """Take what the source sent."""
+        """Take the datagrams that the source sent."""
         with contextlib.suppress(BlockingIOError):
             for _ in range(_READS):
                 self._take(os.read(self._source, _MAX_FRAME))

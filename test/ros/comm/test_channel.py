@@ -196,7 +196,7 @@ class TestResults(ChannelCase):
 
 
 class TestOrder(ChannelCase):
-    """What the box hears, and when."""
+    """The box's received messages, with their times."""
 
     def test_a_call_needs_no_box_and_is_reported_at_once(self) -> None:
         self.begin("HGTKMH")

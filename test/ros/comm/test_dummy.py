@@ -101,7 +101,7 @@ class TestStops(DummyCase):
 
 
 class TestMisbehaviour(DummyCase):
-    """Each one, and what the box makes of it."""
+    """Each misbehaviour, and the box's reaction."""
 
     def test_a_wrong_clock(self) -> None:
         self.dummy("Beta", clock_offset=0.5)

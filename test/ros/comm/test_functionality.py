@@ -1,4 +1,4 @@
-"""All functionality benchmarks, one after the other, in one comm node and one dummy robot: goals of every type."""
+"""All functionality benchmarks in sequence, in one comm node and one dummy robot: goals of every type."""
 
 from support.dummy_launch import launch_dummy
 from support.modules_case import FunctionalityCase

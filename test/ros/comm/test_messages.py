@@ -62,7 +62,7 @@ class TestTroubles(ChannelCase):
         self.wait_logged(Log.WARN, f"there is another box at {TABLET} besides the one at 127.0.0.1")
 
     def test_an_unknown_benchmark(self) -> None:
-        """Of a newer box: the robot's programs would not know what it is either."""
+        """A benchmark of a newer box, which the robot's programs do not know either."""
         self.begin("HWV")
         self.box.send("HNEW", BoxState.PREPARE)
         self.wait_logged(Log.ERROR, "the box runs the unknown benchmark 'HNEW': update this package")

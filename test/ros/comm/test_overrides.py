@@ -64,7 +64,7 @@ class OverrideCase(CommCase):
 
 
 class TestSequences(OverrideCase):
-    """Each sequence, with all that is there, and is not there, at each moment."""
+    """Each sequence, with the topics and services that must exist or not exist at each moment."""
 
     def test_each_benchmark_in_one_node(self) -> None:
         self.assertEqual((self.services, self.published), (set(), ALWAYS))
@@ -104,7 +104,7 @@ class TestSequences(OverrideCase):
         self.late(NUMBERS[code], SAYS_STOP)
 
     def one_goal(self, code: str) -> None:
-        """From PREPARE until the goal is completed; each state is repeated, as the box does."""
+        """Override from PREPARE until the goal is completed. Each state is repeated, as the box does."""
         own, number = set(OWN.get(code, {})), NUMBERS[code]
         end_type, end_kind, result = RESULTS.get(code, (_EMPTY, None, ()))
         self.override(number, PREPARE)
@@ -131,7 +131,7 @@ class TestSequences(OverrideCase):
         self.late(number, SAYS_EXECUTE)
 
     def late(self, number: int, state: int) -> None:
-        """Who listens only now gets what both topics said last."""
+        """A new listener receives the last message of both topics."""
         benchmarks, states = self.heard("benchmark", Benchmark), self.heard("benchmark/state", BenchmarkState)
         self.assertEqual((benchmarks.wait_count(1).benchmark, states.wait_count(1).benchmark_state), (number, state))
         benchmarks.close()
@@ -139,10 +139,10 @@ class TestSequences(OverrideCase):
 
 
 class TestCommandLine(OverrideCase):
-    """The documentation's commands, word for word."""
+    """The commands of the documentation, unchanged."""
 
     def rosservice(self, *words: str) -> str:
-        """Run rosservice call; returns what it printed."""
+        """Run rosservice call. Returns its output."""
         program = Program("rosservice", "call", *words)
         self.addCleanup(program.close)
         program.wait_ended()

@@ -46,7 +46,7 @@ def recording(name: str) -> Iterator[Tuple[bool, Any]]:
 
 
 def news(values) -> List[Any]:
-    """Without repetitions one after the other."""
+    """Remove consecutive repetitions."""
     return [value for value, _ in itertools.groupby(values)]
 
 
@@ -129,7 +129,7 @@ class TestRecordings(ChannelCase):
         self.box.send(fields.pop("benchmark_type"), fields.pop("benchmark_state"), **fields)
 
     def robot_says(self, message: pb.RobotState) -> None:
-        """The node says it too, after its owner did what the original one's did."""
+        """The node reports it, too, after the same actions of its owner."""
         after = RobotState(message.robot_state)
         service = OWN_STEPS.get((self.state, after))
         if service is not None:

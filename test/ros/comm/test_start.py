@@ -1,4 +1,4 @@
-"""How the comm node begins, or says why it cannot."""
+"""The comm node's start, or its report of why it cannot start."""
 
 from typing import Dict
 
@@ -11,10 +11,10 @@ from support.waiting import wait_until
 
 
 class TestParameters(NetworkCase):
-    """A node that cannot begin says all that is wrong with its parameters, and ends."""
+    """A node that cannot start reports all errors in its parameters, and ends."""
 
     def node(self, program: str, name: str, **params: str) -> Program:
-        """A node under a name of its own."""
+        """A node with a unique name."""
         usual = {"rsbb_host": BROADCAST, "rsbb_port": str(RSBB_PORT), "bind_host": "127.0.1.1"}
         chosen: Dict[str, str] = {**(usual if program == "comm" else {}), **params}
         return self._leaving(Program(own(program), f"__name:={name}",

@@ -25,7 +25,7 @@ MUCH = tuple(f"{number} {'x' * 400}" for number in range(30))
 
 class DiskCase(OwnCoreCase):
     def use_disk(self, kilobytes: int = 1024, breaks: bool = False) -> SmallDisk:
-        """A disk that is there as long as the test; skips the test where there can be none."""
+        """A disk that exists during the test. Skips the test if no disk can be created."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         try:
@@ -53,7 +53,7 @@ class DiskCase(OwnCoreCase):
         return robot
 
     def score_without_disk(self) -> str:
-        """A score that counts, although it cannot be saved; returns what the referee reads."""
+        """Enter a score that counts although it cannot be saved. Returns the referee's message."""
         with self.assertRaises(Refusal) as refused:
             self.box.set_score(ZONE, GROUP, DOOR, 1)
         wait_until(lambda: any((desc, value) == (DOOR, 1) for _, desc, _, value in self.box.scores(ZONE)),
@@ -71,13 +71,13 @@ class DiskCase(OwnCoreCase):
         happened()
 
     def say(self, robot: Robot, *sayings: str) -> None:
-        """The robot says something, and the box has it."""
+        """Let the robot send a text, and wait until the box has it."""
         for saying in sayings:
             robot.request("notify", saying)
         robot.wait_said()
 
     def to_the_end(self, robot: Robot, saying: str) -> None:
-        """The rest of the run, in which the robot says something."""
+        """Complete the run. The robot sends texts during it."""
         self.say(robot, saying)
         robot.let("execute")
         self.box.wait_text(ZONE, "Benchmark completed by the robot")

@@ -62,7 +62,7 @@ class TestKilledOnce(KillCase):
         return port
 
     def ends(self, zone: str) -> float:
-        """When the time of a zone's run will be up (UTC)."""
+        """Return when a zone's run will time out (UTC)."""
         gui = wait_until(
             lambda: next((self.box.gui for z in self.box.gui.zones if z.zone == zone and z.timer.to_sec() < 600), None),
             "the time runs")
@@ -134,7 +134,7 @@ class TestKilledOnce(KillCase):
         return self.box.zone(zone).online_data.splitlines()
 
     def assert_records(self, ports: List[int]) -> None:
-        """What remains: the same in the bag, the journal and the outcome."""
+        """Check that the bag, the journal and the outcome agree."""
         reasons, scores, strings = ["completed", "completed", "timeout"], [[2, 3], [5], []], []
         for port, reason, score in zip(ports, reasons, scores):
             log = self.log_on_record(port)
@@ -160,7 +160,7 @@ class Conducted:
 
 
 class Referee:
-    """Conducts one run after the other in a zone, whatever becomes of the core meanwhile."""
+    """Conducts one run after the other in a zone, even if the core is killed in the meantime."""
 
     def __init__(self, box: BoxClient, zone: str, robot: Robot, benchmark: str) -> None:
         self.runs: List[Conducted] = []
@@ -168,11 +168,11 @@ class Referee:
         self._executed = f"execute {benchmark}"
 
     def remembers(self) -> str:
-        """What to look at if something is wrong."""
+        """Return details for the message of a failure."""
         return f"{[vars(run) for run in self.runs]}; its robot did {self.robot.did}"
 
     def step(self, resumes: bool) -> bool:
-        """Do what is next; False: nothing, the zone is idle and no more runs are wanted."""
+        """Do the next step. Returns False if the zone is idle and no further run is wanted."""
         details = self._box.zone_details(self.zone)
         with contextlib.suppress(Refusal, AssertionError, rospy.ROSException):  # the core died, or is ahead
             if details.phase == "idle":
@@ -205,7 +205,7 @@ class Referee:
 
 
 def conduct(referees: List[Referee], enough: threading.Event) -> None:
-    """Run after run, until there are enough."""
+    """Conduct runs until there are enough."""
     while not enough.wait(0.05):
         for referee in referees:
             referee.step(resumes=len(referee.runs) < MOST_RUNS)

@@ -17,7 +17,7 @@ DOOR = ("Achievements", "Detects the door whose state has changed")
 
 class TestRestart(BoxCase):
     def kill_core(self, number: signal.Signals) -> None:
-        """Kill the core's process, and wait until another one runs."""
+        """Kill the core's process, and wait until roslaunch has restarted it."""
         uuid = self.box.details.box_uuid
         node = xmlrpc.client.ServerProxy(rosgraph.Master("/test_core_restart").lookupNode(CORE))
         os.kill(node.getPid("/test_core_restart")[2], number)

@@ -1,4 +1,4 @@
-"""What the box makes of attacks and mistakes, as docs/security.md says it, with real datagrams and processes."""
+"""The box's reactions to attacks and mistakes, as in docs/security.md, with real datagrams and processes."""
 
 import os
 import pathlib
@@ -24,23 +24,23 @@ STOP, PREPARE, WAITING_RESULT = BoxState.STOP, BoxState.PREPARE, BoxState.WAITIN
 
 
 class Attacker:
-    """Sends whatever to the box, from an address of its own."""
+    """Sends arbitrary datagrams to the box from its own address."""
 
     def __init__(self) -> None:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.bind((ATTACKER, 0))
 
     def close(self) -> None:
-        """Be gone."""
+        """Close the sockets without a last message."""
         self._socket.close()
 
     def send(self, port: int, message: object, team: Optional[str] = None) -> None:
-        """Send a message plain, or as who knows that team's password."""
+        """Send a message, either plain or encrypted with that team's password."""
         sealed = (Cipher.NONE,) if team is None else (Cipher.AES_128_CBC, Key(PASSWORDS[team]))
         self.replay(port, encode(message, *sealed))
 
     def replay(self, port: int, datagram: bytes) -> None:
-        """Send a datagram as it was recorded."""
+        """Send a recorded datagram unchanged."""
         self._socket.sendto(datagram, (BOX, port))
 
 
@@ -56,23 +56,23 @@ class RecordedRobot:
         self._socket.bind((host_of(team), 0))
 
     def close(self) -> None:
-        """Be gone."""
+        """Close the sockets without a last message."""
         self._socket.close()
         self._public.close()
 
     def beacon(self) -> None:
-        """Say that it is there."""
+        """Send a beacon."""
         self._public.send(pb.RobotBeacon(team_name=self._team, robot_name="Robot", time=wire(time.time())))
 
     def send(self, port: int, state: RobotState) -> None:
-        """Say what it does."""
+        """Send the robot's state."""
         message = pb.RobotState(time=wire(time.time()), messages_saved=1, robot_state=int(state))
         self.recorded.append(encode(message, Cipher.AES_128_CBC, self._key))
         self._socket.sendto(self.recorded[-1], (BOX, port))
 
 
 def result_of(time_s: float) -> pb.RobotState:
-    """What would end a run: the robot has finished."""
+    """A message that would end a run: the robot has finished."""
     return pb.RobotState(
         time=wire(time_s), messages_saved=9, robot_state=int(RobotState.RESULT_TX), notifications=["forged"],
     )
@@ -158,7 +158,7 @@ class TestAttacks(BoxCase):
 
 
 class TestConnections(BoxCase):
-    """Connections that say nothing, as a port scan or a browser makes them."""
+    """Connections that send nothing, like those of a port scan or a browser."""
 
     def test_200_silent_connections_do_not_hold_up_a_stop(self) -> None:
         master = rosgraph.Master(rospy.get_name())

@@ -1,4 +1,4 @@
-"""What the services of the core make of a call: an event with the name of who called, and a reliable answer."""
+"""The core's services turn a call into an event with the caller's name, and answer reliably."""
 
 import unittest
 
@@ -49,7 +49,7 @@ class _Part:
 
 
 class _Box:
-    """Its parts put down what the services call."""
+    """A box whose parts record the calls of the services."""
 
     def __init__(self) -> None:
         self.happened = []
@@ -61,7 +61,7 @@ class _Box:
 
 
 class _Loop:
-    """As RosLoop, but the thread that calls is the loop's."""
+    """Like RosLoop, but runs everything in the calling thread."""
 
     def __init__(self) -> None:
         self.inside = False
@@ -93,7 +93,7 @@ class TestServices(unittest.TestCase):
         self.box.happened, self.box.refuses = [], False
 
     def call(self, name, kind, *request):
-        """Call /core/NAME; returns what happened by then."""
+        """Call /core/NAME. Returns the events so far."""
         rospy.wait_for_service(f"/core/{name}", 30)
         rospy.ServiceProxy(f"/core/{name}", kind)(*request)
         return list(self.box.happened)

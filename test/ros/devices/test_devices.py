@@ -45,7 +45,7 @@ def call(name, kind=EmptySrv, *request):
 
 
 def kill(node):
-    """End a node without a word; roslaunch starts it again."""
+    """Kill a node; roslaunch restarts it."""
     uri = rosnode.get_api_uri(rosgraph.Master("/test"), node)
     os.kill(xmlrpc.client.ServerProxy(uri).getPid("/test")[2], signal.SIGKILL)
 

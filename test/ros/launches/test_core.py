@@ -49,7 +49,7 @@ NO_PARAMS = ("benchmarks_file", "schedule_file", "passwords_file")
 
 
 def log_dir(name: str) -> str:
-    """One for each core, or the journal of one would be the next one's of another competition."""
+    """A folder for each core. Otherwise one core would find the other's journal of another competition."""
     return os.path.join(ROS_HOME, f"roah_rsbb_{name}")
 
 
@@ -65,7 +65,7 @@ class LaunchCase(NetworkCase):
 
 
 class TestCoresThatCannotStart(unittest.TestCase):
-    """Cores alone, all started at once, each under a name of its own."""
+    """Several cores without other nodes, all started at once under different names."""
 
     PARAMS = {"broken_core": {**NETWORK, **BROKEN}, "wrong_core": WRONG_PARAMS,
               "lost_core": {**NETWORK, **GOOD, "bind_host": LOST}}
@@ -80,7 +80,7 @@ class TestCoresThatCannotStart(unittest.TestCase):
             cls.addClassCleanup(core.close)
 
     def ended(self, name: str) -> Program:
-        """The core, once it ended as it should: with status 1, and not by a mistake of its own."""
+        """Wait until the core has ended with status 1, and not because of an internal error."""
         core = self.cores[name]
         self.assertEqual(core.wait_ended(), 1)
         self.assertNotIn("Traceback", core.text)
@@ -174,7 +174,7 @@ class TestDummySetUp(LaunchCase):
         self.assertEqual(states, [BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT, BoxState.STOP])
 
     def modules_are_there(self, box: BoxClient) -> None:
-        """A functionality benchmark could be started, with ground truth, in the set-up as it is."""
+        """A functionality benchmark with ground truth can be started in this set-up."""
         heard: List[ModulesState] = []
 
         def on_state(message: ModulesState) -> None:

@@ -18,7 +18,7 @@ FILES = {
 
 
 def command_lines() -> str:
-    """What everybody on this machine can read of its processes."""
+    """The data of processes that every user of this machine can read."""
     lines = []
     for path in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
         with contextlib.suppress(OSError):  # processes end meanwhile
@@ -50,7 +50,7 @@ class TestDummySetUp(NetworkCase):
 
 
 class TestThatCannotBe(NetworkCase):
-    """The node alone, on public ports of its own."""
+    """The node alone, on its own public ports."""
 
     def node(self, port: int, **params: object) -> Program:
         given = {"rsbb_port": RSBB_PORT + port, **FILES, **params}

@@ -1,4 +1,4 @@
-"""What core and modules say to each other comes out of the ROS messages as it went in, or as something harmless."""
+"""Messages between core and modules survive the conversion to ROS messages, or become harmless."""
 
 import io
 import math

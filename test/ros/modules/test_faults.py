@@ -1,4 +1,4 @@
-"""What may go wrong with the modules' processes, and with the core beside them; stops anywhere."""
+"""Failures of the modules' processes and of the core, and stops at any moment."""
 
 import os
 import signal
@@ -55,7 +55,7 @@ class TestCrashes(FaultsCase):
         self.assertEqual(len(log.values("/rsbb_log/bmbox/goal")), 2)
 
     def test_a_second_process_takes_over(self) -> None:
-        """It has followed the run; what the first one measured stays as it was measured."""
+        """The second process has followed the run. Measurements of the first one do not change."""
         navigation = self.folder / "HNF.yaml"
         # Another process of modules takes seconds to start, and must not cost the first one its goal.
         navigation.write_text(navigation.read_text().replace("goal_timeout: 3", "goal_timeout: 60"))

@@ -31,7 +31,7 @@ class TestFollowing(FunctionalityCase):
         return next((int(s.value) for s in details.module_scores if s.name == "samples"), 0)
 
     def kill_modules(self) -> None:
-        """Kill the modules' process, and wait until another one runs: roslaunch starts it again."""
+        """Kill the modules' process, and wait until roslaunch has restarted it."""
         master = rosgraph.Master("/test_modules_following")
         first = pid_of(master)
         os.kill(first, signal.SIGKILL)

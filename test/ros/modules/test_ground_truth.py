@@ -31,7 +31,7 @@ def config(reference: str = WORLD, teams: Optional[dict] = None, **markers: Mark
 
 
 class GroundTruthCase(unittest.TestCase):
-    """Each test has a frame of its own name, so that none sees another's."""
+    """Each test uses a different frame, so that tests are independent."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -295,7 +295,7 @@ class TestDummy(unittest.TestCase):
         return file.name
 
     def check(self, status: int, *arguments: str, **environment: str) -> str:
-        """Run check_ground_truth; returns what it printed."""
+        """Run check_ground_truth. Returns its output."""
         command = ["env", *(f"{name}={value}" for name, value in environment.items()),
                    own("check_ground_truth"), *arguments]
         done = subprocess.run(

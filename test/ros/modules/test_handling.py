@@ -33,7 +33,7 @@ class TestHandling(FunctionalityCase):
         self.assertEqual({int(line.split("object_id ")[1]) for line in robot.lines if "object_id" in line}, {1, 2})
 
     def test_homf(self) -> None:
-        """The robot switches as it should at first; then one switch too many, and it breaks one."""
+        """The robot first toggles the requested switches, then one too many, and damages one."""
         robot = self.dummy_robot("Zeta")
         entries = [((2, 3), 0), ((1, 2), 1)]
 

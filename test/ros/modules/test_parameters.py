@@ -39,7 +39,7 @@ class TestParameters(FaultsCase):
         self.box.wait_details("HNF", lambda d: not d.warnings, "and there is no warning any more")
 
     def wait_off(self, zone: str, *patterns: str) -> None:
-        """Wait until start is off for these reasons, and no others."""
+        """Wait until start is off for exactly these reasons."""
         def fits(details) -> bool:
             return len(details.start_off) == len(patterns)
         reasons = self.box.wait_details(zone, lambda d: fits(d) and d.robot_state and d.start_off, f"off: {patterns}")

@@ -5,7 +5,7 @@ from support.modules_case import FunctionalityCase
 
 class TestPerception(FunctionalityCase):
     def test_hopf(self) -> None:
-        """The dummy robot sees a red cup, whatever is there."""
+        """The dummy robot always reports a red cup."""
         self.dummy_robot("Alpha")
         scores, log = self.conduct("HOPF")
         self.assertEqual((scores["", "class_accuracy"], scores["", "instance_accuracy"]), (1.0, 0.5))
@@ -18,7 +18,7 @@ class TestPerception(FunctionalityCase):
         self.assertEqual(len(log.values("/rsbb_log/opf_result")), 2)
 
     def test_hppf(self) -> None:
-        """The dummy robot sees Annie, whoever is there."""
+        """The dummy robot always reports Annie."""
         self.dummy_robot("Gamma")
         scores, _ = self.conduct("HPPF")
         self.assertEqual((scores["", "detected"], scores["", "recognised"]), (2, 1))

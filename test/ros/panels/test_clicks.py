@@ -52,7 +52,7 @@ class TestClicks(unittest.TestCase):
         happened()
 
     def wait_window(self, what: str, condition: Callable[[Dict[str, Any]], bool], limit_s: float = 30.0) -> None:
-        """Wait for what the window shows."""
+        """Wait until the window shows this."""
         wait_until(
             lambda: self.window and condition(self.window),
             lambda: f"{what}; the window shows {self.window}; it printed\n{self.launch.text[-3000:]}", limit_s,

@@ -175,7 +175,7 @@ class TestPanels(CoreCase):
 
 
 class _Context(QObject):
-    """What rqt hands a plugin."""
+    """The context that rqt passes to a plugin."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -32,7 +32,7 @@ def _names(end: str) -> list:
 
 
 def _listeners() -> set:
-    """The nodes that listen to the core, without what makes an anonymous name unique."""
+    """The nodes that listen to the core, without the unique part of anonymous names."""
     listening = dict(rosgraph.Master("/t").getSystemState()[1])
     return {name.rsplit("_", 2)[0] for name in listening.get("/core/to_gui", ())}
 

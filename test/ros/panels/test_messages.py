@@ -1,4 +1,4 @@
-"""The panels' messages say what the box's views say, tick by tick, although most of them is not made anew."""
+"""The panels' messages agree with the box's views in each tick, although most parts are cached."""
 
 import io
 import unittest
@@ -21,7 +21,7 @@ class TestPanelMessages(unittest.TestCase):
         self.log_files = {}
 
     def tick(self) -> CoreToGui:
-        """What a panel gets of the next message; its bytes are those that ROS itself would send."""
+        """The next message as a panel receives it. Its bytes are those that ROS itself would send."""
         buff = io.BytesIO(b"before")
         buff.seek(len("before"))
         self.messages.to_gui(self.driver.now, self.log_files).serialize(buff)
@@ -50,7 +50,7 @@ class TestPanelMessages(unittest.TestCase):
                              [value for group in view.scoring for _, value in group.items])
 
     def details(self) -> Optional[CoreDetails]:
-        """What a panel gets of the details; None: nothing this time."""
+        """The next details as a panel receives them; None: no message this time."""
         message = self.messages.details(self.driver.now)
         if message is None:
             return None

@@ -31,7 +31,7 @@ class TestOverview(PanelCase):
 
     @property
     def prompt(self) -> str:
-        """What the prompt above all windows says."""
+        """Return the text of the prompt above all windows."""
         prompt = self.client.stop_keys.prompt
         return prompt.text() if prompt.isVisible() else ""
 

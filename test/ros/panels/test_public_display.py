@@ -31,7 +31,7 @@ FEW_S, MANY_S = 0.25, 1e9  # for how long a page is shown
 
 
 class DisplayCase(unittest.TestCase):
-    """A display, and a core that says what the test wants."""
+    """A display, and a core that publishes what the test wants."""
 
     page_s = MANY_S
 
@@ -206,7 +206,7 @@ class TestLayout(DisplayCase):
     page_s = FEW_S
 
     def check(self, may_shorten: bool) -> None:
-        """Everything that is written is whole, and in a place of its own."""
+        """All texts are complete and do not overlap."""
         width, height = self.display.width(), self.display.height()
         written = list(self.display.written)
         for one in written:

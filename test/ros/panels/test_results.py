@@ -213,7 +213,7 @@ class TestResults(WordsCase):
         wait_until(lambda: self.panel.items.texts(), "its sheet is shown")
 
     def value(self, item: tuple) -> tuple:
-        """What is shown of an item: value, mark."""
+        """Return the shown value and mark of an item."""
         return next((row[2:] for row in self.panel.items.texts() if row[1] == item[1]), ())
 
     def test_the_zones_runs_are_shown(self) -> None:

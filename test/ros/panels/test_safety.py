@@ -1,4 +1,4 @@
-"""What a referee under stress relies on, in the whole window, with a real mouse and keyboard."""
+"""The window's safety for a referee under stress, with a real mouse and keyboard."""
 
 import tempfile
 import unittest
@@ -235,7 +235,7 @@ class TestZone(WindowCase):
 
 
 def wait_still(panel: QWidget) -> None:
-    """Wait until nothing moves any more."""
+    """Wait until the layout no longer changes."""
     seen = [[], places(panel)]
 
     def is_still() -> bool:

@@ -1,4 +1,4 @@
-"""The referee in a terminal, as a program of its own, with a fake core: real messages, real services."""
+"""The terminal referee as a separate program, with a fake core: real messages, real services."""
 
 import contextlib
 import json
@@ -38,7 +38,7 @@ class RestartedCore(FakeCore):
 
 
 def on_terminal(*words: str, **environment: str) -> str:
-    """What a referee shows on a terminal."""
+    """Return the output of a referee on a terminal."""
     master, slave = pty.openpty()
     process = subprocess.Popen([*COMMAND, *words], stdout=slave, env={**os.environ, "TERM": "xterm", **environment})
     os.close(slave)
@@ -52,7 +52,7 @@ def on_terminal(*words: str, **environment: str) -> str:
 
 
 class WithCore(unittest.TestCase):
-    """Every test has a fake core of its own, with the zones Home A and Home B."""
+    """Every test has its own fake core with the zones Home A and Home B."""
 
     def setUp(self) -> None:
         self.core = FakeCore()
@@ -200,7 +200,7 @@ class TestCommands(WithCore):
 
 
 class TestNoCore(unittest.TestCase):
-    """What does not answer is reported; `referee` gives the program a limited time."""
+    """Whatever does not answer is reported. `referee` limits the program's time."""
 
     def setUp(self) -> None:
         NODE.leave()
@@ -343,7 +343,7 @@ class TestRun(WithCore):
         return run
 
     def wait_call(self, *call: object) -> None:
-        """Wait until the core was called so."""
+        """Wait until the core has received this call."""
         wait_until(lambda: call in self.core.calls, lambda: f"{call} is called; there were {self.core.calls}")
 
     def test_an_interrupt_is_a_referees_stop(self) -> None:

@@ -1,4 +1,4 @@
-"""Whole runs by `referee run`: the real core, robots over real sockets, the referee a program of its own."""
+"""Whole runs by `referee run`: the real core, robots over real sockets, the referee as a separate program."""
 
 import collections
 import random
@@ -26,7 +26,7 @@ class LateDetails:
         self._timer = rospy.Timer(rospy.Duration(0.02), self._publish)
 
     def close(self) -> None:
-        """Delay no more."""
+        """End the delay."""
         self._timer.shutdown()
         self._subscriber.unregister()
         self._publisher.unregister()

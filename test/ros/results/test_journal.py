@@ -32,7 +32,7 @@ class ResultsCase(BoxCase):
         self.log_dir = rospy.get_param("/roah_rsbb_core/log_dir")
 
     def results(self, *arguments: str) -> str:
-        """What the program prints."""
+        """Return the program's output."""
         done = subprocess.run(
             [own("results"), "--log-dir", self.log_dir, *arguments], text=True, timeout=LIMIT_S,
             capture_output=True, env={**os.environ, "ROS_MASTER_URI": NO_MASTER},
@@ -51,7 +51,7 @@ class ResultsCase(BoxCase):
             return [link.sample for link in reader.links(port)]
 
     def wait_link(self, port: int, **sums: int) -> None:
-        """Wait until the link record has counted so much of each."""
+        """Wait until the link record has reached these counts."""
         def counted() -> Dict[str, int]:
             return {key: sum(sample.get(key, 0) for sample in self.links(port)) for key in sums}
         wait_until(lambda: counted() == sums, lambda: f"the link record says {sums}, not {counted()}")

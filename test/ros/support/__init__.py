@@ -1,1 +1,1 @@
-"""What the tests of the nodes share (test/ros/README.md)."""
+"""Support for the tests of the nodes (test/ros/README.md)."""

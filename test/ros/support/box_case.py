@@ -1,4 +1,4 @@
-"""What test cases of the core share: a client of the box, the network, and what lives on it."""
+"""Support for test cases of the core: a client of the box, and participants on the network."""
 
 import contextlib
 import pathlib
@@ -50,7 +50,7 @@ class BoxCase(NetworkCase):
         self.addCleanup(self._end_runs)
 
     def _end_runs(self) -> None:
-        """What a case that failed left must not fail the next one."""
+        """Remove what a failed case left, so that it does not affect the next one."""
         for zone in self.box.details.zones:
             if zone.phase != "idle":
                 with contextlib.suppress(Refusal):

@@ -37,7 +37,7 @@ class BoxClient:
         ]
 
     def close(self) -> None:
-        """Follow no more."""
+        """Stop following."""
         for subscriber in self._subscribers:
             subscriber.unregister()
 
@@ -57,7 +57,7 @@ class BoxClient:
         return next(zone for zone in self.gui.zones if zone.zone == name)
 
     def zone_details(self, name: str) -> ZoneDetails:
-        """What that message has no field for."""
+        """The data for which that message has no field."""
         return next(zone for zone in self.details.zones if zone.zone == name)
 
     def robot(self, team: str):
@@ -78,7 +78,7 @@ class BoxClient:
         )
 
     def wait_text(self, zone: str, text: str) -> None:
-        """Wait until the state that the referee reads contains a text."""
+        """Wait until the zone's state text contains a text."""
         self.wait_zone(zone, lambda z: text in z.state, f"the zone's state says '{text}'")
 
     def wait_phase(self, zone: str, phase: str) -> None:
@@ -106,7 +106,7 @@ class BoxClient:
         self.call("set_score", ZoneScore, zone, Score(group, desc, value))
 
     def refusal(self, command: str, zone: str) -> str:
-        """The reason with which a command must be refused; AssertionError if it is not."""
+        """Give a command that must be refused. Returns the reason; AssertionError if it is accepted."""
         try:
             self.command(command, zone)
         except Refusal as refused:

@@ -36,7 +36,7 @@ def find() -> Optional[str]:
 
 
 class Browser:
-    """One Chromium, without the network but for this machine. Close it at the end of the test."""
+    """A Chromium that reaches only this machine. Close it at the end of the test."""
 
     def __init__(self, program: str) -> None:
         self._folder = tempfile.mkdtemp(prefix="roah_browser_")

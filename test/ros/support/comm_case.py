@@ -1,4 +1,4 @@
-"""What test cases of node roah_rsbb_comm share: its topics followed, its services counted and called."""
+"""Support for test cases of node roah_rsbb_comm: follows its topics, counts and calls its services."""
 
 import contextlib
 import itertools
@@ -45,7 +45,7 @@ _ports = itertools.count(RSBB_PORT + 1)
 
 @contextlib.contextmanager
 def reported_with(what: str) -> Iterator[None]:
-    """A failure in here says what it is about. (rostest shows no text of a unittest's subTest.)"""
+    """Adds a description to failures. (rostest shows no text of a unittest's subTest.)"""
     try:
         yield
     except AssertionError as error:
@@ -66,15 +66,15 @@ class Heard:
         )
 
     def close(self) -> None:
-        """Hear no more."""
+        """Stop listening."""
         self._subscriber.unregister()
 
     def wait_connected(self) -> None:
-        """Wait until the node knows of this listener."""
+        """Wait until the node is connected to this listener."""
         wait_until(self._subscriber.get_num_connections, f"{self._subscriber.name} is published")
 
     def wait_count(self, count: int) -> Any:
-        """Wait until that many messages came, and return the last one."""
+        """Wait until this many messages have arrived, and return the last one."""
         wait_until(lambda: len(self.messages) >= count, lambda: f"{count} messages on {self._subscriber.name}; there "
                    f"are {self.messages}")
         return self.messages[-1]
@@ -119,7 +119,7 @@ class CommCase(NetworkCase):
     # -- the log ------------------------------------------------------------------------------------
 
     def logged(self, level: int, since: int = 0) -> List[str]:
-        """What the node logged at that level, from the entry `since` on."""
+        """Return what the node logged at that level, from the entry `since`."""
         with self._log_lock:
             return [text for known, text in self.log[since:] if known == level]
 
@@ -131,7 +131,7 @@ class CommCase(NetworkCase):
         )
 
     def log_sent(self, level: str = "debug") -> None:
-        """Have the node log what it sends, as the documentation says."""
+        """Make the node log what it sends, as the documentation describes."""
         rospy.wait_for_service(f"{NODE}/set_logger_level", LIMIT_S)
         rospy.ServiceProxy(f"{NODE}/set_logger_level", SetLoggerLevel)(LOGGER, level)
 
@@ -159,7 +159,7 @@ class CommCase(NetworkCase):
         return self._of_node(2) - {"override"}
 
     def wait_services(self, *names: str) -> None:
-        """Wait until it offers just these, beside override."""
+        """Wait until it offers exactly these services besides override."""
         wait_until(lambda: self.services == set(names), lambda: f"services {names}; there are {self.services}")
 
     def type_of(self, service: str) -> Optional[str]:
@@ -186,11 +186,11 @@ class CommCase(NetworkCase):
         self.wait_benchmark(0)
 
     def wait_benchmark(self, number: int) -> None:
-        """Wait until the node says so."""
+        """Wait until the node publishes it."""
         self.benchmarks.wait_last(lambda m: m.benchmark == number, f"benchmark {number}")
 
     def wait_said(self, state: int) -> None:
-        """Wait until the node says that state."""
+        """Wait until the node publishes that state."""
         self.states.wait_last(lambda m: m.benchmark_state == state, f"state {state}")
 
     @property

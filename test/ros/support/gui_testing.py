@@ -70,7 +70,7 @@ def show(widget: QWidget, width: int = 640, height: int = 700) -> None:
 
 
 def click(button: QWidget) -> None:
-    """Click a button as a referee would: it must be there, and on."""
+    """Click a button as a referee would: it must be visible and enabled."""
     wait_until(lambda: button.isVisible() and button.isEnabled(), f"button {button.text()!r} is on: {button.toolTip()}")
     # The middle of a check box may be beside its text, where a click does nothing.
     place = QPoint(10, button.height() // 2) if isinstance(button, QCheckBox) else QPoint()

@@ -1,4 +1,4 @@
-"""Whole runs of functionality benchmarks: the real modules, a dummy robot, and a referee who does what is asked."""
+"""Whole runs of functionality benchmarks: the real modules, a dummy robot, and a referee who answers."""
 
 import json
 import pathlib
@@ -95,7 +95,7 @@ class ModulesProcess(Program):
 
 
 class FaultsCase(FunctionalityCase):
-    """A test case with processes of modules, and a folder of parameters, of its own."""
+    """A test case with its own processes of modules and its own folder of parameters."""
 
     def setUp(self) -> None:
         super().setUp()
@@ -105,7 +105,7 @@ class FaultsCase(FunctionalityCase):
         shutil.copytree(str(CONFIG / "modules"), str(self.folder))
 
     def listen(self) -> List[ModulesState]:
-        """What is said on /modules/state from now on."""
+        """Follow /modules/state from now on."""
         heard: List[ModulesState] = []
 
         def on_state(message: ModulesState) -> None:
@@ -121,7 +121,7 @@ class FaultsCase(FunctionalityCase):
         return self._leaving(ModulesProcess(name, self.folder, benchmarks))
 
     def goals_done(self, robot: Robot, times: int) -> None:
-        """Let the robot complete a goal that it executes, its how manyeth it is."""
+        """Let the robot complete the goal that it executes, which is its goal of this number."""
         robot.wait_did("execute STB", times)
         robot.let("execute")
 

@@ -1,4 +1,4 @@
-"""A core of the test's own, which it may kill and start again; what remains of its runs."""
+"""A core that the test may kill and restart, and the records of its runs."""
 
 import os
 import pathlib
@@ -32,17 +32,17 @@ class Core(Program):
                          *(f"_{name}:={value}" for name, value in {**PARAMS, **params}.items()))
 
     def kill(self) -> None:
-        """End it as nothing can be worse: in the middle of whatever it does."""
+        """Kill it in the middle of whatever it is doing."""
         super().kill()
         self.wait_ended()
 
     def stop(self) -> None:
-        """Let it hang: it exists, and does nothing any more."""
+        """Make it hang: the process exists, but does nothing."""
         self._process.send_signal(signal.SIGSTOP)
 
 
 class OwnCoreCase(NetworkCase):
-    """A test case with a core of its own; `box` is its client."""
+    """A test case with its own core. `box` is its client."""
 
     def setUp(self) -> None:
         super().setUp()
@@ -58,7 +58,7 @@ class OwnCoreCase(NetworkCase):
         self.box.wait_heard()
 
     def journal(self, log_dir: pathlib.Path) -> JournalReader:
-        """The journal as it is now: a copy, as of a box that runs."""
+        """A copy of the present journal, as of a running box."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         for suffix in ("", "-wal"):
@@ -67,7 +67,7 @@ class OwnCoreCase(NetworkCase):
         return self._leaving(JournalReader(os.path.join(folder.name, FILE_NAME)))
 
     def journaled(self, log_dir: pathlib.Path, port: int) -> List[Tuple[str, Any]]:
-        """What the journal has of the run log of a robot: topic and value."""
+        """Return the journal's entries of a robot's run log: topic and value."""
         reader = self.journal(log_dir)
         identity = next(m.identity for run in reader.runs() for m in reader.members(run.identity) if m.port == port)
         return [(e.kind, e.value) for e in reader.entries(identity) if e.port == port and e.kind in KINDS]
@@ -77,7 +77,7 @@ class OwnCoreCase(NetworkCase):
         self.assertEqual(_entries(log), self.journaled(log_dir, port))
 
     def assert_log_has_all_of_the_journal(self, log_dir: pathlib.Path, port: int, log: RunLog) -> None:
-        """As well; but the bag may have more: what it still had room for when the journal could not be written."""
+        """The same, but the bag may have additional entries from the time when the journal could not be written."""
         logged, journaled = _entries(log), self.journaled(log_dir, port)
         rest = iter(logged)
         self.assertTrue(all(entry in rest for entry in journaled), f"of\n{journaled}\nthe log has only\n{logged}")

@@ -1,4 +1,4 @@
-"""What test cases of panels share: a fake core, and a panel that shows its first zone."""
+"""Support for test cases of panels: a fake core, and a panel that shows its first zone."""
 
 import unittest
 

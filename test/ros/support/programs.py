@@ -58,7 +58,7 @@ class Program:
         self._output.close()
 
     def kill(self) -> None:
-        """End it as nothing can be worse; its children live on."""
+        """Kill it. Its child processes continue."""
         self._process.kill()
 
     @property
@@ -67,7 +67,7 @@ class Program:
         return "\n".join(self.lines)
 
     def wait_printed(self, text: str, times: int = 1) -> None:
-        """Wait until it has printed a text."""
+        """Wait until its output contains a text."""
         wait_until(lambda: self.text.count(text) >= times, lambda: f"'{text}' is printed; it printed\n{self.text}")
 
     def wait_ended(self, limit_s: float = LIMIT_S) -> int:

@@ -33,7 +33,7 @@ class RawBox:
         self.beacon_message = empty_beacon()
 
     def close(self) -> None:
-        """Be gone."""
+        """Close the sockets without a last message."""
         self.close_channel()
         self._public.close()
 
@@ -46,7 +46,7 @@ class RawBox:
                 if isinstance(m, pb.RobotBeacon) and (m.team_name, m.robot_name) == (self.team, self.robot)]
 
     def wait_robot(self) -> None:
-        """Wait until the robot says from now on that it is there."""
+        """Wait until the robot sends a new beacon."""
         before = len(self.robots_heard)
         self._robot_host = wait_until(
             lambda: len(self.robots_heard) > before and self.robots_heard[-1][1], "the robot sends beacons"

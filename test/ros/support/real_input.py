@@ -31,7 +31,7 @@ def move_to(place: QPoint) -> None:
 
 
 def click_at(place: QPoint) -> None:
-    """Click with the left button, whatever is there."""
+    """Click with the left button at this position."""
     move_to(place)
     for is_press in (1, 0):
         _xtst.XTestFakeButtonEvent(_display, 1, is_press, 0)

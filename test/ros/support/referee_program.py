@@ -58,7 +58,7 @@ def _start_forking() -> socket.socket:
 
 
 def referee(*words: str, **environment: str) -> subprocess.CompletedProcess:
-    """A referee, from its start to its end. With an environment of its own it is a program from the beginning."""
+    """A referee, from its start to its end. With a given environment, it is executed instead of forked."""
     global _forking
     if environment:
         return subprocess.run([*COMMAND, *words], capture_output=True, text=True, timeout=LIMIT_S,

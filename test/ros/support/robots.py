@@ -48,7 +48,7 @@ class Network:
         self._thread.start()
 
     def do(self, function: Callable[[], T]) -> T:
-        """Run a function in the loop's thread; returns or raises what it does."""
+        """Run a function in the loop's thread. Returns its result or raises its exception."""
         async def run() -> T:
             return function()
         return asyncio.run_coroutine_threadsafe(run(), self.loop).result(LIMIT_S)
@@ -60,7 +60,7 @@ class Network:
 
 
 class _Gated(Behaviour):
-    """Prepares and executes for as long as the test wants it to, and notes everything."""
+    """Prepares and executes for as long as the test wants, and records everything."""
 
     def __init__(self, robot: "Robot") -> None:
         self._robot = robot
@@ -121,7 +121,7 @@ class Robot:
         self._running = asyncio.run_coroutine_threadsafe(self.client.run(), network.loop)
 
     def close(self) -> None:
-        """Be gone, without a word."""
+        """Stop without a last message."""
         self._running.cancel()
         with contextlib.suppress(Exception):
             self._running.result(LIMIT_S)
@@ -131,16 +131,16 @@ class Robot:
         self._network.do(lambda: getattr(self.client, method)(*arguments))
 
     def save(self, messages_saved: int) -> None:
-        """Say from now on that so much offline data is saved."""
+        """Report this amount of saved offline data from now on."""
         self._network.do(lambda: setattr(self.client, "messages_saved", messages_saved))
 
     def let(self, phase: str) -> None:
-        """Let the robot end what it does: prepare or execute."""
+        """Let the robot end its activity: prepare or execute."""
         wait_until(lambda: phase in self._gates, lambda: f"the robot is at '{phase}'; it did {self.did}")
         self._network.do(lambda: self._gates.pop(phase).set_result(None))
 
     def wait_did(self, what: str, times: int = 1) -> None:
-        """Wait until the robot did something so many times."""
+        """Wait until the robot has done something this many times."""
         wait_until(
             lambda: self.did.count(what) >= times, lambda: f"the robot did '{what}' {times} times; it did {self.did}"
         )
@@ -171,7 +171,7 @@ class Robot:
 
 
 class PublicParticipant:
-    """Hears everything on the public channel, and sends what the test wants: a tablet, another box."""
+    """Receives everything on the public channel, and sends what the test wants: a tablet, another box."""
 
     def __init__(self, network: Network, host: str, port: int = RSBB_PORT) -> None:
         self.heard: List[Tuple[Any, str]] = []  # message and address of its sender
@@ -182,7 +182,7 @@ class PublicParticipant:
         network.do(self._channel.open)
 
     def close(self) -> None:
-        """Be gone."""
+        """Close the sockets without a last message."""
         self._network.do(self._channel.close)
 
     def send(self, message: Any) -> None:
@@ -239,13 +239,13 @@ class RawRobot:
         self._private: Optional[PrivateChannel] = None
 
     def close(self) -> None:
-        """Be gone."""
+        """Close the sockets without a last message."""
         if self._private is not None:
             self._network.do(self._private.close)
         self._public.close()
 
     def beacon(self) -> None:
-        """Say once on the public channel that it is there."""
+        """Send one beacon on the public channel."""
         self._public.send(pb.RobotBeacon(team_name=self.team, robot_name=self.name, time=wire(time.time())))
 
     def open_private(self, port: int) -> None:
@@ -266,7 +266,7 @@ class RawRobot:
         return message
 
     def send_again(self, message: pb.RobotState) -> None:
-        """Send what was sent before, once more."""
+        """Send the last datagram again."""
         self._network.do(lambda: self._private.send(message))
 
     def wait_acknowledged(self, message: pb.RobotState) -> pb.BenchmarkState:

@@ -22,7 +22,7 @@ AS_TEXT = "--text"
 
 
 def _add_sub_test(result: Any, test: Any, subtest: Any, error: Any) -> None:
-    """Report a failed subtest as a case of its own."""
+    """Report a failed subtest as a separate case."""
     unittest.TestResult.addSubTest(result, test, subtest, error)
     if error is None:
         return

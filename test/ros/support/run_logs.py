@@ -8,7 +8,7 @@ import rosbag
 
 
 class RunLog:
-    """What a run's bag holds: `entries`, in their order, are (topic, message)."""
+    """The contents of a run's bag: `entries` are (topic, message), in order."""
 
     def __init__(self, path: pathlib.Path, entries: List[Tuple[str, Any]]) -> None:
         self.path = path
@@ -37,5 +37,5 @@ class RunLog:
         return [message.data for message in self.messages(topic)]
 
     def changes(self, topic: str) -> List[Any]:
-        """The same, without repetitions one after the other."""
+        """The same, without consecutive repetitions."""
         return [value for value, _ in itertools.groupby(self.values(topic))]

@@ -1,4 +1,4 @@
-"""What the tests of the tablet share: where its page is, and tablet nodes that a test starts itself."""
+"""Support for the tests of the tablet: the address of its page, and tablet nodes that a test starts."""
 
 from typing import Any
 from xmlrpc.client import ServerProxy

@@ -1,4 +1,4 @@
-"""Waiting for what happens: a ROS message, a datagram or a program's line wakes up whoever waits."""
+"""Waiting for events: a ROS message, a datagram or a program's line wakes all waiting tests."""
 
 import threading
 import time
@@ -16,7 +16,7 @@ _count = 0
 
 
 def happened() -> None:
-    """Something happened: whoever waits looks again. May be called from any thread."""
+    """Wake all waiting tests after an event. May be called from any thread."""
     global _count
     with _news:
         _count += 1

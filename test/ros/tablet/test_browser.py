@@ -179,7 +179,7 @@ class TestWholeWay(BrowserCase):
 
 
 class TestNoConnection(BrowserCase):
-    """The page says when nothing can be sent."""
+    """The page shows when nothing can be sent."""
 
     def test_a_box_that_is_not_there(self) -> None:
         self._leaving(tablet_nodes.node(rsbb_port=tablet_nodes.OWN_TABLET_PORT)).wait_printed("page: open")

@@ -31,7 +31,7 @@ class AllRobotsCase(BoxCase):
         return [ports[robot.team] for robot in robots]
 
     def wait_counts(self, zone: str, preparing: int, executing: int, stopped: int) -> None:
-        """Wait until the referee sees that so many robots do this and that."""
+        """Wait until the referee sees these numbers of robots in each state."""
         self.box.wait_text(zone, f"Robots preparing: {preparing} / executing: {executing} / stopped: {stopped}")
         counts = (preparing, executing, stopped)
         self.box.wait_details(

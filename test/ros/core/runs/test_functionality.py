@@ -28,7 +28,7 @@ class TestOnTheWire(ModulesCase):
         return robot
 
     def wait_sent(self, robot, state: BoxState) -> pb.BenchmarkState:
-        """Wait until the box's last word to the robot is `state`; returns it."""
+        """Wait until the box's last message to the robot has this state. Returns the message."""
         return wait_until(
             lambda: robot.received and robot.received[-1].benchmark_state == state and robot.received[-1],
             f"the box sends {state.name}",

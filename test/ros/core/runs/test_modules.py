@@ -1,4 +1,4 @@
-"""Modules that come and go, that are late, that are two, that talk nonsense: what they may do to the core."""
+"""The core with modules that come and go, are late, are duplicated, or send nonsense."""
 
 import math
 

@@ -41,7 +41,7 @@ class TestScores(BoxCase):
         return next((run for run in runs if run.identity == identity), None)
 
     def values(self, identity: str):
-        """What the items that were scored stand at."""
+        """Return the values of the scored items."""
         return {
             item.desc: "-" if item.not_attempted else item.value
             for item in self.sheet(identity).items if item.value or item.not_attempted
@@ -133,6 +133,6 @@ class TestScores(BoxCase):
         self.assertEqual(len(self.results), count)
 
     def wait_clock(self, seconds: float) -> None:
-        """Let so much time of the core pass."""
+        """Wait until the core's clock has advanced by this much."""
         end = self.box.gui.clock.to_sec() + seconds
         wait_until(lambda: self.box.gui.clock.to_sec() > end, "time passes")

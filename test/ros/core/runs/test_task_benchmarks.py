@@ -206,7 +206,7 @@ class TestWelcomingVisitors(BoxCase):
         self.wait_sent(robot, WAITING_RESULT)
 
     def wait_sent(self, robot, state: BoxState) -> None:
-        """Wait until the box's last word to the robot is `state`."""
+        """Wait until the box's last message to the robot has this state."""
         wait_until(
             lambda: robot.received and robot.received[-1].benchmark_state == state, f"the box sends {state.name}"
         )

@@ -1,4 +1,4 @@
-"""What may go wrong in a run, over real sockets: time, clocks, silence, passwords, offline data."""
+"""Problems in a run, over real sockets: timeouts, clocks, silence, passwords, offline data."""
 
 import socket
 
@@ -79,7 +79,7 @@ class TestTime(BoxCase):
         self.assertIn("nothing to stop", box.refusal("stop", "Restart"))
 
     def time_of_end(self, zone: str) -> float:
-        """When the time of the run will be up, UTC."""
+        """Return when the run will time out, UTC."""
         gui = self.box.gui
         return gui.clock.to_sec() + next(z.timer.to_sec() for z in gui.zones if z.zone == zone)
 

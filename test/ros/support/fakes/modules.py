@@ -1,4 +1,4 @@
-"""A node of benchmarking modules that asks for what the test wants, beside the real core."""
+"""A node of benchmarking modules that makes the test's requests, beside the real core."""
 
 import threading
 from typing import Any, Dict, Optional
@@ -44,16 +44,16 @@ class FakeModules:
         threading.Thread(target=self._beats, name=node, daemon=True).start()
 
     def close(self) -> None:
-        """Be gone, without a word."""
+        """Stop without a last message."""
         self._closed.set()
         self._subscriber.unregister()
 
     def beat(self) -> None:
-        """Say it all, now."""
+        """Publish the whole state now."""
         self._publisher.publish(state_message(ModulesState(self.node, self.infos, tuple(self.progress.values()))))
 
     def send(self, *progress: Progress) -> str:
-        """Say something else for once; returns a warning that comes with it, and stays."""
+        """Publish another message once. Returns a warning that it contains and that stays."""
         self._sent += 1
         mark = f"sent {self._sent}"
         self.infos = tuple(info._replace(warnings=(mark,)) for info in self.infos)
@@ -71,7 +71,7 @@ class FakeModules:
         return self.progress[run.run]
 
     def asks(self, zone: str, kind: RequestKind = RequestKind.GOAL, **fields: Any) -> Request:
-        """Ask for the next thing; waits until the core has taken it."""
+        """Make the next request. Waits until the core has accepted it."""
         request = Request(len(self.runs[zone].steps) + 1, kind, **fields)
         self.says(zone, request=request)
         wait_until(lambda: len(self.runs[zone].steps) == request.number, f"the core takes {request}")
@@ -85,7 +85,7 @@ class FakeModules:
         )
 
     def wait_attempt(self, zone: str, attempt: int = 1) -> RunForModule:
-        """Wait until an attempt is under way."""
+        """Wait until an attempt is in progress."""
         return self.wait_run(zone, lambda run: run.running and run.attempt == attempt, f"attempt {attempt} is running")
 
     def wait_outcome(self, zone: str) -> Outcome:
@@ -108,7 +108,7 @@ class FakeModules:
 
 
 class ModulesCase(BoxCase):
-    """A test case with modules of its own; `fbm` is the node of those that drive its runs."""
+    """A test case with its own modules. `fbm` is the node that drives its runs."""
 
     fbm: FakeModules
 
@@ -124,7 +124,7 @@ class ModulesCase(BoxCase):
         self.fbm.wait_attempt(zone, attempt)
 
     def wait_asked(self, zone: str, text: str) -> int:
-        """Wait until the referee is asked something; returns its number."""
+        """Wait until the referee gets this request. Returns its number."""
         self.box.wait_zone(zone, lambda z: z.manual_operation == text, f"the referee is asked: {text}")
         number = len(self.fbm.runs[zone].steps)
         return self.box.wait_details(zone, lambda d: d.operation == number and number, f"it has number {number}")

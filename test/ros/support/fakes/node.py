@@ -38,7 +38,7 @@ class FakeNode:
                 self._publishers[topic].publish(message)
 
     def end(self, player: object) -> None:
-        """This player has ended; what it published last is forgotten."""
+        """End this player, and forget its last message."""
         with self._lock:
             if self._player is player:
                 self._player, self._answers = None, {}

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A player that nobody hears: it adds its argument as a line to a file in ROS_HOME, for the test."""
+"""A silent player: it appends its argument as a line to a file in ROS_HOME, for the test."""
 
 import os
 import sys

@@ -65,7 +65,7 @@ class FakePublic:
         ))
 
     def run(self, number: int = 0, phase: str = "running", left_s: float = 571.0, **fields: object) -> PublicRun:
-        """A run in a zone of its own; while it runs its time counts."""
+        """A run in its own zone. Its clock counts while it runs."""
         counting = phase == "running"
         run = PublicRun(event=self.event(number), teams=[TEAMS[number % 4]], phase=phase, counting=counting)
         run.ends = stamp(self.now() + left_s if counting else 0.0)
@@ -91,7 +91,7 @@ def _group(name: str, *values: int) -> ZoneScoreGroup:
 
 
 def scene(fake: FakePublic, runs: int, scores: bool = True) -> Tuple[int, int]:
-    """A competition in full swing, with so many runs; returns how many results and events that follow there are."""
+    """Publish a busy competition with this many runs. Returns the numbers of results and coming events."""
     reasons = ("completed", "timeout", "stopped", "no_messages_saved", "module_failed")
     fake.runs = [fake.run(i, left_s=571.0 + i) for i in range(runs)]
     if runs > 1:

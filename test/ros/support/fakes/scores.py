@@ -1,4 +1,4 @@
-"""The part of a fake core that has to do with scores. What is written down of a run is the real core's."""
+"""The scores of a fake core. It uses the real core's record of a run."""
 
 import contextlib
 import time
@@ -27,7 +27,7 @@ NOT_ATTEMPTED = -1
 
 
 def present() -> Now:
-    """The present moment, for what is the real core's here."""
+    """The present moment, for the parts of the real core."""
     return Now(time.monotonic(), time.time())
 
 

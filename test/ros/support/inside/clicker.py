@@ -20,7 +20,7 @@ LIMIT_S = 10.0
 
 
 def arm() -> None:
-    """Be there when the window's program runs its Qt loop."""
+    """Start when the window's program runs its Qt loop."""
     run = application.run
 
     def run_with_clicker(app) -> int:
