@@ -1,14 +1,22 @@
-"""The dummy set-up with dummy robots of several teams, and dummy robots that cannot be."""
+"""The dummy set-up from its launch to its end, with robots of several teams; dummy robots that cannot start."""
 
 import contextlib
 import os
 import pathlib
+from typing import List
 
-from support.box_case import PACKAGE, NetworkCase
+import rospy
+from std_srvs.srv import Empty
+from support.box_case import LISTENER, PACKAGE, NetworkCase
 from support.box_client import BoxClient
 from support.programs import Program, own
-from support.robots import BOX, BROADCAST, CONFIG, PASSWORDS, RSBB_PORT
-from support.waiting import wait_until
+from support.robots import BOX, BROADCAST, CONFIG, PASSWORDS, RSBB_PORT, PublicParticipant
+from support.run_logs import RunLog
+from support.waiting import LIMIT_S, happened, wait_until
+
+from roah_rsbb.msg import ModulesState
+from roah_rsbb.protocol import BoxState
+from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
 
 LOG_DIR = os.path.join(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros")), "roah_rsbb_test")
 FILES = {
@@ -27,26 +35,67 @@ def command_lines() -> str:
 
 
 class TestDummySetUp(NetworkCase):
-    def test_three_robots(self) -> None:
-        """The teams of the schedule come first, then others that have a password."""
+    def test_from_launch_to_shutdown(self) -> None:
+        """All of it but what test_devices.py and test_tablet.py launch."""
+        listener = self.participant(LISTENER)
         files = (f"{name}:={path}" for name, path in FILES.items())
         launched = self._leaving(Program(
             "roslaunch", PACKAGE, "roah_rsbb_dummy.launch", "robots:=3", "gui:=none", "tablet:=false",
-            "devices:=false", "modules:=false", "ground_truth:=false", f"rsbb_host:={BROADCAST}",
-            f"rsbb_port:={RSBB_PORT}", f"bind_host:={BOX}", f"log_dir:={LOG_DIR}", *files,
+            "devices:=false", f"rsbb_host:={BROADCAST}", f"rsbb_port:={RSBB_PORT}", f"bind_host:={BOX}",
+            f"log_dir:={LOG_DIR}", *files,
         ))
         box = BoxClient()
         self.addCleanup(box.close)
         box.wait_heard()
+        self.listens_at_first(box, listener)
+        self.robots_of_three_teams(box, launched)
+        box.connect("Hall")
+        box.start("Hall")
+        box.wait_text("Hall", "Benchmark completed by the robot")
+        launched.wait_printed("Gamma: HGTKMH: complete")
+        self.assertGreater(box.zone_details("Hall").messages_saved, 0)
+        path = box.zone_details("Hall").log_file
+        self.modules_are_there()
+
+        rospy.wait_for_service("/roah_rsbb_shutdown", LIMIT_S)
+        rospy.ServiceProxy("/roah_rsbb_shutdown", Empty)()
+        self.assertEqual(launched.wait_ended(), 0)
+        self.assertNotIn("Traceback", launched.text)
+        states = RunLog.complete(path).values("/rsbb_log/rsbb_state")
+        self.assertEqual(states, [BoxState.STOP, BoxState.PREPARE, BoxState.WAITING_RESULT, BoxState.STOP])
+
+    def listens_at_first(self, box: BoxClient, listener: PublicParticipant) -> None:
+        box.wait_details("Hall", lambda d: any("still listening" in reason for reason in d.connect_off),
+                         "connect is off while the box only listens")
+        self.assertIn("The box is still listening for another box", box.refusal("connect", "Hall"))
+        self.assertIsNone(listener.beacon)
+        wait_until(lambda: listener.beacon, "the box transmits")
+        self.assertRegex(box.gui.status, r"^OK$|: [01] s$", "it listened for the whole time")
+
+    def robots_of_three_teams(self, box: BoxClient, launched: Program) -> None:
+        """The teams of the schedule come first, then others that have a password."""
         wait_until(lambda: len(box.gui.active_robots) == 3, lambda: f"three robots are active:\n{box.gui}")
         self.assertEqual({robot.team for robot in box.gui.active_robots}, {"Gamma", "Beta", "Alpha"})
         for number, team in enumerate(("Gamma", "Beta", "Alpha"), 2):
             launched.wait_printed(f"A dummy robot of team {team} at 127.0.0.{number}")
         self.assertNotIn(PASSWORDS["Gamma"], command_lines() + launched.text)
-        box.connect("Hall")
-        box.start("Hall")
-        box.wait_text("Hall", "Benchmark completed by the robot")
-        launched.wait_printed("Gamma: HGTKMH: complete")
+
+    def modules_are_there(self) -> None:
+        """A functionality benchmark could be started, with ground truth, in the set-up as it is."""
+        heard: List[ModulesState] = []
+
+        def on_state(message: ModulesState) -> None:
+            heard.append(message)
+            happened()
+
+        subscriber = rospy.Subscriber("/modules/state", ModulesState, on_state)
+        self.addCleanup(subscriber.unregister)
+        wait_until(
+            lambda: heard and not any(module.problems or module.warnings for module in heard[-1].modules),
+            lambda: f"the modules have all that they need; they say\n{heard[-1:]}",
+        )
+        self.assertEqual({module.benchmark for module in heard[-1].modules},
+                         {code for code, profile in PROFILES.items() if profile.kind is BenchmarkKind.FUNCTIONALITY})
 
 
 class TestThatCannotBe(NetworkCase):

@@ -58,9 +58,3 @@ class TestNewCompetition(NetworkCase):
         self.assertEqual(launched.wait_ended(), 0)
         self.assertNotIn("Traceback", launched.text)
         self.assertNotIn("WARN", launched.text.replace("WARNING: ", ""))
-
-    def test_nobody_is_asked_where_nobody_can_answer(self) -> None:
-        made = self.new_competition()
-        self.assertEqual(made.status, 2)
-        self.assertIn("not given: --teams, --benchmarks, --days", made.text)
-        self.assertFalse(os.path.exists(self.directory))

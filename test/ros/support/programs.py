@@ -49,13 +49,17 @@ class Program:
     def close(self) -> None:
         """End the program, by force if need be."""
         if self._process.poll() is None:
-            self._process.send_signal(signal.SIGINT)
+            self.interrupt()
             try:
                 self._process.wait(END_S)
             except subprocess.TimeoutExpired:
                 self._process.kill()
         self._reader.join(END_S)
         self._output.close()
+
+    def interrupt(self) -> None:
+        """Interrupt it as Ctrl-C and roslaunch do."""
+        self._process.send_signal(signal.SIGINT)
 
     def kill(self) -> None:
         """Kill it. Its child processes continue."""
