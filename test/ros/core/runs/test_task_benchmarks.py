@@ -189,7 +189,7 @@ class TestWelcomingVisitors(BoxCase):
         robot.send(RobotState.RESULT_TX, age_s=5.0, notifications=["from long ago"])
         answer = robot.wait_acknowledged(robot.send(RobotState.EXECUTING))
         self.assertEqual(answer.benchmark_state, WAITING_RESULT)
-        self.box.wait_zone("Wire", lambda z: "devices or tablet, which HWV does not use: ignored" in z.log, "devices are ignored")
+        self.box.wait_zone("Wire", lambda z: "devices or tablet, which HWV does not use: ignored" in z.log, "ignored")
         robot.send(RobotState.RESULT_TX)
         self.box.wait_text("Wire", "Benchmark completed by the robot")
         log = self.leave("Wire")
