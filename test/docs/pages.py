@@ -74,7 +74,7 @@ def prose(page: str) -> str:
 
 
 def anchors(page: str) -> List[str]:
-    """What a page's headings are called in links, as GitHub makes it."""
+    """Return the anchors of a page's headings, as GitHub generates them."""
     headings = re.findall(r"^#+ +(.*)$", prose(page), re.MULTILINE)
     names = [re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings]
     return [name if names.index(name) == number else f"{name}-{names[:number].count(name)}"

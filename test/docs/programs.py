@@ -1,4 +1,4 @@
-"""What the package's programs and launch files say of themselves, asked once each."""
+"""The help of the package's programs and launch files. Each is asked only once."""
 
 import concurrent.futures
 import functools
@@ -21,7 +21,7 @@ _NOBODY = {"ROS_MASTER_URI": "http://127.0.0.1:1", "DISPLAY": "", "WAYLAND_DISPL
 
 
 class Said(NamedTuple):
-    """How a program ended, and what it printed."""
+    """The exit status and the output of a program."""
 
     status: int
     text: str
@@ -42,18 +42,18 @@ def _ask_all(questions: Dict[str, List[str]]) -> Dict[str, Said]:
 
 @functools.lru_cache(maxsize=None)
 def helps() -> Dict[str, Said]:
-    """What each script answers to --help."""
+    """The --help output of each script."""
     return _ask_all({name: [str(ROOT / "scripts" / name), "--help"] for name in SCRIPTS})
 
 
 @functools.lru_cache(maxsize=None)
 def help_of(script: str, word: str) -> Said:
-    """What a script answers to --help behind a command of its own, such as `referee run --help`."""
+    """The --help output of a script's command, such as `referee run --help`."""
     return ask(str(ROOT / "scripts" / script), word, "--help")
 
 
 def ros_args(launch_file: str) -> Dict[str, str]:
-    """What `roslaunch --ros-args` says of each of a launch file's arguments."""
+    """The help of `roslaunch --ros-args` for each argument of a launch file."""
     path = str(ROOT / "launch" / launch_file)
     return {name: doc for name, (doc, _) in arg_dump.get_args([path]).items()}
 
@@ -70,6 +70,6 @@ def options(text: str) -> Set[str]:
 
 
 def make_targets() -> Set[str]:
-    """What `make` makes."""
+    """The targets of `make`."""
     makefile = pathlib.Path(ROOT / "Makefile").read_text(encoding="utf-8")
     return set(re.findall(r"^([a-z0-9-]+):.*##", makefile, re.MULTILINE))

@@ -1,4 +1,4 @@
-"""Links between pages, and pictures, lead somewhere; blocks are what they say."""
+"""The targets of links and pictures exist, and blocks contain what they claim."""
 
 import ast
 import pathlib
@@ -72,7 +72,7 @@ def test_every_example_stands_in_a_page_as_it_is():
 
 @pytest.mark.parametrize("page", pages.NAMES)
 def test_files_that_are_named_exist(page):
-    """What stands in a page as `core/run.py`, `docs/team.md` or `msg/Benchmark.msg` is there."""
+    """Files that a page names, such as `core/run.py`, `docs/team.md` or `msg/Benchmark.msg`, exist."""
     folders = "bench|config|core|comm|docs|journal|launch|modules|msg|nodes|proto|robot|rqt|scripts|srv|test|tools"
     for name in re.findall(rf"`((?:src/roah_rsbb/)?(?:{folders})/[\w/.-]+\.\w+)`", pages.prose(page)):
         assert any((ROOT / folder / name).exists() for folder in ("", "src/roah_rsbb", "config")), f"{page}: {name}"

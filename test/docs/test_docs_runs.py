@@ -1,4 +1,4 @@
-"""The commands that the documentation marks to be run are run, and print what it says."""
+"""Runs the commands that the documentation marks, and compares their output."""
 
 import os
 import re
@@ -12,7 +12,7 @@ MARKED = [page for page in pages.NAMES if any(block.mark for block in pages.bloc
 
 
 def fits(expected, printed):
-    """Whether a text is as a page says it is; … stands for anything in a line, or alone for any lines."""
+    """Whether a text matches a page; … stands for anything in a line, or alone for any lines."""
     pattern = "".join(
         "(?:.*\n)*?" if line.strip() == "…" else re.escape(line).replace(re.escape("…"), ".*?") + "\n"
         for line in expected.splitlines())
@@ -20,7 +20,7 @@ def fits(expected, printed):
 
 
 def run(block, folder):
-    """Run a block's commands as they would be typed; returns what was printed."""
+    """Run a block's commands as they would be typed. Returns their output."""
     wanted = re.fullmatch(r"(?:exit (\d+))?", block.given)
     assert wanted, f"{block.where}: mark 'run: {block.given}'"
     ended = subprocess.run(

@@ -59,7 +59,7 @@ def _run(name: str, seconds: int) -> None:
 
 
 def _escaped(token: bytes) -> str:
-    """A word as libFuzzer's dictionaries have it."""
+    """A word in the format of libFuzzer's dictionaries."""
     return "".join(f"\\x{byte:02x}" for byte in token[:60])
 
 

@@ -44,7 +44,7 @@ def check_imports():
 
 
 def check_programs():
-    """Those of the wheel start without a word of complaint."""
+    """The programs of the wheel start without warnings."""
     for program in PROGRAMS:
         ended = subprocess.run([str(BIN / program), "--help"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                check=True, text=True)
@@ -52,7 +52,7 @@ def check_programs():
 
 
 async def complete_a_benchmark():
-    """The example as a program, in a run of HOPF; what it printed."""
+    """Run the example as a program in a run of HOPF. Returns its output."""
     sys.path.append(str(SOURCE / "test" / "pure"))
     from helpers.small_box import BROADCAST, PASSWORD, ROBOT, TEAM, SmallBox
 

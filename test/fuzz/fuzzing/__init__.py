@@ -1,1 +1,1 @@
-"""What is fuzzed: functions of bytes, for atheris, for the property tests and for the stored corpus alike."""
+"""The fuzz targets: functions of bytes, for atheris, the property tests and the stored corpus."""

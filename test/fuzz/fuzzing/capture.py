@@ -1,4 +1,4 @@
-"""capture_comm: packets of whoever is on the network, and recordings of whoever made them."""
+"""capture_comm: arbitrary packets from the network, and arbitrary recordings."""
 
 import json
 import struct
@@ -37,7 +37,7 @@ def _decoder() -> Decoder:
 
 
 def _show(decoder: Decoder, datagram: Datagram) -> None:
-    """What is printed of a datagram: a line of signs that command no terminal, and a JSON object."""
+    """Print a datagram as a line without terminal commands, and as a JSON object."""
     decoder.concerns(datagram)
     entry = decoder.decode(datagram)
     line = TextLines().line(entry)
@@ -93,7 +93,7 @@ def _packet(content: bytes, dport: int = _PORT, fragment: int = 0, words: int = 
 
 
 def packet_seeds() -> List[bytes]:
-    """Packets of recorded datagrams, fragments, and packets that say another length than theirs."""
+    """Packets of recorded datagrams, fragments, and packets with a wrong length."""
     frames = [seed for seed in public_seeds() if len(seed) < 500][:8]
     whole = _packet(frames[0])
     return [_packet(seed) for seed in frames] + [

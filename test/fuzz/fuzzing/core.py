@@ -1,4 +1,4 @@
-"""The box in a competition: whatever robots, tablets, other boxes, modules and referees do, and whenever."""
+"""The box in a competition with arbitrary actions of robots, tablets, other boxes, modules and referees."""
 
 import contextlib
 import json
@@ -39,7 +39,7 @@ _CLOCK_STEPS_S = (-1e9, -1.0, 1e-3, 1.0, 1e9)
 
 
 class ForgetfulDriver(BoxDriver):
-    """Drives a box, and keeps nothing of what came of it but what the rules of effects need."""
+    """Drives a box, and keeps only what the rules of effects need."""
 
     def _carry_out(self, effect):
         super()._carry_out(effect)
@@ -66,7 +66,7 @@ def _again(kind, state):
 
 
 class Play:
-    """One input: a box with runs under way, and what happens to it then."""
+    """One input: a box with runs in progress, and the following events."""
 
     def __init__(self, data: bytes) -> None:
         self.reader = Reader(data)
@@ -154,7 +154,7 @@ class Play:
         )
 
     def _report(self) -> Step:
-        """A robot in a run says something, just now."""
+        """A robot in a run sends a message with the present time."""
         runs = self.driver.box.zones.members()
         self.driver.jump(0.001)
         if not runs:
@@ -167,7 +167,7 @@ class Play:
         return self.reader.integer(), self.reader.integer()
 
     def _report_of_anybody(self) -> Step:
-        """Somebody says something, with any time. As long as the robot is heard elsewhere, that moves nothing."""
+        """Any host sends a message with any time. It changes no state while the robot is heard elsewhere."""
         port, host = 6667 + self.reader.byte() % 6, self.reader.choice(HOSTS)
         say = self._event("on_robot_report", port, host, self._read_report(self._time()))
         self._event("tick")()
@@ -282,13 +282,13 @@ class Play:
     # -- what came of it ----------------------------------------------------------------------------
 
     def _save(self) -> None:
-        """What goes into the journal with every change."""
+        """Save the data that goes into the journal with every change."""
         box = self.driver.box
         for name in box.take_changed():
             json.dumps(freeze(box.saved() if name == effects.BOX else box.zones[name].saved()))
 
     def _look(self) -> None:
-        """What is published and sent, at its own pace."""
+        """Make the messages that are published and sent periodically."""
         driver = self.driver
         for view in views.zones(driver.box, driver.now):
             assert view.state
@@ -316,7 +316,7 @@ def steps(data: bytes) -> Iterator[Step]:
 
 
 def seeds() -> List[bytes]:
-    """Robots that finish with results, say very much, fall back; modules that ask; referees; restarts."""
+    """Robots that finish with results, send very much, or fall back; requests of modules; referees; restarts."""
     return [bytes([opening]) + seed for opening in (0, 2, 3) for seed in _seeds_of_a_run()]
 
 

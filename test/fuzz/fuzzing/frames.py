@@ -1,4 +1,4 @@
-"""Datagrams: what anybody on the network can send to the box (docs/protocol.md, "Frame")."""
+"""Datagrams that anybody on the network can send to the box (docs/protocol.md, "Frame")."""
 
 import struct
 from typing import Iterator, List
@@ -22,7 +22,7 @@ _LONG_AS_TEXT = 3000
 
 
 def public_steps(data: bytes) -> Iterator[Step]:
-    """A datagram on the public channel: a message, which can be sent again as it is, or BadDatagram."""
+    """A datagram on the public channel: either a message that can be encoded again, or BadDatagram."""
     messages: List[object] = []
 
     def receive() -> None:
@@ -76,7 +76,7 @@ def _private_datagram(data: bytes) -> bytes:
 
 
 def _has_nan(message: object) -> bool:
-    """Whether it holds what equals nothing, not even itself."""
+    """Whether it contains NaN, which is unequal even to itself."""
     return message != message or "nan" in str(message)
 
 
@@ -106,7 +106,7 @@ def public_seeds() -> List[bytes]:
 
 
 def private_seeds() -> List[bytes]:
-    """Recorded datagrams, and what they hold, which the target encrypts; and large ones."""
+    """Recorded datagrams, their contents (which the target encrypts), and large ones."""
     plain = [
         struct.pack(">HH", 6666, 20 if record["message_type"] == "BenchmarkState" else 40)
         + bytes.fromhex(record["payload_protobuf_hex"])

@@ -1,4 +1,4 @@
-"""The journal: damaged, torn, of another program, or with values that nobody wrote. The box starts all the same."""
+"""A journal that is damaged, torn, of another program, or has foreign values. The box must start."""
 
 import atexit
 import contextlib
@@ -91,7 +91,7 @@ def _good() -> bytes:
 
 
 def _written(path: pathlib.Path, data: bytes) -> None:
-    """Damage the good journal in one of several ways, as the input says."""
+    """Damage the good journal in one of several ways that the input selects."""
     reader = Reader(data)
     way = reader.choice((_whole, _bytes, _torn, _rows, _rows, _schema, _state, _state, _log))
     way(path, reader)
@@ -120,7 +120,7 @@ def _torn(path: pathlib.Path, reader: Reader) -> None:
 
 
 def _log(path: pathlib.Path, reader: Reader) -> None:
-    """There is a write-ahead log beside it, of whatever."""
+    """Add a write-ahead log with arbitrary content."""
     path.write_bytes(_good())
     path.with_name(path.name + reader.choice(COMPANIONS[1:])).write_bytes(reader.rest()[:_LARGEST])
 
@@ -133,7 +133,7 @@ def _database(path: pathlib.Path) -> Iterator[sqlite3.Connection]:
 
 
 def _try(connection: sqlite3.Connection, statement: str, *values: object) -> None:
-    """What SQLite does not take stays as it is."""
+    """Ignore statements that SQLite refuses."""
     with contextlib.suppress(sqlite3.Error, UnicodeEncodeError, OverflowError):
         connection.execute(statement, values)
 
@@ -162,7 +162,7 @@ def _schema(path: pathlib.Path, reader: Reader) -> None:
 
 
 def _state(path: pathlib.Path, reader: Reader) -> None:
-    """A saved state is JSON, but not what the box saved."""
+    """Replace a saved state by other JSON."""
     with _database(path) as connection:
         states: Dict[str, str] = dict(connection.execute("SELECT name, state FROM states"))
         while reader:
@@ -217,7 +217,7 @@ def _start(folder: pathlib.Path) -> None:
 
 
 def read_steps(data: bytes) -> Iterator[Step]:
-    """Somebody reads this journal, or what can be had of it."""
+    """Read this journal, or its readable part."""
     folder = _FOLDERS.fresh()
     path = folder / FILE_NAME
     _written(path, data)
@@ -259,7 +259,7 @@ def port_steps(data: bytes) -> Iterator[Step]:
 
 
 def name_steps(data: bytes) -> Iterator[Step]:
-    """The name of a run log: a file of that name can be made, in its folder."""
+    """Check that a file with the name of a run log can be created in its folder."""
     reader = Reader(data)
     team = "".join(reader.text().split())[:100] or "Team"
     while len(team.encode()) > 100:  # as the passwords file has it

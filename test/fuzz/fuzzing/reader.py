@@ -1,4 +1,4 @@
-"""Values out of bytes, so that whoever makes bytes makes messages: each byte more says a little more."""
+"""Makes values from bytes, so that every input is a message. Each additional byte adds a detail."""
 
 import struct
 from typing import List, Sequence, Tuple, TypeVar
@@ -26,7 +26,7 @@ class Reader:
         return self._at < len(self._data)
 
     def take(self, count: int) -> bytes:
-        """So many bytes, or as many as are left."""
+        """Return this many bytes, or all that are left."""
         taken = self._data[self._at:self._at + count]
         self._at += len(taken)
         return taken
@@ -45,7 +45,7 @@ class Reader:
         return choices[self.byte() % len(choices)]
 
     def integer(self, signed: bool = True, size: int = 8) -> int:
-        """A small number, a large one, or one at the edge of what fits."""
+        """Return a small number, a large one, or one at the limit of a range."""
         kind = self.byte()
         if kind < 128:
             return kind
@@ -86,5 +86,5 @@ class Reader:
         self._had_many = False
 
     def list_of(self, item, most: int = 4) -> List:
-        """A few of what `item()` reads."""
+        """Return a few values that `item()` reads."""
         return [item() for _ in range(self.byte() % (most + 1))]

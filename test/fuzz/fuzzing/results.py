@@ -1,4 +1,4 @@
-"""Results of robots, and what benchmarking modules make of them."""
+"""Results of robots, alone and in benchmarking modules."""
 
 import json
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""The robot's side: what a box, or whoever pretends to be one, can send to a robot."""
+"""The robot's side: messages of a box, or of a false one, to a robot."""
 
 from typing import Iterator, List
 
@@ -17,7 +17,7 @@ _UTC0 = 1_800_000_000.0
 
 
 class Play:
-    """A robot that is in a run, and what it hears then."""
+    """A robot in a run, and the messages that it receives."""
 
     def __init__(self, data: bytes) -> None:
         self.reader = Reader(data)
@@ -43,7 +43,7 @@ class Play:
         self.session.public_message(self.now, beacon, sender)
 
     def steps(self) -> Iterator[Step]:
-        """What it hears, one after the other, and what it does of it."""
+        """Pass the messages to the robot one by one, and check its effects."""
         acts = (self._hear_state, self._hear_state, self._hear_state, self._hear_beacon, self._hear_other, self._own)
         while self.reader:
             self.now += self.reader.choice(_PASSED_S)

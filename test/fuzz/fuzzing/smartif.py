@@ -1,4 +1,4 @@
-"""SmartIF: what a controller can send to the devices node (docs/devices.md, "The SmartIF protocol")."""
+"""SmartIF: messages of a controller to the devices node (docs/devices.md, "The SmartIF protocol")."""
 
 import json
 from typing import Dict, Iterator, List
@@ -61,7 +61,7 @@ def steps(data: bytes) -> Iterator[Step]:
 
 
 def home_steps(data: bytes) -> Iterator[Step]:
-    """What the devices node finds as its saved state."""
+    """The saved state that the devices node finds."""
     try:
         saved = json.loads(data.decode("utf-8", "ignore"))
     except (ValueError, RecursionError):

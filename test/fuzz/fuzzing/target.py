@@ -1,4 +1,4 @@
-"""What a fuzz target is, and what each input may cost."""
+"""The definition of a fuzz target, and the limits for the cost of an input."""
 
 import gc
 import pathlib
@@ -56,7 +56,7 @@ class Target(NamedTuple):
         return dearest, size
 
     def _seconds(self, data: bytes) -> List[float]:
-        """Processor time of each step. The garbage collector would add what other tests left behind."""
+        """Measures the processor time of each step, without the garbage collector."""
         found = []
         was_enabled = gc.isenabled()
         gc.disable()

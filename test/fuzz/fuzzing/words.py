@@ -1,4 +1,4 @@
-"""What people and browsers type: command lines, lines to the dummy tablet, messages of the tablet's page."""
+"""Input of people and browsers: command lines, lines to the dummy tablet, messages of the tablet's page."""
 
 import contextlib
 import io
@@ -23,7 +23,7 @@ _LARGEST_MESSAGE = 1024
 
 
 def _dummy_robot(words: List[str]) -> None:
-    """As `dummy.main`, but the robot is not switched on."""
+    """Like `dummy.main`, without running the robot."""
     def never(running) -> None:
         running.close()
 
@@ -141,13 +141,13 @@ def line_seeds() -> List[bytes]:
 
 
 def typed_seeds() -> List[bytes]:
-    """What is typed, rightly and wrongly."""
+    """Valid and invalid input."""
     return [b"call", b"1.5 -2.0", b"1,2", b"1 2 3", b"nan inf", b"1e308 -1e308", b"\xff\xfe",
             b"1" * 4096, b"", b"1e999,1"]
 
 
 def page_seeds() -> List[bytes]:
-    """A page's messages, and what no page says."""
+    """Valid and invalid messages of a page."""
     texts = (
         '{"do": "here"}', '{"do": "call"}', '{"do": "place", "u": 0.25, "v": 0.5}',
         '{"do": "place", "u": 1e999, "v": NaN}',

@@ -1,4 +1,4 @@
-"""The page for authors shows what is there, and its examples run."""
+"""The authors' page shows the real files, and its examples run."""
 
 import pathlib
 import re

@@ -28,7 +28,7 @@ def completed(set_up, **how):
 @pytest.mark.parametrize("restart_every_s", RESTARTS)
 def test_hopf(restart_every_s):
     def result():
-        """What is right of a red cup, and a place that is 0.3 m and 0.4 m beside that of any cup."""
+        """Return the correct result for a red cup, at a position that is 0.3 m and 0.4 m away from any cup."""
         notes = [json.loads(step.request.note)["pose"] for step in set_up.run.steps
                  if step.request.kind is RequestKind.NOTE]
         table, positioner = (Pose3(*pose) for pose in notes[-2:])

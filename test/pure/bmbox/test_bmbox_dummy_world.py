@@ -1,4 +1,4 @@
-"""The pretended test bed: what moves, when, and how far from perfect."""
+"""The simulated test bed: movements, times and errors."""
 
 import math
 

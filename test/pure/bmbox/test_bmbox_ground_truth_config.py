@@ -1,4 +1,4 @@
-"""ground_truth.yaml: markers, the teams' own, and what is wrong in the file."""
+"""ground_truth.yaml: markers, markers of teams, and errors in the file."""
 
 import pytest
 
@@ -33,7 +33,7 @@ def read(tmp_path):
 
 @pytest.fixture
 def errors(read):
-    """What is wrong with GOOD when this is changed, as (line, text)."""
+    """Return the errors in GOOD after this change, as (line, text)."""
     def errors(old, new):
         assert old in GOOD
         with pytest.raises(ConfigErrors) as wrong:

@@ -31,7 +31,7 @@ def hopf(items=None, goals=None, table=TABLE, positioner=HERE, **run):
 
 
 def to_goal(r):
-    """The referee does what comes before a goal."""
+    """The referee completes the manual operations before a goal."""
     r.answer()
     r.answer()
 

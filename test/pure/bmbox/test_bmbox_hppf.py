@@ -12,7 +12,7 @@ HERE = Pose3(1.0, 1.0, 1.8, 0.0)
 
 
 class PosesAtTimes(Poses):
-    """Poses of now, and of the past; where the past is None nobody knows."""
+    """Present and past poses. A past pose of None is unknown."""
 
     past = {}
     asked_utc = None
@@ -32,7 +32,7 @@ def hppf(*people, person=HERE):
 
 
 def entering(r):
-    """Who is asked to enter."""
+    """Return the name of the person who must enter."""
     return r.asked.text[len("Ask "):-len(" to enter the target area")]
 
 

@@ -1,4 +1,4 @@
-"""Results of robots that nobody knows."""
+"""Results of unknown robots."""
 
 import time
 

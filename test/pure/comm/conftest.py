@@ -1,4 +1,4 @@
-"""What the tests on real loopback sockets share: a loop, free ports, and inboxes to wait for."""
+"""Support for tests on real loopback sockets: a loop, free ports, and inboxes."""
 
 import asyncio
 import socket
@@ -9,7 +9,7 @@ TIMEOUT_S = 10
 
 
 class Inbox(list):
-    """Collects what a handler is called with, and lets a test wait for it."""
+    """Collects the arguments of a handler's calls, and lets a test wait for them."""
 
     def __init__(self, loop):
         super().__init__()
@@ -19,7 +19,7 @@ class Inbox(list):
         self.append(arguments if len(arguments) > 1 else arguments[0])
 
     def wait(self, count=1):
-        """Run the loop until there are `count` items; all of them."""
+        """Run the loop until there are `count` items. Returns all of them."""
         self._loop.run_until_complete(asyncio.wait_for(self._until(count), TIMEOUT_S))
         return list(self)
 

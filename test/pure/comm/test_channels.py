@@ -1,4 +1,4 @@
-"""Box, robots and tablet on one machine: each on a loopback address of its own, with real sockets."""
+"""Box, robots and tablet on one machine, with real sockets on different loopback addresses."""
 
 import socket
 

@@ -1,4 +1,4 @@
-"""Keys and ciphers against what the original derived and encrypted."""
+"""Keys and ciphers, compared with those of the original."""
 
 import os
 import random

@@ -225,7 +225,7 @@ def test_any_time_is_decoded():
 
 
 def decode_or_bad(datagram):
-    """What the channels do with a datagram: a message or BadDatagram, nothing else."""
+    """Decode a datagram as the channels do. The result is a message or BadDatagram."""
     for channel in ("public", "private"):
         try:
             message = decode(datagram, channel)

@@ -1,4 +1,4 @@
-"""A peer on real loopback sockets: reading, sending, and what goes wrong with both."""
+"""A peer on real loopback sockets: receiving, sending, and errors of both."""
 
 import errno
 import logging
@@ -26,7 +26,7 @@ def peer(loop, port, inbox, opened):
 
 @pytest.fixture
 def raw():
-    """A socket that is no peer, at an address and port of its own."""
+    """A plain socket with its own address and port."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as endpoint:
         endpoint.bind(("127.0.0.9", 0))
         yield endpoint

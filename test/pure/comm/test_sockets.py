@@ -1,4 +1,4 @@
-"""Which addresses a peer binds, and errors that say what to do."""
+"""The addresses that a peer binds, and errors with their remedies."""
 
 import errno
 import socket

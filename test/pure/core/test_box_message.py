@@ -1,4 +1,4 @@
-"""What a robot learns from a message of the box."""
+"""How a robot understands a message of the box."""
 
 import pytest
 

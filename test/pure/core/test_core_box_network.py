@@ -1,4 +1,4 @@
-"""What arrives on the public channel: other boxes, robots, floods, things that cannot be read."""
+"""The public channel: other boxes, robots, floods, unreadable datagrams."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The referee's buttons: what each needs, and every reason why it is off. The same reasons refuse the command."""
+"""The referee's buttons: when each is enabled, and every reason why not. The same reasons refuse the command."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What is on record first, and what leaves the box then; what run logs contain (docs/ros_interface.md, "Run log")."""
+"""The order of records and messages, and the contents of run logs (docs/ros_interface.md, "Run log")."""
 
 import pytest
 
@@ -82,7 +82,7 @@ def test_a_timeout_rings_after_that_is_logged():
 
 
 def test_when_states_leave():
-    """A change at once and in a burst, an answer at once; what changes nothing waits for the next regular one."""
+    """Changes are sent at once and in a burst, answers at once. Other messages wait for the next regular one."""
     driver = BoxDriver()
     robot = driver.connected()
     driver.command("start")

@@ -159,7 +159,7 @@ def test_a_functionality_benchmark_goes_through_the_same_states_and_sooner(name,
 
 
 def test_a_timeout():
-    """The original let the referee start again after it; that is refused here (docs/protocol.md, "State machines")."""
+    """The original allowed another start after it, which is refused here (docs/protocol.md, "State machines")."""
     replay = Replay("TIMEOUT_2015", "HGTKMH", timeout=5.0)
     assert replay.run.end_reason is EndReason.TIMEOUT
     originals = list(itertools.islice(replay.originals, 4))

@@ -75,7 +75,7 @@ def test_on_a_perfect_link_nothing_is_done_twice():
 
 
 def test_a_change_is_answered_at_once():
-    """From the robot's message to the box's answer there is nothing but the network."""
+    """Only the network delays the box's answer to a robot's message."""
     world = _world("perfect", 0, "HGTKMH")
     robot = _connected(world, prepare_s=1.0, execute_s=2.0)
     world.press("start")
@@ -101,7 +101,7 @@ def test_every_string_is_logged_exactly_once(link, seed):
 
 
 def _says_strings(world, robot, rng):
-    """The robot says 25 strings, many of them again and again; returns them by field."""
+    """The robot sends 25 strings, many of them repeatedly. Returns them by field."""
     said = {field: [] for field in TOPICS}
     for _ in range(25):
         field = rng.choice(sorted(TOPICS))
@@ -113,7 +113,7 @@ def _says_strings(world, robot, rng):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_stale_datagrams_come_and_move_nothing(seed):
-    """The world itself compares what each stale one did: see `World._at_box`."""
+    """The world itself checks the effect of each stale message: see `World._at_box`."""
     world = _world("everything", seed, "HWV")
     _connected(world)
     world.press("start")

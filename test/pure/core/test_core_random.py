@@ -1,4 +1,4 @@
-"""What must hold whatever happens: any order of events, any link, any times."""
+"""Invariants that hold for any order of events, any link and any times."""
 
 import contextlib
 import itertools
@@ -41,7 +41,7 @@ def _check_records(driver, reported):
 @examples(150)
 @given(st.lists(random_events(), max_size=60))
 def test_no_order_of_events_breaks_the_box(sequence):
-    """Nothing but a refusal is raised; the rules of effects hold (the driver sees to that)."""
+    """Only refusals are raised, and the rules of effects hold (the driver checks them)."""
     driver = BoxDriver(random_competition(), Settings(display_log_size=300))
     reported = {}  # identity -> the last published record
     for name, arguments in sequence:
@@ -64,7 +64,7 @@ def test_no_order_of_events_breaks_the_box(sequence):
 @examples(150)
 @given(st.data())
 def test_what_is_off_is_refused_and_what_is_on_is_not(data):
-    """A button and its command never disagree, wherever a run is. Only a stop of what is not running is accepted."""
+    """A button and its command always agree. The exception: a stop of a run that is not running is accepted."""
     driver = BoxDriver(competition(
         a=["HWV", "HGTKMH"], b=["HCFGAC"], c=[event("HGTKMH", team="Beta")], all=[event("HSUF", team="ALL")]
     ))

@@ -1,4 +1,4 @@
-"""A report has only those runs looked at that it concerns: nothing may be different, or later, because of that."""
+"""After a report, the box only checks the run concerned. This must neither change nor delay anything."""
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -26,7 +26,7 @@ ACTS = st.one_of(
 
 
 class _Side:
-    """A box and its robots; nobody ticks it between the events."""
+    """A box and its robots, without ticks between the events."""
 
     def __init__(self, looks_at_all):
         settings = Settings(check_messages_saved=True, check_messages_saved_timeout=3.0)
@@ -104,7 +104,7 @@ def test_one_robot_that_reports_does_not_hide_that_another_is_silent():
 
 
 def test_runs_that_nothing_is_due_in_are_not_looked_at_for_a_report():
-    """What 100 robots at 50 ms depend on."""
+    """The load of 100 robots at 50 ms depends on this."""
     driver = BoxDriver(competition(a=["HWV"], b=[event("HGTKMH", team="Beta")]))
     talks = driver.connected("a")
     driver.connected("b", team="Beta", host="10.0.0.3")

@@ -1,4 +1,4 @@
-"""Active robots: who was heard, from where, and with which skew."""
+"""Active robots: their addresses and skews."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Devices and the tablet: what robots command, what the beacon says."""
+"""Devices and the tablet: the robots' commands, and the beacon."""
 
 import pytest
 

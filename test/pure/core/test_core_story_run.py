@@ -340,7 +340,7 @@ def test_the_panels_texts_are_bounded():
 
 
 def test_a_robot_that_stays_where_it_is_after_the_start_is_reported():
-    """As one that does not know the benchmark's code."""
+    """A robot that does not know the benchmark's code."""
     driver = _minute()
     robot = driver.connected()
     driver.command("start")

@@ -52,7 +52,7 @@ ACTIONS = (
 
 
 class Played:
-    """All runs of the schedule, one after the other."""
+    """Conduct all runs of the schedule in sequence."""
 
     def __init__(self, tmp_path, year):
         passwords = tmp_path / "passwords.yaml"

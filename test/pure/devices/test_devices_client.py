@@ -15,7 +15,7 @@ LIMIT_S = 10
 
 
 class World:
-    """A scripted controller and a client; everything that happens wakes up `until`."""
+    """A scripted controller and a client. Every event wakes `until`."""
 
     def __init__(self):
         self.home = Home()

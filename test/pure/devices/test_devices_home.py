@@ -1,4 +1,4 @@
-"""What is held of the home devices."""
+"""The known state of the home devices."""
 
 import json
 

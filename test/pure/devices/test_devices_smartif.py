@@ -1,4 +1,4 @@
-"""The SmartIF protocol: messages to bytes and back, whatever arrives."""
+"""The SmartIF protocol: encoding, and decoding of any bytes."""
 
 import pytest
 from hypothesis import given

@@ -50,7 +50,7 @@ def _round(driver, number):
 
 
 def _progress(driver, name):
-    """The modules say something else of the run that they drive, and ask for nothing more."""
+    """The modules publish a new status of their run, without a new request."""
     said = tuple(
         Progress(
             run.run, run.attempt, run.steps[-1].request, (ScoreValue("a", name, "1", "s"),), name * 100,

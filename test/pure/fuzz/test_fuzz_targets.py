@@ -1,4 +1,4 @@
-"""What others wrote is read: nothing but the documented errors comes of it, and it costs little (test/fuzz)."""
+"""Reading foreign data raises only the documented errors, and costs little (test/fuzz)."""
 
 import time
 

@@ -33,7 +33,7 @@ def take_ports(driver, robots):
 
 
 def connect_all(driver, robots):
-    """Connect; every robot that is in the run says STOP."""
+    """Connect, and let every robot in the run report STOP."""
     driver.command("connect")
     take_ports(driver, robots)
     for robot in robots:
@@ -51,7 +51,7 @@ def start_all(driver, robots):
 
 
 def live_all(driver, robots, seconds):
-    """All say the same once a second, for so many seconds."""
+    """Let all robots repeat their reports once a second for this many seconds."""
     for _ in range(seconds):
         driver.run(1.0)
         for robot in robots:
@@ -71,7 +71,7 @@ def running(*more, **of_box):
 
 
 def box_states(driver, robots):
-    """What the box sends each robot."""
+    """Return the box's message for each robot."""
     return [driver.box.zones.run_at(robot.port).message.state for robot in robots]
 
 
@@ -86,5 +86,5 @@ def counts(driver):
 
 
 def state_lines(driver):
-    """What the referee reads."""
+    """Return the texts for the referee."""
     return driver.view().state.splitlines()

@@ -52,7 +52,7 @@ class BoxDriver:
     # -- time -----------------------------------------------------------------------------------------
 
     def run(self, seconds):
-        """Let time pass, and let the box do what is due whenever it wants."""
+        """Advance the time, and let the box do what is due."""
         end = self.now.later(seconds)
         for _ in range(10_000):
             deadline = self.box.deadline()
@@ -67,7 +67,7 @@ class BoxDriver:
         self.event(self.box.tick)
 
     def jump(self, seconds):
-        """Let time pass while nobody ticks the box: a busy computer."""
+        """Advance the time without ticks, as on a busy computer."""
         self.now = self.now.later(seconds)
 
     def set_clock(self, seconds):
@@ -77,7 +77,7 @@ class BoxDriver:
     # -- events ---------------------------------------------------------------------------------------
 
     def event(self, method, *arguments):
-        """Put an event into the box, and carry out what follows."""
+        """Put an event into the box, and carry out its effects."""
         try:
             return method(self.now, *arguments)
         finally:
@@ -200,7 +200,7 @@ class FakeRobot:
             self.driver.event(self.driver.box.on_robot_beacon, self.host, self.team, self.name, self.time())
 
     def report(self, state=None, **fields):
-        """A report as it would be sent now."""
+        """Return a report as the robot would send it now."""
         values = {"time": self.time(), "messages_saved": self.saved, "state": self.state if state is None else state}
         return RobotReport(**{**values, **self.fields, **fields})
 
@@ -216,13 +216,13 @@ class FakeRobot:
         self.send(self.last)
 
     def lives(self, seconds, **fields):
-        """Say the same once a second for so many seconds."""
+        """Repeat the report once a second for this many seconds."""
         for _ in range(int(seconds)):
             self.says(after=1.0, **fields)
         self.driver.run(seconds - int(seconds))
 
     def executes(self):
-        """Do what the box asks from PREPARE up to EXECUTING."""
+        """Obey the box from PREPARE to EXECUTING."""
         for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
             self.says(state)
         assert self._box_state() is BoxState.WAITING_RESULT

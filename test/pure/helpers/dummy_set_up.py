@@ -35,7 +35,7 @@ class Worker:
         self.texts = {}
 
     def step(self, now_s, box_state):
-        """Say where it is."""
+        """Report the robot's position."""
         state = self.robot.state
         new = state
         if box_state is BoxState.STOP:
@@ -70,7 +70,7 @@ class DummySetUp:
         self.driver.command("start", ZONE)
 
     def restart(self):
-        """The modules' process crashes and is there again."""
+        """The modules' process crashes and restarts."""
         self.runner = ModuleRunner(self.kind, self._parameters, self.truth)
         self.restarts += 1
 
@@ -97,7 +97,7 @@ class DummySetUp:
             self.step(period_s)
 
     def step(self, period_s=0.1):
-        """Everybody does what there is to do, then so much time passes."""
+        """All participants do what is due. Then the time advances by this much."""
         driver = self.driver
         self.world.step(driver.now.mono, driver.box.modules.runs())
         self._module()
@@ -109,7 +109,7 @@ class DummySetUp:
         driver.run(period_s)
 
     def _module(self):
-        """Both sides talk until they have nothing new to say."""
+        """Exchange messages until neither side has news."""
         said = None
         self.runner.on_run(self.fake.run(ZONE))
         self.runner.tick(self.driver.now.utc)

@@ -52,7 +52,7 @@ class EffectRules:
         self._bags.add(effect.port)
 
     def restart(self):
-        """The core was started anew: what is on record stays."""
+        """Note that the core was restarted: records stay."""
         self._taken, self._opened, self._bags = set(), set(), set()
 
     def _RunResumed(self, effect):

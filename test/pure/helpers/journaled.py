@@ -22,7 +22,7 @@ def two_zones():
 
 
 class JournaledDriver(BoxDriver):
-    """As `BoxDriver`. `on_record(driver)` is called whenever something was put on record, before it is done."""
+    """Like `BoxDriver`. `on_record(driver)` is called after each record, before its effects are carried out."""
 
     def __init__(self, log_dir, config, settings=None, on_record=None, **of_driver):
         self.config = config

@@ -1,4 +1,4 @@
-"""Journals as a box writes them, for tests of what reads them."""
+"""Journals as a box writes them, for tests of their readers."""
 
 import contextlib
 import json
@@ -24,7 +24,7 @@ class Writer:
         self.utc = UTC0
 
     def run(self, record, robots=((6667, "r1"),)):
-        """A run begins (and may be over): its record, and the ports and names of its robots."""
+        """Add a run (which may be over): its record, and the ports and names of its robots."""
         row = RunRow(record.identity, record.zone, record.benchmark, record.team, record.round, record.run,
                      record.scheduled, record.opened_utc)
         members = [Member(port, record.identity, record.team, robot) for port, robot in robots]
@@ -78,7 +78,7 @@ OLD_SCHEMA = (
 
 
 def make_old(path):
-    """Replace a journal that nobody has open by the same one as version 1 wrote it."""
+    """Replace a closed journal by the same one in the format of version 1."""
     os.rename(path, f"{path}.new")
     with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as old:
         old.execute("ATTACH ? AS new", (f"{path}.new",))

@@ -161,7 +161,7 @@ class World:
         self.run_until(lambda: False, seconds)
 
     def run_until(self, is_true, limit_s):
-        """Let time pass until something is true; returns whether it became so within the limit."""
+        """Advance the time until a condition is true. Returns whether it became true within the limit."""
         end = self.mono + limit_s
         while not is_true():
             due = self._next_due()
@@ -257,7 +257,7 @@ class World:
     # -- the referee ----------------------------------------------------------------------------------
 
     def press(self, command, zone="tbm", limit_s=30.0):
-        """A patient referee: waits until a button is on, and presses it."""
+        """Wait until a button is enabled, and press it."""
         assert self.run_until(lambda: not self.box.off(command, zone), limit_s), self.box.off(command, zone)
         try:
             self.box.command(command, zone)

@@ -9,7 +9,7 @@ BEAT_S = 0.5
 
 
 class FakeModules:
-    """Says what it drives, and where it is in the one run that it sees."""
+    """Publishes its benchmark and its progress in its run."""
 
     def __init__(self, driver, *codes, node="n1", problems=(), warnings=()):
         self.driver = driver
@@ -18,7 +18,7 @@ class FakeModules:
         self.progress = {}  # run's identity -> Progress
 
     def beat(self):
-        """Say it all, once."""
+        """Publish the whole state once."""
         state = ModulesState(self.node, self.infos, tuple(self.progress.values()))
         self.driver.event(self.driver.box.modules.on_modules, state)
 
@@ -46,7 +46,7 @@ class FakeModules:
         return self.run(zone).steps[-1].outcome
 
     def lives(self, seconds, robot=None):
-        """Let time pass; the node speaks twice a second, the robot says the same once a second."""
+        """Advance the time. The node publishes twice a second, and the robot repeats its report once a second."""
         end = self.driver.now.mono + seconds
         beats = 0
         while self.driver.now.mono < end - 1e-9:
@@ -58,14 +58,14 @@ class FakeModules:
 
 
 class ScriptedModules(FakeModules):
-    """Goes through a script of requests, one after the other, and is finished after the last."""
+    """Makes a script's requests in order, and finishes after the last one."""
 
     def __init__(self, driver, code, script, **kwargs):
         super().__init__(driver, code, **kwargs)
         self.script = script  # (kind, fields of the request)
 
     def proceed(self):
-        """Say what there is to say now: the next request once the last has its outcome."""
+        """Publish the present state: the next request, once the last one has its outcome."""
         for run in self.driver.box.modules.runs():
             steps = len(run.steps)
             if run.running and (not steps or run.steps[-1].outcome is not None):

@@ -29,7 +29,7 @@ NEXT = {
 
 
 class PageClient:
-    """A robot whose work takes no time, with a string for each goal. `run` is its loop, for a thread of its own."""
+    """A robot whose work takes no time, with a string for each goal. `run` is its loop, for a separate thread."""
 
     def __init__(self, team, robot, password, own_host, broadcast_host, port):
         self.team, self.robot = team, robot
@@ -118,7 +118,7 @@ class PageClient:
             self._changed()
 
     def _work(self):
-        """Preparing takes no time; executing, until the box has logged the string."""
+        """Preparing takes no time. Executing lasts until the box has logged the string."""
         if self._state == PREPARING:
             self._state = WAITING_GOAL
             self._changed()

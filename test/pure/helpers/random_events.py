@@ -1,4 +1,4 @@
-"""Random competitions: whatever robots, tablets, referees, other boxes and clocks do, in any order."""
+"""Random competitions: actions of robots, tablets, referees, other boxes and clocks in any order."""
 
 import operator
 
@@ -30,7 +30,7 @@ def _reports(times):
 
 @st.composite
 def _scores(draw, zone):
-    """What a referee does to a score sheet; a run is named by "now" or "last", see `apply_event`."""
+    """A referee's change of a score sheet. The run is "now" or "last", see `apply_event`."""
     name = RunName(zone, draw(st.sampled_from(["", "now", "last", "x"])))
     group = draw(st.sampled_from(["Penalized", ""]))
     mark = Mark(group, "bumps", draw(INT64), draw(st.booleans()), draw(st.sampled_from(["", "note", "x" * 600])))
@@ -100,7 +100,7 @@ def apply_event(driver, name, arguments):
 
 
 def random_competition():
-    """Zones of all kinds; a robot may be wanted in several."""
+    """Zones of all kinds. A robot may be needed in several of them."""
     return competition(
         a=["HCFGAC", "HWV"], b=[event("HGTKMH", team="Beta", timeout=30.0), event("HNF", team="Beta")], c=["HGTKMH"],
         all=[event("HSUF", team="ALL", timeout=30.0)],

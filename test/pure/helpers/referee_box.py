@@ -239,7 +239,7 @@ class FakeLink:
         self.change(score=tuple(i._replace(value=value) if i.item == item else i for i in self.zone.score))
 
     def complete_operation(self, name: str, operation: int, answer: str) -> None:
-        """Answer what is asked; as the core would, only under the right number."""
+        """Answer the current request. As in the core, the number must be right."""
         self._give("complete", operation, answer)
         if self.zone.operation is None or self.zone.operation.number != operation:
             raise Refused(["that manual operation is over"])

@@ -1,4 +1,4 @@
-"""A journal of a small competition, with runs of every sort, for tests of what shows and exports results."""
+"""A journal of a small competition with all kinds of runs, for tests of displaying and exporting results."""
 
 import json
 
@@ -34,7 +34,7 @@ def module_record(team, number, benchmark="HNF", **scores):
 
 
 def full_record():
-    """A record with all that there can be in one; its texts are evil."""
+    """A record that uses all fields, with malicious texts."""
     record = task_record("Alpha", 1, door=1, objects=2)
     utc = record.opened_utc
     history = (

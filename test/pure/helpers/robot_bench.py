@@ -1,4 +1,4 @@
-"""A robot's session on a test bench: simulated time, a box's words, and all that the session does."""
+"""A robot's session on a test bench: simulated time, a box's messages, and the session's effects."""
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
@@ -12,7 +12,7 @@ UTC0 = 1_800_000_000.0
 
 
 class Bench:
-    """A session, the time, and what the session did: as a robot on a test bench."""
+    """A session, the time, and the session's effects."""
 
     def __init__(self):
         self.now = 1000.0
@@ -37,7 +37,7 @@ class Bench:
                 self.news.append(effect)
 
     def run(self, seconds):
-        """Let time pass, and poll whenever the session wants it."""
+        """Advance the time, and poll when the session requires it."""
         end = self.now + seconds
         for _ in range(100_000):
             deadline = self.session.deadline()
@@ -51,7 +51,7 @@ class Bench:
         self.poll()
 
     def take_news(self, *kinds):
-        """The effects since the last call beside what was sent; of these kinds, if any are named."""
+        """Return the effects since the last call without sent messages; only of these kinds, if any are given."""
         news, self.news = self.news, []
         return [effect for effect in news if not kinds or isinstance(effect, kinds)]
 
@@ -102,7 +102,7 @@ class Bench:
 
 
 def linked_bench():
-    """A bench with a robot in a run: listed, its channel open, in STOP, its news taken."""
+    """A bench with a robot in a run: listed, its channel open, in STOP, its effects taken."""
     bench = Bench()
     bench.beacon()
     bench.take_news()

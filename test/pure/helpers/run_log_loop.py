@@ -15,7 +15,7 @@ LIMIT_S = 20.0
 
 
 class Loop:
-    """The core's loop, and a journal: the test does what is posted when it wants to."""
+    """The core's loop, and a journal. The test decides when posted functions run."""
 
     def __init__(self, log_dir):
         self.posted = queue.Queue()
@@ -53,7 +53,7 @@ class Loop:
         self.posted.get(timeout=LIMIT_S)()
 
     def settle(self, port=PORT):
-        """Wait until the writer has done all that is in its queue."""
+        """Wait until the writer has processed its queue."""
         done = threading.Event()
         self.writer._jobs.put(done.set)
         assert done.wait(LIMIT_S)
@@ -64,7 +64,7 @@ class Loop:
 
 
 def complete(path, limit_s=LIMIT_S):
-    """What is in a log once it is complete."""
+    """Return the contents of a complete log."""
     deadline = time.monotonic() + limit_s
     while True:
         try:

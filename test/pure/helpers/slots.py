@@ -20,7 +20,7 @@ def first_port(slot: int) -> int:
 
 @contextlib.contextmanager
 def free_slot() -> Iterator[int]:
-    """Hold a slot that nobody else on this machine uses."""
+    """Reserve a slot that no other test run on this machine uses."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as holder:
         for slot in SLOTS:
             try:

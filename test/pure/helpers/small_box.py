@@ -24,7 +24,7 @@ _bases: Iterator[int] = iter(())
 
 
 def free_ports() -> int:
-    """A public port, with four above it for private channels, that nobody on this machine uses."""
+    """Return an unused public port with four unused ports above it for private channels."""
     global _bases
     first = next(_bases, None)
     if first is None:
@@ -75,7 +75,7 @@ class SmallBox:
         self._private.close()
 
     async def until(self, condition):
-        """Wait until `condition()` holds; it is looked at with each datagram, and each 20 ms."""
+        """Wait until `condition()` holds. It is checked with each datagram, and every 20 ms."""
         async def hold():
             while not condition():
                 self._news.clear()
@@ -83,7 +83,7 @@ class SmallBox:
         await asyncio.wait_for(hold(), TIMEOUT_S)
 
     async def run_through(self):
-        """Start, and wait until the robot has done all goals and stopped."""
+        """Start, and wait until the robot has completed all goals and stopped."""
         await self.until(lambda: self.received)
         self.start()
         await self.until(lambda: self.state is BoxState.STOP and self.robot_state is RobotState.STOP)

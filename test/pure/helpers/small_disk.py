@@ -1,4 +1,4 @@
-"""A tiny disk that a test can fill, make read-only or break; it vanishes with the test, whatever becomes of it."""
+"""A tiny disk that a test can fill, make read-only or break. It always vanishes with the test."""
 
 import os
 import pathlib
@@ -44,7 +44,7 @@ class SmallDisk:
         self._holder.communicate("\n")
 
     def fill(self, leave=0):
-        """Fill the disk, but for so many bytes."""
+        """Fill the disk except for this many bytes."""
         with open(str(self._ballast), "wb", buffering=0) as file:
             size = 4096
             while size:

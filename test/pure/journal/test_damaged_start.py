@@ -1,4 +1,4 @@
-"""What a power cut or another program left where the journal should be keeps no core from its record."""
+"""A core can record even if a power cut or another program damaged or replaced the journal."""
 
 import json
 import sqlite3
@@ -36,7 +36,7 @@ def start(tmp_path):
 
 @pytest.mark.parametrize("makes", [lambda path: path.write_bytes(b""), lambda path: sqlite3.connect(str(path)).close()])
 def test_a_file_in_which_is_nothing_is_begun(start, tmp_path, makes):
-    """As it is when the computer is switched off in the moment in which it is made."""
+    """The file as it is if the power fails while it is created."""
     makes(tmp_path / FILE_NAME)
     journal, reported, aside = start()
     assert (reported, aside) == ([], [])

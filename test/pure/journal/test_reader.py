@@ -99,7 +99,7 @@ def test_a_past_competition_is_left_as_it_is(writer):
 
 
 def test_a_copy_with_and_without_its_log(writer, tmp_path):
-    """While the box runs, what it wrote last is in the log (-wal) only."""
+    """While the box runs, its latest data is only in the log (-wal)."""
     for name, suffixes in (("both", ("", "-wal")), ("file", ("",))):
         (tmp_path / name).mkdir()
         for suffix in suffixes:
@@ -125,7 +125,7 @@ def test_a_journal_of_a_file_system_without_write_ahead_log(writer, tmp_path):
 
 
 def test_a_computer_that_failed_in_the_middle_of_a_change(writer, tmp_path):
-    """Where there is no write-ahead log, half of a change may be in the file: what undoes it lies beside."""
+    """Without a write-ahead log, the file may contain half of a change, and a rollback journal beside it."""
     writer.close()
     statement(writer.path, "PRAGMA journal_mode = DELETE")
     connection = sqlite3.connect(writer.path, isolation_level=None)
@@ -142,7 +142,7 @@ def test_a_computer_that_failed_in_the_middle_of_a_change(writer, tmp_path):
 
 
 def as_nobody(do):
-    """What `do` returns (a text) when it is called without the right to write anywhere but in /tmp."""
+    """Return the result of `do` (a text), called without permission to write outside /tmp."""
     if os.getuid() != 0:
         return do()
     read, write = os.pipe()
@@ -165,7 +165,7 @@ def as_nobody(do):
 
 @pytest.mark.parametrize("suffixes", [("",), ("", "-wal"), ("", "-wal", "-shm")])
 def test_a_directory_that_cannot_be_written(writer, suffixes, monkeypatch):
-    """A copy on a CD, say, also one that was made while the box ran."""
+    """A read-only copy, such as on a CD, even if it was made while the box ran."""
     if "-wal" not in suffixes:
         writer.close()
     directory, temporary = tempfile.mkdtemp(), tempfile.mkdtemp()

@@ -1,4 +1,4 @@
-"""What can be had of a damaged journal."""
+"""Recovering the readable part of a damaged journal."""
 
 import os
 import shutil

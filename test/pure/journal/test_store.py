@@ -1,4 +1,4 @@
-"""The journal's writer: what is written is there, what cannot be written waits, what is not ours is set aside."""
+"""The journal's writer: written data can be read, other data waits, and foreign files are set aside."""
 
 import contextlib
 import dataclasses
@@ -179,7 +179,7 @@ def test_the_write_ahead_log_shrinks_while_the_box_runs(journals, monkeypatch):
 
 
 def wait_until(condition):
-    """For what another thread does soon."""
+    """Wait for what another thread does soon."""
     limit = time.monotonic() + 30.0
     while not condition():
         assert time.monotonic() < limit

@@ -61,7 +61,7 @@ class Story:
         return self
 
     def outcome(self):
-        """What must be the same whatever happened to the core."""
+        """The data that must be the same whatever happened to the core."""
         bags = self.driver.bags
         strings = bags[self.ports[0]]
         return (
@@ -157,7 +157,7 @@ def test_a_core_that_is_killed_after_any_event_comes_to_the_same_end(tmp_path):
 
 @pytest.fixture(scope="module")
 def reported(tmp_path_factory):
-    """The driver of a story that was played, and all states that were in force meanwhile."""
+    """The driver of a story that was played, and all its states."""
     states = []
     driver = box(tmp_path_factory.mktemp("story"), on_record=lambda d: states.append(essence(d)))
     states.append(essence(driver))

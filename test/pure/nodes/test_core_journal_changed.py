@@ -1,4 +1,4 @@
-"""A core that is started anew with another schedule, or in another launch: what continues, and what does not."""
+"""A core that is restarted with another schedule, or in another launch: which runs continue."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""A robot's payloads, one after the other, as far as its budget goes."""
+"""Reading a robot's payloads within its budget."""
 
 from roah_rsbb.comm import frame
 from roah_rsbb.nodes.core import wire_convert

@@ -1,4 +1,4 @@
-"""What happened between two snapshots."""
+"""The changes between two snapshots."""
 
 import pytest
 

@@ -410,7 +410,7 @@ def test_details_of_any_delay(link, seed):
 
 
 def test_late_details_of_a_refused_connect(link):
-    """Another referee connects; what has arrived still says that the zone is free."""
+    """Another referee connects, while the last received snapshot shows a free zone."""
     link.details_late_s = lambda: 2.0
     link.at(1.0, link.connect)
     outcome, _ = _run(link)
@@ -433,7 +433,7 @@ def test_the_run_of_another_referee_is_not_disconnected(link):
 
 
 def test_a_connect_that_was_carried_out_but_not_answered(link):
-    """The run may be ours: it is started, but not disconnected."""
+    """The run may be this script's: it is started, but not disconnected."""
     link.answers["connect"] = [NoCore("gone")]
     link.at(0.2, link.connect)
     link.at(5, lambda: link.end("completed"))

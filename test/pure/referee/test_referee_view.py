@@ -1,4 +1,4 @@
-"""What the terminal shows."""
+"""The terminal's output."""
 
 import re
 

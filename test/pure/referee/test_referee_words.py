@@ -1,4 +1,4 @@
-"""What a referee types: zones, items, values, events."""
+"""Words that a referee types: zones, items, values, events."""
 
 import pytest
 

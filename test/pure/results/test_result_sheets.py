@@ -51,7 +51,7 @@ def result(writer):
 
 
 class Page(html.parser.HTMLParser):
-    """What a browser makes of a page: elements, attributes, and the text in each kind of element."""
+    """A page as a browser parses it: elements, attributes, and the text in each kind of element."""
 
     def __init__(self, text):
         super().__init__()

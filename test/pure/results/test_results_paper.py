@@ -35,7 +35,7 @@ def navigation(waypoints):
 
 
 def enormous():
-    """A run with more of everything than fits on a page, with the longest words."""
+    """A run with more data than fits on a page, and with the longest words."""
     items = tuple(ItemRecord(f"Group {n // 40}", f"Item {n}: {'a rather long description ' * 4}", "uint", n)
                   for n in range(200))
     stops = tuple(StopRecord(1.0, "x", "stopped", "Stopped", "W" * 500 + " long" * 90) for _ in range(20))

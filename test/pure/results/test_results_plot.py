@@ -1,4 +1,4 @@
-"""The picture of a link record: what is where in it."""
+"""The picture of a link record: its parts and their positions."""
 
 import re
 import xml.etree.ElementTree as ElementTree

@@ -1,4 +1,4 @@
-"""The program: its commands, the files that it writes, and what it says when it cannot."""
+"""The program: its commands, the files that it writes, and its errors."""
 
 import csv
 import io
@@ -30,7 +30,7 @@ def journal(tmp_path_factory):
 
 @pytest.fixture
 def run(journal, capsys):
-    """Run the program: its exit status, what it wrote, what it complained of."""
+    """Run the program. Returns its exit status, its output and its errors."""
 
     def results(*arguments, source=("--journal", journal)):
         with pytest.raises(SystemExit) as ended:

@@ -1,4 +1,4 @@
-"""Standings: what counts, in which order, with which ties."""
+"""Standings: which runs count, the order of teams, and ties."""
 
 import pathlib
 

@@ -18,7 +18,7 @@ from roah_rsbb.robot.machine import IllegalEvent
 
 
 class Recorder(Behaviour):
-    """Does at once what a test gives it to do, and keeps what happened."""
+    """Does at once what a test requests, and records its calls."""
 
     def __init__(self, results=(), waits=False):
         self.happened = []
@@ -77,7 +77,7 @@ async def running(box, behaviour, password=PASSWORD, **settings):
 
 
 def run_through(behaviour, code="HGTKMH", goals=({},), **settings):
-    """Take a client through a whole run; the box as it is then."""
+    """Take a client through a whole run. Returns the box."""
     async def body():
         async with SmallBox(code, goals) as box, running(box, behaviour, **settings):
             await box.run_through()

@@ -37,7 +37,7 @@ async def dummy_at(box, **options):
 
 
 def run_through(code, goals=({},), until=None, **options):
-    """Take a dummy robot through a run, then wait until `until(box)`; the box as it is then."""
+    """Take a dummy robot through a run, then wait until `until(box)`. Returns the box."""
     async def body():
         async with SmallBox(code, goals) as box, dummy_at(box, **options):
             await box.run_through()

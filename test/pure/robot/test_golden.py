@@ -1,4 +1,4 @@
-"""Sessions of the original box and client, replayed: our robot says what the original client said."""
+"""Replays sessions of the original box and client: our robot sends what the original client sent."""
 
 import itertools
 
@@ -128,7 +128,7 @@ def _news(values):
 
 
 def _from_original_box(name):
-    """(public, fields) of what the original box sent, as the recording explains it."""
+    """Return (public, fields) of the original box's messages, as decoded in the recording."""
     for record in load(name):
         if record["src"] == BOX:
             yield record["dport"] == PUBLIC_PORT, record["decoded"]["fields"]
@@ -209,7 +209,7 @@ def test_the_goals_of_the_test_benchmark():
 
 
 def test_commands_and_online_data_of_2015():
-    """Our owner gives the commands when the original's did; from then on both say the same."""
+    """The commands come at the same times as in the recording. From then on, both clients send the same."""
     fields = ("devices_switch_1", "devices_dimmer", "devices_blinds", "tablet_display_map")
     commanded = dict.fromkeys(fields)
     strings = {"ours": [[]], "original": [[]]}  # contents of final_command, each change

@@ -45,7 +45,7 @@ class OneWay:
         self._under_way += [(number + delay, thing) for delay in self._link.delays()]
 
     def deliver(self, number):
-        """Hand over what has arrived by now, in the order of its arrival."""
+        """Deliver what has arrived by now, in the order of arrival."""
         self._under_way.sort(key=lambda entry: entry[0])
         arrived = [thing for at, thing in self._under_way if at <= number]
         self._under_way = self._under_way[len(arrived):]
@@ -53,7 +53,7 @@ class OneWay:
 
 
 def _run(rng, sender, plan, rounds, **of_link):
-    """Let `sender` send what `plan` holds, a list of (field, text), at moments of chance."""
+    """Let `sender` send the strings of `plan`, a list of (field, text), at random times."""
     box, there, back = BoxRule(), OneWay(rng, **of_link), OneWay(rng, **of_link)
     plan = list(plan)
     for number in range(1, rounds):

@@ -1,4 +1,4 @@
-"""The session in simulated time: beacons, the private channel, and what is sent on it."""
+"""The session in simulated time: beacons, the private channel, and its messages."""
 
 import pytest
 

@@ -136,7 +136,7 @@ def test_a_box_that_starts_again_is_obeyed(linked):
 
 @pytest.mark.parametrize("before_run", [{"sec": int(UTC0) + 500, "nsec": 7}, {"sec": 0, "nsec": 0}])
 def test_a_robot_obeys_once_the_box_acknowledges_a_message_of_this_run(bench, before_run):
-    """A recorded PREPARE acknowledges what the robot sent in another run, or before it was started again."""
+    """A recorded PREPARE acknowledges a message of another run, or from before the robot's restart."""
     bench.beacon()
     bench.box_says(BoxState.STOP, acknowledge=pb.Time(**before_run))
     for _ in range(5):
@@ -187,7 +187,7 @@ def test_the_last_goal_is_no_error_when_it_comes_after_what_the_referee_or_a_mod
 
 
 def test_the_result_waits_for_strings_that_no_message_carried_yet(linked):
-    """The box may end the run at the first RESULT_TX, and hear no more: a text said twice needs a round trip."""
+    """The box may end the run at the first RESULT_TX, and a repeated text needs a round trip before that."""
     executing(linked, "STB", generic_goal="1")
     for text in ("on my way", "on my way"):
         linked.do("add_string", "notifications", text)

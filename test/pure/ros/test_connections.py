@@ -58,7 +58,7 @@ def is_answered(sock):
 
 
 def is_closed(sock):
-    """Whether the server closes the connection; with what it did not read, that is a reset."""
+    """Whether the server closes the connection. With unread data, this is a reset."""
     try:
         return sock.recv(4096) == b""
     except ConnectionResetError:
@@ -115,7 +115,7 @@ def test_of_too_many_silent_connections_the_oldest_gives_way(port, connect, monk
 
 
 class Api(rosgraph.xmlrpc.XmlRpcHandler):
-    """What a node offers to other nodes."""
+    """A node's TCP server for other nodes."""
 
     def __init__(self):
         self.ready = threading.Event()
@@ -132,7 +132,7 @@ class Api(rosgraph.xmlrpc.XmlRpcHandler):
 
 @pytest.fixture
 def api():
-    """A node's XML-RPC server, and what was called."""
+    """A node's XML-RPC server, and the received calls."""
     api = Api()
     node = rosgraph.xmlrpc.XmlRpcNode(0, api)
     node.start()

@@ -1,4 +1,4 @@
-"""The box's clock as a panel knows it: what is it when an answer arrives?"""
+"""The box's clock as a panel estimates it."""
 
 import pytest
 

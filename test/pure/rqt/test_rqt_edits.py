@@ -1,4 +1,4 @@
-"""What the referee changed is never overwritten by an older message."""
+"""An older message never overwrites the referee's change."""
 
 from roah_rsbb.rqt.model.edits import Edits
 

@@ -1,4 +1,4 @@
-"""Launch and plugin files say what the panels rely on."""
+"""Launch and plugin files contain what the panels rely on."""
 
 import ast
 import json

@@ -1,4 +1,4 @@
-"""What the public display says, in words, and where."""
+"""The texts of the public display and their positions."""
 
 import os
 import time

@@ -1,4 +1,4 @@
-"""What several tests of the core use."""
+"""Fixtures for several tests of the rulebook."""
 
 import pytest
 

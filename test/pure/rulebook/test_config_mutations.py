@@ -1,4 +1,4 @@
-"""Whatever a hand or a disk does to the files: errors with a place in the file, and never anything else."""
+"""Random damage to the files always causes errors with a place in the file, and nothing else."""
 
 import pathlib
 import random
@@ -66,7 +66,7 @@ def mutate(text: str, rng: random.Random) -> str:
 
 
 def check(files: ConfigDir, **texts: object) -> None:
-    """Load; what is loaded is consistent, and what is wrong has a place."""
+    """Load the files. The result is consistent, and every error has a place."""
     try:
         loaded, warnings = files.load(**texts)
     except config.ConfigErrors as errors:

@@ -1,4 +1,4 @@
-"""Benchmarks that a competition defines, and what it may change of the shipped ones."""
+"""Benchmarks that a competition defines, and its changes of the shipped ones."""
 
 import pytest
 

@@ -77,7 +77,7 @@ def test_something_else_than_lines_of_teams(files, text, found):
 
 
 def test_the_error_about_a_wrong_team_names_no_other_teams(files):
-    """Who swaps team and password would otherwise read passwords in the list of teams."""
+    """If team and password were swapped, the list of teams would show passwords."""
     swapped = "".join(f"S3CRET{i}: {team}\n" for i, team in enumerate(("TestingTeam", "HomeAlone")))
     messages = [message for _, _, message in files.errors(passwords=swapped)]
     assert messages and not any("S3CRET" in message for message in messages)

@@ -1,4 +1,4 @@
-"""The files as they are shipped: complete, without warnings, and what the benchmarks' table says."""
+"""The shipped files are complete, cause no warnings, and agree with the benchmarks' table."""
 
 import calendar
 import os

@@ -1,4 +1,4 @@
-"""What is wrong with a file as such, and which errors are left out because they follow from it."""
+"""Errors of a file as a whole, and errors that are omitted because they follow from others."""
 
 import os
 

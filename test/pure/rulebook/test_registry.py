@@ -1,4 +1,4 @@
-"""The registry of benchmarks: what robots in the field know, and the only place with codes."""
+"""The registry of benchmarks: what robots in the field know. It is the only place with codes."""
 
 import pathlib
 import re

@@ -1,4 +1,4 @@
-"""The file of a run log: what was written is there, whoever was killed, and whatever was there before stays."""
+"""The file of a run log: written entries survive a kill, and earlier content stays."""
 
 import pathlib
 import signal
@@ -21,7 +21,7 @@ def path(tmp_path):
 
 
 def grown(path, logged, chunks=3):
-    """A bag of a process that was killed: nobody closed it."""
+    """An unclosed bag of a killed process."""
     bag = GrowingBag(str(path))
     for number, entry in enumerate(logged):
         bag.write(message_of(entry))

@@ -38,7 +38,7 @@ def test_of_runs_in_the_journal_the_whole_log_is_written(loop, log_dir):
 
 
 def _untouched(path):
-    """What changes when somebody writes a file, and not when somebody reads it."""
+    """Return values that change when a file is written, but not when it is read."""
     status = path.stat()
     return status.st_ino, status.st_size, status.st_mtime_ns
 

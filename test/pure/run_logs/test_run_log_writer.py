@@ -19,7 +19,7 @@ pytestmark = pytest.mark.usefixtures("quick_writer")
 
 
 def broken_disk(monkeypatch, number=errno.ENOSPC):
-    """No file can be written, until the returned function is called."""
+    """Prevent writing to any file until the returned function is called."""
     state = {"broken": True}
     for name in ("write", "flush"):
         real = getattr(GrowingBag, name)

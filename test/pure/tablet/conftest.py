@@ -1,4 +1,4 @@
-"""What the tests on real loopback sockets share: a loop, and ways to run it until something is so."""
+"""Support for tests on real loopback sockets: a loop, and functions that run it until a condition holds."""
 
 import asyncio
 
@@ -15,7 +15,7 @@ class Running:
         asyncio.set_event_loop(self.loop)  # tornado serves on the thread's loop
 
     def do(self, awaitable):
-        """Run until it is done; what it gives."""
+        """Run it to its end. Returns its result."""
         return self.loop.run_until_complete(asyncio.wait_for(awaitable, TIMEOUT_S))
 
     def until(self, condition):
@@ -26,7 +26,7 @@ class Running:
         self.do(hold())
 
     def turn(self):
-        """Let everything that waits have its turn."""
+        """Run everything that is waiting."""
         self.do(asyncio.sleep(0.02))
 
 

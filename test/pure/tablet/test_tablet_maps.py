@@ -1,4 +1,4 @@
-"""Maps: where the pixels are, which files are read, what is said of those that are not."""
+"""Maps: positions of pixels, valid files, and errors of invalid files."""
 
 import math
 import pathlib

@@ -1,4 +1,4 @@
-"""The tablet's state and what its pages may do, in simulated time."""
+"""The tablet's state and the requests of its pages, in simulated time."""
 
 import json
 import math

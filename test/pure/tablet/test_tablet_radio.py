@@ -62,7 +62,7 @@ def box(request, running):
 
 @pytest.fixture
 def tablet(running, box):
-    """A radio at the box's own address; its state and what the box's beacons did to it."""
+    """A radio at the box's own address, its state, and the effect of the box's beacons."""
     state = TabletState()
     news = []
     made = TabletRadio(running.loop, state, news.append, lambda text: None, BROADCAST, box.port, box.host)
@@ -114,7 +114,7 @@ def test_the_box_acknowledges(running, box, tablet):
 
 
 class Started:
-    """The program, in a process of its own."""
+    """The program in a separate process."""
 
     def __init__(self, box, *arguments):
         folders = itertools.chain(roah_rsbb.__path__, [pathlib.Path(__file__).resolve().parents[3] / "src/roah_rsbb"])

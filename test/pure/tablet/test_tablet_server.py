@@ -1,4 +1,4 @@
-"""The tablet's web server on real sockets: what it serves, and what bad clients can do to it."""
+"""The tablet's web server on real sockets: its pages, and its protection from bad clients."""
 
 import asyncio
 import json
@@ -238,7 +238,7 @@ def test_clients_that_never_finish_keep_nobody_waiting(served):
 
 
 def _ended(sock, received):
-    """Whether the other side closes; what came goes to `received`."""
+    """Whether the other side closes the connection. Received data goes to `received`."""
     try:
         received.append(sock.recv(4096))
     except BlockingIOError:

@@ -1,4 +1,4 @@
-"""What the box knows of the robot at the other end of a private channel."""
+"""The box's view of the robot at the other end of a private channel."""
 
 import pytest
 

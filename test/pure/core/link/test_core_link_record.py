@@ -1,4 +1,4 @@
-"""The link record: what is counted, and what is not."""
+"""The link record: which datagrams are counted."""
 
 import pytest
 
@@ -309,7 +309,7 @@ def test_acknowledgements_that_were_lost(line):
 
 
 def test_a_string_that_was_added_while_another_waits_is_not_measured(line):
-    """Nobody knows when it was acknowledged for the first time, of all that acknowledged both."""
+    """If several messages acknowledged both strings, the time of the first acknowledgement is unknown."""
     line.sends()
     line.sends(notifications=("a",))
     line.sends(0.1, notifications=("a", "b"))

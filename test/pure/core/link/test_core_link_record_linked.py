@@ -17,7 +17,7 @@ from roah_rsbb.protocol import BoxState, wire_seconds
 
 
 class CountingWorld(World):
-    """A world that knows what was lost, and what passed, on private channels in each direction."""
+    """A world that records lost and delivered datagrams on private channels in each direction."""
 
     def __init__(self, link):
         config = competition(teams=["Alpha"], tbm=[event("HGTKMH", team="Alpha", timeout=600.0)])
@@ -42,7 +42,7 @@ class CountingWorld(World):
             self.lost_to_robot += lost
 
     def runs(self, times):
-        """A robot that is started, executes and completes so often, and says something now and then."""
+        """A robot that starts, executes and completes this many times, and sometimes sends strings."""
         robot = self.add_robot(skew=0.05, prepare_s=2.0, execute_s=10.0)
         self.press("connect")
         for _ in range(times):
@@ -108,7 +108,7 @@ def test_late_and_doubled_datagrams_are_no_losses(seed):
 
 @pytest.mark.parametrize("name", SESSIONS)
 def test_the_original_client_lost_nothing(name):
-    """Recorded on one machine: whatever would be missing there would be invented."""
+    """The sessions were recorded on one machine, so any loss in their record would be false."""
     records = [r for r in load(name) if r["dport"] != PUBLIC_PORT]
     key, link = Key(PASSWORD), None
     for record in records:

@@ -107,7 +107,7 @@ def without_the_restart(found):
 
 
 class Competition:
-    """Robots of all zones, a node of modules, and a referee: each does what is drawn."""
+    """Robots of all zones, a node of modules, and a referee. Each performs randomly chosen actions."""
 
     def __init__(self):
         config = competition(
@@ -133,7 +133,7 @@ class Competition:
             robot.says(state, **fields)
 
     def obey(self):
-        """All robots do what the box asks; the modules speak."""
+        """All robots obey the box, and the modules publish."""
         self.modules.beat()
         for robot in self.robots:
             robot.beacon()
@@ -148,7 +148,7 @@ class Competition:
         self.driver.command(command, zone)
 
     def ask(self, zone, kind, fields):
-        """The module asks for the next thing, or says what was scored."""
+        """The module makes its next request, or reports a score."""
         self.modules.beat()
         run = next((run for run in self.driver.box.modules.runs() if run.zone == zone), None)
         if run is not None and run.running:
@@ -165,7 +165,7 @@ class Competition:
         self.driver.event(method, *arguments)
 
     def run(self, seconds):
-        """Let time pass."""
+        """Advance the time."""
         self.driver.run(seconds)
 
 

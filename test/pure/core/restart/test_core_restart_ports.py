@@ -36,7 +36,7 @@ def _saved(driver, change=lambda zones: None):
 
 
 def _restart(driver, saved, last_port):
-    """Another core, whose record of used ports ends with `last_port`; what it says is heard."""
+    """Another core, whose record of used ports ends with `last_port`. Its notices are returned."""
     again = BoxDriver(_config(), SETTINGS, last_port=last_port)
     again.now = driver.now
     again.event(again.box.resume, saved)

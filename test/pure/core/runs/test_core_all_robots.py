@@ -1,4 +1,4 @@
-"""HSUF: who takes part, and who is named instead."""
+"""HSUF: which robots take part, and which are named in warnings."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""HSUF: what is shown and logged, of all and of each."""
+"""HSUF: what is shown and logged for all robots and for each robot."""
 
 import pytest
 

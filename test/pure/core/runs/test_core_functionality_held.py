@@ -1,4 +1,4 @@
-"""Modules that crash and come back, and more than one of them: no run is lost, none is driven by two."""
+"""Modules that crash and restart, and several at once: no run is lost, and no run is driven by two modules."""
 
 import pytest
 

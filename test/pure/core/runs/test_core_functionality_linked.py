@@ -22,7 +22,7 @@ LINK = st.fixed_dictionaries({
 
 
 class LinkedModules(ScriptedModules):
-    """Modules that speak twice a second, and are away from time to time."""
+    """Modules that publish twice a second and are sometimes missing."""
 
     def __init__(self, world, code, script):
         super().__init__(world.box, code, script)
@@ -37,7 +37,7 @@ class LinkedModules(ScriptedModules):
         self.proceed()
 
     def crash(self, seconds):
-        """The process ends; another one is there after so many seconds."""
+        """End the process. Another one starts after this many seconds."""
         self.next_mono = self.world.mono + seconds
         self.node += "'"
 

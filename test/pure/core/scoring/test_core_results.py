@@ -1,4 +1,4 @@
-"""The runs that are over, and what the referee may still do with them."""
+"""Finished runs, and what the referee may still change in them."""
 
 import pytest
 

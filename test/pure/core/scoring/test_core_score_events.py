@@ -1,4 +1,4 @@
-"""Scores, stops and sign-offs as the referee gives them to the box, and who did what."""
+"""The referee's scores, stops and sign-offs, and the record of who gave them."""
 
 import contextlib
 
@@ -47,7 +47,7 @@ def _finished(driver, **of_driver):
 
 
 def _refused(driver, method, *arguments):
-    """The reasons; nothing but the fact that it was tried may come of it."""
+    """Return the reasons of a refusal, and check that only the attempt was recorded."""
     driver.taken()
     with pytest.raises(Refused) as refused:
         driver.event(method, *arguments)
@@ -109,7 +109,7 @@ def test_an_end_that_comes_by_itself_is_nobodys():
 
 
 def test_every_change_of_a_record_is_published(driver):
-    """The journal has what is in force, whatever happens next."""
+    """The journal always contains the valid record."""
     def last():
         reported = [effect.record for effect in driver.taken(effects.RecordChanged)]
         return reported[-1] if reported else None

@@ -1,4 +1,4 @@
-"""What of the runs' records referees see as not saved yet."""
+"""The parts of the runs' records that referees see as not saved yet."""
 
 from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry, SignOff, StopRecord
 from roah_rsbb.core.scoring.unsaved import SHOWN_AFTER_S, Unsaved, UnsavedParts

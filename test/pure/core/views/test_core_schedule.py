@@ -1,4 +1,4 @@
-"""The schedule: what became of each event, estimated times, and the choice of an event."""
+"""The schedule: the state of each event, estimated times, and the choice of an event."""
 
 import pytest
 
@@ -34,7 +34,7 @@ def minutes(driver, zone="tbm"):
 
 
 def at(driver, minute):
-    """Let time pass until so many minutes after T0."""
+    """Advance the time to this many minutes after T0."""
     driver.run(T0 + minute * MINUTE - driver.now.utc)
 
 
