@@ -17,7 +17,10 @@ LINT := yes
 # Without cached bytecode, Python compiles all modules again in each of the hundreds of programs of the tests.
 unexport PYTHONDONTWRITEBYTECODE
 # roslaunch imports distutils. Without this, Debian loads all of setuptools instead, which costs 0.3 s each time.
+# Python 3.12 and later have no distutils of their own.
+ifneq ($(wildcard /usr/lib/python3.*/distutils/core.py),)
 test-docs test-install test-ros test-net: export SETUPTOOLS_USE_DISTUTILS := stdlib
+endif
 # Options of the bench.
 BENCH :=
 # Options of the tests on a bad network.
