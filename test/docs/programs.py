@@ -5,12 +5,16 @@ import functools
 import os
 import pathlib
 import re
-import subprocess
+import sys
+import tempfile
 from typing import Dict, List, NamedTuple, Set
 from xml.etree import ElementTree
 
 from pages import ROOT
 from roslaunch import arg_dump
+
+sys.path.append(str(ROOT / "test" / "ros"))
+from support.forking import start
 
 SCRIPTS = sorted(path.name for path in (ROOT / "scripts").iterdir())
 LAUNCH_FILES = sorted(path.name for path in (ROOT / "launch").iterdir())
@@ -29,10 +33,11 @@ class Said(NamedTuple):
 
 def ask(*command: str) -> Said:
     """Run a program that answers at once."""
-    ended = subprocess.run(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True,
-        env={**os.environ, **_NOBODY}, timeout=LIMIT_S, check=False)
-    return Said(ended.returncode, ended.stdout)
+    with open(os.devnull, "rb") as nothing, tempfile.TemporaryFile() as output:
+        program = start(command, (nothing.fileno(), output.fileno(), output.fileno()), **_NOBODY)
+        status = program.wait(LIMIT_S)
+        output.seek(0)
+        return Said(status, output.read().decode("utf-8"))
 
 
 def _ask_all(questions: Dict[str, List[str]]) -> Dict[str, Said]:
