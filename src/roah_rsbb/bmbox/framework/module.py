@@ -69,6 +69,7 @@ class Module:
     """Base of all modules. A subclass has a code, declares parameters and score values, and implements `execute`."""
 
     CODE = ""
+    FILE = ""  # path of a competition's own rules
     PARAMETERS: Dict[str, Field] = {}
     SCORES: Dict[str, Value] = {}  # of the whole run
     EACH: Dict[str, Value] = {}  # of each goal, person, item …

@@ -17,6 +17,7 @@ from typing import Callable, Coroutine, Dict, Optional, Type
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.module import Ask, Disconnected, Module, RunEnded, RunTimedOut, Stopped
+from roah_rsbb.bmbox.framework.own_rules import place_of
 from roah_rsbb.core.modules.messages import Outcome, Progress, Request, RequestKind, RunForModule
 from roah_rsbb.rulebook.errors import ConfigErrors
 
@@ -24,14 +25,17 @@ from roah_rsbb.rulebook.errors import ConfigErrors
 SAME_TIME = 1e-3
 REASONS: Dict[str, Type[RunEnded]] = {"timeout": RunTimedOut}
 
+# A module's class, or a function that finds it.
+MakeModule = Callable[[RunForModule, SimpleNamespace, GroundTruth], Module]
+
 
 class ModuleRunner:
     """The module of one run, for all attempts."""
 
     def __init__(
-        self, kind: Type[Module], load_parameters: Callable[[], SimpleNamespace], truth: GroundTruth
+        self, kind: MakeModule, load_parameters: Callable[[], SimpleNamespace], truth: GroundTruth
     ) -> None:
-        """`load_parameters` is called at each start; it may raise ConfigErrors."""
+        """`load_parameters` and then `kind` are called at each start; they may raise ConfigErrors."""
         self._kind = kind
         self._load_parameters = load_parameters
         self._truth = truth
@@ -195,6 +199,8 @@ class ModuleRunner:
     def _fail(self, error: Exception) -> None:
         self._rules = self._ask = None
         self._failed = f"{type(error).__name__}: {error}"
+        if self.module is not None and self.module.FILE:
+            self._failed = f"{place_of(self.module.FILE, error)}: {self._failed}"
         self.traceback = "".join(traceback.format_exception(type(error), error, error.__traceback__))
 
     def _reject_replay(self, recorded: Request) -> None:

@@ -2,11 +2,10 @@
 
 import traceback
 from types import SimpleNamespace
-from typing import Callable, Optional, Type
+from typing import Callable, Optional
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
-from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.runner import ModuleRunner
+from roah_rsbb.bmbox.framework.runner import MakeModule, ModuleRunner
 from roah_rsbb.core.modules.messages import Progress, RunForModule
 from roah_rsbb.nodes.modules.limits import checked
 
@@ -15,7 +14,7 @@ class HostedModule:
     """A `ModuleRunner` that catches all exceptions; `log` is called with errors."""
 
     def __init__(
-        self, kind: Type[Module], load_parameters: Callable[[], SimpleNamespace], truth: GroundTruth,
+        self, kind: MakeModule, load_parameters: Callable[[], SimpleNamespace], truth: GroundTruth,
         log: Callable[[str], None],
     ) -> None:
         self._runner = ModuleRunner(kind, load_parameters, truth)

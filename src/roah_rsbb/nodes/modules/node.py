@@ -1,30 +1,30 @@
 """Node roah_rsbb_modules: runs the modules of functionality benchmarks (docs/module_protocol.md).
 
 Parameters (private): benchmarks (codes with blanks between them, to distribute modules over processes; default: all),
-parameters_dir (a YAML file for each benchmark, and ground_truth.yaml). Files may be changed at any time: changes take
-effect at the next start of a run or the next request for a pose.
+parameters_dir (for each benchmark a YAML file with parameters, and a Python file if the competition has rules of its
+own; and ground_truth.yaml). Files may be changed at any time: changes take effect at the next start of a run or the
+next request for a pose.
 """
 
 import contextlib
 import os
 import time
 import uuid
-from typing import Dict, List, Optional, Tuple, Type
+from typing import Dict, List, Optional, Tuple
 
 import rospy
 
 from roah_rsbb.bmbox.framework import registry
 from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME
-from roah_rsbb.bmbox.framework.module import Module
-from roah_rsbb.bmbox.framework.parameters import read_parameters
+from roah_rsbb.bmbox.framework.own_rules import own_files
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, RunForModule
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.modules.convert import runs_of, state_message
+from roah_rsbb.nodes.modules.driven import Driven
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.ground_truth_tf import ReloadingGroundTruth
 from roah_rsbb.nodes.modules.hosted_module import HostedModule
-from roah_rsbb.nodes.modules.watched_file import WatchedFile
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
@@ -43,10 +43,10 @@ class ModulesNode:
 
     def __init__(self) -> None:
         params = Params()
-        self._kinds = _chosen(params.text("benchmarks", "all"))
+        words = params.text("benchmarks", "all")
         folder = params.path("parameters_dir", os.path.dirname(default_file()))
+        self._driven = _chosen(words, folder)
         params.done()
-        self._files = {code: _parameter_file(folder, kind) for code, kind in self._kinds.items()}
         self._truth = ReloadingGroundTruth(os.path.join(folder, FILE_NAME))
         self._hosted: Dict[str, HostedModule] = {}  # by the run's identity
         self._node = str(uuid.uuid4())
@@ -55,7 +55,10 @@ class ModulesNode:
         self._sent: Optional[ModulesState] = None
         self._is_ticking = False
         self._publisher = rospy.Publisher("/modules/state", ModulesStateMsg, queue_size=1, latch=True)
-        rospy.loginfo("Running modules %s with the parameters in %s", ", ".join(self._kinds), folder)
+        rospy.loginfo("Running modules %s with the parameters in %s", ", ".join(self._driven), folder)
+        for driven in self._driven.values():
+            for problem in driven.problems:
+                rospy.logerr("%s", problem)
 
     def run(self) -> None:
         """Run until shut down."""
@@ -78,7 +81,7 @@ class ModulesNode:
         self._ros.post(lambda: self._take(runs))
 
     def _take(self, runs: Tuple[RunForModule, ...]) -> None:
-        ours = {run.run: run for run in runs if run.benchmark in self._kinds}
+        ours = {run.run: run for run in runs if run.benchmark in self._driven}
         for left in self._hosted.keys() - ours.keys():
             self._hosted.pop(left).close()
         for identity, run in ours.items():
@@ -89,15 +92,14 @@ class ModulesNode:
         self._tick_if_needed()
 
     def _host(self, code: str) -> HostedModule:
-        return HostedModule(
-            self._kinds[code], self._files[code].content, self._truth, lambda text: rospy.logerr("%s", text)
-        )
+        driven = self._driven[code]
+        return HostedModule(driven.make, driven.parameters, self._truth, lambda text: rospy.logerr("%s", text))
 
     # -- time ---------------------------------------------------------------------------------------
 
     def _beat(self) -> None:
         self._ros.loop.call_later(BEAT_S, self._beat)
-        self._infos = tuple(self._info(code, kind) for code, kind in self._kinds.items())
+        self._infos = tuple(self._info(driven) for driven in self._driven.values())
         self._send(self._state())
 
     def _tick_if_needed(self) -> None:
@@ -114,10 +116,10 @@ class ModulesNode:
 
     # -- state --------------------------------------------------------------------------------------
 
-    def _info(self, code: str, kind: Type[Module]) -> ModuleInfo:
-        self._files[code].reload()
-        problems, warnings = self._truth.check(kind.SUBJECTS)
-        return ModuleInfo(code, (*self._files[code].problems, *problems), tuple(warnings))
+    def _info(self, driven: Driven) -> ModuleInfo:
+        driven.reload()
+        problems, warnings = self._truth.check(driven.subjects)
+        return ModuleInfo(driven.code, (*driven.problems, *problems), tuple(warnings))
 
     def _state(self) -> ModulesState:
         said = (hosted.progress() for hosted in self._hosted.values())
@@ -150,9 +152,13 @@ def _publish_and_wait(publisher: rospy.Publisher, message: ModulesStateMsg) -> N
         time.sleep(TICK_S)
 
 
-def _chosen(words: str) -> Dict[str, Type[Module]]:
-    """Return the modules that the parameter selects. Raises BadParams."""
-    known = registry.modules(lambda text: rospy.logerr("%s", text))
+def _chosen(words: str, folder: str) -> Dict[str, Driven]:
+    """Return the benchmarks that the parameter selects, by code. Raises BadParams.
+
+    Rules in the competition's folder replace those of the package.
+    """
+    shipped, own = registry.modules(lambda text: rospy.logerr("%s", text)), own_files(folder)
+    known = {code: Driven(code, folder, shipped.get(code), own.get(code)) for code in {**shipped, **own}}
     if words == "all":
         return known
     codes = words.replace(",", " ").split()
@@ -161,11 +167,6 @@ def _chosen(words: str) -> Dict[str, Type[Module]]:
     if unknown or not codes:
         raise BadParams(f"parameter {rospy.resolve_name('~benchmarks')}: " + ("; ".join(unknown) or "it is empty"))
     return {code: known[code] for code in codes}
-
-
-def _parameter_file(folder: str, kind: Type[Module]) -> WatchedFile:
-    path = os.path.join(folder, f"{kind.CODE}.yaml")
-    return WatchedFile(path, lambda: read_parameters(path, kind.CODE, kind.PARAMETERS))
 
 
 def main() -> None:

@@ -19,6 +19,10 @@ class WatchedFile(Generic[T]):
         self._errors: Optional[ConfigErrors] = None
         self.reload()
 
+    def forget(self) -> None:
+        """Read the file at the next opportunity, whether it changed or not."""
+        self._seen = None
+
     def reload(self) -> bool:
         """Read the file if it changed; returns whether it was read."""
         seen = _signature(self.path)

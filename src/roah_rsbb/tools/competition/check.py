@@ -5,6 +5,7 @@ from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 from xml.parsers import expat
 
 from roah_rsbb.bmbox.framework import ground_truth_config
+from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.rulebook import config
@@ -137,15 +138,16 @@ def scheduled_modules(loaded: Config) -> List[str]:
 
 def module_errors(folder: str, codes: Sequence[str]) -> List[str]:
     """Return all errors in the files that these benchmarking modules read in `folder`."""
-    known = modules()
+    known, own = modules(), own_files(folder)
     errors: List[str] = []
     for code in codes:
-        if code not in known:
-            errors.append(f"no rules for the functionality benchmark {code}: write a benchmarking module "
-                          "(docs/write_a_benchmark.md)")
+        if code not in own and code not in known:
+            errors.append(f"{os.path.join(folder, code)}.py: found no rules for the functionality benchmark {code}; "
+                          "expected a file as in docs/write_a_benchmark.md")
             continue
         try:
-            read_parameters(os.path.join(folder, f"{code}.yaml"), code, known[code].PARAMETERS)
+            kind = load_rules(own[code]) if code in own else known[code]
+            read_parameters(os.path.join(folder, f"{code}.yaml"), code, kind.PARAMETERS)
         except ConfigErrors as found:
             errors += str(found).splitlines()
     try:

@@ -1,0 +1,140 @@
+"""Rules in a competition's folder: loaded by their name, with file and line of what is wrong."""
+
+import os
+
+import pytest
+
+from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
+from roah_rsbb.bmbox.framework.rehearsal import Rehearsal
+from roah_rsbb.nodes.modules.driven import Driven
+from roah_rsbb.rulebook.errors import ConfigErrors
+
+GOOD = """\
+import dataclasses
+from roah_rsbb.bmbox.framework.module import Module
+from roah_rsbb.bmbox.framework.parameters import Text
+from roah_rsbb.bmbox.framework.score import Value
+
+
+@dataclasses.dataclass
+class Mug:
+    colour: str
+
+
+class Fetch(Module):
+    CODE = "FetchMug"
+    PARAMETERS = {"colour": Text("red")}
+    SCORES = {"fetched": Value("Mugs fetched")}
+
+    async def execute(self):
+        mug = Mug(self.parameters.colour)
+        outcome = await self.goal({"fetch": mug.colour})
+        found = self.record(outcome, {"colour": str})
+        self.score["fetched"] = int(found.colour == mug.colour)
+"""
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Write the file of a code, and return its path."""
+    def write(text, name="FetchMug.py"):
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        return str(path)
+    return write
+
+
+def test_rules_of_a_competition_do_all_that_shipped_ones_do(write):
+    kind = load_rules(write(GOOD))
+    r = Rehearsal(kind, {"colour": "blue"}, goal_timeout=60.0)
+    assert (r.asked.goal, r.asked.timeout) == ("{fetch: blue}", 60.0)
+    r.result('{"colour": "blue"}', 4.0)
+    assert (r.finished, r.score["fetched"]) == (True, 1)
+
+
+def test_an_exception_in_rules_names_file_and_line(write):
+    path = write(GOOD)
+    r = Rehearsal(load_rules(path), {"colour": "blue"})
+    r.result("no map")
+    assert r.failed == f"{path}:{GOOD[:GOOD.index('self.score[')].count(chr(10)) + 1}: AttributeError: 'NoneType' " \
+                       "object has no attribute 'colour'"
+
+
+def line_of(text, part):
+    return text[:text.index(part)].count("\n") + 1
+
+
+# What is replaced, by what, a part of the line with the error (None: the whole file), and parts of the message.
+MISTAKES = [
+    ("    async def execute", "    async def execute(", "async def execute((", ["invalid Python ("]),
+    ("import dataclasses\n", "import no_such_library\n", "no_such", ["ModuleNotFoundError: No module named 'no_such"]),
+    ("class Mug:", "class Mug(1 / 0):", "class Mug", ["ZeroDivisionError: division by zero", "rules that can be"]),
+    ("import dataclasses\n", "import dataclasses\nraise SystemExit(3)\n", "SystemExit", ["SystemExit: 3"]),
+    ('CODE = "FetchMug"', 'CODE = "Fetch"', "class Fetch", ["Fetch with CODE = 'Fetch'", "with CODE = 'FetchMug'"]),
+    ('    CODE = "FetchMug"\n', "", None, ["no class with a CODE", "a class derived from Module with CODE"]),
+    ("class Fetch(Module)", "class Fetch", None, ["no class with a CODE"]),
+    ("class Fetch(Module):", 'class Again(Module):\n    CODE = "FetchMug"\n\n\nclass Fetch(Module):', "class Fetch",
+     ["a second class with CODE = 'FetchMug'"]),
+    ("    async def", "    def", "await self.goal", ["invalid Python ('await' outside async function)"]),
+    ("async def execute", "async def run", "class Fetch", ["no rules in Fetch", "a method 'async def execute(self)'"]),
+    ('{"colour": Text("red")}', '{"colour": "red"}', "class Fetch", ["'colour': 'red'", "in PARAMETERS", "Seconds()"]),
+    ('{"colour": Text("red")}', '["colour"]', "class Fetch", ["['colour']' as PARAMETERS", "a dict"]),
+    ('{"fetched": Value("Mugs fetched")}', '{1: Value("x")}', "class Fetch", ["1: Value", "in SCORES"]),
+]
+
+
+@pytest.mark.parametrize("old, new, part, parts", MISTAKES, ids=[new[:20] for _, new, _, _ in MISTAKES])
+def test_one_mistake_is_one_error_with_its_line(write, old, new, part, parts):
+    assert old in GOOD
+    text = GOOD.replace(old, new, 1)
+    path = write(text)
+    with pytest.raises(ConfigErrors) as caught:
+        load_rules(path)
+    (error,) = caught.value.errors
+    assert (error.file, error.line) == (path, 0 if part is None else line_of(text, part))
+    assert [part for part in parts if part not in str(error)] == [], str(error)
+
+
+def test_a_file_that_is_missing_or_no_text(write, tmp_path):
+    with pytest.raises(ConfigErrors, match="FetchMug.py: found no file"):
+        load_rules(str(tmp_path / "FetchMug.py"))
+    (tmp_path / "FetchMug.py").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(ConfigErrors, match="UTF-16"):
+        load_rules(str(tmp_path / "FetchMug.py"))
+
+
+def test_which_files_are_rules(write, tmp_path):
+    for name in ("FetchMug.py", "_helpers.py", "HNF.yaml", "notes.txt", "not-a-code.py"):
+        write("", name)
+    assert own_files(str(tmp_path)) == {"FetchMug": str(tmp_path / "FetchMug.py")}
+    assert own_files(str(tmp_path / "nowhere")) == {}
+
+
+def _driven(tmp_path):
+    return Driven("FetchMug", str(tmp_path), None, str(tmp_path / "FetchMug.py"))
+
+
+def test_rules_and_parameters_are_read_again_when_they_change(write, tmp_path):
+    path = write("import nothing_like_it\n")
+    write("colour: red\n", "FetchMug.yaml")
+    driven = _driven(tmp_path)
+    assert driven.problems == [f"{path}:1: found ModuleNotFoundError: No module named 'nothing_like_it'; expected "
+                               "rules that can be loaded (docs/write_a_benchmark.md)"]
+    assert driven.subjects == []
+    with pytest.raises(ConfigErrors):
+        driven.parameters()
+    write(GOOD)
+    driven.reload()
+    assert (driven.problems, driven.parameters().colour) == ([], "red")
+    write(GOOD.replace('"colour": Text', '"color": Text').replace(".colour)", ".color)", 1))
+    driven.reload()
+    assert len(driven.problems) == 1
+    assert "FetchMug.yaml:1: found the unknown key 'colour'" in driven.problems[0]
+
+
+def test_rules_without_required_parameters_need_no_parameters_file(write, tmp_path):
+    write(GOOD.replace('{"colour": Text("red")}', "{}").replace("self.parameters.colour", "'red'"))
+    driven = _driven(tmp_path)
+    assert driven.problems == []
+    assert vars(driven.parameters()) == {}
+    assert not os.path.exists(str(tmp_path / "FetchMug.yaml"))
