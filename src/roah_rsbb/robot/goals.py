@@ -54,8 +54,9 @@ class HppfResult(NamedTuple):
 # A text is sent unchanged as `generic_result`.
 Result = Union[None, str, HopfResult, HppfResult]
 
-# Largest size of a result in a message; a message has 987 bytes (docs/protocol.md, "Frame").
-RESULT_BUDGET_BYTES = 400
+# Largest size of a result. With aes-128-cbc a message has 987 bytes (docs/protocol.md, "Frame"), of which everything
+# but result and strings takes less than 80.
+RESULT_BUDGET_BYTES = 900
 
 
 def read_goal(message: pb.BenchmarkState) -> Goal:
@@ -110,16 +111,22 @@ def check_result(benchmark: str, result: Result) -> None:
         raise ValueError(f"a {type(result).__name__} is not a result of {benchmark}")
     if not isinstance(result, (type(None), str, HopfResult, HppfResult)):
         raise ValueError(f"a result must be None, a text, a HopfResult or a HppfResult, not {result!r}")
-    trial = pb.RobotState()
     try:
-        write_result(trial, result)
+        size = result_size(result)
     except (UnicodeEncodeError, TypeError) as error:
         raise ValueError(f"the result {result!r} cannot be sent: {error}") from None
-    if len(trial.SerializePartialToString()) > RESULT_BUDGET_BYTES:
+    if size > RESULT_BUDGET_BYTES:
         raise ValueError(
-            f"the result has {len(trial.SerializePartialToString())} bytes, "
+            f"the result has {size} bytes, "
             f"but at most {RESULT_BUDGET_BYTES} fit into a message: shorten its texts"
         )
+
+
+def result_size(result: Result) -> int:
+    """The size of a result in a message (bytes). Raises what `write_result` raises."""
+    trial = pb.RobotState()
+    write_result(trial, result)
+    return len(trial.SerializePartialToString())
 
 
 def write_result(message: pb.RobotState, result: Result) -> None:

@@ -11,7 +11,7 @@ from typing import Deque, Dict, List, Optional, Sequence, Tuple, Union
 from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState, WireTime
-from roah_rsbb.robot.goals import write_result
+from roah_rsbb.robot.goals import RESULT_BUDGET_BYTES, result_size, write_result
 from roah_rsbb.robot.machine import IllegalEvent, Progress
 from roah_rsbb.robot.watch import SILENCE_S, Silence
 from roah_rsbb.rulebook.registry import STRINGS
@@ -116,6 +116,11 @@ class RepeatedStrings:
         return len(self._waiting) + len(self._sent)
 
     @property
+    def size(self) -> int:
+        """The size of the strings in the latest message (bytes)."""
+        return sum(map(_size, self._sent))
+
+    @property
     def waiting(self) -> int:
         """Number of strings that were not sent yet."""
         return len(self._waiting)
@@ -140,7 +145,7 @@ class RepeatedStrings:
     def for_message(self, number: int) -> Dict[str, List[str]]:
         """The strings of message `number` by field, in order. Call this once for each message."""
         self._last = number
-        used = sum(map(_size, self._sent))
+        used = self.size
         while self._waiting:
             key = self._waiting[0]
             used += _size(key)
@@ -181,8 +186,8 @@ def _size(key: _Key) -> int:
 SWITCHES = ("switch_1", "switch_2", "switch_3")
 PERCENTAGES = ("dimmer", "blinds")
 
-# Limit for all strings of a message: with aes-128-cbc a message has 987 bytes (docs/protocol.md, "Frame"), of which 400
-# are reserved for a result and less than 80 for everything else.
+# Limit for all strings of a message, which leaves room for short results. A longer result waits until the box has
+# acknowledged the strings (`Link.message`).
 STRINGS_BUDGET_BYTES = 500
 
 # Datagrams that arrive out of order do so within this time. If a STOP acknowledges older messages for longer, the box
@@ -203,6 +208,7 @@ class Link:
         self.silence = Silence(SILENCE_S, now_mono)
         self.decoded = False  # a message of the box could be decrypted
         self._strings = RepeatedStrings(STRINGS, STRINGS_BUDGET_BYTES)
+        self._result_waits = False  # it does not fit beside the strings
         self._times = MessageTimes()
         self._commands: Dict[str, Union[bool, int]] = {}  # by field of RobotState
         self._acknowledged = 0  # number of the latest message that the box has seen; 0: none
@@ -256,7 +262,8 @@ class Link:
         self._acknowledged = number
         self._begun = number if begins else -1
         self._fresh_mono = now_mono
-        if self._strings.acknowledged(number):
+        size = self._strings.size
+        if self._strings.acknowledged(number) or (self._result_waits and self._strings.size < size):
             self.sender.changed(now_mono)
         return True
 
@@ -269,7 +276,7 @@ class Link:
     def message(self, now_utc: float, progress: Progress) -> pb.RobotState:
         """Build the next message to the box. It must be sent.
 
-        While strings are waiting that do not fit into this message, it reports EXECUTING instead of RESULT_TX: the box
+        While strings and result do not fit into one message, it reports EXECUTING instead of RESULT_TX, because the box
         may end the run at the first RESULT_TX.
         """
         message = pb.RobotState(messages_saved=progress.messages_saved, robot_state=int(progress.state))
@@ -279,7 +286,9 @@ class Link:
         for field, value in self._commands.items():
             setattr(message, field, value)
         if progress.state is RobotState.RESULT_TX:
-            if self._strings.waiting and not self.by_hand:
+            room = RESULT_BUDGET_BYTES - self._strings.size
+            self._result_waits = (self._strings.waiting > 0 or result_size(progress.result) > room) and not self.by_hand
+            if self._result_waits:
                 message.robot_state = int(RobotState.EXECUTING)
             else:
                 write_result(message, progress.result)

@@ -158,8 +158,8 @@ def test_results_that_fit(code, result):
     ("HOPF", HOPF._replace(pose=(1, 2)), "cannot be sent|unpack"),
     ("HOPF", HOPF._replace(object_class=7), "cannot be sent"),
     ("HOPF", HOPF._replace(object_name="a\nb"), "unprintable"),
-    ("HOPF", HOPF._replace(object_name="x" * 400), "at most 400"),
-    ("STB", "x" * 400, "at most 400"),
+    ("HOPF", HOPF._replace(object_name="x" * 450), "at most 900"),
+    ("STB", "x" * 900, "at most 900"),
     ("STB", "\ud800", "."),
 ])
 def test_results_that_do_not_fit_say_why(code, result, found):

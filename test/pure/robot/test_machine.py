@@ -41,11 +41,12 @@ def test_every_entry(received, state, expected):
     assert {box_transition(benchmark, received, state) for benchmark in benchmarks} == {expected}
 
 
+@pytest.mark.parametrize("code", ["HNF", "FetchMug"])
 @pytest.mark.parametrize("received, state, expected", _entries())
-def test_in_hnf_prepare_ends_the_waypoint_and_nothing_else_differs(received, state, expected):
+def test_in_hnf_and_other_codes_prepare_ends_the_goal_and_nothing_else_differs(code, received, state, expected):
     if (received, state) == (BoxState.PREPARE, RobotState.EXECUTING):
         expected = Transition(RobotState.PREPARING, Act.PREPARE)
-    assert box_transition("HNF", received, state) == expected
+    assert box_transition(code, received, state) == expected
 
 
 def test_the_tables_have_exactly_these_entries():

@@ -267,3 +267,25 @@ def test_an_override_that_was_not_ends_nothing(linked):
     linked.session.override(linked.now, None)
     linked.poll()
     assert linked.state is RobotState.EXECUTING
+
+
+def test_a_result_that_leaves_no_room_for_strings_waits_until_the_box_has_them(linked):
+    executing(linked, "FetchMug", generic_goal="{}")
+    linked.do("add_string", "notifications", "x" * 400)
+    linked.run(0.1)
+    linked.do("end_execute", "y" * 890)
+    linked.run(1)
+    assert linked.session.progress.state is RobotState.RESULT_TX
+    assert linked.last.robot_state == RobotState.EXECUTING, "the box may end the run at the first RESULT_TX"
+    assert not linked.last.HasField("generic_result")
+    linked.box_says(BoxState.WAITING_RESULT, "FetchMug")  # it acknowledges the string
+    assert linked.last.robot_state == RobotState.RESULT_TX
+    assert (linked.last.generic_result, list(linked.last.notifications)) == ("y" * 890, [])
+
+
+def test_a_short_result_travels_with_strings(linked):
+    executing(linked, "FetchMug", generic_goal="{}")
+    linked.do("add_string", "notifications", "x" * 400)
+    linked.do("end_execute", "y" * 400)
+    assert linked.last.robot_state == RobotState.RESULT_TX
+    assert (linked.last.generic_result, list(linked.last.notifications)) == ("y" * 400, ["x" * 400])

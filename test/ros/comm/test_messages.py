@@ -1,8 +1,9 @@
 """The comm node's reports of problems: silence, passwords, impostors of the robot or the box."""
 
 from rosgraph_msgs.msg import Log
+from std_msgs.msg import String as StringMsg
 from support.box_case import TABLET
-from support.comm_case import ALWAYS, NUMBERS, ChannelCase
+from support.comm_case import ALWAYS, NUMBERS, SAYS_PREPARE, ChannelCase
 from support.robots import wire
 from support.waiting import wait_until
 
@@ -62,12 +63,19 @@ class TestTroubles(ChannelCase):
         self.wait_logged(Log.WARN, f"there is another box at {TABLET} besides the one at 127.0.0.1")
 
     def test_an_unknown_benchmark(self) -> None:
-        """A benchmark of a newer box, which the robot's programs do not know either."""
+        """It has a name, and everything that a robot can use."""
+        names = self.heard("benchmark/name", StringMsg)
         self.begin("HWV")
         self.box.send("HNEW", BoxState.PREPARE)
-        self.wait_logged(Log.ERROR, "the box runs the unknown benchmark 'HNEW': update this package")
+        self.wait_logged(Log.INFO, "The box runs benchmark 'HNEW', which is not one of the shipped ones")
+        self.wait_benchmark(255)
+        names.wait_last(lambda m: m.data == "HNEW", "its name")
+        self.wait_said(SAYS_PREPARE)
+        strings = {"notifications", "activation_event", "visitor", "final_command"}
+        self.assertLessEqual({*strings, "devices/dimmer/set", "tablet/map", "end_prepare"}, self.services)
+        self.assertEqual(self.published["goal/text"], "std_msgs/String")
+        self.box.beacon()  # the run is over
         self.wait_benchmark(0)
         self.assertEqual((self.services, self.published), (set(), ALWAYS))
-        self.box.beacon()  # the run is over
         self.begin("HWV")
-        self.assertEqual([m.benchmark for m in self.benchmarks.messages[-3:]], [NUMBERS["HWV"], 0, NUMBERS["HWV"]])
+        self.assertEqual([m.benchmark for m in self.benchmarks.messages[-4:]], [NUMBERS["HWV"], 255, 0, NUMBERS["HWV"]])

@@ -5,6 +5,7 @@ import re
 import rospy
 from geometry_msgs.msg import Pose2D
 from rosgraph_msgs.msg import Log
+from std_msgs.msg import String as StringMsg
 from std_msgs.msg import UInt32
 from support.box_case import LISTENER
 from support.comm_case import (
@@ -27,7 +28,7 @@ from support.waiting import wait_until
 
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalOMF
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
+from roah_rsbb.srv import Bool, OverrideGoal, Percentage, ResultHOPF, ResultHPPF, String
 
 _EMPTY, _STRING = "std_srvs/Empty", "roah_rsbb/String"
 # Services that there are only in one benchmark, with their types.
@@ -97,7 +98,7 @@ class TestSequences(OverrideCase):
         # Who hears of the benchmark finds all that belongs to it.
         own = OWN.get(code, {})
         self.assertEqual({name: self.type_of(name) for name in self.services}, own)
-        goal = {"goal": GOALS[code]._type} if code in GOALS else {}
+        goal = {"goal": GOALS[code]._type, "goal/text": "std_msgs/String"} if code in GOALS else {}
         self.assertEqual(self.published, {**ALWAYS, "benchmark/state": "roah_rsbb/BenchmarkState", **goal})
         self.assertIn("messages_saved", self.subscribed)
         self.wait_said(SAYS_STOP)
@@ -304,6 +305,55 @@ class TestGoals(OverrideCase):
             self.call("end_execute")
 
 
+class TestOverrideGoal(OverrideCase):
+    """Goals at home: the service override_goal."""
+
+    def play(self, benchmark: str, state: int, goal: str = "") -> None:
+        """Play the box."""
+        self.call("override_goal", OverrideGoal, benchmark=benchmark, benchmark_state=state, goal=goal)
+
+    def tearDown(self) -> None:
+        self.play("", STOP)
+        self.wait_benchmark(0)
+
+    def test_a_waypoint(self) -> None:
+        self.play("HNF", PREPARE)
+        self.call("end_prepare")
+        with self.assertRaisesRegex(CommRefusal, r"the goal is '\[1, 2\]': expected \[x, y, theta\], in numbers"):
+            self.play("HNF", GOAL_TX, "[1, 2]")
+        self.play("HNF", GOAL_TX, "[1.5, 2, 0.25]")
+        self.wait_said(SAYS_EXECUTE)
+        self.assertEqual(self.heard("goal", Pose2D).wait_count(1), Pose2D(1.5, 2.0, 0.25))
+        self.assertEqual(self.heard("goal/text", StringMsg).wait_count(1).data, "[1.5, 2, 0.25]")
+        self.call("end_execute")
+
+    def test_a_benchmark_with_another_code(self) -> None:
+        self.play("FetchMug", STOP)
+        self.wait_benchmark(255)
+        self.assertEqual(self.heard("benchmark/name", StringMsg).wait_count(1).data, "FetchMug")
+        self.play("FetchMug", PREPARE)
+        self.call("end_prepare")
+        self.play("FetchMug", GOAL_TX, '{"colour": "red"}')
+        self.wait_said(SAYS_EXECUTE)
+        texts = self.heard("goal/text", StringMsg)
+        self.assertEqual(texts.wait_count(1).data, '{"colour": "red"}')
+        self.assertEqual(self.type_of("end_execute"), "roah_rsbb/String")
+        self.call("end_execute", String, '{"fetched": true}')
+        self.play("FetchMug", PREPARE)
+        self.wait_said(SAYS_PREPARE)
+        self.call("end_prepare")
+        self.play("FetchMug", WAITING_RESULT)
+        texts.wait_last(lambda m: m.data == "", "the next one has no goal")
+
+    def test_another_code_after_the_other(self) -> None:
+        names = self.heard("benchmark/name", StringMsg)
+        for code in ("FetchMug", "SetTable"):
+            self.play(code, STOP)
+            names.wait_last(lambda m, code=code: m.data == code, code)
+        self.benchmarks.wait_count(3)
+        self.assertEqual([m.benchmark for m in self.benchmarks.messages[-2:]], [255, 255])
+
+
 class TestEnd(OverrideCase):
     """The benchmark ends while the robot does something, and the next one begins at once."""
 
@@ -343,7 +393,7 @@ class TestBadOverrides(OverrideCase):
         self.call("end_prepare")
         self.override(number, GOAL_TX)
         for name, pose, why in (("Annie", Pose2D(float("nan"), 0, 0), "nan is not valid in a pose"),
-                                ("A" * 500, Pose2D(), "at most 400 fit")):
+                                ("A" * 500, Pose2D(), "at most 900 fit")):
             with self.assertRaisesRegex(CommRefusal, re.escape(why)):
                 self.call("end_execute", ResultHPPF, name, pose)
         self.call("end_execute", ResultHPPF, "Annie", Pose2D())

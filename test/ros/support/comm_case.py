@@ -35,7 +35,8 @@ NUMBERS = {
 STOP, PREPARE, GOAL_TX, WAITING_RESULT = range(4)  # of Override
 SAYS_STOP, SAYS_PREPARE, SAYS_EXECUTE = range(3)  # on /roah_rsbb/benchmark/state
 ALWAYS = {
-    "benchmark": "roah_rsbb/Benchmark", "devices/bell": "std_msgs/Empty", "devices/state": "roah_rsbb/DevicesState",
+    "benchmark": "roah_rsbb/Benchmark", "benchmark/name": "std_msgs/String",
+    "devices/bell": "std_msgs/Empty", "devices/state": "roah_rsbb/DevicesState",
     "tablet/call": "std_msgs/Empty", "tablet/position": "geometry_msgs/Pose2D", "tablet/state": "roah_rsbb/TabletState",
 }
 GOALS: Dict[str, type] = {"HNF": Pose2D, "HGMF": GoalHGMF, "HOMF": GoalOMF, "STB": StringMsg}
@@ -155,8 +156,8 @@ class CommCase(NetworkCase):
 
     @property
     def services(self) -> Set[str]:
-        """Services that it offers now, without override."""
-        return self._of_node(2) - {"override"}
+        """Services that it offers now, without those that simulate the box."""
+        return self._of_node(2) - {"override", "override_goal"}
 
     def wait_services(self, *names: str) -> None:
         """Wait until it offers exactly these services besides override."""

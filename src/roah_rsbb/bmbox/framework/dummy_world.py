@@ -12,6 +12,7 @@ from typing import Dict, Iterable, Optional, Tuple
 
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Pose3, angle_difference, compose, distance, normalised
 from roah_rsbb.core.modules.messages import RequestKind, RunForModule, Step
+from roah_rsbb.rulebook.registry import PROFILES
 
 TABLE = Pose3(4.0, 1.0, 0.8, 0.3)  # a corner of its top, in the test bed; metres and radians
 TABLE_SIZE = (1.2, 0.8)  # metres, as in HOPF.yaml and HGMF.yaml
@@ -64,7 +65,7 @@ class DummyWorld:
         else:
             self._execute_s = self._drive_to = None
         following = run is not None and run.benchmark == "HPFF" and self._execute_s is not None
-        if run is None or run.benchmark != "HPPF":
+        if run is None or (run.benchmark in PROFILES and run.benchmark != "HPPF"):
             self._walk(dt)
         if following:
             self._drive_to = self._behind_person()
@@ -84,15 +85,19 @@ class DummyWorld:
             self._execute_s = now_s
 
     def _begin(self, benchmark: str, step: Step) -> None:
-        """React to a new request: place subjects, or choose the robot's destination."""
+        """React to a new request: place subjects, or choose the robot's destination.
+
+        In a benchmark that a competition defines, a manual operation may concern any of the subjects.
+        """
         request = step.request
         self._carry = self._drive_to = None
         if request.kind == RequestKind.REFEREE:
-            if benchmark == "HOPF":
+            is_other = benchmark not in PROFILES
+            if is_other or benchmark == "HOPF":
                 self._positioner = self._on_table()
-            elif benchmark == "HGMF":
+            if is_other or benchmark == "HGMF":
                 self._object = self._on_table()
-            elif benchmark == "HPPF":
+            if is_other or benchmark == "HPPF":
                 self._person = self._standing()
         elif request.kind == RequestKind.GOAL and request.pose is not None:
             goal = Pose3(request.pose[0], request.pose[1], 0.0, request.pose[2])

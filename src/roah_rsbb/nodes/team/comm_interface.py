@@ -24,7 +24,7 @@ from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
 from roah_rsbb.robot.link import PERCENTAGES, SWITCHES
 from roah_rsbb.ros.times import ros_wire_time
-from roah_rsbb.rulebook.registry import DEVICES, PROFILES, STRINGS, TABLET, GoalForm, ResultForm, profile_of
+from roah_rsbb.rulebook.registry import DEVICES, OTHER, STRINGS, TABLET, GoalForm, ResultForm, profile_of
 from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
 
 STATES: Dict[RobotState, int] = {
@@ -65,10 +65,11 @@ class CommInterface:
             GoalForm.STRING: StringMsg,
         }
         self._code: Optional[str] = None
-        self._number = Benchmark.NONE
+        self._announced: Optional[str] = None  # code
         self._state_number: Optional[int] = None
         self._always = {
             "benchmark": _topic("benchmark", types.Benchmark),
+            "name": _topic("benchmark/name", StringMsg),
             "bell": _topic("devices/bell", Empty, latch=False),
             "devices": _topic("devices/state", types.DevicesState),
             "call": _topic("tablet/call", Empty, latch=False),
@@ -80,7 +81,9 @@ class CommInterface:
         self._state_topic: Optional[rospy.Publisher] = None
         self._ended_mono = -SETTLE_S  # end of the latest benchmark
         self._goal_topic: Optional[rospy.Publisher] = None
-        self._always["benchmark"].publish(self._number)
+        self._goal_text_topic: Optional[rospy.Publisher] = None
+        self._always["benchmark"].publish(Benchmark.NONE)
+        self._always["name"].publish("")
         self._jobs: queue.Queue[Optional[Callable[[], None]]] = queue.Queue()
         self._thread = threading.Thread(target=self._work, name="ROS interface", daemon=True)
         self._thread.start()
@@ -136,16 +139,16 @@ class CommInterface:
         for part in self._in_benchmark:
             _end(part)
         self._in_benchmark = []
-        self._goal_topic = None
-        if code is not None and code not in PROFILES:
-            rospy.logerr("the box runs the unknown benchmark '%s': update this package, or check the box's "
-                         "configuration", code)
-            code = None
+        self._goal_topic = self._goal_text_topic = None
         self._code = code
         if code is None:
             self._end_state_topic()
-            self._announce(Benchmark.NONE)
+            self._announce(None)
             return
+        profile = profile_of(code)
+        if profile is OTHER:
+            rospy.loginfo("The box runs benchmark '%s', which is not one of the shipped ones. Its name is on topic "
+                          "/roah_rsbb/benchmark/name", code)
         # Discard counts from before this benchmark. A latched count is received again.
         self._requests.messages_saved(0)
         self._in_benchmark.append(rospy.Subscriber(
@@ -154,13 +157,15 @@ class CommInterface:
         if self._state_topic is None:
             time.sleep(max(0.0, self._ended_mono + SETTLE_S - time.monotonic()))
             self._state_topic = _state_topic()
-        self._in_benchmark += self._benchmark_services(profile_of(code).uses)
-        profile = profile_of(code)
+        self._in_benchmark += self._benchmark_services(profile.uses)
+        if profile.goal is not GoalForm.NONE:
+            self._goal_text_topic = _topic("goal/text", StringMsg)
+            self._in_benchmark.append(self._goal_text_topic)
         if profile.goal in self._goal_types:
             self._goal_topic = _topic("goal", self._goal_types[profile.goal])
             self._in_benchmark.append(self._goal_topic)
         self._publish_state(RobotState.STOP)
-        self._announce(profile.number)
+        self._announce(code)
 
     def _end_state_topic(self) -> None:
         """The topic remains between consecutive benchmarks, and ends without one."""
@@ -169,10 +174,11 @@ class CommInterface:
             self._state_topic = self._state_number = None
             self._ended_mono = time.monotonic()
 
-    def _announce(self, number: int) -> None:
-        if number != self._number:
-            self._number = number
-            self._always["benchmark"].publish(number)
+    def _announce(self, code: Optional[str]) -> None:
+        if code != self._announced:
+            self._announced = code
+            self._always["name"].publish(code or "")
+            self._always["benchmark"].publish(Benchmark.NONE if code is None else profile_of(code).number)
 
     def _enter_state(self, state: RobotState, goal: Optional[Goal]) -> None:
         self._end_phase()
@@ -182,6 +188,8 @@ class CommInterface:
             self._in_phase.append(_service("end_prepare", EmptySrv, lambda _: self._requests.end_prepare()))
         elif state is RobotState.EXECUTING:
             self._in_phase.append(self._end_execute_service(profile_of(self._code).result))
+            if self._goal_text_topic is not None:
+                self._goal_text_topic.publish("" if goal is None else goal.text or "")
             if self._goal_topic is not None and goal is not None:
                 self._publish_goal(profile_of(self._code).goal, goal)
         self._publish_state(state)
@@ -214,6 +222,8 @@ class CommInterface:
         if form is ResultForm.PERSON:
             return _service("end_execute", ResultHPPF, lambda r: end(
                 HppfResult(r.person_name, _pose(r.person_pose))))
+        if form is ResultForm.TEXT:
+            return _service("end_execute", String, lambda r: end(r.data or None))
         return _service("end_execute", EmptySrv, lambda _: end(ANY_RESULT if form is ResultForm.ANY else None))
 
     def _benchmark_services(self, uses: FrozenSet[str]) -> List[rospy.Service]:

@@ -21,13 +21,14 @@ from roah_rsbb.nodes.team.comm_interface import CommInterface, Requests
 from roah_rsbb.nodes.team.generations import DEFAULT, GENERATIONS, report_refused, types_of
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot import effects as fx
+from roah_rsbb.robot.goals import BadGoal, read_goal
 from roah_rsbb.robot.machine import IllegalEvent
 from roah_rsbb.robot.runner import SessionRunner
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.rulebook.registry import PROFILES
-from roah_rsbb.srv import Override, OverrideResponse
+from roah_rsbb.srv import Override, OverrideGoal, OverrideGoalResponse, OverrideResponse
 
 DEFAULT_KEY = "DefaultKey"
 
@@ -82,6 +83,7 @@ class CommNode:
         """Run until shut down; returns the exit status."""
         self._runner.open()
         rospy.Service("/roah_rsbb/override", Override, self._on_override)
+        rospy.Service("/roah_rsbb/override_goal", OverrideGoal, self._on_override_goal)
         self._ros.run()
         self._runner.close()
         self._interface.close()
@@ -126,6 +128,11 @@ class CommNode:
         self._ask(lambda: self._session.override(self._ros.loop.time(), message))
         return OverrideResponse()
 
+    def _on_override_goal(self, request: object) -> OverrideGoalResponse:
+        message = _override_goal_message(request)
+        self._ask(lambda: self._session.override(self._ros.loop.time(), message))
+        return OverrideGoalResponse()
+
 
 class _OneLine:
     """A message as text, formatted only when needed."""
@@ -146,13 +153,31 @@ def _override_message(request: object) -> Optional[pb.BenchmarkState]:
     if code is None:
         known = ", ".join(f"{number} {code}" for number, code in sorted(codes.items()))
         raise rospy.ServiceException(f"unknown benchmark number {request.benchmark_type}: choose from {known}")
+    message = _state_message(code, request)
+    message.initial_state.extend(request.initial_state)
+    message.switches.extend(request.switches)
+    return message
+
+
+def _override_goal_message(request: object) -> Optional[pb.BenchmarkState]:
+    """The message that replaces the box's, with a goal; None ends the override."""
+    if not request.benchmark:
+        return None
+    message = _state_message(request.benchmark, request)
+    if request.goal:
+        message.generic_goal = request.goal
+        try:
+            read_goal(message)
+        except BadGoal as bad:
+            raise rospy.ServiceException(str(bad)) from None
+    return message
+
+
+def _state_message(code: str, request: object) -> pb.BenchmarkState:
     if request.benchmark_state not in pb.BenchmarkState.State.values():
         known = ", ".join(f"{number} {name}" for name, number in pb.BenchmarkState.State.items())
         raise rospy.ServiceException(f"unknown benchmark state {request.benchmark_state}: choose from {known}")
-    message = pb.BenchmarkState(
-        benchmark_type=code, benchmark_state=request.benchmark_state, initial_state=request.initial_state,
-        switches=request.switches,
-    )
+    message = pb.BenchmarkState(benchmark_type=code, benchmark_state=request.benchmark_state)
     message.acknowledgement.sec = request.acknowledgement.secs
     message.acknowledgement.nsec = request.acknowledgement.nsecs
     return message

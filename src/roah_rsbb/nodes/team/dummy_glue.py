@@ -20,7 +20,7 @@ from std_msgs.msg import Empty, UInt32
 from std_msgs.msg import String as StringMsg
 from std_srvs.srv import Empty as EmptySrv
 
-from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
+from roah_rsbb.msg import BenchmarkState, GoalHGMF, GoalOMF
 from roah_rsbb.nodes.team.dummy_robots import log_to_ros
 from roah_rsbb.robot.dummy import PHASES, DummyOptions, DummyRobot
 from roah_rsbb.robot.goals import Goal, HopfResult, HppfResult, Pose, Result
@@ -29,7 +29,7 @@ from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import BadParams, Params
-from roah_rsbb.rulebook.registry import PROFILES, GoalForm, profile_of
+from roah_rsbb.rulebook.registry import GoalForm, ResultForm, profile_of
 from roah_rsbb.srv import Bool, Percentage, ResultHOPF, ResultHPPF, String
 
 # Time limit for a service to appear: the comm node may be starting, and advertises services with a delay.
@@ -38,6 +38,7 @@ LOOK_S = 0.2
 # The topics with the goals of benchmarks. Other benchmarks have no topic for goals.
 GOAL_TYPES = {
     GoalForm.WAYPOINT: Pose2D, GoalForm.PLACEMENT: GoalHGMF, GoalForm.SWITCHES: GoalOMF, GoalForm.STRING: StringMsg,
+    GoalForm.TEXT: StringMsg,
 }
 
 
@@ -139,7 +140,6 @@ class GlueNode:
         self._services = Services(self._ros.loop)
         self._dummy = DummyRobot(options)
         self._dummy.client = self._services
-        self._codes = {profile.number: code for code, profile in PROFILES.items()}
         self._code: Optional[str] = None
         self._phase: Optional[asyncio.Task] = None
         self._early: Optional[int] = None  # a state that arrived before its benchmark
@@ -148,7 +148,7 @@ class GlueNode:
 
     def run(self) -> int:
         """Run until shut down; returns the exit status."""
-        self._follow("benchmark", Benchmark, lambda message: self._enter(message.benchmark))
+        self._follow("benchmark/name", StringMsg, lambda message: self._enter(message.data))
         self._follow("benchmark/state", BenchmarkState, lambda message: self._state(message.benchmark_state))
         self._follow("devices/bell", Empty, lambda _: self._dummy.on_bell())
         self._follow("tablet/call", Empty, lambda _: self._dummy.on_tablet_call())
@@ -162,9 +162,9 @@ class GlueNode:
 
     # -- in the loop's thread -----------------------------------------------------------------------
 
-    def _enter(self, number: int) -> None:
+    def _enter(self, code: str) -> None:
         """Follow another benchmark. The type of its goal topic depends on the benchmark."""
-        self._code = self._codes.get(number)
+        self._code = code or None
         if self._goal_topic is not None:
             self._goal_topic.unregister()
             self._goal_topic = None
@@ -173,9 +173,10 @@ class GlueNode:
             # After a crash of the comm node there is no STOP.
             self._end_phase()
         form = GoalForm.NONE if self._code is None else profile_of(self._code).goal
-        if form in GOAL_TYPES:
+        if form is not GoalForm.NONE:
             self._goal = self._ros.loop.create_future()
-            self._goal_topic = self._follow("goal", GOAL_TYPES[form], self._take_goal)
+            topic = "goal/text" if form is GoalForm.TEXT else "goal"
+            self._goal_topic = self._follow(topic, GOAL_TYPES[form], self._take_goal)
         if self._code is not None and self._early is not None:
             self._state(self._early)
 
@@ -220,6 +221,8 @@ class GlueNode:
             await call("end_execute", ResultHOPF, result.object_class, result.object_name, Pose2D(*result.pose))
         elif isinstance(result, HppfResult):
             await call("end_execute", ResultHPPF, result.person_name, Pose2D(*result.pose))
+        elif profile_of(self._code).result is ResultForm.TEXT:
+            await call("end_execute", String, result or "")
         else:
             await call("end_execute", EmptySrv)
 
@@ -232,18 +235,18 @@ async def _logged(work: Awaitable[None], what: str) -> None:
         rospy.logwarn("%s: %s", what, error)
 
 
-_GOALS: Dict[type, Callable[[Any], Goal]] = {
+_GOALS: Dict[type, Callable[[Any], Optional[Goal]]] = {
     Pose2D: lambda message: Goal(pose=Pose(message.x, message.y, message.theta)),
     GoalHGMF: lambda message: Goal(
         pose=Pose(message.target_pose.x, message.target_pose.y, message.target_pose.theta),
         object_id=message.object_type,
     ),
     GoalOMF: lambda message: Goal(initial_state=tuple(message.initial_state), switches=tuple(message.switches)),
-    StringMsg: lambda message: Goal(text=message.data),
+    StringMsg: lambda message: Goal(text=message.data) if message.data else None,
 }
 
 
-def _goal_of(message: Any) -> Goal:
+def _goal_of(message: Any) -> Optional[Goal]:
     return _GOALS[type(message)](message)
 
 
