@@ -393,7 +393,7 @@ class TestBadOverrides(OverrideCase):
         self.call("end_prepare")
         self.override(number, GOAL_TX)
         for name, pose, why in (("Annie", Pose2D(float("nan"), 0, 0), "nan is not valid in a pose"),
-                                ("A" * 500, Pose2D(), "at most 900 fit")):
+                                ("A" * 900, Pose2D(), "at most 900 fit")):
             with self.assertRaisesRegex(CommRefusal, re.escape(why)):
                 self.call("end_execute", ResultHPPF, name, pose)
         self.call("end_execute", ResultHPPF, "Annie", Pose2D())
