@@ -168,6 +168,6 @@ def test_in_a_benchmark_of_a_competition_everything_moves_that_rules_may_ask_for
     after = w.asks(RequestKind.REFEREE, text="Place the mug, and ask Annie to enter")
     assert all(before[subject] != after[subject] for subject in ("positioner", "object", "person"))
     assert distance(after["person"], TARGET_AREA) < 1.0
-    assert w.pass_time(2.0) == after, "the person stands still"
+    assert w.pass_time(2.0) == after, "the person keeps the place"
     w.asks(RequestKind.GOAL, pose=(4.0, 3.0, 3.0))
     assert distance(w.executes()["robot"], Pose2D(4.0, 3.0, 0.0)) < 0.2
