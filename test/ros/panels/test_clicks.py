@@ -94,7 +94,7 @@ class TestClicks(unittest.TestCase):
         # The box went to the zone's next event by itself.
         self.wait_window("the next event is shown", lambda w: "STB" in w["event"])
         self.to_phase("connect", "CONNECTED")
-        self.to_phase("start", "RUNNING")
+        self.to_phase("start", "PAUSED: manual operation")
         for request in ("First Manual Operation", "Last Manual Operation"):
             # The panel comes to the front by itself.
             self.wait_window(request, lambda w, r=request: w["operation"] == r and w["operation_seen"])

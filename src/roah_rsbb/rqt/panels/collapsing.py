@@ -19,6 +19,19 @@ SHOW_TIP, HIDE_TIP = "Show this panel now", "Leave the space to Scoring"
 NO_LIMIT = 16777215  # Qt's QWIDGETSIZE_MAX
 
 
+def scoring_in(window: QWidget) -> Optional[Panel]:
+    """Returns the panel Scoring in a window; None: it has none."""
+    return next((panel for panel in window.findChildren(Panel) if panel.objectName() == SCORING), None)
+
+
+def dock_of(panel: Panel) -> Optional[QDockWidget]:
+    """Returns the dock that a panel is in."""
+    widget = panel.parentWidget()
+    while widget is not None and not isinstance(widget, QDockWidget):
+        widget = widget.parentWidget()
+    return widget
+
+
 class CollapsingPanel(Panel):
     """Base of these panels."""
 
@@ -26,7 +39,7 @@ class CollapsingPanel(Panel):
         super().__init__(client, parent)
         self.is_collapsed = False
         self._run = ""  # the run that is scored
-        self._height = 0  # of the dock, before it collapsed
+        self._height = 0  # of the dock while no run is connected; 0: not known
         self.toggle = QToolButton()
         self.toggle.setFocusPolicy(Qt.TabFocus)
         self.toggle.clicked.connect(lambda: self._collapse(not self.is_collapsed))
@@ -49,22 +62,19 @@ class CollapsingPanel(Panel):
             return
         is_scored = details.phase in ("running", "ended") and bool(zone.scoring)
         run = details.identity if is_scored else ""
+        if details.phase == "idle" and not self.is_collapsed and not self.visibleRegion().isEmpty():
+            dock = dock_of(self)
+            self._height = 0 if dock is None else dock.height()
         if run != self._run:
             self._run = run
             self._collapse(bool(run) and self._is_in_the_way())
 
     def _is_in_the_way(self) -> bool:
         """Whether Scoring could use the space: it is in the same, small window."""
-        window, dock = self.window(), self._dock()
+        window, dock = self.window(), dock_of(self)
         if dock is None or dock.isFloating() or window.height() > HIGH_WINDOW_EMS * basic.em():
             return False
-        return window.findChild(QWidget, SCORING) is not None
-
-    def _dock(self) -> Optional[QDockWidget]:
-        widget = self.parentWidget()
-        while widget is not None and not isinstance(widget, QDockWidget):
-            widget = widget.parentWidget()
-        return widget
+        return scoring_in(window) is not None
 
     def _collapse(self, is_collapsed: bool) -> None:
         self.toggle.setVisible(bool(self._run) and (is_collapsed or self._is_in_the_way()))
@@ -73,9 +83,7 @@ class CollapsingPanel(Panel):
         if is_collapsed == self.is_collapsed:
             return
         self.is_collapsed = is_collapsed
-        dock = self._dock()
-        if is_collapsed and dock is not None:
-            self._height = dock.height()
+        dock = dock_of(self)
         self.show_collapsed(is_collapsed)
         self.layout().activate()
         self.setMaximumHeight(self.layout().minimumSize().height() if is_collapsed else NO_LIMIT)
@@ -85,6 +93,10 @@ class CollapsingPanel(Panel):
 
     def _grow(self) -> None:
         """Restore the height from before."""
-        dock, window = self._dock(), self.window()
-        if dock is not None and isinstance(window, QMainWindow) and not self.is_collapsed:
-            window.resizeDocks([dock], [self._height], Qt.Vertical)
+        window = self.window()
+        scoring = scoring_in(window)
+        docks = [dock_of(panel) for panel in (self, scoring) if panel is not None]
+        if len(docks) == 2 and None not in docks and isinstance(window, QMainWindow) and self._height:
+            both = sum(dock.height() for dock in docks)
+            if not self.is_collapsed and self._height < both:
+                window.resizeDocks(docks, [self._height, both - self._height], Qt.Vertical)

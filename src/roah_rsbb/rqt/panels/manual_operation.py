@@ -3,7 +3,7 @@
 from typing import List, Optional, Tuple
 
 from roah_rsbb.msg import ZoneDetails
-from roah_rsbb.rqt.panels.collapsing import SCORING
+from roah_rsbb.rqt.panels.collapsing import scoring_in
 from roah_rsbb.rqt.panels.panel import Answer, Panel
 from roah_rsbb.rqt.qt import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea, Qt, QTimer, QWidget
 from roah_rsbb.rqt.widgets import basic
@@ -96,7 +96,7 @@ class ManualOperationPanel(Panel):
             to_front(self)
         elif self._came and not self.visibleRegion().isEmpty():
             self._came = False
-            scoring = self.window().findChild(QWidget, SCORING)
+            scoring = scoring_in(self.window())
             if scoring is not None:
                 to_front(scoring)
 

@@ -5,10 +5,24 @@ from typing import Callable, Optional
 from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.rqt.model.calls import CallOutcome, RefereeName
 from roah_rsbb.rqt.model.client import Client
-from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QLineEdit, QMessageBox, QSizePolicy, Qt, QTimer, QVBoxLayout, QWidget
+from roah_rsbb.rqt.qt import (
+    QApplication,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QMessageBox,
+    QSizePolicy,
+    Qt,
+    QTimer,
+    QVBoxLayout,
+    QWidget,
+)
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import StopRun
 from roah_rsbb.wording import times
+
+# More than all panels of a window have.
+MOST_CONTROLS = 1000
 
 
 class Panel(QWidget):
@@ -78,6 +92,17 @@ class Panel(QWidget):
     def showEvent(self, event) -> None:
         super().showEvent(event)
         self._on_update()
+
+    def focusNextPrevChild(self, forward: bool) -> bool:
+        """Tab skips panels that are behind others."""
+        for _ in range(MOST_CONTROLS):
+            moved = super().focusNextPrevChild(forward)
+            widget = QApplication.focusWidget()
+            while widget is not None and not isinstance(widget, Panel):
+                widget = widget.parentWidget()
+            if not moved or widget is None or not widget.visibleRegion().isEmpty():
+                break
+        return moved
 
     def _on_update(self) -> None:
         if not self.isVisible():

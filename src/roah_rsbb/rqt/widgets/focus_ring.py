@@ -2,7 +2,19 @@
 
 from typing import Optional
 
-from roah_rsbb.rqt.qt import QApplication, QEvent, QObject, QPainter, QPalette, QPen, QSplitter, Qt, QWidget
+from roah_rsbb.rqt.qt import (
+    QApplication,
+    QEvent,
+    QObject,
+    QPainter,
+    QPalette,
+    QPen,
+    QPoint,
+    QRect,
+    QSplitter,
+    Qt,
+    QWidget,
+)
 
 WIDTH = 3
 
@@ -53,8 +65,9 @@ class FocusRing(QObject):
     def _follow(self, _before: Optional[QWidget], widget: Optional[QWidget]) -> None:
         self._leave()
         parent = None if widget is None else widget.parentWidget()
-        # A splitter would treat the frame as one of its parts.
-        if parent is None or isinstance(parent, QSplitter) or not self._belongs(widget):
+        while isinstance(parent, QSplitter):  # it would treat the frame as one of its parts
+            parent = parent.parentWidget()
+        if parent is None or not self._belongs(widget):
             return
         self._on = widget
         widget.installEventFilter(self)
@@ -64,7 +77,8 @@ class FocusRing(QObject):
 
     def _place(self) -> None:
         if self._frame is not None and self._on is not None:
-            self._frame.setGeometry(self._on.geometry().adjusted(-1, -1, 1, 1))
+            place = QRect(self._on.mapTo(self._frame.parentWidget(), QPoint()), self._on.size())
+            self._frame.setGeometry(place.adjusted(-1, -1, 1, 1))
             self._frame.raise_()
 
     def _leave(self) -> None:

@@ -85,6 +85,7 @@ class FakeZone:
         self.name = name
         self.index = 0
         self.phase = "idle"
+        self.has_items = True  # for the referee to score
         self.robot = "mbot"
         self.all_robots: List[str] = []  # lines of all robots at once
         self.end_reason = ""
@@ -329,7 +330,7 @@ class FakeCore(FakeScores):
         if zone.switches is not None:
             state.omf, state.omf_switches = True, bytes(sorted(zone.switches))
             state.omf_damaged, state.omf_complete = zone.damaged, zone.switches_asked
-        state.scoring = [] if zone.phase == "idle" else _scoring(zone.scores)
+        state.scoring = [] if zone.phase == "idle" or not zone.has_items else _scoring(zone.scores)
         return state
 
     def _tick(self, _event: object) -> None:

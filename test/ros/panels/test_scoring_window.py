@@ -1,0 +1,207 @@
+"""What a referee scores with, in the whole window: the sheet, keys, undo, and who did what."""
+
+from support.fakes.core import EVENTS, Asked
+from support.gui_testing import QApplication, Qt, QTest, QWidget, click, wait_until
+from support.panel_case import BUMPS, DOOR
+from support.real_input import click_at, middle_of, press_key
+from support.window_case import WindowCase, in_sight, wait_still
+
+from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.rqt.qt import QPushButton
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.keys_page import KeysDialog
+from roah_rsbb.rqt.widgets.undo import placed
+from roah_rsbb.wording.sheets import HistoryEntry
+
+PERSON = ("Disqualifying behaviours", "Hits Annie or another person")
+
+
+class TestCollapse(WindowCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.overview, self.log = self.panel("OverviewPanel"), self.panel("LogDisplayPanel")
+
+    def test_overview_and_log_come_back_when_the_run_is_left_and_not_while_it_is_scored(self) -> None:
+        wait_until(lambda: self.client.model.zone_details is not None, "the zone is known to have no run")
+        wait_still(self.window)
+        before = self.window.docks["OverviewPanel"].height()
+        self.run_zone()
+        self.assertTrue(self.log.is_collapsed)
+        self.assertFalse(self.overview.tiles["Home A"].isVisible())
+        self.zone.command("stop")
+        wait_until(lambda: "ENDED" in self.control._phase.text(), "the run has ended")
+        self.assertTrue(self.overview.is_collapsed)
+        self.zone.command("disconnect")
+        wait_until(lambda: not self.overview.is_collapsed and not self.log.is_collapsed, "they are back")
+        wait_until(lambda: abs(self.window.docks["OverviewPanel"].height() - before) < 2 * basic.em(),
+                   "with the height from before")
+        self.assertTrue(self.log.view.isVisible())
+
+    def test_a_button_shows_them_during_the_run(self) -> None:
+        self.run_zone()
+        click(self.overview.toggle)
+        wait_until(self.overview.tiles["Home A"].isVisible, "the tiles are shown")
+        click(self.overview.toggle)
+        wait_until(lambda: not self.overview.tiles["Home A"].isVisible(), "the tiles are hidden")
+
+    def test_a_run_without_items_for_the_referee_needs_no_space(self) -> None:
+        self.zone.has_items = False
+        self.zone.command("connect")
+        self.zone.command("start")
+        wait_until(lambda: "Home A" in self.client.model.running_zones(), "the run is in progress")
+        QTest.qWait(300)
+        self.assertFalse(self.overview.is_collapsed)
+
+
+class TestKeys(WindowCase):
+    def setUp(self) -> None:
+        super().setUp()
+        self.run_zone()
+
+    def test_a_number_scores_the_item_and_shift_takes_it_back(self) -> None:
+        press_key("1")
+        self.wait_call("score", "Home A", *DOOR, 1)
+        press_key("1", "Shift_L")
+        self.wait_call("score", "Home A", *DOOR, 0)
+        for count in (1, 2):
+            press_key("6")
+            self.wait_call("score", "Home A", *BUMPS, count)
+        press_key("6", "Shift_L")
+        wait_until(lambda: self.core.calls[-1] == ("score", "Home A", *BUMPS, 1), "one is taken back")
+        self.assertEqual(len(self.core.calls), 5)
+
+    def test_a_number_in_a_text_scores_nothing(self) -> None:
+        click_at(middle_of(self.scoring.referee))
+        for key in ("A", "6", "question"):
+            press_key(key)
+        wait_until(lambda: self.client.referee.name.lower().startswith("a6"), "it is typed")
+        self.assertEqual(self.core.calls, [])
+
+    def test_every_item_is_reached_by_tab_and_the_frame_shows_where(self) -> None:
+        first = self.scoring.rows[DOOR].toggle
+        first.setFocus(Qt.TabFocusReason)
+        seen = []
+        for _ in range(60):
+            widget = QApplication.focusWidget()
+            frame = widget.parentWidget().findChild(QWidget, "focus ring", Qt.FindDirectChildrenOnly)
+            self.assertIsNotNone(frame, f"{widget} has a frame")
+            self.assertTrue(frame.isVisible())
+            self.assertTrue(frame.geometry().contains(widget.geometry()))
+            if widget in seen:
+                break
+            seen.append(widget)
+            press_key("Tab")
+        rows = list(self.scoring.rows.values())
+        controls = [row.toggle if row._is_bool else row.more for row in rows]
+        places = [seen.index(control) for control in controls]
+        self.assertEqual(places, sorted(places), "in the order of the sheet")
+
+    def test_space_presses_the_button_in_the_frame(self) -> None:
+        self.scoring.rows[DOOR].toggle.setFocus(Qt.TabFocusReason)
+        press_key("space")
+        self.wait_call("score", "Home A", *DOOR, 1)
+
+    def test_a_question_mark_shows_all_keys_and_esc_closes_them(self) -> None:
+        press_key("question", "Shift_L")
+        page = self.dialog(KeysDialog)
+        click_at(middle_of(self.control.buttons["stop"]))
+        self.wait_call("stop_run", "Home A")
+        page.activateWindow()
+        wait_until(lambda: QApplication.activeWindow() is page, "the page has the focus")
+        press_key("Escape")
+        wait_until(lambda: not any(isinstance(w, KeysDialog) and w.isVisible() for w in QApplication.topLevelWidgets()),
+                   "it is closed")
+        press_key("question", "Shift_L")
+        self.dialog(KeysDialog).close()
+
+
+class TestUndo(WindowCase):
+    def test_a_button_withdraws_its_entry_and_no_other(self) -> None:
+        self.client.referee.set("Anna")
+        self.run_zone()
+        for item in (DOOR, BUMPS, PERSON):
+            self.zone.mark(Mark(*item, 1), "Anna (/somewhere)")
+        undo = self.scoring.undo
+        wait_until(lambda: len(undo.buttons) == 3 and undo.buttons[1].isEnabled(), "the marks are shown")
+        self.assertIn("Undo: Bumps into the furniture +1", undo.buttons[1].toolTip())
+        self.assertIn("by Anna,", undo.buttons[1].toolTip())
+        others = [undo.buttons[0], undo.buttons[2]]
+        click_at(middle_of(undo.buttons[1]))
+        self.wait_call("withdraw", "Home A", 2)
+        wait_until(lambda: undo.buttons == others, "it is gone, and the others stay where they are")
+        self.assertEqual([entry.number for entry in self.zone.book.sheet.history if entry.withdrawn_utc], [2])
+        self.assertEqual(self.zone.book.sheet.history[1].withdrawn_by, "Anna")
+
+    def test_a_new_mark_takes_the_place_of_the_oldest_and_nothing_else_moves(self) -> None:
+        entries = [HistoryEntry(n, 0.0, "Anna", "G", f"item {n}", "uint", 0, False, 1, False) for n in range(1, 8)]
+        places = placed([None] * 5, entries[4::-1])
+        self.assertEqual([entry.number for entry in places], [1, 2, 3, 4, 5])
+        places = placed(places, entries[5:0:-1])
+        self.assertEqual([entry.number for entry in places], [6, 2, 3, 4, 5])
+        places = placed(places, [entries[5], entries[3], entries[2], entries[1], entries[0]])  # 5 was withdrawn
+        self.assertEqual([entry.number for entry in places], [6, 2, 3, 4, 1])
+
+    def test_a_mark_that_has_just_come_cannot_be_undone_by_a_click_that_meant_another(self) -> None:
+        self.run_zone()
+        self.zone.mark(Mark(*BUMPS, 1), "Anna")
+        wait_until(lambda: self.scoring.undo.buttons, "the mark is shown")
+        self.assertFalse(self.scoring.undo.buttons[0].isEnabled())
+        wait_until(self.scoring.undo.buttons[0].isEnabled, "it can be undone a moment later")
+
+
+class TestOperation(WindowCase):
+    def test_scoring_comes_back_after_a_manual_operation(self) -> None:
+        self.run_zone()
+        panel = self.panel("ManualOperationPanel")
+        self.assertTrue(in_sight(self.scoring.history))
+        for number in (1, 2):
+            self.zone.asked = Asked(number, "Place the mug")
+            wait_until(lambda: in_sight(panel.text), "the request comes to the front")
+            click_at(middle_of(panel.buttons[0])) if panel.buttons[0].isEnabled() else click(panel.buttons[0])
+            wait_until(lambda: in_sight(self.scoring.history), "Scoring is back in front")
+
+    def test_another_panel_that_the_referee_chose_stays_in_front(self) -> None:
+        self.run_zone()
+        self.zone.asked = Asked(1, "Place the mug")
+        panel, results = self.panel("ManualOperationPanel"), self.panel("ResultsPanel")
+        wait_until(lambda: in_sight(panel.text), "the request comes to the front")
+        self.window.docks["ResultsPanel"].raise_()
+        wait_until(lambda: in_sight(results.sign), "the referee reads the results")
+        self.zone.asked = None
+        wait_until(lambda: panel._request is None, "the request is over")
+        QTest.qWait(100)
+        self.assertTrue(in_sight(results.sign))
+
+
+class TestTimes(WindowCase):
+    def test_a_pause_is_a_band_and_run_and_goal_have_their_own_figures(self) -> None:
+        self.run_zone()
+        times = self.control.times
+        self.assertFalse(times.goal.isVisible())
+        self.assertEqual(times.main.label.text(), "Run: time left")
+        self.zone.pause("manual operation")
+        wait_until(lambda: "PAUSED: manual operation" in self.control._phase.text(), "the pause is shown")
+        self.assertIn("PAUSED", self.panel("OverviewPanel").tiles["Home A"]._phase_text)
+        self.zone.pause("")
+        wait_until(lambda: "RUNNING" in self.control._phase.text(), "the run continues")
+
+    def test_after_the_end_the_final_time_is_the_largest_figure(self) -> None:
+        self.run_zone()
+        self.zone.elapsed_s = 92.0
+        self.zone.command("stop")
+        main = self.control.times.main
+        wait_until(lambda: main.label.text() == "Final time of the run", "the label changes with the figure")
+        self.assertTrue(main.figure.text().startswith("1:3"), main.figure.text())
+        self.assertIn("Time left after the stop: ", self.control.times.aside.text())
+        others = [w for kind in (QPushButton,) for w in self.control.findChildren(kind)]
+        self.assertGreater(main.figure.fitted_font().pixelSize(), max(w.fontInfo().pixelSize() for w in others))
+
+    def test_the_last_seconds_stand_out_without_colour(self) -> None:
+        self.run_zone()
+        left = EVENTS[0][4] - 25.0
+        self.zone.elapsed_s = left
+        main = self.control.times.main
+        wait_until(lambda: main.figure._tone is basic.OLD, "it is amber")
+        self.assertFalse(main.figure._framed)
+        self.zone.elapsed_s = left + 16.0
+        wait_until(lambda: main.figure._framed and "LAST SECONDS" in main.label.text(), "it has a frame and words")
