@@ -1,5 +1,6 @@
 """Overview and Devices, clicked on, with a fake core and fake devices."""
 
+import re
 import time
 
 from support.fakes.core import Asked
@@ -57,7 +58,7 @@ class TestOverview(PanelCase):
         # Phase and event come in two messages.
         wait_until(lambda: self.tile.event.text() == "AnotherTeam  ·  HWV  ·  round 1, run 2",
                    lambda: f"the event is shown, not {self.tile.event.text()}")
-        self.assertRegex(self.tile.countdown.text(), r"^(9:5\d|10:00)$")
+        wait_until(lambda: re.fullmatch(r"^(9:5\d|10:00)$", self.tile.countdown.text()), "the time left is shown")
         self.assertEqual(self.other_tile.phase.text(), "○ NOT CONNECTED")
         self.assertEqual(self.other_tile.todo.text(), "→ Connect is possible")
         self.assertEqual(self.panel.head.text(), "▶ RUNNING: Home A")

@@ -37,6 +37,18 @@ class TestCollapse(WindowCase):
                    "with the height from before")
         self.assertTrue(self.log.view.isVisible())
 
+    def test_a_sheet_that_comes_moves_no_other_panel(self) -> None:
+        self.zone.command("connect")
+        wait_until(lambda: self.scoring.rows, "a sheet is shown")
+        self.zone.command("disconnect")
+        wait_until(lambda: not self.scoring.rows, "no sheet is shown")
+        wait_still(self.window)
+        before = [dock.geometry() for dock in self.window.docks.values() if dock.isVisible()]
+        self.zone.command("connect")
+        wait_until(lambda: self.scoring.rows, "another sheet is shown")
+        wait_still(self.window)
+        self.assertEqual([dock.geometry() for dock in self.window.docks.values() if dock.isVisible()], before)
+
     def test_a_button_shows_them_during_the_run(self) -> None:
         self.run_zone()
         click(self.overview.toggle)

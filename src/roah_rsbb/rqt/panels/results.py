@@ -34,6 +34,8 @@ class ResultsPanel(RefereePanel):
         self.stops = Rows(("#", "Time", "Who", "End", "Reason"), stretched=(3, 4))
         self.what = basic.enlarged(QLabel(wordWrap=True), 1.2, bold=True)
         self.what.setTextFormat(Qt.PlainText)
+        # Two lines are reserved: a run that is listed must not push other panels away, under the mouse.
+        self.what.setMinimumHeight(2 * self.what.fontMetrics().lineSpacing())
         self.correct = self._button("Change …", self._ask_score)
         self.give_reason = self._button("Reason …", self._ask_reason)
         self.sign = self._button(SIGN_OFF, self._ask_sign_off)

@@ -9,6 +9,7 @@ from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.srv import ChooseEvent
 from roah_rsbb.wording import schedule, sheets
 from roah_rsbb.wording.schedule import Event, Filter, Show
+from roah_rsbb.wording.times import Moments
 
 WAITING = "Waiting for the core"
 NO_EVENTS = "No event fits these filters."
@@ -94,14 +95,15 @@ class SchedulePanel(Panel):
     def show_model(self) -> None:
         self._events = [] if self.model.schedule is None else schedule.events_of(self.model.schedule)
         self._where.setText(self.where())
+        in_utc = self.client.moments.in_utc
         self.zones.offer(list(dict.fromkeys(event.zone for event in self._events)))
         self.teams.offer(sorted({event.team for event in self._events}))
-        self.days.offer(sorted({schedule.day_of(event) for event in self._events}))
+        self.days.offer(sorted({schedule.day_of(event, in_utc) for event in self._events}))
         show = Show(self.shows.chosen or Show.ALL.value)
         shown = Filter(self.zones.chosen, self.teams.chosen, self.days.chosen, show)
-        events = [event for event in self._events if shown.shows(event)]
-        several_days = len({schedule.day_of(event) for event in events}) > 1
-        rows = [_row(event, several_days) for event in events]
+        events = [event for event in self._events if shown.shows(event, in_utc)]
+        several_days = len({schedule.day_of(event, in_utc) for event in events}) > 1
+        rows = [_row(event, several_days, self.client.moments) for event in events]
         self.rows.show_rows(rows or [Row(None, ("", "", "", NO_EVENTS if self._events else "", "", "", "", "", ""))])
         if rows and shown != self._shown:
             self._shown = shown
@@ -161,15 +163,18 @@ def _name(event: Event) -> str:
     return sheets.run_name(event.code, event.team, event.round, event.run)
 
 
-def _row(event: Event, several_days: bool) -> Row:
+def _row(event: Event, several_days: bool, moments: Moments) -> Row:
     """Returns the row of an event. Estimated times have a mark that distinguishes them from facts."""
     pattern = "%a %d %H:%M" if several_days else "%H:%M"
     has_begun = event.state in ("done", "running", "ended")
-    begins = "" if event.state == "skipped" else schedule.moment(event.begins_utc_s, pattern)
+    begins = "" if event.state == "skipped" else schedule.moment(event.begins_utc_s, pattern, moments.in_utc)
     sheet = schedule.sheet_text(event)
     return Row(_key(event), (
-        schedule.moment(event.scheduled_utc_s, pattern), begins if has_begun or not begins else f"~ {begins}",
+        schedule.moment(event.scheduled_utc_s, pattern, moments.in_utc),
+        begins if has_begun or not begins else f"~ {begins}",
         schedule.delay_text(event.late_s), schedule.state_text(event), event.zone, event.team,
         f"{event.code}, {sheets.turn(event.round, event.run)}", event.score,
         f"✔ {sheet}" if sheet == sheets.SIGNED_OFF else sheet,
-    ), bold=event.current)
+    ), bold=event.current, tips=(
+        moments.tip(event.scheduled_utc_s), moments.tip(event.begins_utc_s) if begins else ""
+    ))

@@ -5,13 +5,15 @@ Disqualifying items stay visible even if the others must scroll.
 
 from typing import Dict, List, NamedTuple, Optional
 
-from roah_rsbb.rqt.qt import QFrame, QGridLayout, QGroupBox, QScrollArea, QTimer, QVBoxLayout, QWidget
+from roah_rsbb.rqt.qt import QFrame, QGridLayout, QGroupBox, QScrollArea, QSize, QTimer, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 
 # Groups whose names begin with this are never hidden.
 PINNED = "disqualif"
 # A narrower sheet stays in one column, in units of the desktop's font.
 TWO_COLUMNS_EMS = 34
+# The smallest width and height.
+LEAST_EMS = (20, 9)
 
 
 class _Group(NamedTuple):
@@ -40,6 +42,7 @@ class SheetView(QWidget):
         self.arrangement: Optional[Arrangement] = None
         self._area = QScrollArea(widgetResizable=True)
         self._area.setFrameShape(QFrame.NoFrame)
+        self._area.setMinimumHeight(round(2 * basic.em()))
         self._pinned = QWidget()
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
@@ -85,6 +88,13 @@ class SheetView(QWidget):
         """Choose the number of columns, once the layout is up to date."""
         self._arrange(ARRANGEMENTS[0])
         self._soon.start()
+
+    def minimumSizeHint(self) -> QSize:
+        """Does not depend on the sheet: another one must not push other panels away, under the mouse."""
+        return QSize(round(LEAST_EMS[0] * basic.em()), round(LEAST_EMS[1] * basic.em()))
+
+    def sizeHint(self) -> QSize:
+        return self.minimumSizeHint()
 
     def resizeEvent(self, event) -> None:
         super().resizeEvent(event)
