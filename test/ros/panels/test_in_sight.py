@@ -1,4 +1,4 @@
-"""What a referee must see while a run goes on, at each size of the window."""
+"""What a referee must see during a run, at each size of the window."""
 
 import os
 
@@ -17,7 +17,7 @@ SIZES = {1: ((1366, 768), (1920, 1080), (2560, 1440)), 2: ((2560, 1440), (3840, 
 
 
 class TestInSight(WindowCase):
-    """All that counts while a run goes on."""
+    """All that counts during a run."""
 
     def at_all_sizes(self):
         for size in SIZES:
@@ -29,7 +29,7 @@ class TestInSight(WindowCase):
         cut = [name for name, widget in widgets.items() if not in_sight(widget)]
         self.assertEqual(cut, [], f"at {size[0]}x{size[1]}, scale {SCALE}")
 
-    def test_every_item_and_every_command_is_in_sight_while_the_run_goes_on(self) -> None:
+    def test_every_item_and_every_command_is_in_sight_during_the_run(self) -> None:
         self.window.resize(*(length // SCALE for length in SIZES[0]))
         wait_still(self.window)
         self.run_zone()
