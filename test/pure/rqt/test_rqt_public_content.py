@@ -112,8 +112,70 @@ def test_a_result_and_its_scores():
                              scoring=[group("Good", 1, 3), group("Empty"), group("Bad", 0, 0)],
                              not_attempted=[0, 0, 1], module_scores=[score])
     (line,) = _content(finished=[result]).results
-    assert line == ("07:59", "Alpha", "Visitors", "■ timeout", "Reached 4 · Good 4 · Bad 0 (1 not attempted)")
+    scores = ("Reached 4", "Good 4", "Bad 0 (1 not attempted)")
+    assert line == ("07:59", "Alpha", "Visitors", "■ timeout", scores)
 
+
+def _board(results=(), provisional=(), standings=()):
+    return SimpleNamespace(results=list(results), provisional=list(provisional), standings=list(standings))
+
+
+def _result(team):
+    return SimpleNamespace(event=_event(team=team), end_reason="completed", disconnected=_Time(NOW), scoring=[],
+                           not_attempted=[], module_scores=[])
+
+
+def test_the_board_has_results_provisional_ones_and_standings():
+    rank = SimpleNamespace(rank="1=", team="Alpha", numbers=["5", "0.1 m"])
+    out = SimpleNamespace(rank="3", team="Beta", numbers=["disqualified", ""])
+    standing = SimpleNamespace(benchmark="Visitors", criteria=["Achievements", "Error (less is better)"],
+                               ranks=[rank, out])
+    board = _board([_result("A")], [_result("B")], [standing])
+    found = public_content.content(_details(finished=[_result("old")]), NOW, False, board)
+    assert [[line.team for line in lines] for lines in (found.results, found.provisional)] == [["A"], ["B"]]
+    assert found.standings == (public_content.Standing("Visitors", (
+        ("1=", "Alpha", "", "", ("Achievements: 5", "Error (less is better): 0.1 m")),
+        ("3", "Beta", "", "", ("Achievements: disqualified",)),
+    )),)
+    assert [line.team for line in _content(finished=[_result("old")]).results] == ["old"], "a core without a board"
+
+
+# -- lists ------------------------------------------------------------------------------------------
+
+
+def _fits(letters):
+    return lambda text: len(text) <= letters
+
+
+@pytest.mark.parametrize("parts, lines", [
+    ((), ()), (("a", "b"), ("a · b",)), (("aaaa", "bbbb", "cc"), ("aaaa", "bbbb · cc")),
+    (("one two three four",), ("one two", "three four")), (("", "a"), ("a",)),
+    (("x" * 25,), ("x" * 10, "x" * 10, "x" * 5)), (("ab " + "x" * 12 + " c",), ("ab", "x" * 10, "xx c")),
+])
+def test_scores_take_as_many_lines_as_they_need(parts, lines):
+    assert layout.wrapped(parts, _fits(10)) == lines
+
+
+def test_hostile_scores_end():
+    lines = layout.wrapped(["=cmd" * 500, "\u202e" * 99], _fits(0))
+    assert "".join(lines) == "=cmd" * 500 + "\u202e" * 99, "also where not a single letter fits"
+
+
+@pytest.mark.parametrize("high", [0.16, 0.25, 0.4, 0.8])
+def test_pages_of_blocks_lose_nothing_and_are_not_too_high(high):
+    blocks = [layout.Block(row, tuple(f"{row}.{n}" for n in range(row % 7))) for row in range(30)]
+    pages = layout.filled(blocks, high)
+    assert all(sum(block.height for block in page) <= high + 1e-6 for page in pages)
+    assert {block.row for page in pages for block in page} == set(range(30))
+    assert [line for page in pages for block in page for line in block.lines] == [
+        line for block in blocks for line in block.lines]
+    assert len(pages) > 1
+    assert layout.filled([], high) == [()]
+
+
+def test_a_page_that_is_too_small_has_a_line_nevertheless():
+    pages = layout.filled([layout.Block(0, ("a", "b"))], 0.01)
+    assert [block.lines for page in pages for block in page] == [("a",), ("b",)]
 
 @pytest.mark.parametrize("count, expected", [(0, [0]), (1, [1]), (6, [6]), (7, [4, 3]), (20, [5, 5, 5, 5])])
 def test_pages_are_even_and_lose_nothing(count, expected):
@@ -134,8 +196,8 @@ def test_nothing_overlaps_and_there_is_room_for_what_follows(size, count):
         for other in places[i + 1:]:
             assert (one.right <= other.x or other.right <= one.x
                     or one.bottom <= other.y + 1e-6 or other.bottom <= one.y + 1e-6)
-    assert layout.rows_that_fit(below, screen.unit, with_scores=False) >= 3
-    assert layout.rows_that_fit(below, screen.unit, with_scores=True) >= 1
+    assert layout.rows_that_fit(below, screen.unit) >= 2
+    assert below.h / screen.unit >= layout.TITLE + layout.ROW + layout.SCORES_ROW
 
 
 @pytest.mark.parametrize("parts", [layout.wide_card, layout.flat_card, layout.narrow_card])
@@ -147,3 +209,15 @@ def test_the_parts_of_a_card_do_not_overlap(parts):
         for other in found[i + 1:]:
             assert (one.right <= other.x or other.right <= one.x
                     or one.bottom <= other.y + 1e-6 or other.bottom <= one.y + 1e-6)
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (1920, 1080)])
+@pytest.mark.parametrize("count", range(1, layout.CARDS_ON_A_PAGE + 1))
+def test_teams_of_runs_are_larger_than_those_that_follow(size, count):
+    """Letters fill 0.7 of a card's row and 0.64 of a row below."""
+    screen = Screen(*size)
+    for place in screen.cards(count):
+        edge = 0.12 * place.h
+        inside = Rect(place.x + 2 * edge, place.y + edge / 3, place.w - 3 * edge, place.h - 2 * edge / 3)
+        team = layout.card_parts(place, inside, screen).team
+        assert 0.7 * team.h > 0.64 * layout.ROW * screen.unit

@@ -8,9 +8,10 @@ from typing import List, Optional
 import rospy
 from support.box_case import BoxCase
 from support.box_client import Refusal
-from support.waiting import happened, wait_until
+from support.waiting import LIMIT_S, happened, wait_until
 
-from roah_rsbb.msg import PublicDetails
+from roah_rsbb.msg import PublicBoard, PublicDetails, Results
+from roah_rsbb.srv import SignOff
 
 DOOR = ("Achievements", "Detects the door whose state has changed")
 FIRST = calendar.timegm((2015, 12, 31, 9, 0, 0))
@@ -66,7 +67,11 @@ class TestPublicDetails(BoxCase):
         self.assertEqual((run.end_reason, run.counting), ("completed", False))
         self.assertEqual(self.newest.finished, [])
         self.box.command("disconnect", "Home")
+        wait_until(lambda: ("Home", "Alpha", 4) in self.follow(), "the next event follows")
+        self.assertEqual(self.newest.finished, [], "it is not signed off")
+        self.sign_off()
         self.finished()
+        self.standing()
 
     def before(self) -> None:
         first = self.newest.following[0]
@@ -88,6 +93,22 @@ class TestPublicDetails(BoxCase):
         self.assertLess(len(self.heard) - before, 15)
         self.assertLess(abs(self.run_in("Home").ends.to_sec() - run.ends.to_sec()), 0.05)
         self.assertLess(abs(run.ends.to_sec() - clock - 600.0), 10.0)
+
+    def sign_off(self) -> None:
+        runs = rospy.wait_for_message("/core/results", Results, LIMIT_S).runs
+        rospy.ServiceProxy("/core/sign_off", SignOff)("Home", runs[0].identity, "Anna")
+
+    def standing(self) -> None:
+        boards: List[PublicBoard] = []
+        subscriber = rospy.Subscriber("/core/public_board", PublicBoard, lambda m: boards.append(m) or happened())
+        self.addCleanup(subscriber.unregister)
+        wait_until(lambda: boards and boards[-1].results, "the board has the result")
+        board = boards[-1]
+        self.assertEqual([result.event.team for result in board.results], ["Alpha"])
+        self.assertEqual(board.provisional, [])
+        (standing,) = board.standings
+        self.assertEqual((standing.benchmark, standing.criteria), ("Getting to know my home", ["Sum of the sheet"]))
+        self.assertEqual([(rank.rank, rank.team, rank.numbers) for rank in standing.ranks], [("1", "Alpha", ["1"])])
 
     def finished(self) -> None:
         (result,) = wait_until(lambda: self.newest.finished, "the result is published")

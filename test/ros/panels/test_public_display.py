@@ -6,6 +6,7 @@ import signal
 import subprocess
 import time
 import unittest
+from functools import partial
 from unittest import mock
 
 import rosgraph
@@ -15,12 +16,12 @@ from support.fakes.public import MIDNIGHT, NOON, TEAMS, FakePublic, event, scene
 from support.gui_testing import SCREEN, SECOND_SCREEN, app, show, wait_until
 from support.waiting import LIMIT_S
 
-from roah_rsbb.msg import PublicDetails
+from roah_rsbb.msg import ModuleScore, PublicBoard, PublicDetails
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.rqt.public import node
-from roah_rsbb.rqt.public.display import OLD_BACKGROUND, RUNNING, TOPIC, PublicDisplay
+from roah_rsbb.rqt.public.display import BOARD_TOPIC, OLD_BACKGROUND, RUNNING, TOPIC, PublicDisplay
 from roah_rsbb.rqt.public.node import ScreenChoice
-from roah_rsbb.rqt.qt import Qt
+from roah_rsbb.rqt.qt import QColor, QPixmap, Qt
 from roah_rsbb.srv import UInt8
 
 LAUNCH = pathlib.Path(__file__).resolve().parents[3] / "launch" / "roah_rsbb_public.launch"
@@ -34,14 +35,15 @@ class DisplayCase(unittest.TestCase):
     """A display, and a core that publishes what the test wants."""
 
     page_s = MANY_S
+    title, logo = "", None
 
     def setUp(self) -> None:
         self.core = FakePublic()
         self.addCleanup(self.core.close)
-        feed = Feed({TOPIC: PublicDetails})
+        feed = Feed({TOPIC: PublicDetails, BOARD_TOPIC: PublicBoard})
         feed.start()
         self.addCleanup(feed.stop)
-        self.display = PublicDisplay(feed, self.page_s)
+        self.display = PublicDisplay(feed, self.page_s, title=self.title, logo=self.logo)
         self.addCleanup(self.display.close)
         show(self.display, *SIZES[0])
 
@@ -155,8 +157,81 @@ class TestResults(DisplayCase):
         scene(self.core, 2)
         seen = set()
         wanted = {"Next", "✓ completed", "■ timeout", "■ stopped", "■ no data saved", "■ module failed",
-                  "Waypoints reached 4 · Achievements 4 · Penalized behaviours 2 (1 not attempted)"}
+                  "Waypoints reached 4 · Achievements 4", "Penalized behaviours 2 (1 not attempted)"}
         wait_until(lambda: self.display.look() or seen.update(self.texts()) or wanted <= seen, "all pages are seen")
+
+
+    def test_the_board_takes_turns_with_what_follows(self) -> None:
+        scene(self.core, 2)
+        self.core.publish_board([self.core.result(2, "stopped")])
+        seen = set()
+        wanted = {"Next", "Provisional results", "Standing: Getting to know my home 1/2", "1", "TeaAtFive", "■ timeout",
+                  "Achievements: 8 · Distance error (less is better): 0.1 m"}
+        wait_until(lambda: self.display.look() or seen.update(self.texts()) or wanted <= seen,
+                   lambda: f"not seen: {wanted - seen}")
+
+    def test_what_is_not_signed_off_is_on_pages_of_its_own(self) -> None:
+        scene(self.core, 1, scores=False)
+        self.core.publish_board([self.core.result(3, "timeout")], teams=())
+        pages = {}
+
+        def seen() -> bool:
+            self.display.look()
+            self.display.repaint()
+            titles = [text for text in self.texts() if text in ("Next", "Results", "Provisional results")]
+            if titles:
+                pages[tuple(titles)] = "■ timeout" in self.texts()
+            return ("Provisional results",) in pages and ("Next",) in pages
+
+        wait_until(seen, "both pages are seen")
+        self.assertEqual(pages, {("Next",): False, ("Provisional results",): True})
+
+    def test_scores_of_modules_are_never_cut(self) -> None:
+        scene(self.core, 3)
+        score = self.core.finished[0].module_scores
+        score += [ModuleScore("", f"n{i}", "0.123", "m", f"Mean distance error of number {i}") for i in range(12)]
+        score.append(ModuleScore("", "evil", '"' + "=evil()" * 40 + '"', "", "A robot's text"))
+        self.core.publish_board(teams=())
+        seen = []
+
+        def all_seen() -> bool:
+            self.display.look()
+            self.display.repaint()
+            for one in self.display.written:
+                self.assertEqual(one.shown, one.text)
+                if one.text not in seen:
+                    seen.append(one.text)
+            text = " ".join(seen)
+            return "".join(seen).count("=evil()") >= 38 and all(f"number {i} 0.123 m" in text for i in range(12))
+
+        wait_until(all_seen, lambda: f"all scores are seen: {seen}")
+
+
+class TestCompetition(DisplayCase):
+    title = "European Robotics League 2026"
+
+    def setUp(self) -> None:
+        self.logo = QPixmap(300, 200)
+        self.logo.fill(QColor("#d04020"))
+        super().setUp()
+
+    def shows(self, runs: int) -> bool:
+        return len(self.display.content.cards) == runs
+
+    def test_title_and_logo_are_shown_and_live_teams_are_the_largest(self) -> None:
+        for size in SIZES:
+            for runs in range(1, 7):
+                with self.subTest(size=size, runs=runs):
+                    show(self.display, *size)
+                    scene(self.core, runs)
+                    self.core.publish()
+                    self.wait(partial(self.shows, runs), "the runs are on the screen")
+                    self.display.repaint()
+                    pixels = [one.pixels for one in self.display.written if one.text in TEAMS]
+                    self.assertGreater(min(pixels[:runs]), max(pixels[runs:]), "live teams are written first")
+                    title = next(one for one in self.display.written if one.text == self.title)
+                    self.assertEqual(title.shown, title.text)
+                    self.assertGreater(self.count(QColor("#d04020")), 3)
 
 
 class TestTrouble(DisplayCase):

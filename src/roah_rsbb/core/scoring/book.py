@@ -131,6 +131,7 @@ class FinishedResult(NamedTuple):
     disconnected_utc: float  # UTC seconds of *disconnect*
     items: Tuple[ItemRecord, ...]  # the referee's score sheet
     module_scores: Tuple[ScoreValue, ...]  # the scores of the benchmarking module
+    signed: bool  # the score sheet is signed off
 
 
 class FinishedRun:
@@ -167,6 +168,7 @@ class FinishedRun:
         if sheets.person(who) in ("", sheets.NO_NAME):
             raise Refused(["a sign-off needs the name of the referee: enter it, in the terminal with --by"])
         self.record = self.record._replace(sign_off=SignOff(now.utc, who))
+        self.result = self._result()
         return f"Score sheet signed off by {who}"
 
     def _check_open(self) -> None:
@@ -186,7 +188,8 @@ class FinishedRun:
         record = self.record
         event = ScheduledEvent(self._benchmark, record.team, record.round, record.run, record.scheduled)
         return FinishedResult(
-            record.zone, event, record.end_reason, record.closed_utc, record.items, record.module_scores
+            record.zone, event, record.end_reason, record.closed_utc, record.items, record.module_scores,
+            record.sign_off is not None,
         )
 
 
@@ -246,8 +249,9 @@ class FinishedRuns:
         return next((r for r in found if (r.benchmark, r.team, r.round, r.run, r.scheduled) == wanted), None)
 
     def newest(self, count: int = MAX_KEPT) -> Tuple[FinishedResult, ...]:
-        """Return the newest results first. If a run was repeated, only the last result counts."""
-        results: Dict[Tuple[str, ScheduledEvent], FinishedResult] = {}
+        """The newest results first. Of a repeated run only the last one."""
+        results: Dict[Tuple[object, ...], FinishedResult] = {}
         for run in reversed(self._runs.values()):
-            results.setdefault((run.result.zone, run.result.event), run.result)
+            r = run.record
+            results.setdefault((r.zone, r.benchmark, r.team, r.round, r.run, r.scheduled), run.result)
         return tuple(results.values())[:count]

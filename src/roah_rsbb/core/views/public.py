@@ -51,22 +51,25 @@ class PublicView(NamedTuple):
     results: PublicResults
     runs: Tuple[PublicRun, ...]  # in the order of the zones
     following: Tuple[Following, ...]  # the soonest first
-    finished: Tuple[FinishedResult, ...]  # the newest first
+    finished: Tuple[FinishedResult, ...]  # whose score sheet is signed off, the newest first
+    provisional: Tuple[FinishedResult, ...]  # whose score sheet is not, if the organisers show them; the newest first
 
     def without_time(self) -> "PublicView":
         """Return the view without its times. It only changes when something happens."""
         return self._replace(runs=tuple(run._replace(left=0.0) for run in self.runs))
 
 
-def public_view(box: Box, now: Now, results: PublicResults) -> PublicView:
-    """Return what the public may see now."""
+def public_view(box: Box, now: Now, results: PublicResults, provisional: bool = False) -> PublicView:
+    """Return what the public may see now. `provisional`: also results whose score sheet is not signed off."""
     following = [line for zone in box.zones.values() for line in _following(zone)]
     following.sort(key=lambda line: line.event.scheduled)
+    finished = () if results is PublicResults.NONE else box.finished.newest()
     return PublicView(
         results,
         tuple(_run(zone, now, results) for zone in box.zones.values() if zone.run is not None),
         tuple(following[:MAX_FOLLOWING]),
-        tuple(_allowed(run, results) for run in _finished(box, results)),
+        _allowed([run for run in finished if run.signed], results),
+        _allowed([run for run in finished if provisional and not run.signed], results),
     )
 
 
@@ -88,9 +91,8 @@ def _following(zone: Zone) -> List[Following]:
     return [Following(zone.name, event) for event in zone.events[zone.index + is_over:]]
 
 
-def _finished(box: Box, results: PublicResults) -> Tuple[FinishedResult, ...]:
-    return () if results is PublicResults.NONE else box.finished.newest(MAX_FINISHED)
-
-
-def _allowed(run: FinishedResult, results: PublicResults) -> FinishedResult:
-    return run if results is PublicResults.SCORES else run._replace(items=(), module_scores=())
+def _allowed(runs: List[FinishedResult], results: PublicResults) -> Tuple[FinishedResult, ...]:
+    """Return the newest runs, without scores if the public may not see them."""
+    if results is PublicResults.SCORES:
+        return tuple(runs[:MAX_FINISHED])
+    return tuple(run._replace(items=(), module_scores=()) for run in runs[:MAX_FINISHED])

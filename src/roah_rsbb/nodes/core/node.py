@@ -3,9 +3,9 @@
 The only place where the core meets rospy.
 
 Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_host, rsbb_port, bind_host,
-benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, rsbb_cypher, private_mode,
-robot_timeout, allowed_skew, after_stop_duration, check_messages_saved, check_messages_saved_timeout, auto_next,
-display_log_size, max_datagram, listen_duration, take_over, end_launch.
+benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, public_provisional,
+standings_file, rsbb_cypher, private_mode, robot_timeout, allowed_skew, after_stop_duration, check_messages_saved,
+check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_duration, take_over, end_launch.
 """
 
 import gc
@@ -39,6 +39,7 @@ from roah_rsbb.msg import (
     DevicesStatus,
     ModuleRuns,
     ModulesState,
+    PublicBoard,
     PublicDetails,
     Results,
     RunClocks,
@@ -51,11 +52,13 @@ from roah_rsbb.nodes.core.device_calls import DeviceCalls, devices_of
 from roah_rsbb.nodes.core.driver import CoreDriver
 from roah_rsbb.nodes.core.journal import CoreJournal, competition, saved_state
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
+from roah_rsbb.nodes.core.public_board import PublicBoardMaker
 from roah_rsbb.nodes.core.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.nodes.core.results_convert import ResultsBoard
 from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.nodes.modules import convert
+from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
@@ -63,6 +66,9 @@ from roah_rsbb.ros.newest import Newest
 from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.rulebook import config
 from roah_rsbb.run_logs.writer import RunLogWriter
+
+# The value of a parameter without its file.
+NO_FILE = "none"
 
 GUI_PERIOD_S = 0.1
 # Every fifth of the panels' messages goes with one for the public.
@@ -122,8 +128,11 @@ class CoreNode:
         log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
         resume = Resume(params.choice("resume", Resume.ALWAYS.value, [choice.value for choice in Resume]))
         results = params.choice("public_results", PublicResults.NONE.value, [choice.value for choice in PublicResults])
+        self._public_provisional = params.flag("public_provisional", False)
+        standings_file = params.text("standings_file", NO_FILE)
         params.done()
         loaded, warnings = config.load(*files)
+        rules = {} if standings_file == NO_FILE else read_rules(os.path.expanduser(standings_file))
         for warning in warnings:
             rospy.logwarn("%s", warning)
 
@@ -147,6 +156,8 @@ class CoreNode:
                                       self._journal.log_entries, self._ros.post)
         self._results = ResultsBoard(box, self._uuid)
         self._schedule = ScheduleBoard(box, self._uuid)
+        titles = {code: benchmark.desc or benchmark.name for code, benchmark in loaded.benchmarks.items()}
+        self._public_board = PublicBoardMaker(box, self._uuid, rules, titles)
         self._panels = PanelMessages(box, self._uuid, network.rsbb_host)
         self._heard_from = self._ros.loop.time() + HEARD_AFTER_S
         self._device_calls = DeviceCalls(self._on_device_refused)
@@ -178,6 +189,7 @@ class CoreNode:
             "gui": rospy.Publisher("/core/to_gui", CoreToGui, queue_size=1, latch=True),
             "public": rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True),
             "public_details": rospy.Publisher("/core/public_details", PublicDetails, queue_size=1, latch=True),
+            "public_board": rospy.Publisher("/core/public_board", PublicBoard, queue_size=1, latch=True),
             "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
             "clocks": rospy.Publisher("/core/clocks", RunClocks, queue_size=1, latch=True),
             "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
@@ -300,11 +312,15 @@ class CoreNode:
             self._publish("unsaved", Unsaved(self._uuid, [UnsavedParts(*parts) for parts in unsaved]))
 
     def _publish_public_details(self, now) -> None:
-        view = public_view(self._box, now, self._public_results)
+        view = public_view(self._box, now, self._public_results, self._public_provisional)
         timeless = view.without_time()
         if timeless != self._last_public_view or self._ticks % PUBLIC_EVERY == 0:
             self._last_public_view = timeless
             self._publish("public_details", public_convert.public_details(view, now, self._uuid))
+        if self._ticks % PUBLIC_EVERY == 0:
+            board = self._public_board.take(view)
+            if board is not None:
+                self._publish("public_board", board)
 
     def _publish(self, topic: str, message: object) -> None:
         try:

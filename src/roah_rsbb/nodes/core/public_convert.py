@@ -36,7 +36,7 @@ def public_details(view: PublicView, now: Now, box_uuid: str) -> PublicDetails:
         results=view.results.value,
         runs=[_run(run, now) for run in view.runs],
         following=[_event(line.zone, line.event) for line in view.following],
-        finished=[_result(run) for run in view.finished],
+        finished=[result_message(run) for run in view.finished],
     )
 
 
@@ -59,7 +59,8 @@ def _run(run: PublicRun, now: Now) -> PublicRunMsg:
     )
 
 
-def _result(run: FinishedResult) -> PublicResult:
+def result_message(run: FinishedResult) -> PublicResult:
+    """Return the message of a run that is over."""
     scoring = items_message(run.items)
     return PublicResult(
         event=_event(run.zone, run.event),

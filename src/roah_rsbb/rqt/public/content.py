@@ -25,13 +25,20 @@ class RunCard(NamedTuple):
 
 
 class ListLine(NamedTuple):
-    """The texts of a coming event or of a result."""
+    """The texts of a coming event, of a result, or of a team in a standing."""
 
-    time: str
+    time: str  # or the rank
     team: str
     benchmark: str
     last: str  # an event's zone, or how the run of a result ended
-    scores: str = ""
+    scores: Tuple[str, ...] = ()  # below the other texts
+
+
+class Standing(NamedTuple):
+    """The texts of a benchmark's standing."""
+
+    title: str
+    lines: Tuple[ListLine, ...]
 
 
 class PublicContent(NamedTuple):
@@ -42,15 +49,19 @@ class PublicContent(NamedTuple):
     trouble: str  # why the content may be out of date; empty: it is current
     cards: Tuple[RunCard, ...]
     following: Tuple[ListLine, ...]
-    results: Tuple[ListLine, ...]
+    results: Tuple[ListLine, ...]  # signed off
+    provisional: Tuple[ListLine, ...] = ()  # not signed off
+    standings: Tuple[Standing, ...] = ()
     is_known: bool = True  # False: the core has never been heard
 
 
 NOTHING = PublicContent("", "", "", (), (), (), is_known=False)
 
 
-def content(details: Optional[object], utc_s: float, is_old: bool) -> PublicContent:
-    """Returns what to show at `utc_s`, the box's UTC seconds. `details` is None until the core is heard.
+def content(details: Optional[object], utc_s: float, is_old: bool, board: Optional[object] = None) -> PublicContent:
+    """Returns what to show at `utc_s`, the box's UTC seconds.
+
+    `details` is None until the core is heard, and `board` (PublicBoard) until results are published.
 
     While the core is silent (`is_old`), nothing changes: `utc_s` is the time of its last message.
     """
@@ -64,7 +75,9 @@ def content(details: Optional[object], utc_s: float, is_old: bool) -> PublicCont
         trouble=f"No signal since {clock}: this is the last known state" if is_old else "",
         cards=tuple(_card(run, utc_s, many_zones) for run in details.runs),
         following=tuple(_following(event, utc_s, many_zones) for event in details.following),
-        results=tuple(_result(result, utc_s) for result in details.finished),
+        results=_results(details.finished if board is None else board.results, utc_s),
+        provisional=() if board is None else _results(board.provisional, utc_s),
+        standings=() if board is None else tuple(_standing(standing) for standing in board.standings),
     )
 
 
@@ -90,18 +103,32 @@ def _following(event, utc_s: float, many_zones: bool) -> ListLine:
     return ListLine(_when(event.scheduled, utc_s), _team(event.team), event.benchmark, event.zone if many_zones else "")
 
 
+def _results(results, utc_s: float) -> Tuple[ListLine, ...]:
+    return tuple(_result(result, utc_s) for result in results)
+
+
+def _standing(standing) -> Standing:
+    return Standing(standing.benchmark, tuple(
+        ListLine(rank.rank, rank.team, "", "", tuple(
+            f"{criterion}: {number}" if number else criterion
+            for criterion, number in zip(standing.criteria, rank.numbers) if number
+        ))
+        for rank in standing.ranks
+    ))
+
+
 def _result(result, utc_s: float) -> ListLine:
     event = result.event
     groups = [
         sheets.GroupOfValues(group.group_name, group.current_values, not_attempted)
         for group, not_attempted in zip(result.scoring, result.not_attempted)
     ]
-    sums = [sheets.sums_text(groups)] if groups else []
+    sums = [sheets.sums_text([group]) for group in groups if group.values]
     lines = [module_scores.readable(score) for score in result.module_scores]
     return ListLine(
         _when(result.disconnected, utc_s), _team(event.team), event.benchmark,
         _end(result.end_reason),
-        " · ".join([f"{line.name} {line.value}" for line in lines] + sums),
+        (*(f"{line.name} {line.value}" for line in lines), *sums),
     )
 
 

@@ -10,7 +10,7 @@ from roah_rsbb.rqt.model.box_clock import BoxClock
 from roah_rsbb.rqt.public import content, layout
 from roah_rsbb.rqt.public.content import ListLine, PublicContent, RunCard
 from roah_rsbb.rqt.public.layout import Rect, Screen
-from roah_rsbb.rqt.qt import QColor, QFont, QFontMetricsF, QPainter, QRectF, Qt, QWidget
+from roah_rsbb.rqt.qt import QColor, QFont, QFontMetricsF, QPainter, QPixmap, QRectF, QSizeF, Qt, QWidget
 
 # A long text shrinks to at most this share of its size. If it is still too long, it is shortened: it must stay legible.
 SMALLEST = 0.7
@@ -23,6 +23,7 @@ class Written(NamedTuple):
     shown: str  # the same, or shortened
     place: Rect  # the space given to it
     ink: Rect  # the space that it takes
+    pixels: int  # size of the letters
 
 
 class Writer:
@@ -55,7 +56,7 @@ class Writer:
         flags = int(side | Qt.AlignVCenter | Qt.TextSingleLine)
         self._painter.drawText(area, flags, shown)
         ink = metrics.boundingRect(area, flags, shown)
-        self.written.append(Written(text, shown, place, Rect(ink.x(), ink.y(), ink.width(), ink.height())))
+        self.written.append(Written(text, shown, place, Rect(ink.x(), ink.y(), ink.width(), ink.height()), pixels))
 
 
 def width(text: str, pixels: float, bold: bool = False) -> float:
@@ -71,12 +72,17 @@ def _font(pixels: float, bold: bool) -> QFont:
 
 
 TOPIC = "/core/public_details"
+BOARD_TOPIC = "/core/public_board"
 # The core publishes twice a second, with its clock in every message. A repeated message may be the latched one of a
 # core that hangs.
 SILENT_S = 2.0
 PAGE_S = 8.0
 # Letters fill this share of the height of a row.
 LETTERS = 0.64
+# … but they are smaller than the teams of the runs, by this factor at least.
+BELOW_TEAMS = 0.92
+# Share of the height of the scores' rows.
+SCORES_LETTERS = 0.72
 
 BACKGROUND = QColor("#0b1220")
 TEXT = QColor("#e8ecf4")
@@ -99,14 +105,23 @@ LOOKS = {
     "running": _Look(RUNNING, TEXT, RUNNING),
     "ended": _Look(CARD_BACKGROUND.lighter(150), FAINT, TEXT),
 }
+# Scores begin to the right of their row, by this share of the screen's height.
+SCORES_INDENT = 0.06
+
+# The title of a page, its list, and the rows that are on it.
+_Page = Tuple[str, Sequence[ListLine], Sequence[layout.Block]]
+
 OLD_LOOK = _Look(CARD_BACKGROUND, FAINT, FAINT)
 
 
 class PublicDisplay(QWidget):
-    """A full-screen widget. `feed` is a `roah_rsbb.ros.feed.Feed` of TOPIC."""
+    """A full-screen widget. `feed` is a `roah_rsbb.ros.feed.Feed` of TOPIC and BOARD_TOPIC."""
 
-    def __init__(self, feed, page_s: float = PAGE_S, parent: Optional[QWidget] = None) -> None:
-        """`page_s`: how long each page is shown if there are several, seconds."""
+    def __init__(
+        self, feed, page_s: float = PAGE_S, parent: Optional[QWidget] = None, title: str = "",
+        logo: Optional[QPixmap] = None,
+    ) -> None:
+        """`page_s`: how long each page is shown if there are several, seconds. `title`, `logo`: of the competition."""
         super().__init__(parent)
         self.setWindowTitle("RoAH RSBB – public display")
         self.setCursor(Qt.BlankCursor)
@@ -116,7 +131,10 @@ class PublicDisplay(QWidget):
         self._feed = feed
         self._page_s = page_s
         self._page = 0
+        self._title = title
+        self._logo = logo
         self._details = None
+        self._board = None
         self._clock = BoxClock()
         self._heard: Optional[float] = None
 
@@ -126,9 +144,12 @@ class PublicDisplay(QWidget):
         if received is not None and received.message != self._details:
             self._details, self._heard = received.message, received.mono
             self._clock.sample(received.mono, received.message.clock.to_sec())
+        board = self._feed.take(BOARD_TOPIC)
+        if board is not None:
+            self._board = board.message
         is_old, now = self.is_old, time.monotonic()
         utc_s = self._details.clock.to_sec() if is_old and self._details else self._clock.now(now)
-        shown = (content.content(self._details, utc_s, is_old), int(now / self._page_s))
+        shown = (content.content(self._details, utc_s, is_old, self._board), int(now / self._page_s))
         if shown != (self.content, self._page):
             self.content, self._page = shown
             self.update()
@@ -170,10 +191,28 @@ class PublicDisplay(QWidget):
             painter.fillRect(QRectF(0, 0, screen.width, head.h - screen.edge / 2), OLD_BACKGROUND)
             writer.write(head._replace(h=head.h - screen.edge / 2), self.content.trouble, TEXT, 0.5, Qt.AlignHCenter)
             return
-        date, middle, clock = head.columns(screen.edge, 0.5 * head.w, 0.2 * head.w)
-        writer.write(date, self.content.date, FAINT, 0.4)
+        if self._logo is not None:
+            head = self._paint_logo(painter, head, screen)
+        date_wide, middle_wide = (0.6, 0.12) if self._title else (0.5, 0.2)
+        date, middle, clock = head.columns(screen.edge, date_wide * head.w, middle_wide * head.w)
+        if self._title:
+            title, date = date.rows(0.6, 0.4)
+            writer.write(title, self._title, TEXT, 0.68, bold=True)
+            writer.write(date, self.content.date, FAINT, 0.62)
+        else:
+            writer.write(date, self.content.date, FAINT, 0.4)
         writer.write(middle, page, FAINT, 0.4, Qt.AlignHCenter)
         writer.write(clock, self.content.clock, TEXT, 0.7, Qt.AlignRight)
+
+    def _paint_logo(self, painter: QPainter, head: Rect, screen: Screen) -> Rect:
+        """Paint the logo at the left, as high as the head; returns the rest of the head."""
+        edge = 0.15 * head.h
+        shown = QSizeF(self._logo.size()).scaled(0.2 * head.w, head.h - 2 * edge, Qt.KeepAspectRatio)
+        area = QRectF(head.x, head.y + (head.h - shown.height()) / 2, shown.width(), shown.height())
+        painter.setRenderHint(QPainter.SmoothPixmapTransform)
+        painter.drawPixmap(area, self._logo, QRectF(self._logo.rect()))
+        gone = shown.width() + screen.edge / 2
+        return head._replace(x=head.x + gone, w=head.w - gone)
 
     def _paint_card(self, painter: QPainter, writer: Writer, card: RunCard, place: Rect) -> None:
         look = OLD_LOOK if self.content.trouble else LOOKS.get(card.phase, OLD_LOOK)
@@ -192,28 +231,51 @@ class PublicDisplay(QWidget):
         writer.write(parts.word, card.word, look.big, side=Qt.AlignRight)
 
     def _paint_below(self, writer: Writer, screen: Screen, area: Rect) -> None:
-        """Paint the next events and the pages of results in turns."""
-        sections = [("Next", self.content.following[:layout.rows_that_fit(area, screen.unit, False)])]
-        if self.content.results:
-            fit = layout.rows_that_fit(area, screen.unit, _have_scores(self.content.results))
-            parts = layout.pages(self.content.results, fit)
-            sections += [(_page_mark("Results", i, len(parts)) or "Results", part) for i, part in enumerate(parts)]
-        title, lines = sections[self._page % len(sections)]
+        """Paint the next events, standings and pages of results in turns."""
         unit = screen.unit
-        writer.write(area._replace(h=layout.TITLE * unit), title, FAINT, 0.72)
+        teams = [one.pixels for one in writer.written if one.text in {card.team for card in self.content.cards}]
+        fill = min([LETTERS, *(BELOW_TEAMS * pixels / (layout.ROW * unit) for pixels in teams)])
         rest = Rect(area.x, area.y + layout.TITLE * unit, area.w, area.h - layout.TITLE * unit)
-        if lines:
-            self._paint_lines(writer, lines, rest, unit)
+        pages = self._pages(area, rest, unit)
+        title, lines, blocks = pages[self._page % len(pages)]
+        writer.write(area._replace(h=layout.TITLE * unit), title, FAINT, 0.72)
+        if blocks:
+            self._paint_lines(writer, lines, blocks, rest, unit, fill)
         else:
-            writer.write(rest._replace(h=layout.ROW * unit), "The schedule is done", TEXT, LETTERS)
+            writer.write(rest._replace(h=layout.ROW * unit), "The schedule is done", TEXT, fill)
 
-    def _paint_lines(self, writer: Writer, lines: Sequence[ListLine], area: Rect, unit: float) -> None:
+    def _pages(self, area: Rect, rest: Rect, unit: float) -> List[_Page]:
+        shown = self.content
+        following = shown.following[:layout.rows_that_fit(area, unit)]
+        found: List[_Page] = [("Next", following, tuple(layout.Block(row, ()) for row in range(len(following))))]
+        lists = [(f"Standing: {standing.title}", standing.lines) for standing in shown.standings]
+        for title, lines in (*lists, ("Results", shown.results), ("Provisional results", shown.provisional)):
+            if not lines:
+                continue
+            parts = layout.filled(self._blocks(lines, rest, unit), rest.h / unit)
+            found += [(_page_mark(title, i, len(parts)) or title, lines, part) for i, part in enumerate(parts)]
+        return found
+
+    def _blocks(self, lines: Sequence[ListLine], rest: Rect, unit: float) -> List[layout.Block]:
+        """Returns the rows of a list with their scores, in as many lines as they need."""
+        pixels = int(SCORES_LETTERS * layout.SCORES_ROW * unit)
+        wide = rest.w - SCORES_INDENT * unit - 0.2 * pixels
+        return [
+            layout.Block(row, layout.wrapped(line.scores, lambda text: width(text, pixels) <= wide))
+            for row, line in enumerate(lines)
+        ]
+
+    def _paint_lines(
+        self, writer: Writer, lines: Sequence[ListLine], blocks: Sequence[layout.Block], area: Rect, unit: float,
+        fill: float,
+    ) -> None:
         gap = 0.03 * unit
-        fill, times, teams, benchmarks = _columns(lines, LETTERS, layout.ROW * unit, area.w - 3 * gap)
-        with_scores = _have_scores(lines)
+        fill, times, teams, benchmarks = _columns(
+            [lines[block.row] for block in blocks], fill, layout.ROW * unit, area.w - 3 * gap)
         colour = FAINT if self.content.trouble else TEXT
         top = area.y
-        for line in lines:
+        for block in blocks:
+            line = lines[block.row]
             row = Rect(area.x, top, area.w, layout.ROW * unit)
             when, team, benchmark, last = row.columns(gap, times, teams, benchmarks)
             writer.write(when, line.time, FAINT, fill)
@@ -221,9 +283,10 @@ class PublicDisplay(QWidget):
             writer.write(benchmark, line.benchmark, colour, fill)
             writer.write(last, line.last, FAINT, fill, Qt.AlignRight)
             top = row.bottom
-            if with_scores:
-                scores = Rect(team.x, top, row.right - team.x, layout.SCORES_ROW * unit)
-                writer.write(scores, line.scores, FAINT, 0.72)
+            for text in block.lines:
+                indent = SCORES_INDENT * unit
+                scores = Rect(row.x + indent, top, row.w - indent, layout.SCORES_ROW * unit)
+                writer.write(scores, text, FAINT, SCORES_LETTERS)
                 top = scores.bottom
 
 
@@ -245,10 +308,6 @@ def _columns(lines: Sequence[ListLine], fill: float, high: float, wide: float) -
     if times + teams + benchmarks + lasts > wide:
         times, teams, lasts = min(times, 0.2 * wide), min(teams, 0.3 * wide), min(lasts, 0.22 * wide)
     return scale * fill, times, teams, wide - times - teams - lasts
-
-
-def _have_scores(lines: Sequence[ListLine]) -> bool:
-    return any(line.scores for line in lines)
 
 
 def _page_mark(title: str, number: int, count: int) -> str:

@@ -5,7 +5,7 @@ capital letter of 1/25 of the height of a 55 inch screen is 27 mm high, which is
 fit continues on further pages, which take turns.
 """
 
-from typing import List, NamedTuple, Sequence, Tuple, TypeVar
+from typing import Callable, List, NamedTuple, Sequence, Tuple, TypeVar
 
 T = TypeVar("T")
 
@@ -17,7 +17,7 @@ TITLE = 0.065
 ROW = 0.085
 SCORES_ROW = 0.065  # under a row
 # Height of a run's card, by the number of cards in a column.
-CARD = (0.3, 0.215, 0.17)
+CARD = (0.3, 0.235, 0.19)
 # Limits of a page; more than one column of cards stands side by side.
 CARDS_IN_A_COLUMN = 3
 CARDS_ON_A_PAGE = 6
@@ -138,16 +138,80 @@ def card_parts(place: Rect, inside: Rect, screen: Screen) -> CardParts:
 def narrow_card(inside: Rect) -> CardParts:
     """Returns the parts of a card in two columns: the benchmark's name has the whole width."""
     gap = 0.1 * inside.h
-    upper, benchmark, lower = inside.rows(0.46, 0.3, 0.24)
+    upper, benchmark, lower = inside.rows(0.5, 0.28, 0.22)
     team, big = upper.columns(gap, (1 - NARROW_COUNTDOWN) * inside.w)
     place, word = lower.columns(gap, (1 - NARROW_COUNTDOWN) * inside.w)
     return CardParts(team, benchmark, place, big, word)
 
 
-def rows_that_fit(area: Rect, unit: float, with_scores: bool) -> int:
-    """Returns how many rows fit below the title in an area."""
-    row = ROW + (SCORES_ROW if with_scores else 0.0)
-    return max(1, int((area.h - TITLE * unit) / (row * unit) + 1e-6))
+def rows_that_fit(area: Rect, unit: float) -> int:
+    """Returns how many rows without scores fit below the title in an area."""
+    return max(1, int((area.h - TITLE * unit) / (ROW * unit) + 1e-6))
+
+
+def wrapped(parts: Sequence[str], fits: Callable[[str], bool]) -> Tuple[str, ...]:
+    """Distributes parts over lines of limited width, so that nothing is cut.
+
+    A line breaks between parts, or else between the words of a part that is too long, or else within a word.
+    """
+    lines: List[str] = []
+    for part in parts:
+        joined = f"{lines[-1]} · {part}" if lines else part
+        if lines and fits(joined):
+            lines[-1] = joined
+        else:
+            lines += _broken(part, fits)
+    return tuple(lines)
+
+
+def _broken(text: str, fits: Callable[[str], bool]) -> List[str]:
+    """Breaks a text that is too long."""
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".lstrip()
+        if fits(longer):
+            lines[-1] = longer
+            continue
+        if lines[-1]:
+            lines.append("")
+        while not fits(word) and len(word) > 1:
+            end = max((n for n in range(1, len(word)) if fits(word[:n])), default=1)
+            lines[-1:] = [word[:end], ""]
+            word = word[end:]
+        lines[-1] = word
+    return lines if lines != [""] else []
+
+
+class Block(NamedTuple):
+    """A row of a list with the lines below it. `row` is its index in the list."""
+
+    row: int
+    lines: Tuple[str, ...]
+
+    @property
+    def height(self) -> float:
+        """In shares of the screen's height."""
+        return ROW + SCORES_ROW * len(self.lines)
+
+
+def filled(blocks: Sequence[Block], high: float) -> List[Tuple[Block, ...]]:
+    """Distributes blocks over pages of this height; a block that is higher continues on further pages.
+
+    `high` is a share of the screen's height. Each page has one line of a block at least.
+    """
+    found: List[List[Block]] = [[]]
+    left = high
+    most = max(1, int((high - ROW) / SCORES_ROW + 1e-6))
+    for block in blocks:
+        pieces = [block.lines[n:n + most] for n in range(0, len(block.lines), most)] or [()]
+        for piece in pieces:
+            part = block._replace(lines=piece)
+            if part.height > left + 1e-6 and found[-1]:
+                found.append([])
+                left = high
+            found[-1].append(part)
+            left -= part.height
+    return [tuple(page) for page in found]
 
 
 def pages(items: Sequence[T], on_a_page: int) -> List[Tuple[T, ...]]:

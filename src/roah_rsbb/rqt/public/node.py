@@ -1,19 +1,20 @@
 """The node `roah_rsbb_public`: the public display, full screen."""
 
+import os
 import sys
 import time
-from typing import List
+from typing import List, Optional
 
 import rospy
 
-from roah_rsbb.msg import PublicDetails
+from roah_rsbb.msg import PublicBoard, PublicDetails
 from roah_rsbb.ros import display
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.rqt.app import application
 from roah_rsbb.rqt.model.model import RENEW_S
-from roah_rsbb.rqt.public.display import TOPIC, PublicDisplay
-from roah_rsbb.rqt.qt import QGuiApplication, QScreen, QTimer, QWidget
+from roah_rsbb.rqt.public.display import BOARD_TOPIC, TOPIC, PublicDisplay
+from roah_rsbb.rqt.qt import QGuiApplication, QPixmap, QScreen, QTimer, QWidget
 from roah_rsbb.srv import UInt8, UInt8Response
 
 SERVICE = "screen"
@@ -124,6 +125,19 @@ def _chosen_screen() -> int:
     return 0
 
 
+def _logo() -> Optional[QPixmap]:
+    """The picture in parameter `logo`; None: there is none, or it cannot be read."""
+    path = os.path.expanduser(str(rospy.get_param("~logo", "")))
+    if not path:
+        return None
+    picture = QPixmap(path)
+    if not picture.isNull():
+        return picture
+    rospy.logwarn("parameter %s: %s cannot be read as a picture (PNG, JPEG, SVG). The display has no logo",
+                  rospy.resolve_name("~logo"), path)
+    return None
+
+
 def main() -> None:
     """Show the display until it is closed (Alt-F4) or ROS ends."""
     explain(__doc__)
@@ -131,9 +145,9 @@ def main() -> None:
         sys.exit(display.NO_DISPLAY)
     application.init_node("roah_rsbb_public")
     app = application.make_application(sys.argv[:1])
-    feed = Feed({TOPIC: PublicDetails})
+    feed = Feed({TOPIC: PublicDetails, BOARD_TOPIC: PublicBoard})
     feed.start()
-    shown = PublicDisplay(feed)
+    shown = PublicDisplay(feed, title=str(rospy.get_param("~title", "")), logo=_logo())
     screen = ScreenChoice(shown, _chosen_screen())
     looker = _Looker(feed, shown, screen)
     looker.look()

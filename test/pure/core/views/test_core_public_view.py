@@ -7,7 +7,8 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import DOOR, UTC0, competition, event, run_record
 from helpers.module_player import started
 from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
-from roah_rsbb.core.scoring.records import EndReason, Phase
+from roah_rsbb.core.referee import RunName
+from roah_rsbb.core.scoring.records import EndReason, Phase, SignOff
 from roah_rsbb.core.views.public import MAX_FINISHED, MAX_FOLLOWING, PublicResults, public_view
 
 NONE, OUTCOMES, SCORES = PublicResults.NONE, PublicResults.OUTCOMES, PublicResults.SCORES
@@ -103,12 +104,46 @@ def test_what_follows_is_bounded():
     assert [line.event.run for line in _view(driver).following] == list(range(1, MAX_FOLLOWING + 1))
 
 
-def test_results_are_published_only_if_allowed():
-    driver = BoxDriver()
+def _sign(driver):
+    identity = driver.box.finished.records()[0].identity
+    driver.event(driver.box.scores.sign_off, RunName("tbm", identity), "Anna")
+
+
+def _a_run(driver):
     robot = driver.executing()
     driver.score(DOOR.group, DOOR.desc, 1)
     robot.completes()
     driver.command("disconnect")
+
+
+def test_results_are_public_once_they_are_signed_off():
+    driver = BoxDriver()
+    _a_run(driver)
+    view = _view(driver, SCORES)
+    assert (view.finished, view.provisional) == ((), ())
+    _sign(driver)
+    view = _view(driver, SCORES)
+    assert [run.signed for run in view.finished] == [True]
+    _a_run(driver)
+    assert _view(driver, SCORES).finished == (), "the run was repeated, and the new one is not signed off"
+
+
+def test_results_that_are_not_signed_off_are_provisional_if_the_organisers_show_them():
+    driver = BoxDriver()
+    _a_run(driver)
+    view = public_view(driver.box, driver.now, OUTCOMES, provisional=True)
+    assert view.finished == ()
+    assert [(run.end_reason, run.items) for run in view.provisional] == [("completed", ())]
+    assert public_view(driver.box, driver.now, NONE, provisional=True).provisional == ()
+    _sign(driver)
+    view = public_view(driver.box, driver.now, SCORES, provisional=True)
+    assert (len(view.finished), view.provisional) == (1, ())
+
+
+def test_results_are_published_only_if_allowed():
+    driver = BoxDriver()
+    _a_run(driver)
+    _sign(driver)
     assert _view(driver, NONE).finished == ()
     (outcome,) = _view(driver, OUTCOMES).finished
     assert (outcome.end_reason, outcome.items, outcome.module_scores) == ("completed", (), ())
@@ -121,6 +156,7 @@ def test_what_a_module_scored_is_a_result():
     reached = ScoreValue("", "reached", "1", "")
     modules.says(scores=(reached,), finished=True)
     driver.command("disconnect")
+    _sign(driver)
     assert _view(driver, SCORES).finished[0].module_scores == (reached,)
     assert _view(driver, OUTCOMES).finished[0].module_scores == ()
 
@@ -128,7 +164,7 @@ def test_what_a_module_scored_is_a_result():
 def test_only_the_newest_results_are_published():
     driver = BoxDriver()
     for run in range(MAX_FINISHED + 1):
-        driver.box.finished.add(run_record(run))
+        driver.box.finished.add(run_record(run, sign_off=SignOff(1.0, "Anna")))
     assert [run.event.run for run in _view(driver, OUTCOMES).finished] == list(range(MAX_FINISHED, 0, -1))
 
 

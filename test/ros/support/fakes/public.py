@@ -1,12 +1,22 @@
 """What a core publishes for the public display, as a test wants it: real messages without runs."""
 
 import time
-from typing import List, Tuple
+from typing import List, Sequence, Tuple
 
 import rospy
 
-from roah_rsbb.msg import ModuleScore, PublicDetails, PublicEvent, PublicResult, PublicRun, ZoneScoreGroup
-from roah_rsbb.rqt.public.display import TOPIC
+from roah_rsbb.msg import (
+    ModuleScore,
+    PublicBoard,
+    PublicDetails,
+    PublicEvent,
+    PublicRank,
+    PublicResult,
+    PublicRun,
+    PublicStanding,
+    ZoneScoreGroup,
+)
+from roah_rsbb.rqt.public.display import BOARD_TOPIC, TOPIC
 
 BENCHMARKS = ("Getting to know my home", "Welcoming visitors", "Catering for Granny Annie's Comfort")
 TEAMS = ("BrassButlers", "CopperKettle", "HomeAlone", "TeaAtFive")
@@ -43,12 +53,14 @@ class FakePublic:
         self.silent = False
         self.ahead_s = 0.0  # of the box's clock
         self._topic = rospy.Publisher(TOPIC, PublicDetails, queue_size=1, latch=True)
+        self._board = rospy.Publisher(BOARD_TOPIC, PublicBoard, queue_size=1, latch=True)
         self._timer = rospy.Timer(rospy.Duration(PERIOD_S), lambda _event: self.silent or self.publish())
 
     def close(self) -> None:
         """End: the topic is gone."""
         self._timer.shutdown()
         self._topic.unregister()
+        self._board.unregister()
 
     def now(self) -> float:
         """The box's clock, UTC seconds."""
@@ -63,6 +75,12 @@ class FakePublic:
         self._topic.publish(PublicDetails(
             stamp(self.now()), self.box_uuid, self.results, list(self.runs), list(self.following), list(self.finished)
         ))
+
+    def publish_board(self, provisional: Sequence[PublicResult] = (), teams: Sequence[str] = TEAMS) -> None:
+        """Publish the results of `finished` as signed off, others as provisional, and a standing of these teams."""
+        standing = PublicStanding(BENCHMARKS[0], ["Achievements", "Distance error (less is better)"], [
+            PublicRank(str(rank), team, [str(9 - rank), f"0.{rank} m"]) for rank, team in enumerate(teams, 1)])
+        self._board.publish(PublicBoard(self.box_uuid, list(self.finished), list(provisional), [standing]))
 
     def run(self, number: int = 0, phase: str = "running", left_s: float = 571.0, **fields: object) -> PublicRun:
         """A run in its own zone. Its clock counts while it runs."""

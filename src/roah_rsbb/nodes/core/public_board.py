@@ -1,0 +1,45 @@
+"""Builds the message with results and standings for the public."""
+
+from typing import Dict, List, Mapping, Optional, Tuple
+
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.views.public import PublicResults, PublicView
+from roah_rsbb.msg import PublicBoard, PublicRank, PublicStanding
+from roah_rsbb.nodes.core.public_convert import result_message
+from roah_rsbb.results.standing_rules import Rules
+from roah_rsbb.results.standings import Choice, Standing, criteria_of, number_cells, rank_text, standings
+
+
+class PublicBoardMaker:
+    """Makes /core/public_board of a box, whenever it changed."""
+
+    def __init__(self, box: Box, box_uuid: str, rules: Dict[str, Rules], titles: Mapping[str, str]) -> None:
+        """`rules`: how benchmarks are ranked; `titles`: what they are called; both by their codes."""
+        self._box = box
+        self._box_uuid = box_uuid
+        self._rules = rules
+        self._titles = titles
+        self._shown: Optional[Tuple[object, ...]] = None
+
+    def take(self, view: PublicView) -> Optional[PublicBoard]:
+        """Return the message if it differs from the one at the last call."""
+        signed = [record for record in self._box.finished.records() if record.sign_off is not None]
+        # A signed-off run never changes, so its identity is enough.
+        shown = (view.finished, view.provisional, tuple(record.identity for record in signed))
+        if shown == self._shown:
+            return None
+        self._shown = shown
+        ranked: List[Standing] = []
+        if view.results is PublicResults.SCORES:
+            ranked = standings(signed[::-1], self._rules, Choice(signed_off=True), self._titles)
+        return PublicBoard(
+            box_uuid=self._box_uuid,
+            results=[result_message(result) for result in view.finished],
+            provisional=[result_message(result) for result in view.provisional],
+            standings=[_standing(standing) for standing in ranked if standing.lines],
+        )
+
+
+def _standing(standing: Standing) -> PublicStanding:
+    ranks = [PublicRank(rank_text(team), team.team, number_cells(standing, team)) for team in standing.lines]
+    return PublicStanding(standing.title or standing.benchmark, criteria_of(standing), ranks)
