@@ -3,7 +3,6 @@
 Everything expected here is written out, because teams and referees rely on it: it never follows the code.
 """
 
-import subprocess
 import threading
 import unittest
 
@@ -13,6 +12,7 @@ import rosservice
 import yaml
 from support.box_case import PACKAGE, BoxCase
 from support.box_client import BoxClient, Refusal
+from support.programs import Program
 from support.robots import BROADCAST, RSBB_PORT
 from support.waiting import wait_until
 
@@ -206,9 +206,10 @@ class TestWhatIsPublished(BoxCase):
 class TestParameters(unittest.TestCase):
     def test_launch_arguments_and_their_defaults(self) -> None:
         for launch_file in ("roah_rsbb.launch", "roah_rsbb_dummy.launch"):
-            dump = subprocess.run(["roslaunch", "--dump-params", PACKAGE, launch_file], check=True, timeout=60,
-                                  stdout=subprocess.PIPE).stdout
-            params = yaml.safe_load(dump)
+            dump = Program("roslaunch", "--dump-params", PACKAGE, launch_file)
+            self.addCleanup(dump.close)
+            self.assertEqual(dump.wait_ended(), 0, dump.text)
+            params = yaml.safe_load(dump.text)
             for name, value in LAUNCH_ARGUMENTS.items():
                 found = params[f"{CORE}/{name}"]
                 with self.subTest(launch_file, argument=name):

@@ -3,7 +3,6 @@
 import math
 import pathlib
 import re
-import subprocess
 import tempfile
 import unittest
 from typing import Optional
@@ -296,10 +295,7 @@ class TestDummy(unittest.TestCase):
 
     def check(self, status: int, *arguments: str, **environment: str) -> str:
         """Run check_ground_truth. Returns its output."""
-        command = ["env", *(f"{name}={value}" for name, value in environment.items()),
-                   own("check_ground_truth"), *arguments]
-        done = subprocess.run(
-            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60, check=False
-        )
-        self.assertEqual(done.returncode, status, done.stdout)
-        return done.stdout
+        program = Program(own("check_ground_truth"), *arguments, **environment)
+        self.addCleanup(program.close)
+        self.assertEqual(program.wait_ended(), status, program.text)
+        return program.text

@@ -27,13 +27,13 @@ def own(name: str) -> str:
 class Program:
     """A running program. Close it at the end of the test: it is interrupted as by Ctrl-C."""
 
-    def __init__(self, *command: str) -> None:
+    def __init__(self, *command: str, **environment: str) -> None:
         self.lines: List[str] = []
         self.began_mono = time.monotonic()
         self.ended_mono: Optional[float] = None
         reading, writing = os.pipe()
         self._output = os.fdopen(reading, encoding="utf-8", errors="replace")
-        self._process = start(command, (_NO_INPUT, writing, writing), PYTHONUNBUFFERED="1")
+        self._process = start(command, (_NO_INPUT, writing, writing), PYTHONUNBUFFERED="1", **environment)
         os.close(writing)
         self._reader = threading.Thread(target=self._read, name=command[0], daemon=True)
         self._reader.start()
