@@ -99,7 +99,7 @@ def test_a_run_that_is_stopped_keeps_its_score_and_begins_anew():
 
 
 @pytest.mark.parametrize("code", ["HOPF", "HGMF"])
-def test_the_world_s_table_is_that_of_the_shipped_parameters(code):
+def test_the_worlds_table_matches_the_shipped_parameters(code):
     kind = modules()[code]
     parameters = read_parameters(str(SHIPPED / "modules" / f"{code}.yaml"), code, kind.PARAMETERS)
     assert (parameters.table_size.x, parameters.table_size.y) == TABLE_SIZE

@@ -108,7 +108,7 @@ def test_a_pose_that_is_noted_moves_nothing():
     assert w.asks(RequestKind.NOTE)["positioner"] == before
 
 
-def test_an_object_rises_and_goes_to_its_target():
+def test_an_object_rises_and_moves_to_its_target():
     w = World("HGMF")
     lying = w.asks(RequestKind.REFEREE)["object"]
     assert w.asks(RequestKind.GOAL, pose=(0.3, 0.2, 0.0), seconds=3.0)["object"] == lying

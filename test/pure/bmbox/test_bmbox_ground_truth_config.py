@@ -102,7 +102,7 @@ def test_what_is_wrong_is_named_with_its_line(errors, old, new, line, found):
     assert found in only[1]
 
 
-def test_a_section_that_is_no_map(errors):
+def test_a_section_that_is_not_a_map(errors):
     found = errors(GOOD[GOOD.index("teams:"):], "teams: Reds\n")
     assert found == [(6, "found the text 'Reds' as teams; expected a map with a line 'team: markers' for each")]
 

@@ -233,7 +233,7 @@ def answered_at_goal(r):
     r.result(result(), 1.0)
 
 
-def test_an_item_beside_the_table_may_be_used_as_it_is():
+def test_an_item_beside_the_table_may_be_used_unchanged():
     r = hopf(positioner=Pose3(1.4, 0.25, 0.8, 0.0))
     r.answer()
     r.answer("Use this position")

@@ -21,7 +21,7 @@ def test_a_map_in_any_style(text):
 
 @pytest.mark.parametrize("text, name", [("{n: on}", "on"), ("{n: 12}", "12"), ("{n: 1e3}", "1e3"), ("{n: ~}", "~"),
                                         ("{n: 2015-01-01}", "2015-01-01"), ("{n: ''}", ""), ("{n: Käse}", "Käse")])
-def test_a_text_is_what_stands_there(text, name):
+def test_a_text_is_read_literally(text, name):
     assert read_record(text, {"n": str}).n == name
 
 
@@ -39,7 +39,7 @@ def test_a_text_is_what_stands_there(text, name):
     ("{" + "\0" * 90 + "}", "not valid YAML"),
     ('{n: "\\UFFFFFFFF"}', "not valid YAML"), ("{? {a: 1} : 2, ? [1] : 3}", "has no n"),
 ])
-def test_what_is_no_result_says_why(text, reason):
+def test_an_invalid_result_gives_the_reason(text, reason):
     with pytest.raises(BadResult) as raised:
         read_record(text, {"n": float})
     assert reason in str(raised.value)

@@ -162,7 +162,7 @@ def test_restarts_anywhere_lead_to_the_same_score(restarts):
     assert shaken.score.values() == plain.score.values()
 
 
-def test_a_pose_is_the_one_that_was_measured_then():
+def test_a_pose_is_the_one_measured_at_that_time():
     r = story()
     r.answer()
     r.result("seen")
@@ -229,7 +229,7 @@ def test_changed_rules_cannot_continue():
 # -- watching -----------------------------------------------------------------------------------------
 
 
-def test_a_watch_looks_while_the_robot_executes_and_only_then():
+def test_a_watch_looks_only_while_the_robot_executes():
     r = story()
     r.runner.tick(r.utc)
     r.answer()
@@ -355,7 +355,7 @@ def test_the_referees_scores_can_be_read_as_they_are_now():
         r.module.referee_score("Penalized", "hits")
 
 
-def test_a_result_that_cannot_be_read_is_none_and_the_referee_is_warned_once():
+def test_an_unreadable_result_is_ignored_and_the_referee_is_warned_once():
     r = story()
     outcome = type("O", (), {"timed_out": False, "result": "[1"})()
     for _ in range(2):

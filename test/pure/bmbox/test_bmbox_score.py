@@ -35,7 +35,7 @@ def test_values_keep_their_type_unit_and_order():
 
 
 @pytest.mark.parametrize("key", ["time", "reachd", ("waypoint 1", "reached")])
-def test_what_is_not_declared_is_an_error_that_names_what_is(key):
+def test_an_undeclared_name_is_an_error_that_lists_the_declared_ones(key):
     s = score()
     with pytest.raises(KeyError, match="which has (reached, error|time)"):
         s[key] = 1
@@ -44,6 +44,6 @@ def test_what_is_not_declared_is_an_error_that_names_what_is(key):
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), [1], {"a": 1}, object()])
-def test_what_is_no_value_is_an_error(value):
+def test_an_invalid_value_is_an_error(value):
     with pytest.raises(ValueError, match="score reached cannot be"):
         score()["reached"] = value

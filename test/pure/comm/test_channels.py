@@ -102,7 +102,7 @@ def test_channels_may_share_their_complaints(public, private):
     assert public(BOX).complaints is not complaints
 
 
-def test_no_state_goes_out_plain(public):
+def test_no_state_is_sent_unencrypted(public):
     with pytest.raises(ValueError, match="BenchmarkState does not belong on the public channel"):
         public(BOX).send(BOX_STATE)
 

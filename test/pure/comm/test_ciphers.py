@@ -128,7 +128,7 @@ def test_refuses_an_iv_of_the_wrong_length():
 
 
 @pytest.mark.parametrize("size", [0, 1, 15, 17])
-def test_refuses_what_is_no_whole_block_and_continues(size):
+def test_refuses_incomplete_blocks_and_continues(size):
     key = Key("PASSWORD")
     sent = key.encrypt(Cipher.AES_128_CBC, b"before")
     with pytest.raises(ValueError, match=f"{size} bytes are not whole blocks of 16"):

@@ -34,7 +34,7 @@ def test_encodes_the_originals_bytes(record):
 
 
 @pytest.mark.parametrize("cipher", list(Cipher), ids=lambda c: c.label)
-def test_encoded_size_is_that_of_the_datagram(cipher):
+def test_encoded_size_is_the_size_of_the_datagram(cipher):
     state = pb.RobotState()
     state.CopyFrom(ROBOT_STATE)
     for size in range(17):  # each remainder of a cipher's block
@@ -42,7 +42,7 @@ def test_encoded_size_is_that_of_the_datagram(cipher):
         assert frame.encoded_size(state, cipher) == len(frame.encode(state, cipher, Key("PASSWORD"))), size
 
 
-def test_refuses_what_is_no_datagram_of_its_own():
+def test_refuses_a_message_that_is_only_part_of_a_datagram():
     with pytest.raises(ValueError, match="BenchmarkingTeam is not sent"):
         frame.encode(pb.BenchmarkingTeam(team_name="a", robot_name="b", rsbb_port=1))
 

@@ -125,7 +125,7 @@ def test_a_rival_that_sends_beacons_during_the_run_moves_nothing():
     assert "Two robots call themselves r1" in views.status(driver.box, driver.now)
 
 
-def test_a_robot_that_gets_another_address_in_its_run_is_no_rival_of_itself():
+def test_a_robot_with_a_new_address_in_its_run_is_not_reported_as_two():
     driver = BoxDriver()
     robot = driver.executing()
     robot.host = "10.0.0.77"

@@ -41,6 +41,6 @@ def test_a_step_of_the_clock_is_reported_once_and_with_its_sign():
     assert watch.look(Now(24.0, 917.0)) == 0.0
 
 
-def test_ntp_that_slews_is_no_step():
+def test_slewing_by_ntp_is_not_a_step():
     watch = ClockWatch()
     assert {watch.look(Now(i / 10, 1000 + i / 10 * 1.0005)) for i in range(36_000)} == {0.0}

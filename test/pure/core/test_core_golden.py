@@ -109,7 +109,7 @@ class Replay:
 @pytest.mark.parametrize("name, code", [
     ("HGTKMH_2015", "HGTKMH"), ("HGTKMH_2020", "HGTKMH"), ("HCFGAC_2015", "HCFGAC"),
 ])
-def test_the_box_goes_through_the_same_states_and_sooner(name, code):
+def test_the_box_reaches_the_same_states_sooner(name, code):
     replay = Replay(name, code)
     assert replay.refused == []
     assert [state for _, state in replay.ours] == [state for _, state in replay.originals] == [
@@ -142,7 +142,7 @@ def _waypoint(goal):
         (RequestKind.REFEREE, {"text": "Last Manual Operation"}),
     ]),
 ])
-def test_a_functionality_benchmark_goes_through_the_same_states_and_sooner(name, code, script):
+def test_a_functionality_benchmark_reaches_the_same_states_sooner(name, code, script):
     replay = Replay(name, code, timeout=600.0, script=script)
     goals = sum(kind is RequestKind.GOAL for kind, _ in script)
     assert goals >= 2

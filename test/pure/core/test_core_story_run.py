@@ -116,7 +116,7 @@ def test_the_total_timeout_ends_a_run():
     assert _ended(driver) is EndReason.TIMEOUT
 
 
-def test_after_a_timeout_there_is_no_start_but_a_new_run():
+def test_after_a_timeout_only_a_new_run_is_possible():
     driver = _minute()
     robot = driver.executing()
     robot.lives(60)

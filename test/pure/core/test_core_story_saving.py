@@ -53,7 +53,7 @@ def test_a_robot_that_saves_in_time_continues():
     assert _ended(driver) is None
 
 
-def test_a_count_that_stays_as_it_is_above_0_is_enough():
+def test_a_count_that_stays_above_0_is_enough():
     driver, robot = _executing(saved=1)
     robot.lives(60)
     assert _ended(driver) is None

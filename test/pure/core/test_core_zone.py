@@ -42,7 +42,7 @@ def test_only_a_run_that_ran_to_its_end_moves_the_zone_on(auto_next, reason):
     assert zone.last_run == (None if moved else (reason, text, text))
 
 
-def test_after_the_last_event_there_is_no_next():
+def test_the_last_event_has_no_next_event():
     zone = _zone("HGTKMH")
     text = ""
     zone.run = SimpleNamespace(end_reason=EndReason.COMPLETED, log=text, online_data=text)

@@ -164,7 +164,7 @@ def test_a_huge_length_is_garbage():
     scripted(script)
 
 
-def test_half_a_message_does_not_stand_in_the_way_for_ever(monkeypatch):
+def test_half_a_message_does_not_block_the_connection_for_ever(monkeypatch):
     monkeypatch.setattr(client_module, "REST_S", 0.2)
 
     async def script(world):

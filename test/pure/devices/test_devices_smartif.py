@@ -78,7 +78,7 @@ def test_any_bytes_are_messages_or_garbage_and_nothing_grows(data, cuts):
 
 @examples()
 @given(HEARD, st.integers(1, 200))
-def test_a_part_of_a_message_is_none_and_is_waited_for(message, missing):
+def test_the_rest_of_an_incomplete_message_is_awaited(message, missing):
     data = encode(message)
     cut = max(0, len(data) - missing)
     decoder = Decoder(FROM_CONTROLLER)

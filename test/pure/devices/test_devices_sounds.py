@@ -132,7 +132,7 @@ def test_closing_silences(tmp_path, sound, troubles):
 
 
 @pytest.mark.parametrize("command", ["", "  ", "aplay 'bell.wav"])
-def test_what_is_no_command(command):
+def test_invalid_commands(command):
     with pytest.raises(ValueError):
         Sound("the bell", command, lambda text: None)
 

@@ -43,12 +43,12 @@ def test_an_invalid_port_is_skipped_and_reported(record):
     assert len(warnings) == 1 and record.path in warnings[0] and "4 lines" in warnings[0]
 
 
-def test_superscript_digits_are_no_port(record):
+def test_superscript_digits_are_not_a_port(record):
     write(record, "6667\n²\n".encode())
     assert record.read()[0] == 6667
 
 
-def test_digits_without_end_are_no_port(record):
+def test_endless_digits_are_not_a_port(record):
     """Python refuses to read numbers of more than 4300."""
     write(record, b"6667\n" + b"9" * 5000)
     assert record.read()[0] == 6667

@@ -91,7 +91,7 @@ def test_the_box_can_write_while_it_is_read(writer):
         assert len(reader.runs()) == 1
 
 
-def test_a_past_competition_is_left_as_it_is(writer):
+def test_reading_leaves_a_past_competition_unchanged(writer):
     writer.close()
     before = files_beside(writer.path)
     assert identities(writer.path) == [RECORD.identity]

@@ -24,7 +24,7 @@ def _md5(path, of_generation):
 
 
 @pytest.mark.parametrize("generation, path", FILES)
-def test_the_sum_is_that_of_the_original(generation, path):
+def test_the_sum_is_the_originals(generation, path):
     assert _md5(path, generation) == RECORDED[generation]["md5"][path]
 
 

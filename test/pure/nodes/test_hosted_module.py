@@ -73,7 +73,7 @@ def test_a_module_that_works():
 @pytest.mark.parametrize(("wrong", "reason"), [
     (_raise, "RuntimeError: no rule"), (_exit, "SystemExit: enough"), (_keep, "TypeError"), (_status, "TypeError"),
 ])
-def test_whatever_goes_wrong_ends_this_run_with_its_score(wrong, reason):
+def test_every_error_ends_this_run_with_its_score(wrong, reason):
     module, reported = hosted(wrong)
     module.on_run(RUN)
     module.on_run(answered(module))

@@ -36,7 +36,7 @@ def with_value(text):
     return checked(Progress("run", 1, scores=(ScoreValue("", "n", text, ""),))).scores[0].value
 
 
-def test_what_is_usual_stays_as_it_is():
+def test_usual_values_stay_unchanged():
     assert checked(USUAL) == USUAL
     state = ModulesState("node", (ModuleInfo("HNF", ("HNF.yaml:1: wrong",), ("old",)),), (USUAL,))
     assert checked_state(state) == state

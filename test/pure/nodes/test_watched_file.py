@@ -36,7 +36,7 @@ def watched(path):
     return WatchedFile(str(path), read), read
 
 
-def test_it_is_read_when_it_changed_and_only_then(path):
+def test_it_is_read_only_when_it_changed(path):
     path.write_text("1", encoding="utf-8")
     file, read = watched(path)
     assert (file.content(), file.problems, read.times) == (1, [], 1)

@@ -26,7 +26,7 @@ def test_every_command_has_help_with_examples_and_exit_statuses(command, capsys)
 @pytest.mark.parametrize("line", [
     ["--json", "status"], ["status", "--json"], ["--json", "score", "A", "1", "-1"], ["watch", "--json", "--zone", "A"],
 ])
-def test_json_may_stand_before_or_behind_the_command(line):
+def test_json_may_come_before_or_after_the_command(line):
     assert _parse(line).json is True
 
 

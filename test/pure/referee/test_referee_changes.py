@@ -15,7 +15,7 @@ def test_nothing_happened():
     assert changes(box(running_zone()), box(running_zone())) == []
 
 
-def test_time_and_skew_alone_are_no_news():
+def test_a_change_of_time_and_skew_alone_is_not_reported():
     old = box(running_zone())
     new = box(running_zone(timer_s=511.0, skew_s=0.02, messages_saved=4, last_message_utc_s=UTC0), clock_utc_s=UTC0 + 1)
     assert changes(old, new) == []
@@ -70,7 +70,7 @@ def test_what_was_not_attempted_is_reported_although_the_value_stays():
         assert (facts["old_not_attempted"], facts["not_attempted"]) == reported
 
 
-def test_another_runs_sheet_is_no_change_of_scores():
+def test_another_runs_sheet_is_not_a_change_of_scores():
     old = running_zone(score=(ITEMS[0]._replace(value=1), *ITEMS[1:]))
     assert "score" not in [kind for kind, _, _ in _facts(box(old), box(running_zone(port=6668)))]
 

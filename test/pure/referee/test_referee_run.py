@@ -268,7 +268,7 @@ def test_a_restart_before_the_start_loses_nothing(link):
     assert link.scores == {"Detects the door": 1}
 
 
-def test_a_core_that_goes_during_the_command_is_waited_for(link):
+def test_a_core_lost_during_the_command_is_awaited(link):
     link.answers["connect"] = [NoCore("gone"), None]
     link.at(5, lambda: link.end("completed"))
     outcome, reported = _run(link)
@@ -291,7 +291,7 @@ def test_a_core_that_was_gone_and_then_refuses_is_a_refusal(link):
 
 
 @pytest.mark.parametrize("answers", [[None], [NoCore("gone"), None]])
-def test_a_core_that_goes_during_the_disconnect_is_waited_for(link, answers):
+def test_a_core_lost_during_the_disconnect_is_awaited(link, answers):
     link.answers["leave_run"] = answers
     link.at(5, lambda: link.end("completed"))
     outcome, reported = _run(link)

@@ -71,7 +71,7 @@ def test_what_was_not_attempted_is_marked():
     assert [item.not_attempted for item in zone.score] == [False, False, True]
 
 
-def test_what_is_not_known_is_none():
+def test_unknown_values_are_none():
     zone = box_of(_gui(_zone_state()), _details(skew_known=False, last_message=Seconds(0))).zones[0]
     assert (zone.skew_s, zone.last_message_utc_s) == (None, None)
 
@@ -100,7 +100,7 @@ def test_all_robots_at_once():
 
 
 @pytest.mark.parametrize(("text", "number"), [("Place it", 0), ("", 4)])
-def test_half_of_a_manual_operation_is_none(text, number):
+def test_half_a_manual_operation_is_ignored(text, number):
     state = _zone_state()
     state.manual_operation = text
     assert box_of(_gui(state), _details(operation=number)).zones[0].operation is None

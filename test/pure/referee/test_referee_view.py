@@ -131,7 +131,7 @@ def test_the_score_sheet_has_numbers_values_and_groups():
     ]
 
 
-def test_what_was_not_attempted_is_no_0():
+def test_not_attempted_is_not_shown_as_0():
     marked = ITEMS[1]._replace(not_attempted=True)
     sheet = view.score_sheet(running_zone(score=(ITEMS[0], marked)), view.no_colour)
     assert sheet[2:] == ["       1     no  Detects the door", "       2  not attempted  Moved furniture"]
@@ -140,7 +140,7 @@ def test_what_was_not_attempted_is_no_0():
     ]
 
 
-def test_values_that_were_set_stand_out():
+def test_values_that_were_set_are_highlighted():
     sheet = view.score_sheet(running_zone(score=(ITEMS[0]._replace(value=1), ITEMS[1])), view.colour)
     assert ["\x1b" in line for line in sheet] == [False, False, True, False]
 
@@ -185,7 +185,7 @@ def test_phases(facts, text):
 
 
 @pytest.mark.parametrize("what, word", [("silent", "SILENT"), ("back", "back"), ("restarted", "RESTARTED")])
-def test_the_core_goes_and_comes(what, word):
+def test_the_core_disappears_and_returns(what, word):
     assert word in view.change_line(Change(UTC0, "core", "", {"what": what}), view.no_colour)
 
 

@@ -93,7 +93,7 @@ def test_yes_or_no_items_take_words(text, value):
 @pytest.mark.parametrize("item, text, hint", [
     (1, "yes", "whole number"), (1, "1.5", "whole number"), (0, "maybe", "yes"),
 ])
-def test_what_is_no_value_says_what_would_be(item, text, hint):
+def test_an_invalid_value_names_the_valid_ones(item, text, hint):
     with pytest.raises(BadWord, match=hint):
         value_of(text, ITEMS[item])
 
@@ -104,7 +104,7 @@ def test_values_that_the_core_would_refuse_are_refused_in_its_words(item, text):
         value_of(text, ITEMS[item])
 
 
-def test_a_count_that_no_message_can_carry_is_no_value():
+def test_a_count_too_large_for_the_message_is_refused():
     with pytest.raises(BadWord, match="2147483647"):
         value_of("+1", ITEMS[1]._replace(value=2**31 - 1))
 

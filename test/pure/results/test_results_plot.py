@@ -44,7 +44,7 @@ class Plot:
 GOOD = LinkSample(1.0, received=1, gap_s=1.0, skew_s=0.0)
 
 
-def test_losses_stand_on_the_middle_or_hang_from_it():
+def test_losses_are_drawn_above_or_below_the_middle():
     plot = Plot([GOOD] * 3 + [GOOD._replace(lost=5, unanswered=2)] + [GOOD] * 6)
     [(begin, end, base, top)] = plot.bars("#c33")
     assert (begin, end) == (3.0, 4.0)
@@ -73,7 +73,7 @@ def test_nothing_is_drawn_outside_of_the_run():
     assert max(end for _, end, _, _ in plot.bars("#555")) <= 5.1
 
 
-def test_where_there_is_no_record_it_is_grey():
+def test_times_without_a_record_are_grey():
     assert "no record: the box was down" not in Plot([GOOD] * 10).titles()
     plot = Plot([GOOD] * 3, every=10.0, end=60.0)
     grey = [r for r in plot.all("rect") if r.get("fill-opacity")]

@@ -101,7 +101,7 @@ def test_every_command_has_help(run):
         assert "--journal" in out
 
 
-def test_who_reads_only_the_beginning_is_no_error(journal):
+def test_a_reader_that_closes_early_is_not_an_error(journal):
     script = "import sys; from roah_rsbb.tools.results import main; main(sys.argv[1], sys.argv[2:])"
     command = [sys.executable, "-c", script, str(ROOT / "config"), "--journal", journal, "export", "--json", "-"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}

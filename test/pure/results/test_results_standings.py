@@ -91,7 +91,7 @@ def test_without_rules_the_sum_of_the_sheet_counts():
 
 @pytest.mark.parametrize("more_is_better", [True, False])
 @pytest.mark.parametrize("value", [None, "a text"])
-def test_a_value_that_there_is_none_of_is_worse_than_any(value, more_is_better):
+def test_a_missing_value_ranks_behind_every_value(value, more_is_better):
     rules = Rules(OfRuns.BEST, (), (Criterion("Error", more_is_better, (Term(score="error"),)),))
     records = [module_record("A", 1, error=value), module_record("B", 2, error=9e9), module_record("C", 3, error=-1.0)]
     found = ranks(records, rules, code="HNF")
@@ -99,7 +99,7 @@ def test_a_value_that_there_is_none_of_is_worse_than_any(value, more_is_better):
     assert found[-1][2] == (None,)
 
 
-def test_a_value_of_a_part_of_the_run_is_not_that_of_the_run():
+def test_a_value_of_part_of_the_run_does_not_count_for_the_run():
     record = module_record("A", 1)._replace(module_scores=(ScoreValue("waypoint 1", "time", "5", "s"),))
     rules = Rules(OfRuns.BEST, (), (Criterion("Time", False, (Term(score="time"),)),))
     table = standing("HNF", [record], rules, Choice())

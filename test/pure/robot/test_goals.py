@@ -50,7 +50,7 @@ def test_a_box_that_sends_both_forms_is_read_once_and_exactly():
     assert goal.pose == Pose(1.125, 2.0, 3.0)
 
 
-def test_half_a_waypoint_of_2015_is_none():
+def test_half_a_waypoint_of_2015_is_ignored():
     assert _goal("HNF", target_pose_x=9, generic_goal="[1, 2, 3]").pose == Pose(1.0, 2.0, 3.0)
 
 
@@ -59,7 +59,7 @@ def test_half_a_waypoint_of_2015_is_none():
     "[1, 2, .nan]", "[1, 2, 1e999]", "{x: 1, y: 2, theta: 3}", "[1 2 3]", "[1, 2, 3", "-1\n-2\n-3",
     "[1_0, 2, 3]", None,
 ])
-def test_what_is_no_waypoint_is_refused_with_what_was_expected(text):
+def test_an_invalid_waypoint_is_refused_with_the_expected_form(text):
     with pytest.raises(BadGoal, match=r"expected \[x, y, theta\]"):
         _goal("HNF", **({} if text is None else {"generic_goal": text}))
 
@@ -137,7 +137,7 @@ def test_a_number_is_read_back_as_the_same_number(number):
     assert isinstance(read, float) and read == number
 
 
-def test_a_text_is_sent_as_it_is_and_nothing_as_nothing():
+def test_a_text_is_sent_unchanged_and_none_is_left_out():
     assert _written("SOME RESULT").generic_result == "SOME RESULT"
     assert not _written(None).HasField("generic_result")
 

@@ -118,7 +118,7 @@ def test_a_twin_holds_back_what_comes_after_it():
     assert sender.for_message(1) == {"visitor": ["a"]}
 
 
-def test_the_same_text_in_two_fields_is_no_twin():
+def test_the_same_text_in_two_fields_is_not_a_duplicate():
     sender = RepeatedStrings(FIELDS, 100)
     sender.add("visitor", "a")
     sender.add("notifications", "a")

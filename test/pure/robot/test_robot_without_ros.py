@@ -57,7 +57,7 @@ def run_program(example, monkeypatch):
     return run_on
 
 
-def test_the_page_shows_the_example_as_it_is_and_it_is_short():
+def test_the_page_shows_the_example_unchanged_and_it_is_short():
     text = EXAMPLE.read_text(encoding="utf-8")
     assert block("python") == text
     assert len(text.splitlines()) < 60

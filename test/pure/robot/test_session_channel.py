@@ -117,7 +117,7 @@ def test_a_change_is_sent_at_once_then_in_a_burst_then_each_second(linked):
 @pytest.mark.parametrize("method, arguments", [
     ("add_string", ("visitor", "x")), ("set_device", ("dimmer", 3)), ("display_map", (True,)),
 ])
-def test_what_the_owner_asks_for_goes_out_at_once(linked, method, arguments):
+def test_what_the_owner_requests_is_sent_at_once(linked, method, arguments):
     linked.run(10)
     linked.take_sent()
     linked.do(method, *arguments)
@@ -183,7 +183,7 @@ def test_without_a_run_there_is_nothing_to_do(bench, method, arguments):
     assert bench.state is RobotState.STOP
 
 
-def test_a_string_goes_until_it_is_acknowledged_and_not_into_the_next_run(linked):
+def test_a_string_is_sent_until_acknowledged_and_not_in_the_next_run(linked):
     linked.do("add_string", "notifications", "hello")
     first = linked.last
     assert list(first.notifications) == ["hello"]

@@ -169,7 +169,7 @@ def test_the_benchmark_changes_within_a_channel(linked):
 
 @pytest.mark.parametrize("ask", [BoxState.PREPARE, BoxState.STOP])
 @pytest.mark.parametrize("late", [BoxState.WAITING_RESULT, BoxState.GOAL_TX])
-def test_the_last_goal_is_no_error_when_it_comes_after_what_the_referee_or_a_module_asked_for(linked, ask, late):
+def test_the_last_goal_is_not_an_error_after_a_request_of_the_referee_or_a_module(linked, ask, late):
     """Both acknowledge the same message, for the robot said nothing new in between."""
     executing(linked, "HNF", target_pose_x=1.0, target_pose_y=2.0, target_pose_theta=3.0)
     linked.do("end_execute", None)
@@ -213,7 +213,7 @@ def _by_hand(bench, state, code="HGTKMH", acknowledge=(0, 0), **fields):
     bench.poll()
 
 
-def test_an_override_goes_through_a_benchmark_and_sends_nothing(bench):
+def test_an_override_runs_through_a_benchmark_and_sends_nothing(bench):
     beacons = len(bench.beacons)
     for state, expected in (
         (BoxState.STOP, RobotState.STOP), (BoxState.PREPARE, RobotState.PREPARING),

@@ -57,7 +57,7 @@ def test_a_wrong_password_is_reported_once_and_not_taken_for_silence(linked):
     assert "password of team Team" in reports[0].text
 
 
-def test_a_bad_datagram_is_no_wrong_password_from_elsewhere_or_after_good_ones(linked):
+def test_a_bad_datagram_from_elsewhere_or_after_good_ones_is_not_a_wrong_password(linked):
     linked.session.private_undecodable(linked.now, OTHER_BOX)
     linked.box_says(BoxState.STOP)
     linked.session.private_undecodable(linked.now, BOX)
@@ -80,7 +80,7 @@ def test_another_robot_of_the_same_name_is_reported_once_for_each_address(linked
     assert "127.0.0.7" in reports[0].text and "127.0.0.8" in reports[1].text
 
 
-def test_other_robots_and_the_tablet_are_none_of_our_business(linked):
+def test_other_robots_and_the_tablet_are_ignored(linked):
     time = pb.Time(sec=1, nsec=0)
     for team, robot in (("Other", ROBOT), (TEAM, "Other")):
         other = pb.RobotBeacon(team_name=team, robot_name=robot, time=time)

@@ -91,7 +91,7 @@ def test_a_handshake_may_come_in_pieces(port, connect):
 
 
 @pytest.mark.parametrize("sent", [b"GET / HTTP/1.1\r\n\r\n", b"POST / HTTP/1.1\r\n", b"\xff\xff\xff\xff"])
-def test_what_is_no_handshake_is_closed_at_once(port, connect, sent, monkeypatch):
+def test_a_connection_without_a_handshake_is_closed_at_once(port, connect, sent, monkeypatch):
     monkeypatch.setattr(connections, "DEADLINE_S", 10 * TIMEOUT_S)
     assert is_closed(connect(port, sent))
 

@@ -20,7 +20,7 @@ def test_every_reason_comes_back_whole(reasons):
     assert refusals.reasons(RAISED + repr(sent)) == reasons
 
 
-def test_a_single_reason_is_sent_as_it_is():
+def test_a_single_reason_is_sent_unchanged():
     assert refusals.error_text(["no zone 'Home'"]) == "no zone 'Home'"
 
 

@@ -59,7 +59,7 @@ def test_a_change_back_and_forth_needs_no_second_call():
     assert edits.carried_out(ITEM, 100.0) is None
 
 
-def test_a_failed_call_goes_back_to_the_core():
+def test_after_a_failed_call_the_field_shows_the_cores_value():
     edits = Edits()
     edits.wish(ITEM, 1)
     edits.failed(ITEM)

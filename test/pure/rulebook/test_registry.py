@@ -22,7 +22,7 @@ CODES = re.compile(rf"\b({'|'.join(PROFILES)})\b")
 
 
 @pytest.mark.parametrize("folder", ["core", "comm", "nodes", "robot"])
-def test_no_code_stands_anywhere_else(folder):
+def test_no_other_file_names_a_code(folder):
     found = [
         f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
         for path in sorted((ROOT / "src" / "roah_rsbb" / folder).rglob("*.py"))

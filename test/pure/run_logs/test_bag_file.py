@@ -120,7 +120,7 @@ def test_a_torn_file_becomes_a_bag(path, size):
     assert read(path) == plain(entries(len(found)))
 
 
-def test_zeros_at_the_end_as_after_a_power_cut_are_no_damage(path):
+def test_zeros_at_the_end_as_after_a_power_cut_are_not_damage(path):
     grown(path, entries(4))
     with open(str(path), "ab") as file:
         file.write(bytes(100_000))
@@ -150,7 +150,7 @@ def test_of_a_damaged_file_nothing_is_missing_that_the_journal_has(path):
     assert pathlib.Path(kept).read_bytes() == data
 
 
-def test_a_file_that_is_no_bag_is_left_alone(path):
+def test_a_file_that_is_not_a_bag_is_left_alone(path):
     path.write_text("notes of a referee")
     with pytest.raises(NotABag):
         write_whole(str(path), ())

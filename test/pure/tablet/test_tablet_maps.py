@@ -58,7 +58,7 @@ def saved(tmp_path):
     (0.0, 1.0, (-1.0, -2.0)),  # the lower left corner is the origin
     (1.0, 1.0, (9.0, -2.0)), (0.0, 0.0, (-1.0, 3.0)), (1.0, 0.0, (9.0, 3.0)), (0.25, 0.2, (1.5, 2.0)),
 ])
-def test_the_image_stands_upright_on_its_lower_left_corner(u, v, place):
+def test_the_origin_of_the_map_is_the_lower_left_corner_of_the_image(u, v, place):
     assert a_map(origin=(-1.0, -2.0, 0.0)).to_metres(u, v) == pytest.approx(place)
 
 
@@ -120,7 +120,7 @@ def test_a_map_is_read_as_map_saver_writes_it(saved):
     assert unpacked(plan.png) == (2, 3, GREYS)
 
 
-def test_a_png_is_served_as_it_is(saved):
+def test_a_png_is_served_unchanged(saved):
     png = maps.write_png(maps.read_pgm(PGM))
     plan = maps.load(saved("image: it.png\nresolution: 0.5\norigin: [1, 2, 0]\nnegate: 1\n", png, "it.png"))
     assert plan == Map(png, 2, 3, 0.5, (1.0, 2.0, 0.0), True)
@@ -157,7 +157,7 @@ def test_what_is_wrong_in_a_map_file_is_named(saved, changes, reported):
     # PyYAML stumbles over these.
     "a: 2015-99-99\n", "!!timestamp x", "!!int ''", "!!float x", "resolution: " + "9" * 5000, "%YAML 9" + "9" * 5000,
 ])
-def test_what_is_no_map_file_is_refused(saved, yaml):
+def test_an_invalid_map_file_is_refused(saved, yaml):
     with pytest.raises(MapError):
         maps.load(saved(yaml))
 

@@ -94,7 +94,7 @@ def test_the_page_needs_nothing_from_elsewhere():
     "/none", "/../tablet.css", "/..%2f..%2fpackage.xml", "/%2e%2e/%2e%2e/package.xml", "//etc/passwd", "/%00",
     "/index.html/x",
 ])
-def test_what_is_not_there_is_not_served(served, path):
+def test_a_missing_file_is_not_served(served, path):
     answer = served.raw(f"GET {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n".encode())
     assert answer.split(b" ")[1] in (b"404", b"403", b"400", b"301"), answer
     assert b"<package" not in answer and b"root:" not in answer
@@ -130,7 +130,7 @@ def test_a_call_is_forwarded_and_shown_on_every_page_at_once(running, monkeypatc
     served.server.close()
 
 
-def test_a_refusal_goes_only_to_the_page_that_asked(served):
+def test_a_refusal_is_sent_only_to_the_page_that_asked(served):
     asking, other = served.page(), served.page()
     served.read(asking), served.read(other)
     asking.write_message('{"do": "place", "u": 7, "v": 0}')
@@ -202,7 +202,7 @@ def test_a_page_that_fell_silent_is_left_behind(served, monkeypatch):
     served.running.until(lambda: served.presence[-1] is False)
 
 
-def test_without_a_map_there_is_no_image(running):
+def test_without_a_map_no_image_is_served(running):
     served = Served(running, plan=None)
     assert served.get("/map.png").code == 404
     served.server.close()

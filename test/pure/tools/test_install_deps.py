@@ -161,7 +161,7 @@ def test_an_unknown_system_is_tried_with_a_warning(machine: Machine) -> None:
     assert "python3-rospy" in machine.calls
 
 
-def test_a_package_that_only_some_archives_have_is_no_trouble(machine: Machine) -> None:
+def test_a_package_that_only_some_archives_have_is_not_a_problem(machine: Machine) -> None:
     machine.write("unknown", "python3-python-qt-binding\nchromium\n")
     wanted = machine.wanted()
     assert not {"python3-python-qt-binding", "chromium"} & set(wanted)

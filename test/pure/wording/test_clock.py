@@ -53,7 +53,7 @@ def test_a_time_that_is_up_does_not_become_negative():
     assert clock_of(message("running", elapsed=599.0, counting=True), 9.0).main.text == "0:00"
 
 
-def test_after_the_end_the_final_time_is_the_figure_and_the_time_after_the_stop_stands_aside():
+def test_after_the_end_the_final_time_is_large_and_the_time_after_the_stop_small():
     ended = message("ended", elapsed=492.33, after_stop=120.0)
     assert clock_of(ended, 1.0) == Clock(
         Figure("Final time of the run", "8:12.3"), aside="Time left after the stop: 1:59")

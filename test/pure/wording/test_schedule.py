@@ -102,7 +102,7 @@ def test_filters_by_zone_team_and_day(madrid):
     assert shown(Filter(team="Alpha", day=days[2]), *lines) == []
 
 
-def test_the_day_of_an_event_around_midnight_is_that_of_the_venue(madrid):
+def test_the_day_of_an_event_around_midnight_is_the_venues_day(madrid):
     late = one(schedule=Stamp(DAY0 + 23.5 * 3600))
     days = [schedule.moment(DAY0 + shift, "%Y-%m-%d", in_utc=True) for shift in (0, 86400)]
     assert schedule.day_of(late, in_utc=True) == days[0]

@@ -158,7 +158,7 @@ def test_a_clock_that_was_set_back(line):
     assert line.hear(skew=-100).fresh
 
 
-def test_steps_of_the_boxs_clock_are_no_steps_of_the_robots(line):
+def test_steps_of_the_boxs_clock_do_not_count_as_steps_of_the_robots(line):
     for _ in range(3):
         line.hear()
     line.now = line.now._replace(utc=line.now.utc - 50)

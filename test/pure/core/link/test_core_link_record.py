@@ -127,7 +127,7 @@ def test_the_end_of_a_burst_and_a_regular_message_are_missed(line):
     assert line.sample().lost == 4
 
 
-def test_what_is_left_of_a_burst_is_no_regular_message(line):
+def test_the_rest_of_a_burst_does_not_count_as_a_regular_message(line):
     """The next regular one is due a second after the burst, not after the last one of it that was heard."""
     bursting(line)
     line.sends_all(BURST, RobotState.WAITING_GOAL, lost=range(1, 10))
@@ -280,7 +280,7 @@ def test_datagrams_of_the_box_that_the_robot_does_not_know_of(line):
     assert sample.round_trip_s == pytest.approx(2.32)
 
 
-def test_a_state_that_is_said_again_is_no_new_question(line):
+def test_a_repeated_state_is_not_a_new_question(line):
     line.sends()
     line.says(BoxState.PREPARE)
     line.sends(0.3)
@@ -323,7 +323,7 @@ def test_a_string_that_was_added_while_another_waits_is_not_measured(line):
     assert line.sample().answers == 1
 
 
-def test_strings_dropped_with_a_change_of_state_are_no_answer(line):
+def test_strings_dropped_with_a_change_of_state_are_not_an_answer(line):
     line.sends(state=RobotState.EXECUTING)
     line.sends(notifications=("a",))
     line.sends(0.001, RobotState.STOP)

@@ -75,7 +75,7 @@ def test_an_undisturbed_link_has_no_losses():
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("loss", [0.1, 0.3])
-def test_losses_that_are_on_record_are_no_more_than_there_were(seed, loss):
+def test_recorded_losses_never_exceed_the_real_ones(seed, loss):
     world = CountingWorld(FakeLink(random.Random(seed), loss=loss)).runs(5)
     assert 0.3 * world.lost_to_box < world.total("lost") <= world.lost_to_box
     assert world.total("unanswered") <= world.lost_to_robot
@@ -98,7 +98,7 @@ def test_a_robot_that_hears_nothing_answers_nothing():
 
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
-def test_late_and_doubled_datagrams_are_no_losses(seed):
+def test_late_and_duplicate_datagrams_are_not_losses(seed):
     world = CountingWorld(FakeLink(random.Random(seed), double=0.3, late=0.2, longest_delay=0.3)).runs(4)
     assert world.total("duplicates") + world.total("stale") == world.stale
     assert world.total("lost") <= world.total("stale")

@@ -44,7 +44,7 @@ def test_old_times_in_falling_order_are_an_overtaking_network():
     assert set(_judged((0, 0), *[(3 + i, -1 - i) for i in range(20)])[1:]) == {"stale"}
 
 
-def test_one_old_message_again_and_again_is_no_timeline():
+def test_one_old_message_repeated_does_not_start_a_timeline():
     assert set(_judged((0, 0), *[(3 + i, -5) for i in range(20)])[1:]) <= {"stale", "duplicate"}
 
 

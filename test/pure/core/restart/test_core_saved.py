@@ -62,7 +62,7 @@ def test_what_a_newer_version_added_is_passed_over():
     {"name": "n", "colour": "RED", "at": {"mono": 1.0}}, {"name": "n", "colour": "RED", "on": 1},
     {"name": "n", "colour": "RED", "inner": {"x": "far"}}, {"name": "n", "colour": "RED", "lists": ["a"]},
 ])
-def test_what_is_no_such_state(data):
+def test_an_invalid_saved_state(data):
     with pytest.raises(BadState):
         thaw(Outer, data)
 

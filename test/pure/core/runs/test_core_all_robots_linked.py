@@ -83,7 +83,7 @@ def test_stop_reaches_all_and_all_start_again(seed):
     assert run.end_reason is EndReason.COMPLETED
 
 
-def test_a_robot_that_goes_before_the_start_keeps_nobody_from_it():
+def test_a_robot_that_leaves_before_the_start_does_not_block_it():
     world = _world(1, TEAMS)
     gone = world.robots.pop(0)
     world.run(4.0)

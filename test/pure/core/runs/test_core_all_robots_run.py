@@ -121,7 +121,7 @@ def test_a_robot_out_of_skew_blocks_nobody_either():
     assert box_states(driver, robots) == [BoxState.PREPARE, BoxState.STOP, BoxState.PREPARE]
 
 
-def test_without_any_robot_that_is_ready_there_is_no_start():
+def test_without_a_ready_robot_the_run_does_not_start():
     driver = all_robots_box()
     robots_of(driver)
     driver.command("connect")

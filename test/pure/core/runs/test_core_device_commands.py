@@ -54,7 +54,7 @@ def test_a_command_is_obeyed_once_per_change(devices):
 
 
 @pytest.mark.parametrize("in_between", [{}, {"blinds": 5}])
-def test_a_field_that_is_left_out_for_a_while_is_no_change(devices, in_between):
+def test_a_field_left_out_for_a_while_is_not_a_change(devices, in_between):
     devices.take(_report(dimmer=70, blinds=5))
     assert devices.take(_report(**in_between)) == NOTHING
     assert devices.take(_report(dimmer=70, blinds=5)) == NOTHING
@@ -99,7 +99,7 @@ def test_in_every_other_benchmark_they_are_ignored_and_that_is_said_once(code):
     assert devices.take(_report(switch_1=False, blinds=3, display_map=False)) == NOTHING
 
 
-def test_a_left_over_in_another_benchmark_is_no_reason_for_a_warning():
+def test_a_leftover_command_in_another_benchmark_gives_no_warning():
     devices = DeviceCommands(benchmark("HGTKMH"))
     assert devices.take(_report(**ALL_OFF)) == NOTHING
     assert devices.take(_report()) == NOTHING

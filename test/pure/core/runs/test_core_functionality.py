@@ -226,7 +226,7 @@ def test_what_the_referee_does_not_know_is_refused():
 # -- score and what else the module says --------------------------------------------------------------
 
 
-def test_scores_are_logged_as_they_grow_and_only_then():
+def test_scores_are_logged_only_when_they_grow():
     driver, modules, robot = started()
     scores = (ScoreValue("waypoint 1", "time", "12.5", "s", "Time"), ScoreValue("", "note", '"x"', ""))
     modules.says(scores=scores)

@@ -45,7 +45,7 @@ def test_the_referee_sees_the_limit_that_applies():
     assert driver.view().timeout == 120.0, "without a timeout the goal may last as long as the run"
 
 
-def test_the_limit_of_a_task_is_that_of_its_run():
+def test_the_limit_of_a_task_is_the_limit_of_its_run():
     driver = BoxDriver(competition(tbm=[event("HGTKMH", timeout=300.0, total_timeout=420.0)]))
     assert driver.view().timeout == driver.view().timer == 420.0
     driver.executing()

@@ -55,7 +55,7 @@ def test_a_run_that_is_left_while_it_runs_was_stopped():
     assert _kept(driver) == [("tbm", "HGTKMH", "stopped")]
 
 
-def test_a_run_that_was_never_started_is_none():
+def test_a_run_that_was_never_started_has_no_record():
     driver = BoxDriver()
     driver.connected()
     driver.command("disconnect")
@@ -103,7 +103,7 @@ def test_runs_that_were_not_left_or_never_started_are_not_over():
     assert [record.run for record in runs.records()] == [3]
 
 
-def test_a_run_that_was_left_behind_in_a_restart_was_stopped_then():
+def test_a_run_interrupted_by_a_restart_counts_as_stopped_at_the_restart():
     in_progress = run_record(1, closed_utc=0.0, end_reason="", stops=(), elapsed_s=12.0)
     left = left_behind(in_progress, UTC0 + 50.0)
     assert (left.closed_utc, left.end_reason, left.elapsed_s) == (UTC0 + 50.0, "stopped", 12.0)
@@ -116,7 +116,7 @@ def test_a_run_that_was_left_behind_in_a_restart_was_stopped_then():
     assert left_behind(never, UTC0 + 50.0).end_reason == ""
 
 
-def test_a_benchmark_that_is_no_more_is_shown_by_its_code():
+def test_a_removed_benchmark_is_shown_by_its_code():
     (result,) = _runs(run_record(benchmark="HOLD")).newest()
     assert (result.event.benchmark.code, result.event.benchmark.name) == ("HOLD", "HOLD")
 

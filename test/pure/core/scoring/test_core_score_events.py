@@ -192,7 +192,7 @@ def test_a_score_has_who_and_note_and_the_log_the_value(driver):
     assert "Score: Penalized: bumps 0 -> 2 (both at the door)" in driver.view().log
 
 
-def test_not_attempted_and_withdrawn_are_logged_as_what_counts_then(driver):
+def test_not_attempted_and_withdrawn_are_logged_with_the_value_that_counts(driver):
     robot = driver.connected()
     _score(driver, BUMPS, 2)
     _score(driver, BUMPS, not_attempted=True)
@@ -216,7 +216,7 @@ def test_a_module_receives_a_withdrawal():
     assert {item.desc: value for group in modules.run().sheet for item, value in group.items}["bumps"] == 0
 
 
-def test_a_mark_for_one_run_never_goes_into_the_next_one(driver):
+def test_a_mark_for_one_run_never_counts_in_the_next(driver):
     name = _finished(driver)
     driver.connected()
     _score(driver, BUMPS, 5, name)

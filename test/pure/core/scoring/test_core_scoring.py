@@ -113,7 +113,7 @@ def test_each_change_has_who_when_and_both_values(referee):
     assert referee.entries("utc") == [(then,), (then + 60.0,)]
 
 
-def test_what_changes_nothing_is_no_entry_unless_it_has_a_note(referee):
+def test_a_score_without_change_is_an_entry_only_with_a_note(referee):
     referee.set(BUMPS, 0)
     assert referee.sheet.history == ()
     referee.set(BUMPS, 0, note="watched the video: no bump")
@@ -169,7 +169,7 @@ def test_only_an_entry_that_counts_is_withdrawn(referee):
 # -- corrections ------------------------------------------------------------------------------------
 
 
-def test_an_item_is_corrected_as_long_as_it_stands_otherwise_than_at_the_end_of_the_run(referee):
+def test_an_item_is_corrected_while_it_differs_from_the_end_of_the_run(referee):
     referee.set(BUMPS, 1)
     referee.set(BUMPS, 2)
     assert not referee.item(BUMPS).corrected
@@ -183,7 +183,7 @@ def test_an_item_is_corrected_as_long_as_it_stands_otherwise_than_at_the_end_of_
     assert (referee.value(BUMPS), referee.item(BUMPS).corrected) == (0, True)
 
 
-def test_what_was_withdrawn_during_the_run_is_no_correction(referee):
+def test_a_withdrawal_during_the_run_is_not_a_correction(referee):
     referee.set(BUMPS, 1)
     referee.withdraw(1)
     assert not referee.item(BUMPS).corrected
@@ -209,7 +209,7 @@ def test_a_moment_is_counted_from_its_first_change():
     assert referee.entries("old", "value") == [(0, 2), (2, 4)]
 
 
-def test_a_slip_that_is_taken_back_at_once_is_no_entry():
+def test_a_slip_undone_at_once_is_not_an_entry():
     referee = Referee(pause=0.1)
     referee.set(BUMPS, 1)
     referee.set(BUMPS, 0)

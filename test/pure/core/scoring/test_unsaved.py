@@ -20,7 +20,7 @@ def test_what_is_saved_soon_is_never_shown():
     assert unsaved.look(LATER, 1) == ()
 
 
-def test_only_what_is_not_on_the_disk_is_shown():
+def test_only_unsaved_changes_are_shown():
     unsaved = Unsaved()
     unsaved.restore([RECORD])
     unsaved.changed(100.0, 2, RECORD._replace(history=(FIRST, SECOND)))

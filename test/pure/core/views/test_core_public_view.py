@@ -53,7 +53,7 @@ def test_how_a_run_ended_is_published_only_if_allowed():
     ]
 
 
-def test_the_time_of_the_whole_run_counts_and_stands_while_the_referee_works():
+def test_the_time_of_the_whole_run_counts_and_pauses_during_a_manual_operation():
     driver, modules, robot = started()
     modules.asks(goal="[1, 2, 3]", timeout=5.0)
     modules.lives(2.0, robot)

@@ -124,7 +124,7 @@ def test_the_log_shows_times_levels_and_what_happened():
     ]
 
 
-def test_the_final_time_of_a_run_is_that_of_its_record():
+def test_the_final_time_of_a_run_is_the_recorded_one():
     driver = BoxDriver(competition(tbm=[event(timeout=60.0)]))
     assert driver.view().clock == views.ClockView(60.0)
     driver.executing()

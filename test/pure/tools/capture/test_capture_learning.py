@@ -95,7 +95,7 @@ def test_a_port_stays_known_after_its_run():
     assert late.speaker == Speaker("Robot", "Team") and late.kind is DatagramKind.MESSAGE
 
 
-def test_ports_that_cannot_be_are_no_private_channels():
+def test_impossible_ports_are_not_private_channels():
     decoder = Decoder(PORT, {})
     decoder.decode(datagram(box_beacon(("Team", "Robot", 0), ("Team", "Robot", 65536), ("Team", "Robot", 65535))))
     assert set(decoder.listed) == {65535}
@@ -143,7 +143,7 @@ def test_an_unlisted_port_is_known_by_the_password_that_fits():
     assert (entry.kind, entry.speaker, entry.team) == (DatagramKind.MESSAGE, Speaker("robot", "Two"), "Two")
 
 
-def test_what_decrypts_and_is_no_message_is_an_error_also_with_the_password_for_all():
+def test_decrypted_bytes_that_are_not_a_message_are_an_error_also_with_the_password_for_all():
     decoder = Decoder(PORT, {}, PASSWORD)
     message = pb.RobotState(time=NEVER, messages_saved=0)  # without a robot_state
     plain = b"\x1a\x0a\x00\x28" + message.SerializePartialToString()

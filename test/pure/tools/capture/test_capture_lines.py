@@ -101,7 +101,7 @@ def test_a_skew_is_exact_to_the_microsecond():
     assert json.loads(json_line(entry))["skew_s"] == 1e-06
 
 
-def test_places_that_are_no_numbers_are_strict_json():
+def test_places_that_are_not_numbers_are_strict_json():
     never = pb.Time(sec=0, nsec=0)
     entry = entry_of(pb.TabletBeacon(last_call=never, last_pos=never, x=float("nan"), y=float("-inf")))
     fields = json.loads(json_line(entry), parse_constant=pytest.fail)["fields"]

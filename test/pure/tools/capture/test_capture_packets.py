@@ -64,7 +64,7 @@ def test_a_fragment_that_announces_less_than_nothing():
     {"udp_length": 8 + len(DATA) + 1},
     {"udp_length": 8 + len(DATA) + 1, "trailer": b"x"},
 ])
-def test_what_is_no_whole_udp_datagram(changes):
+def test_incomplete_udp_datagrams(changes):
     assert parse_packet(packet(**changes), TIME) is None
 
 

@@ -120,7 +120,7 @@ def test_it_ends_after_its_duration(network, capsys):
     assert len(capsys.readouterr().out.splitlines()) == 1
 
 
-def test_no_duration_is_no_time(network, capsys):
+def test_a_duration_of_0_prints_nothing(network, capsys):
     network(beacon())
     main(["--plain", "--duration", "0"])
     assert capsys.readouterr().out == ""

@@ -41,7 +41,7 @@ def warnings(directory):
     return [warning.replace(str(directory) + "/", "") for warning in found.warnings]
 
 
-def test_a_competition_as_it_is_made(competition):
+def test_a_new_competition(competition):
     found = check(str(competition()))
     assert found == ([], [], "2 teams, 2 zones, 2 benchmarks, 4 runs")
 
@@ -83,7 +83,7 @@ def test_no_parameters_at_all_are_a_warning(competition):
 
 
 @pytest.mark.parametrize("name", ["no", "file"])
-def test_what_is_no_directory(tmp_path, name):
+def test_a_path_that_is_not_a_folder(tmp_path, name):
     (tmp_path / "file").write_text("", encoding="utf-8")
     found = check(str(tmp_path / name))
     assert found.errors == [
@@ -139,7 +139,7 @@ def test_no_launch_file(competition):
     assert "roslaunch roah_rsbb roah_rsbb.launch" in warnings(directory)[0]
 
 
-def test_a_launch_file_that_is_no_xml(competition):
+def test_a_launch_file_that_is_not_xml(competition):
     directory = competition()
     change(directory / files.LAUNCH, "in this folder", "-- in this folder")
     reported = check(str(directory)).errors

@@ -55,7 +55,7 @@ def test_the_box_reads_what_was_planned(tmp_path):
         (*r[:4], r.begins.timestamp()) for r in made.zones[0].runs]
 
 
-def test_each_time_of_the_venue_stands_behind_its_run():
+def test_each_time_of_the_venue_follows_its_run():
     text = files.schedule_text(TEXTS["schedule"], plan(run("HNF", "A", hour=8)).zones, CLOCK)
     line = next(line for line in text.splitlines() if "HNF" in line and not line.startswith("#"))
     assert "scheduled_time: 2026-11-28 08:00:00 }  # Saturday 09:00" in line

@@ -145,7 +145,7 @@ def test_a_sheet_whose_teams_are_known(run, tmp_path):
     assert "warning: erl/passwords.yaml: no runs in the schedule for 'Other'" in out
 
 
-def test_what_a_sheet_says_is_no_option(run, tmp_path):
+def test_options_that_the_sheet_answers_are_refused(run, tmp_path):
     (tmp_path / "plan.csv").write_text(SHEET, encoding="utf-8")
     status, _, err = run("erl", "--sheet", "plan.csv", "--days", "2026-11-28")
     assert status == 1

@@ -155,7 +155,7 @@ def test_lines_are_counted_where_a_cell_has_more(errors):
     (HEAD.encode() + b"X,HNF,A\0,2026-11-28,10:00\n", "found a control character"),
     (HEAD.encode() + b"x" * 1_000_001, "found more than 1000 kB; expected the sheet (option --sheet)"),
 ])
-def test_what_is_no_sheet(errors, data, reported):
+def test_an_invalid_sheet(errors, data, reported):
     assert reported in errors(data)[0][2]
 
 
@@ -177,7 +177,7 @@ def test_names_that_nobody_knows(errors):
     ]
 
 
-def test_a_run_that_stands_there_twice(sheet):
+def test_a_run_listed_twice(sheet):
     made, report = sheet("zone,benchmark,team,date,time,run\nX,HNF,A,2026-11-28,10:00,1\nY,HNF,A,2026-11-28,11:00,1\n")
     assert made is None
     assert [(error.line, error.found) for error in report.errors] == [(3, "HNF, team 'A', round 1, run 1")]
