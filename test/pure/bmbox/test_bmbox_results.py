@@ -54,3 +54,24 @@ def test_the_first_bomb_of_any_kind_costs_nothing():
     with pytest.raises(BadResult):
         read_record(bomb, {"n": float})
     assert time.process_time() - began < 1.0
+
+
+def test_values_of_every_kind():
+    text = '{"count": 3, "found": true, "lost": False, "colours": ["red", "blue"], "poses": [1, -2.5e1], "is": 1}'
+    read = read_record(text, {"count": int, "found": bool, "lost": bool, "colours": [str], "poses": [float], "is": int})
+    assert (read.count, read.found, read.lost, read.colours) == (3, True, False, ["red", "blue"])
+    assert (read.poses, read.is_) == ([1.0, -25.0], 1)
+    assert read_record("{n: []}", {"n": [int]}).n == []
+
+
+@pytest.mark.parametrize("text, kind, reason", [
+    ("{n: 1.5}", int, "n of the result is '1.5': expected a whole number"), ("{n: 0x1F}", int, "expected a whole"),
+    ("{n: " + "9" * 19 + "}", int, "expected a whole number"), ("{n: 1}", bool, "n of the result is '1': expected"),
+    ("{n: yes}", bool, "expected true or false"), ("{n: 1}", [int], "n of the result is a single value"),
+    ("{n: {a: 1}}", [int], "expected a list"), ("{n: [1, x]}", [int], "item 2 of n of the result is 'x': expected a"),
+    ("{n: [[1]]}", [int], "item 1 of n of the result is a list"), ("{n: [.inf]}", [float], "expected a number"),
+])
+def test_a_value_of_another_kind_says_why(text, kind, reason):
+    with pytest.raises(BadResult) as raised:
+        read_record(text, {"n": kind})
+    assert reason in str(raised.value)

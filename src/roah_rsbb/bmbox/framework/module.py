@@ -13,7 +13,7 @@ import yaml
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose2D, Pose3
 from roah_rsbb.bmbox.framework.parameters import Field
-from roah_rsbb.bmbox.framework.results import BadResult, read_record
+from roah_rsbb.bmbox.framework.results import BadResult, Kind, read_record
 from roah_rsbb.bmbox.framework.score import Score, Value
 from roah_rsbb.core.modules.messages import Outcome, OutcomeKind, Request, RequestKind, RunForModule
 
@@ -185,8 +185,8 @@ class Module:
 
     # -- reading ------------------------------------------------------------------------------------
 
-    def record(self, outcome: GoalOutcome, shape: Dict[str, type]) -> Optional[SimpleNamespace]:
-        """The result as a record with these keys, each a `float` or `str`; None without a readable result.
+    def record(self, outcome: GoalOutcome, shape: Dict[str, Kind]) -> Optional[SimpleNamespace]:
+        """The result as a record with these keys (see `results.Kind`); None without a readable result.
 
         An unreadable result causes a warning. Python keywords get an underscore: `class_`.
         """

@@ -4,9 +4,11 @@ A result is YAML (docs/protocol.md, "Goals and results") from an unknown robot. 
 Any other result is rejected, with a reason for the referee.
 """
 
+import keyword
 import math
+import re
 from types import SimpleNamespace
-from typing import Any, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple, Union
 
 import yaml
 
@@ -23,8 +25,12 @@ class BadResult(Exception):
     """The result cannot be read. The text says what was found and what was expected."""
 
 
-def read_record(text: str, shape: Dict[str, type]) -> SimpleNamespace:
-    """Read a map with at least the keys of `shape`, each a finite `float` or a `str`; raises BadResult.
+# What a value must be: `str`, `float` (finite), `int`, `bool`, or a list of one of them, such as `[float]`.
+Kind = Union[type, List[type]]
+
+
+def read_record(text: str, shape: Dict[str, Kind]) -> SimpleNamespace:
+    """Read a map with at least the keys of `shape`; raises BadResult.
 
     `read_record("{class: mug, x: 1}", {"class": str, "x": float})` has the attributes class_ and x: Python keywords
     get an underscore.
@@ -37,21 +43,38 @@ def read_record(text: str, shape: Dict[str, type]) -> SimpleNamespace:
     if missing:
         raise BadResult(f"the result {_shown(text)} has no {', '.join(missing)}: expected {expected}")
     read = {key: _value(key, found[key], kind) for key, kind in shape.items()}
-    return SimpleNamespace(**{key + "_" * (key == "class"): value for key, value in read.items()})
+    return SimpleNamespace(**{key + "_" * keyword.iskeyword(key): value for key, value in read.items()})
 
 
-def _value(key: str, found: Any, kind: type) -> Any:
+def _value(key: str, found: Any, kind: Kind) -> Any:
+    if isinstance(kind, list):
+        if not isinstance(found, list):
+            raise BadResult(f"{key} of the result is a single value or a map: expected a list")
+        return [_value(f"item {number} of {key}", item, kind[0]) for number, item in enumerate(found, 1)]
     if not isinstance(found, str):
         raise BadResult(f"{key} of the result is a list or a map: expected one value")
-    if kind is str:
-        return found
+    value, expected = _READERS[kind](found)
+    if value is None:
+        raise BadResult(f"{key} of the result is {_shown(found)}: expected {expected}")
+    return value
+
+
+def _number(text: str) -> Optional[float]:
     try:
-        number = float(found)
+        number = float(text)
     except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise BadResult(f"{key} of the result is {_shown(found)}: expected a number")
-    return number
+        return None
+    return number if math.isfinite(number) else None
+
+
+_WHOLE = re.compile("[+-]?[0-9]{1,18}")
+# For each kind: the value of a text (None: it is not one), and what is expected.
+_READERS: Dict[type, Callable[[str], Tuple[Any, str]]] = {
+    str: lambda text: (text, "a text"),
+    float: lambda text: (_number(text), "a number"),
+    int: lambda text: (int(text) if _WHOLE.fullmatch(text) else None, "a whole number"),
+    bool: lambda text: ({"true": True, "false": False}.get(text.lower()), "true or false"),
+}
 
 
 def _plain(text: str) -> Any:
