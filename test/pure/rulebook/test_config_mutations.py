@@ -99,6 +99,28 @@ def test_slips_in_a_shipped_file(files, name, rng, slips):
     check(files, **{name: text})
 
 
+# What an organiser may write behind the keys of a benchmark, right and wrong.
+VALUES = {
+    "name": ["Task", "7", "''"], "desc": ["Fetch", "[]", "~"], "code": ["SetTable", "HNF", "hnf", "9", "a b", "A" * 40],
+    "timeout": ["60", "0", "soon", "1e9", "{}"], "total_timeout": ["600", "30", "-1", "[1]"],
+    "kind": ["task", "functionality", "all robots", "all", "[task]", "", "{task: 1}"],
+    "uses": ["[]", "[tablet]", "[tablet, tablet]", "[visitor, bell, devices]", "tablet", "[[]]", "[1]", "{}", "~"],
+    "offline_data": ["required", "optional", "true", "[]"], "uss": ["[]"], "points": ["3"],
+}
+
+
+@examples(200)
+@given(data=st.data())
+def test_benchmarks_of_a_competition(files, data):
+    entries = data.draw(st.lists(st.lists(st.sampled_from(sorted(VALUES)), min_size=1, unique=True), min_size=1,
+                                 max_size=3))
+    text = "".join("- " + "  ".join(
+        f"{key}: {data.draw(st.sampled_from(VALUES[key]))}\n" for key in keys) for keys in entries)
+    events = [f"    - {{ benchmark: {data.draw(st.sampled_from(VALUES['code']))}, team: {team}, round: 1, run: {run}, "
+              "scheduled_time: 2026-11-28 09:00:00 }\n" for run, team in ((1, "BrassButlers"), (2, "ALL"))]
+    check(files, benchmarks=text, schedule="- zone: Home\n  schedule:\n" + "".join(events))
+
+
 @pytest.mark.skipif(not yaml.__with_libyaml__, reason="PyYAML without libyaml has one parser only")
 @examples(400)
 @given(text=st.sampled_from(SMALL), rng=st.integers(0, 2**32 - 1).map(random.Random), slips=st.integers(1, 3))

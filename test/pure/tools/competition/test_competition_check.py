@@ -160,3 +160,32 @@ def test_a_launch_file_with_another_schedule(competition):
     change(directory / files.LAUNCH, "$(dirname)/schedule.yaml", "/other.yaml")
     assert warnings(directory) == [
         "competition.launch:11: schedule_file is '/other.yaml', but the checked file is $(dirname)/schedule.yaml"]
+
+
+RULES = """\
+from roah_rsbb.bmbox.framework.module import Module
+
+
+class Fetch(Module):
+    CODE = "FetchMug"
+
+    async def execute(self):
+        await self.goal()
+"""
+ENTRY = "\n- { name: F, desc: Fetch, code: FetchMug, kind: functionality, timeout: 60 }\n"
+
+
+def test_benchmarks_of_its_own(competition):
+    directory = competition()
+    path = directory / files.BENCHMARKS
+    path.write_text(path.read_text("utf-8") + ENTRY, encoding="utf-8")
+    change(directory / files.SCHEDULE, "benchmark: HNF", "benchmark: FetchMug")
+    rules = directory / "modules" / "FetchMug.py"
+    (reported,) = check(str(directory)).errors
+    assert reported == f"{rules}: found no rules for the functionality benchmark FetchMug; expected a file as in " \
+                       "docs/write_a_benchmark.md"
+    rules.write_text(RULES.replace("async def", "async dif"), encoding="utf-8")
+    (reported,) = check(str(directory)).errors
+    assert reported.startswith(f"{rules}:7: found invalid Python (")
+    rules.write_text(RULES, encoding="utf-8")
+    assert check(str(directory)).errors == []
