@@ -89,7 +89,8 @@ class TestTopics(BoxCase):
         for name, kind in (("/core/to_gui", "roah_rsbb/CoreToGui"), ("/core/to_public", "roah_rsbb/CoreToPublic"),
                            ("/core/details", "roah_rsbb/CoreDetails"), ("/timeout", "std_msgs/Empty"),
                            ("/core/public_details", "roah_rsbb/PublicDetails"),
-                           ("/core/results", "roah_rsbb/Results")):
+                           ("/core/public_board", "roah_rsbb/PublicBoard"),
+                           ("/core/schedule", "roah_rsbb/Schedule"), ("/core/results", "roah_rsbb/Results")):
             with self.subTest(name):
                 self.assertEqual(types[name], kind)
                 self.assertEqual(published[name], {CORE})

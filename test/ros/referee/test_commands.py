@@ -11,7 +11,7 @@ import time
 import unittest
 
 import rosgraph
-from support.fakes.core import NODE, Asked, FakeCore
+from support.fakes.core import EVENTS, NODE, Asked, FakeCore
 from support.referee_program import COMMAND, Referee, referee
 from support.waiting import LIMIT_S, wait_until
 
@@ -93,6 +93,23 @@ class TestCommands(WithCore):
             self.assertIn(phase, done.stdout)
         self.assertEqual(self.core.calls, [(command, "Home A") for command in
                                            ("connect", "start", "stop", "disconnect", "next", "previous")])
+
+    def test_the_schedule_and_the_choice_of_an_event(self) -> None:
+        lines = referee("schedule", "home a").stdout.splitlines()
+        self.assertEqual(len(lines), 1 + len(EVENTS) + 2)
+        self.assertIn("Home A  1*   2015-11-01 08:00  ~08:12  +12 min  HGTKMH, team TestingTeam", lines[1])
+        events = json.loads(referee("schedule", "--team", "AnotherTeam", "--json").stdout)["events"]
+        self.assertEqual([(event["zone"], event["number"], event["late_s"]) for event in events],
+                         [("Home A", 2, 720.0), ("Home B", 2, 720.0)])
+        self.assertEqual(referee("schedule", "--show", "unsigned").stdout.splitlines()[-1], "no events")
+        done = referee("choose", "home a", "3")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("HCFGAC", done.stdout)
+        self.assertEqual(self.core.calls, [("choose_event", "Home A", "HCFGAC", False)])
+        self.assertEqual(referee("choose", "Home A", "1", "--unsigned").returncode, 0)
+        self.assertEqual(self.core.calls[-1], ("choose_event", "Home A", "HGTKMH", True))
+        done = referee("choose", "Home A", "4")
+        self.assertEqual((done.returncode, done.stderr.count("there are 1 to 3")), (2, 1))
 
     def test_a_refusal_has_every_reason(self) -> None:
         self.zone.extra_off["connect"] = ["one thing; and what to do", "another thing"]

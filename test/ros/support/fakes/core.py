@@ -23,6 +23,8 @@ from roah_rsbb.msg import (
     RobotInfo,
     RunClock,
     RunClocks,
+    Schedule,
+    ScheduleEvent,
     ScheduleInfo,
     ZoneDetails,
     ZoneScoreGroup,
@@ -31,7 +33,7 @@ from roah_rsbb.msg import (
 from roah_rsbb.nodes.core.results_convert import summary_message
 from roah_rsbb.ros import refusals
 from roah_rsbb.rulebook.benchmarks import Benchmark, ScoreKind, ScoringItem
-from roah_rsbb.srv import GetClock, LeaveRun, ManualOperationAnswer, StopRun, Zone, ZoneScore, ZoneUInt8
+from roah_rsbb.srv import ChooseEvent, GetClock, LeaveRun, ManualOperationAnswer, StopRun, Zone, ZoneScore, ZoneUInt8
 from support.fakes.node import FakeNode
 from support.fakes.scores import SCORE_SERVICES, FakeScores, present
 
@@ -39,11 +41,12 @@ COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next")
 FIELDS = {"previous": "prev"}
 NODE = FakeNode(
     {"/core/to_gui": CoreToGui, "/core/details": CoreDetails, "/core/to_public": CoreToPublic,
-     "/core/clocks": RunClocks, "/core/results": Results},
+     "/core/clocks": RunClocks, "/core/results": Results, "/core/schedule": Schedule},
     {
         **{f"/core/{command}": Zone for command in COMMANDS},
         "/core/stop_run": StopRun,
         "/core/leave_run": LeaveRun,
+        "/core/choose_event": ChooseEvent,
         "/core/clock": GetClock,
         "/core/set_score": ZoneScore,
         **SCORE_SERVICES,
@@ -220,10 +223,12 @@ class FakeCore(FakeScores):
         self.status = "OK"
         self.tablet_heard = True
         self._last_results: Optional[Results] = None
+        self._last_schedule: Optional[Schedule] = None
         NODE.begin(self, {
             **{f"/core/{c}": lambda request, c=c: self._on_command(c, request) for c in COMMANDS},
             "/core/stop_run": self._on_stop_run,
             "/core/leave_run": self._on_leave_run,
+            "/core/choose_event": self._on_choose_event,
             "/core/clock": lambda _: [rospy.Time.from_sec(time.time())],
             "/core/set_score": self._on_score,
             **self.score_answers(),
@@ -262,6 +267,10 @@ class FakeCore(FakeScores):
         if results != self._last_results:
             self._last_results = results
             NODE.publish(self, "/core/results", results)
+        schedule = Schedule(rospy.Time(), "fake", self._schedule_events())
+        if schedule != self._last_schedule:
+            self._last_schedule = schedule
+            NODE.publish(self, "/core/schedule", schedule)
 
     def gui_message(self, now: rospy.Time) -> CoreToGui:
         """CoreToGui at `now`."""
@@ -365,6 +374,36 @@ class FakeCore(FakeScores):
         if request.identity != zone.identity or zone.phase == "running":
             raise rospy.ServiceException(f"run {request.identity} is running, or not connected")
         zone.command("disconnect")
+        return []
+
+    def _schedule_events(self) -> List[ScheduleEvent]:
+        """The events of all zones. They are a quarter of an hour apart, and 12 minutes late."""
+        events = []
+        for zone in self.zones.values():
+            last = {record.benchmark: record for record in reversed(zone.finished.records())}
+            for index, (code, _, desc, team, _) in enumerate(EVENTS):
+                at = SCHEDULE_START + 900 * index
+                event = ScheduleEvent(
+                    zone=zone.name, code=code, benchmark=desc, team=team, round=1, run=index + 1,
+                    schedule=rospy.Time(at), begins=rospy.Time(at + 720), current=index == zone.index, state="later",
+                )
+                record = last.get(code)
+                if record is not None:
+                    event.identity, event.end_reason, event.state = record.identity, record.end_reason, "done"
+                    if record.sign_off is not None:
+                        event.signed = rospy.Time.from_sec(record.sign_off.utc)
+                if event.current:
+                    event.state = "next" if zone.phase == "idle" else zone.phase
+                events.append(event)
+        return sorted(events, key=lambda event: event.schedule)
+
+    def _on_choose_event(self, request: object) -> list:
+        self.calls.append(("choose_event", request.zone, request.code, request.unsigned))
+        self._answer()
+        zone = self.zones[request.zone]
+        if zone.phase == "ended":
+            zone.command("disconnect")
+        zone.index = [event[0] for event in EVENTS].index(request.code)
         return []
 
     def _on_score(self, request: object) -> list:

@@ -1,0 +1,125 @@
+"""The schedule, clicked with a real mouse, with a fake core: real messages, real services."""
+
+import rospy
+from support.fakes.core import EVENTS
+from support.gui_testing import QApplication, QMessageBox, QTest, question, wait_until
+from support.panel_case import PanelCase
+from support.real_input import click_at, middle_of
+
+from roah_rsbb.rqt.panels import schedule
+from roah_rsbb.rqt.panels.schedule import SchedulePanel
+
+STATE, TEAM, EVENT, SHEET = (schedule.COLUMNS.index(name) for name in ("State", "Team", "Event", "Sheet"))
+
+
+class TestSchedule(PanelCase):
+    PANEL = SchedulePanel
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.panel.resize(1100, 600)
+        wait_until(lambda: len(self.rows()) == 2 * len(EVENTS), "all events are shown")
+
+    def rows(self) -> list:
+        return [row for row in self.panel.rows.texts() if row[0]]
+
+    def of_zone(self, zone: str) -> list:
+        return [row for row in self.rows() if zone in row]
+
+    def click_row(self, zone: str, index: int, times: int = 1) -> None:
+        """Click the event with this index in its zone with the mouse."""
+        row = self.panel.rows.texts().index(self.of_zone(zone)[index])
+        rows = self.panel.rows
+        place = rows.viewport().mapToGlobal(rows.visualItemRect(rows.item(row, STATE)).center())
+        for _ in range(times):
+            click_at(place)
+
+    def choose(self) -> None:
+        wait_until(self.panel.choose.isEnabled, lambda: f"the button is on: {self.panel.choose.toolTip()}")
+        click_at(middle_of(self.panel.choose))
+
+    def select(self, box, text: str) -> None:
+        """Choose an entry of a filter as a referee does, with the keyboard."""
+        click_at(middle_of(box))
+        QTest.qWait(100)
+        click_at(box.view().viewport().mapToGlobal(
+            box.view().visualRect(box.model().index(box.findText(text), 0)).center()))
+        wait_until(lambda: box.currentText() == text, f"{text} is chosen")
+
+    def answer(self, box: QMessageBox, role: int) -> None:
+        click_at(middle_of(next(button for button in box.buttons() if box.buttonRole(button) == role)))
+        wait_until(lambda: not self.is_asked(), "the question is gone")
+
+    def is_asked(self) -> bool:
+        return any(isinstance(widget, QMessageBox) and widget.isVisible() for widget in QApplication.topLevelWidgets())
+
+    def calls(self) -> list:
+        return [call for call in self.core.calls if call[0] == "choose_event"]
+
+    def test_events_states_and_delays_are_shown(self) -> None:
+        self.assertEqual([row[STATE] for row in self.of_zone("Home A")], ["→ next", "later", "later"])
+        self.assertEqual([row[TEAM] for row in self.of_zone("Home A")], [event[3] for event in EVENTS])
+        self.assertEqual({row[2] for row in self.rows()}, {"+12 min"})
+        self.assertTrue(all(row[1].startswith("~ ") for row in self.rows()), "estimates are marked")
+        self.zone.command("connect")
+        self.zone.command("start")
+        wait_until(lambda: self.of_zone("Home A")[0][STATE] == "▶ running", "the run is shown")
+        self.assertFalse(self.of_zone("Home A")[0][1].startswith("~"), "it has begun")
+
+    def test_filters(self) -> None:
+        self.select(self.panel.zones, "Home B")
+        self.assertEqual({row[4] for row in self.rows()}, {"Home B"})
+        self.select(self.panel.teams, "AnotherTeam")
+        self.assertEqual([row[TEAM] for row in self.rows()], ["AnotherTeam"])
+        self.select(self.panel.shows, "not signed off")
+        wait_until(lambda: schedule.NO_EVENTS in self.panel.rows.texts()[0], "nothing fits")
+        self.select(self.panel.teams, "All teams")
+        self.select(self.panel.zones, "All zones")
+        self.select(self.panel.shows, "to come")
+        self.assertEqual(len(self.rows()), 2 * len(EVENTS))
+
+    def test_an_event_is_chosen(self) -> None:
+        self.assertFalse(self.panel.choose.isEnabled(), "none is selected")
+        self.click_row("Home B", 2)
+        self.choose()
+        self.wait_call("choose_event", "Home B", EVENTS[2][0], False)
+        wait_until(lambda: self.of_zone("Home B")[2][STATE] == "→ next", "it is next")
+        self.assertEqual(self.core.zones["Home A"].index, 0)
+        wait_until(lambda: not self.panel.choose.isEnabled(), "the zone is there")
+        self.assertIn("Home B is at this event already", self.panel.choose.toolTip())
+
+    def test_a_run_that_is_not_signed_off_is_left_after_a_question(self) -> None:
+        self.zone.command("connect")
+        self.zone.command("start")
+        self.click_row("Home A", 1)
+        wait_until(lambda: "Stop it first" in self.panel.choose.toolTip(), "a running run stays")
+        self.assertFalse(self.panel.choose.isEnabled())
+        self.zone.command("stop")
+        self.choose()
+        box = question()
+        self.assertIn(f"Leave {EVENTS[0][0]}", box.text())
+        self.answer(box, QMessageBox.RejectRole)
+        self.assertEqual(self.calls(), [])
+        self.choose()
+        self.answer(question(), QMessageBox.AcceptRole)
+        self.wait_call("choose_event", "Home A", EVENTS[1][0], True)
+        wait_until(lambda: self.of_zone("Home A")[0][SHEET] == "not signed off", "it is to be signed off")
+        self.assertIn("1 not signed off", self.panel.where())
+
+    def test_a_double_click_chooses(self) -> None:
+        self.click_row("Home A", 1, times=2)
+        self.wait_call("choose_event", "Home A", EVENTS[1][0], False)
+
+    def test_a_refusal_is_shown(self) -> None:
+        self.core.refuse = "the schedule was changed"
+        self.click_row("Home A", 2)
+        self.choose()
+        wait_until(lambda: "the schedule was changed" in self.panel._answer.text(), "the reason is shown")
+
+    def test_a_silent_core_takes_no_choice(self) -> None:
+        self.click_row("Home A", 2)
+        self.core.silent = True
+        wait_until(lambda: not self.panel.choose.isEnabled(), "it is off")
+        self.assertIn(schedule.OLD, self.panel.choose.toolTip())
+        self.assertEqual(len(self.rows()), 2 * len(EVENTS), "what was heard last stays")
+        self.assertFalse(rospy.is_shutdown())
