@@ -16,6 +16,8 @@ BUILT := source build/devel/setup.bash
 LINT := yes
 # Without cached bytecode, Python compiles all modules again in each of the hundreds of programs of the tests.
 unexport PYTHONDONTWRITEBYTECODE
+# Some environments set it. Programs must flush what somebody waits for.
+unexport PYTHONUNBUFFERED
 # roslaunch imports distutils. Without this, Debian loads all of setuptools instead, which costs 0.3 s each time.
 # Python 3.12 and later have no distutils of their own.
 ifneq ($(wildcard /usr/lib/python3.*/distutils/core.py),)

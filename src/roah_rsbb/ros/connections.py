@@ -19,6 +19,7 @@ import resource
 import selectors
 import socket
 import struct
+import sys
 import threading
 import time
 from http import HTTPStatus
@@ -49,6 +50,9 @@ _OnConnection = Callable[[socket.socket, Tuple[str, int]], None]
 
 def init_node(name: str, **options: Any) -> None:
     """`rospy.init_node` for every node of this package."""
+    if sys.stdout is not None:
+        # rospy does not flush: in a file or a pipe its log lines would come late, or never after a kill.
+        sys.stdout.reconfigure(line_buffering=True)
     protect()
     rospy.init_node(name, **options)
 
