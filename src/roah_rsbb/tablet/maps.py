@@ -16,6 +16,8 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 import yaml
 
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+# Threshold of `map_server` if the file has none.
+OCCUPIED = 0.65
 # Longest side in pixels; phones cannot show larger images.
 MAX_SIDE = 8192
 _LARGEST_PGM_VALUE = 65535
@@ -141,11 +143,19 @@ class Map(NamedTuple):
     resolution: float  # metres per pixel
     origin: Tuple[float, float, float]  # metres, metres, radians
     negate: bool  # the image must be shown inverted
+    walls: bytes = b""  # for each pixel 1: something is there; empty: not known, as with a PNG image
 
     @property
     def version(self) -> str:
         """Differs for each image, because browsers cache images by address."""
         return f"{zlib.crc32(self.png):08x}"
+
+    def is_wall(self, u: float, v: float) -> bool:
+        """Whether a point of the image is on a wall or on something else that a robot cannot be on."""
+        if not self.walls:
+            return False
+        column, row = min(int(u * self.width), self.width - 1), min(int(v * self.height), self.height - 1)
+        return bool(self.walls[row * self.width + column])
 
     def to_metres(self, u: float, v: float) -> Tuple[float, float]:
         """Convert a point of the image to a position."""
@@ -188,9 +198,11 @@ def load(path: str) -> Map:
     image = document.get("image")
     if not isinstance(image, str) or not image:
         raise MapError(f"{path}: image is {_shown(document, 'image')}; expected the name of a .pgm or .png file")
-    png, width, height = _image(os.path.join(os.path.dirname(os.path.abspath(path)), image))
+    png, width, height, pixels = _image(os.path.join(os.path.dirname(os.path.abspath(path)), image))
+    occupied = _number(document.get("occupied_thresh"))
+    walls = _walls(pixels, negate == "1", OCCUPIED if occupied is None else occupied)
     x, y, yaw = numbers
-    return Map(png, width, height, resolution, (x, y, yaw), negate == "1")
+    return Map(png, width, height, resolution, (x, y, yaw), negate == "1", walls)
 
 
 def _read_file(path: str, limit: int) -> bytes:
@@ -212,15 +224,22 @@ def _read_file(path: str, limit: int) -> bytes:
     return data
 
 
-def _image(path: str) -> Tuple[bytes, int, int]:
+def _walls(pixels: bytes, negate: bool, occupied: float) -> bytes:
+    """Whether each pixel is occupied, as `map_server` decides it."""
+    is_wall = bytes((value if negate else 255 - value) / 255.0 > occupied for value in range(256))
+    return pixels.translate(is_wall)
+
+
+def _image(path: str) -> Tuple[bytes, int, int, bytes]:
+    """Returns a PNG, its width and height, and its pixels; no pixels: not known."""
     data = _read_file(path, MAX_IMAGE_BYTES)
     try:
         if data.startswith(PNG_SIGNATURE):
-            return (data, *png_size(data))
+            return (data, *png_size(data), b"")
         grey = read_pgm(data)
     except BadImage as error:
         raise MapError(f"{path}: cannot be shown: {error}. Expected a PGM or PNG image") from None
-    return write_png(grey), grey.width, grey.height
+    return write_png(grey), grey.width, grey.height, grey.pixels
 
 
 def _number(found: Any) -> Optional[float]:

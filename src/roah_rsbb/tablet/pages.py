@@ -14,6 +14,8 @@ HERE, CALL, PLACE = "here", "call", "place"
 
 # The box acknowledges a touch within milliseconds; after this time pages show that it did not.
 UNANSWERED_S = 3.0
+# Taps on the call button that follow each other within this time are one call.
+SAME_CALL_S = 2.0
 
 
 class Refusal(Exception):
@@ -28,6 +30,7 @@ class Pages:
         self._state = state
         self._map = plan
         self._touched_mono = float("-inf")
+        self._tapped_mono = float("-inf")
 
     def do(self, now_mono: float, time_ns: int, text: object) -> bool:
         """Carry out the request of a page; returns whether something was touched. Raises `Refusal`."""
@@ -40,6 +43,10 @@ class Pages:
         if not self._state.hears_box(now_mono):
             raise Refusal("The box is silent: nothing was sent")
         if what == CALL:
+            is_same = now_mono - self._tapped_mono < SAME_CALL_S
+            self._tapped_mono = now_mono
+            if is_same:
+                return False
             self._state.call(time_ns)
         else:
             self._place(time_ns, asked)
@@ -52,6 +59,8 @@ class Pages:
             raise Refusal("The map is missing")
         if not (_is_fraction(u) and _is_fraction(v)):
             raise Refusal("This position is not on the map")
+        if self._map.is_wall(u, v):
+            raise Refusal("This position is on a wall: touch a free place")
         self._state.place(time_ns, *self._map.to_metres(u, v))
 
     def text(self, now_mono: float) -> str:

@@ -116,7 +116,7 @@ def test_a_broken_pgm_is_refused(pgm):
 
 def test_a_map_is_read_as_map_saver_writes_it(saved):
     plan = maps.load(saved())
-    assert plan[1:] == (2, 3, 0.5, (1.0, 2.0, 0.0), False)
+    assert plan[1:] == (2, 3, 0.5, (1.0, 2.0, 0.0), False, bytes(grey < 90 for grey in GREYS))
     assert unpacked(plan.png) == (2, 3, GREYS)
 
 
@@ -180,3 +180,13 @@ def test_the_shipped_map_is_the_flat():
     assert grey(5.05, 0.5) == 0, "a wall"
     assert grey(2.0, 3.0) == 254, "the floor"
     assert grey(0.8, 1.0) == 150, "furniture in the lower left room"
+
+
+def test_walls_are_what_map_server_calls_occupied(saved):
+    yaml = "image: it.pgm\nresolution: 1\norigin: [0, 0, 0]\nnegate: {}\noccupied_thresh: {}\n"
+    pgm = b"P5 4 1 255 " + bytes((0, 100, 205, 254))
+    for negate, occupied, walls in ((0, 0.65, "1000"), (0, 0.5, "1100"), (1, 0.65, "0011"), (1, 0.9, "0001")):
+        plan = maps.load(saved(yaml.format(negate, occupied), pgm, "it.pgm"))
+        shown = "".join(str(int(plan.is_wall(u, 0.5))) for u in (0.0, 0.3, 0.6, 1.0))
+        assert shown == walls, (negate, occupied)
+    assert not any(plan._replace(walls=b"").is_wall(u, 0.0) for u in (0.0, 1.0)), "of a PNG they are not known"

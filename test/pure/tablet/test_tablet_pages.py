@@ -6,7 +6,7 @@ import math
 import pytest
 
 from roah_rsbb.tablet.maps import Map
-from roah_rsbb.tablet.pages import UNANSWERED_S, Pages, Refusal
+from roah_rsbb.tablet.pages import SAME_CALL_S, UNANSWERED_S, Pages, Refusal
 from roah_rsbb.tablet.state import BOX_SILENT_S, NEVER, BoxPart, TabletState
 
 PLAN = Map(b"png", 200, 100, 0.05, (-1.0, -2.0, 0.0), True)
@@ -128,3 +128,24 @@ def test_pages_know_the_maps_image_and_its_proportions(pages):
     assert shown(pages)["map"] == {
         "image": f"map.png?{PLAN.version}", "width": 200, "height": 100, "negate": True
     }
+
+
+def test_forty_taps_are_one_call_and_a_tap_later_is_another(pages, state):
+    assert pages.do(100.0, NS, '{"do": "call"}') is True
+    for tap in range(1, 40):
+        state.on_box(100.0 + tap, SILENT)
+        assert pages.do(100.0 + tap, NS + tap, '{"do": "call"}') is False
+    assert state.call_time == divmod(NS, 1_000_000_000)
+    state.on_box(139.0 + SAME_CALL_S, SILENT)
+    assert pages.do(139.0 + SAME_CALL_S, NS + 99, '{"do": "call"}') is True
+    assert state.call_time == divmod(NS + 99, 1_000_000_000)
+
+
+def test_a_position_on_a_wall_is_refused_and_changes_nothing(state):
+    walls = bytearray(200 * 100)
+    walls[50 * 200 + 100] = 1
+    pages = Pages(state, PLAN._replace(walls=bytes(walls)))
+    with pytest.raises(Refusal, match="on a wall: touch a free place"):
+        pages.do(100.0, NS, '{"do": "place", "u": 0.501, "v": 0.505}')
+    assert state.position_time == NEVER
+    assert pages.do(100.0, NS, '{"do": "place", "u": 0.51, "v": 0.505}') is True
