@@ -1,6 +1,7 @@
 """Two boxes on one network: one that is heard in time gives up, a later one is a loud warning at both."""
 
 import os
+import signal
 
 import rospy
 from std_srvs.srv import Empty
@@ -44,7 +45,7 @@ class TestTwoBoxes(BoxCase):
         def end_launch(_request: object) -> list:
             """As the shutdown node of a launch: all of its nodes are interrupted."""
             ends.append(second.ended_mono)
-            second.interrupt()
+            second.signal(signal.SIGINT)
             return []
 
         self.addCleanup(rospy.Service(SHUTDOWN, Empty, end_launch).shutdown)

@@ -3,7 +3,6 @@
 import os
 import pathlib
 import signal
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -14,8 +13,9 @@ import rosgraph
 import rosnode
 import rospy
 from std_srvs.srv import Empty
+from support.fakes.core import FakeCore
 from support.gui_testing import wait_until
-from support.programs import own
+from support.programs import Program, own
 from support.waiting import LIMIT_S
 
 from roah_rsbb.rqt.app import standalone
@@ -24,6 +24,7 @@ from roah_rsbb.rqt.model.client import Client
 
 ROS_TESTS = pathlib.Path(__file__).resolve().parents[1]
 LAUNCH = ROS_TESTS.parents[1] / "launch"
+PYTHONPATH = os.environ["PYTHONPATH"]
 AT_A_TIME = 3  # panels
 
 
@@ -37,24 +38,16 @@ def _listeners() -> set:
     return {name.rsplit("_", 2)[0] for name in listening.get("/core/to_gui", ())}
 
 
-def _end(process: subprocess.Popen) -> None:
-    if process.poll() is None:
-        process.send_signal(signal.SIGINT)
-        process.wait(LIMIT_S)
-
-
 class TestPrograms(unittest.TestCase):
-    """Programs and launch files, with a core in another process."""
+    """Programs and launch files. The core is in this process, or in one of its own that is killed."""
 
-    def start(self, *command: str, **environment: str) -> subprocess.Popen:
-        process = subprocess.Popen(
-            command, cwd=str(ROS_TESTS), env={**os.environ, **environment}, stderr=subprocess.PIPE, text=True)
-        self.addCleanup(process.stderr.close)
-        self.addCleanup(_end, process)
-        return process
+    def start(self, *command: str, **environment: str) -> Program:
+        program = Program(*command, **environment)
+        self.addCleanup(program.close)
+        return program
 
-    def start_core(self) -> subprocess.Popen:
-        return self.start(sys.executable, "-m", "support.fakes.core")
+    def start_core(self) -> Program:
+        return self.start(sys.executable, "-m", "support.fakes.core", PYTHONPATH=f"{ROS_TESTS}:{PYTHONPATH}")
 
     def pid_of(self, node: str) -> int:
         return xmlrpc.client.ServerProxy(rosgraph.Master("/t").lookupNode(node)).getPid("/t")[2]
@@ -88,11 +81,12 @@ class TestPrograms(unittest.TestCase):
         wait_until(is_back, "the window is opened again")
         rospy.wait_for_service(f"{namespace}/roah_rsbb_shutdown", LIMIT_S)
         rospy.ServiceProxy(f"{namespace}/roah_rsbb_shutdown", Empty)()
-        wait_until(lambda: launch.poll() is not None, "the client ends")
+        launch.wait_ended()
         self.assertEqual(_names("/roah_rsbb_gui"), [])  # it took its leave of the master
 
     def test_each_panel_opens_alone_and_ends(self) -> None:
-        self.start_core()
+        core = FakeCore()
+        self.addCleanup(core.leave)
         names = [standalone.name_of(kind) for kind in PANELS]
         # A few at a time: all of them at once would only wait for one another.
         for first in range(0, len(names), AT_A_TIME):
@@ -102,11 +96,10 @@ class TestPrograms(unittest.TestCase):
         programs = [self.start(own(name)) for name in names]
         wait_until(lambda: _listeners() >= {f"/{name}" for name in names}, f"{names} listen to the core")
         for program in programs:
-            program.send_signal(signal.SIGINT)
+            program.signal(signal.SIGINT)
         for name, program in zip(names, programs):
-            _, said = program.communicate(timeout=LIMIT_S)
-            self.assertEqual(program.returncode, 0, f"{name}: {said}")
-            self.assertNotIn("Traceback", said)
+            self.assertEqual(program.wait_ended(), 0, f"{name}: {program.text}")
+            self.assertNotIn("Traceback", program.text)
 
     def test_a_panel_alone_keeps_its_settings(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
@@ -115,21 +108,13 @@ class TestPrograms(unittest.TestCase):
             kept.write_text("[LogDisplayPanel]\nfollow=false\n", encoding="utf-8")
             program = self.start(own("roah_rsbb_log_display"), XDG_CONFIG_HOME=folder)
             wait_until(lambda: "/roah_rsbb_log_display" in _listeners(), "it listens to the core")
-            program.send_signal(signal.SIGINT)
-            self.assertEqual(program.wait(LIMIT_S), 0)
+            program.signal(signal.SIGINT)
+            self.assertEqual(program.wait_ended(), 0)
             self.assertIn("follow=false", kept.read_text(encoding="utf-8"))
             self.assertIn("geometry=", kept.read_text(encoding="utf-8"))
 
-    def test_the_public_display_opens_and_ends(self) -> None:
-        launch = self.start("roslaunch", str(LAUNCH / "roah_rsbb_public.launch"))
-        wait_until(lambda: _names("/roah_rsbb_public"), "the display is a node")
-        launch.send_signal(signal.SIGINT)
-        wait_until(lambda: launch.poll() is not None, "it ends")
-        self.assertEqual(_names("/roah_rsbb_public"), [])
-
     def test_without_a_display_one_line_and_no_error(self) -> None:
         gui = self.start(own("roah_rsbb_gui"), "--gui", "auto", DISPLAY="", WAYLAND_DISPLAY="")
-        _, said = gui.communicate(timeout=LIMIT_S)
-        self.assertEqual(gui.returncode, 0)
-        self.assertEqual(len(said.splitlines()), 1, said)
-        self.assertIn("No display", said)
+        self.assertEqual(gui.wait_ended(), 0)
+        self.assertEqual(len(gui.lines), 1, gui.text)
+        self.assertIn("No display", gui.text)

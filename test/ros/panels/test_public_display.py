@@ -3,7 +3,6 @@
 import os
 import pathlib
 import signal
-import subprocess
 import time
 import unittest
 from functools import partial
@@ -14,6 +13,7 @@ import rospy
 import rosservice
 from support.fakes.public import MIDNIGHT, NOON, TEAMS, FakePublic, event, scene
 from support.gui_testing import SCREEN, SECOND_SCREEN, app, show, wait_until
+from support.programs import Program
 from support.waiting import LIMIT_S
 
 from roah_rsbb.msg import ModuleScore, PublicBoard, PublicDetails
@@ -421,34 +421,22 @@ class TestScreens(DisplayCase):
 class TestProgram(unittest.TestCase):
     """The launch file, as organisers use it."""
 
-    def setUp(self) -> None:
-        self.output = os.memfd_create("output")
-        self.addCleanup(os.close, self.output)
-        command = ["roslaunch", str(LAUNCH), "screen:=1"]
-        self.launch = subprocess.Popen(command, stdout=self.output, stderr=subprocess.STDOUT)
-        self.addCleanup(self.end)
-
-    def end(self) -> None:
-        if self.launch.poll() is None:
-            self.launch.send_signal(signal.SIGINT)
-            self.launch.wait(LIMIT_S)
-
-    def wait_says(self, text: str) -> None:
-        wait_until(lambda: text in os.pread(self.output, 1_000_000, 0).decode(), f"it says {text!r}")
-
     def test_the_screen_and_its_service(self) -> None:
+        launch = Program("roslaunch", str(LAUNCH), "screen:=1")
+        self.addCleanup(launch.close)
         size = "{}x{}".format(*SECOND_SCREEN)
-        self.wait_says("On screen 1 (")
-        self.wait_says(f", {size})")
+        launch.wait_printed("On screen 1 (")
+        launch.wait_printed(f", {size})")
         (name,) = [name for name in rosservice.get_service_list() if name.endswith("/screen")]
         self.assertRegex(name, "^/roah_rsbb_public_[^/]+/screen$")
         self.assertEqual(rosservice.get_service_type(name), "roah_rsbb/UInt8")
-        self.wait_says(f"rosservice call {name} 1")
+        launch.wait_printed(f"rosservice call {name} 1")
         with self.assertRaisesRegex(rospy.ServiceException, "no screen 2"):
             rospy.ServiceProxy(name, UInt8)(2)
         rospy.ServiceProxy(name, UInt8)(0)
-        self.wait_says("On screen 0 (")
+        launch.wait_printed("On screen 0 (")
         heard = dict(rosgraph.Master("/t").getSystemState()[1])
         self.assertEqual(heard[TOPIC], [f"{name.rpartition('/')[0]}/roah_rsbb_public"])
-        self.end()
-        self.assertNotIn(name, rosservice.get_service_list())
+        launch.signal(signal.SIGINT)
+        launch.wait_ended()
+        self.assertNotIn(name.rpartition("/")[0], str(rosgraph.Master("/t").getSystemState()), "it has left the master")

@@ -7,12 +7,15 @@ import pty
 import signal
 import socket
 import subprocess
+import tempfile
 import time
 import unittest
 
 import rosgraph
 from support.fakes.core import EVENTS, NODE, Asked, FakeCore
-from support.referee_program import COMMAND, Referee, referee
+from support.forking import start
+from support.programs import own
+from support.referee_program import Referee, referee
 from support.waiting import LIMIT_S, wait_until
 
 from roah_rsbb.msg import ModuleScore
@@ -40,7 +43,7 @@ class RestartedCore(FakeCore):
 def on_terminal(*words: str, **environment: str) -> str:
     """Return the output of a referee on a terminal."""
     master, slave = pty.openpty()
-    process = subprocess.Popen([*COMMAND, *words], stdout=slave, env={**os.environ, "TERM": "xterm", **environment})
+    process = start((own("referee"), *words), (slave, slave, slave), **{"TERM": "xterm", **environment})
     os.close(slave)
     shown = b""
     with contextlib.suppress(OSError):  # the terminal's other end is closed
@@ -61,9 +64,9 @@ class WithCore(unittest.TestCase):
     def tearDown(self) -> None:
         self.core.close()
 
-    def start(self, *words: str) -> Referee:
+    def start(self, *words: str, typed: str = "") -> Referee:
         """A referee that is ended with the test."""
-        started = Referee(*words)
+        started = Referee(*words, typed=typed)
         self.addCleanup(started.close)
         return started
 
@@ -291,16 +294,17 @@ class TestWatch(WithCore):
 
     def test_a_reader_that_goes_away_ends_it(self) -> None:
         reading, writing = os.pipe()
-        watch = subprocess.Popen([*COMMAND, "watch"], stdout=writing, stderr=subprocess.PIPE)
-        os.close(writing)
-        os.read(reading, 1)
-        os.close(reading)
-        while watch.poll() is None:  # it notices when it has something to say
-            self.core.robots.append(("TestingTeam", f"robot {len(self.core.robots)}", 0.0))
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                watch.wait(0.5)
-        self.assertEqual((watch.returncode, watch.stderr.read()), (0, b""))
-        watch.stderr.close()
+        with tempfile.TemporaryFile() as errors:
+            watch = start((own("referee"), "watch"), (errors.fileno(), writing, errors.fileno()))
+            os.close(writing)
+            os.read(reading, 1)
+            os.close(reading)
+            while watch.poll() is None:  # it notices when it has something to say
+                self.core.robots.append(("TestingTeam", f"robot {len(self.core.robots)}", 0.0))
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    watch.wait(0.5)
+            errors.seek(0)
+            self.assertEqual((watch.returncode, errors.read()), (0, b""))
 
 
 class TestRun(WithCore):
@@ -334,30 +338,19 @@ class TestRun(WithCore):
 
     def test_manual_operations_are_typed(self) -> None:
         """By a script, ahead of the questions."""
-        run = self._typing(b"\nsk\n")
+        run = self.start("run", "Home A", "--operations", "typed", typed="\nsk\n")
+        self.wait_call("start", "Home A")
         self.zone.asked = Asked(1, "Place the mug")
         self.wait_call("operation", "Home A", 1, "")
         self.zone.asked = Asked(2, "No pose", ("try again", "skip"))
         self.wait_call("operation", "Home A", 2, "skip")
         self.zone.module_scores = [ModuleScore("goal 1", "time", "1.25", "s", "Time")]
         self.zone.phase, self.zone.end_reason = "ended", "completed"
-        shown = run.communicate(timeout=LIMIT_S)[0].decode()
+        self.assertEqual(run.wait_ended(), 0)
         for text in ("TO DO by the referee: Place the mug", "press Enter when it is done",
                      "end of input: other referees must complete", "module's score: goal 1: Time: 1.25 s",
                      "Score of the benchmarking module\n    goal 1\n        1.25 s  Time"):
-            self.assertIn(text, shown)
-        self.assertEqual(run.returncode, 0)
-
-    def _typing(self, text: bytes) -> subprocess.Popen:
-        """A run whose referee has typed this."""
-        run = subprocess.Popen([*COMMAND, "run", "Home A", "--operations", "typed"], stdin=subprocess.PIPE,
-                               stdout=subprocess.PIPE)
-        self.addCleanup(run.kill)
-        run.stdin.write(text)
-        run.stdin.close()
-        run.stdin = None
-        self.wait_call("start", "Home A")
-        return run
+            self.assertIn(text, run.text)
 
     def wait_call(self, *call: object) -> None:
         """Wait until the core has received this call."""

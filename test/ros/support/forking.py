@@ -24,7 +24,7 @@ from support.waiting import happened
 Files = Sequence[int]  # standard input, output and error output
 # The parent of the programs. It imports what a program imports, and then forks; the fork becomes the program.
 _PARENT = r"""
-import array, ast, ctypes, gc, importlib, os, pickle, random, runpy, signal, socket, sys, time
+import array, ast, ctypes, gc, importlib, io, os, pickle, random, runpy, signal, socket, sys, time
 
 requests = socket.socket(fileno=int(sys.argv[1]))
 imported = set()
@@ -60,6 +60,11 @@ def become(files, arguments, environment):
         os.dup2(file, number)
         os.close(file)
     requests.close()
+    sys.stdin = open(0, encoding=sys.stdin.encoding, closefd=False)
+    for number, name in ((1, "stdout"), (2, "stderr")):
+        old = getattr(sys, name)
+        made = io.TextIOWrapper(open(number, "wb", 0, closefd=False), old.encoding, old.errors, write_through=True)
+        setattr(sys, name, made)
     os.environ.clear()
     os.environ.update(environment)
     time.tzset()

@@ -1,18 +1,19 @@
 """Programs that a test starts itself: their lines, as they come, and their end."""
 
+import contextlib
 import os
 import signal
 import subprocess
+import tempfile
 import threading
 import time
-from typing import List, Optional
+from typing import Iterator, List, Optional
 
 from support.forking import start
 from support.waiting import LIMIT_S, happened, wait_until
 
 # roslaunch gives its nodes so long before it kills them.
 END_S = 20.0
-_NO_INPUT = os.open(os.devnull, os.O_RDONLY)
 
 
 def own(name: str) -> str:
@@ -24,16 +25,44 @@ def own(name: str) -> str:
     raise FileNotFoundError(f"{name} is not built: source build/devel/setup.bash")
 
 
+@contextlib.contextmanager
+def _input(text: str) -> Iterator[int]:
+    """A pipe to read that text from."""
+    reading, writing = os.pipe()
+    os.write(writing, text.encode())
+    os.close(writing)
+    yield reading
+    os.close(reading)
+
+
+def run(*command: str, **environment: str) -> "subprocess.CompletedProcess[str]":
+    """Run a program from its start to its end; returns its exit status and what it printed."""
+    with contextlib.ExitStack() as files:
+        outputs = [files.enter_context(tempfile.TemporaryFile("w+", encoding="utf-8")) for _ in range(2)]
+        standard_input = files.enter_context(_input(""))
+        process = start(command, (standard_input, *(output.fileno() for output in outputs)), **environment)
+        try:
+            status = process.wait(LIMIT_S)
+        finally:
+            process.kill()
+        for output in outputs:
+            output.seek(0)
+        return subprocess.CompletedProcess(command, status, outputs[0].read(), outputs[1].read())
+
+
 class Program:
     """A running program. Close it at the end of the test: it is interrupted as by Ctrl-C."""
 
-    def __init__(self, *command: str, **environment: str) -> None:
+    def __init__(self, *command: str, typed: str = "", **environment: str) -> None:
+        """`typed`: its standard input."""
         self.lines: List[str] = []
         self.began_mono = time.monotonic()
         self.ended_mono: Optional[float] = None
         reading, writing = os.pipe()
         self._output = os.fdopen(reading, encoding="utf-8", errors="replace")
-        self._process = start(command, (_NO_INPUT, writing, writing), PYTHONUNBUFFERED="1", **environment)
+        with _input(typed) as standard_input:
+            self._process = start(
+                command, (standard_input, writing, writing), PYTHONUNBUFFERED="1", **environment)
         os.close(writing)
         self._reader = threading.Thread(target=self._read, name=command[0], daemon=True)
         self._reader.start()
@@ -49,7 +78,7 @@ class Program:
     def close(self) -> None:
         """End the program, by force if need be."""
         if self._process.poll() is None:
-            self.interrupt()
+            self.signal(signal.SIGINT)
             try:
                 self._process.wait(END_S)
             except subprocess.TimeoutExpired:
@@ -57,9 +86,9 @@ class Program:
         self._reader.join(END_S)
         self._output.close()
 
-    def interrupt(self) -> None:
-        """Interrupt it as Ctrl-C and roslaunch do."""
-        self._process.send_signal(signal.SIGINT)
+    def signal(self, number: int) -> None:
+        """Send it a signal."""
+        self._process.send_signal(number)
 
     def kill(self) -> None:
         """Kill it. Its child processes continue."""
