@@ -46,7 +46,7 @@ def test_what_is_to_be_run_runs(page, tmp_path):
             assert fits(block.text, printed), f"{block.where}: this was printed:\n{printed}"
 
 
-def test_there_is_something_to_run():
+def test_commands_to_run_are_found():
     assert "docs/organiser.md" in MARKED
 
 

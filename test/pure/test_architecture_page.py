@@ -94,5 +94,5 @@ def test_a_function_exists(name):
     assert function in names().functions.get(module, set())
 
 
-def test_there_is_something_to_look_at():
+def test_files_to_check_are_found():
     assert len(FILES) > 40 and len(METHODS) > 30 and len(CLASSES) > 15 and len(FUNCTIONS) > 5

@@ -84,5 +84,5 @@ def test_what_a_citation_is(text, found):
     (Citation("docs/protocol.md", "Time"), 'docs/protocol.md has no heading "Time"'),
     (Citation("docs/wire.md", ""), "there is no page docs/wire.md"),
 ])
-def test_what_is_wrong_with_a_citation(cited, wrong):
+def test_errors_in_citations(cited, wrong):
     assert problem(ROOT, cited) == wrong

@@ -59,5 +59,5 @@ def test_every_topic_of_the_run_log_is_named():
     assert set(run_log.KINDS) <= set(named) | devices
 
 
-def test_there_is_something_to_look_at():
+def test_files_to_check_are_found():
     assert len(TYPES) > 40 and len(NAMES) > 20 and len(PARAMETERS) > 30

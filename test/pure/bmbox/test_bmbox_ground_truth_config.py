@@ -96,7 +96,7 @@ def test_teams_may_be_left_out(read):
     ("frame: blue_robot", "frame: /blue_robot", 11, "frame name without a leading '/'"),
     ("{ transform: [0.0, 0.2, -1.0, 1.5] }", "[]", 8, "found a sequence"),
 ])
-def test_what_is_wrong_is_named_with_its_line(errors, old, new, line, found):
+def test_errors_are_named_with_their_line(errors, old, new, line, found):
     (only,) = errors(old, new)
     assert only[0] == line
     assert found in only[1]

@@ -78,7 +78,7 @@ def test_all_waypoints_timed_out():
     assert s.each("distance_error") == pytest.approx([1.0, math.hypot(2, 2), 0.0])
 
 
-def test_a_robot_that_nobody_sees_is_asked_for_again():
+def test_an_unseen_robot_is_asked_for_again():
     r = hnf()
     r.answer()
     r.truth.subjects["robot"] = None

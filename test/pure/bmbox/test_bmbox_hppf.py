@@ -105,7 +105,7 @@ def test_where_the_person_was_at_the_time_of_the_result_counts():
     assert r.score["person 1", "distance_error"] == pytest.approx(2.0)
 
 
-def test_a_person_nobody_sees_is_asked_for_before_the_goal():
+def test_the_referee_is_asked_for_an_unseen_person_before_the_goal():
     r = hppf(person=None)
     r.answer()
     assert (r.asked.kind, r.asked.choices) == (RequestKind.REFEREE, ("Try again",))

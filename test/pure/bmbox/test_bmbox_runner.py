@@ -83,7 +83,7 @@ def test_a_run_that_is_left():
     assert not issubclass(RunEnded, Exception)
 
 
-def test_what_comes_twice_or_late_does_nothing():
+def test_repeated_or_late_messages_do_nothing():
     r = story()
     first = r.run
     r.answer("no")
@@ -194,7 +194,7 @@ def test_what_a_watch_gathered_survives():
     assert r.score["looks"] == 6
 
 
-def test_what_was_gathered_in_a_goal_is_known_after_it():
+def test_samples_of_a_goal_are_known_after_it():
     r = story()
     r.answer()
     r.executes(2.0)

@@ -56,7 +56,7 @@ def test_hgmf():
     # What GoalHGMF has room for (docs/ros_interface.md, "Team's side").
     ("HGMF", "{ id: 1,", "{ id: 65536,", "expected a whole number from 0 to 65535"),
 ])
-def test_what_is_refused(tmp_path, code, old, new, found):
+def test_refused_values(tmp_path, code, old, new, found):
     text = (MODULES / f"{code}.yaml").read_text(encoding="utf-8")
     assert old in text
     (tmp_path / "it.yaml").write_text(text.replace(old, new, 1), encoding="utf-8")

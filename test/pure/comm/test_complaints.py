@@ -77,7 +77,7 @@ def test_a_flood_of_senders_gets_few_reports_a_second():
     assert sum(1 for time in times if time < 1.0) == 10
 
 
-def test_what_was_withheld_is_counted_in_the_next_report():
+def test_withheld_complaints_are_counted_in_the_next_report():
     complaints = Complaints(max_reports_per_second=1)
     complaints.add(0.0, "x", ROBOT, PASSWORD)
     assert complaints.add(0.1, "x", ROBOT, SIZE) is None

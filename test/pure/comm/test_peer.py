@@ -260,7 +260,7 @@ def test_without_a_broadcast_address_there_is_a_warning(peer, raw, port, monkeyp
     assert receiver.datagrams.wait() == [(b"unicast", raw.getsockname())]
 
 
-def test_what_fails_to_open_leaves_nothing_open(peer, port):
+def test_a_failure_to_open_leaves_nothing_open(peer, port):
     with sockets.listen(BROADCAST, port, shared=False):
         with pytest.raises(OSError, match=f"cannot open UDP {BROADCAST}:{port}: in use"):
             peer()

@@ -100,7 +100,7 @@ def test_when_states_leave():
     assert hows() == [How.QUIET]
 
 
-def test_what_is_sent_acknowledges_the_last_message():
+def test_each_message_acknowledges_the_last_one_received():
     driver = BoxDriver()
     robot = driver.connected()
     for _ in range(3):

@@ -63,7 +63,7 @@ def test_no_order_of_events_breaks_the_box(sequence):
 
 @examples(150)
 @given(st.data())
-def test_what_is_off_is_refused_and_what_is_on_is_not(data):
+def test_only_commands_that_are_off_are_refused(data):
     """A button and its command always agree. The exception: a stop of a run that is not running is accepted."""
     driver = BoxDriver(competition(
         a=["HWV", "HGTKMH"], b=["HCFGAC"], c=[event("HGTKMH", team="Beta")], all=[event("HSUF", team="ALL")]

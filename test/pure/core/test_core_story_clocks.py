@@ -33,7 +33,7 @@ def test_a_step_of_the_boxs_clock_does_not_touch_the_run(step):
     assert driver.run_in().end_reason is EndReason.TIMEOUT
 
 
-def test_after_a_step_of_the_boxs_clock_skews_are_measured_anew():
+def test_after_a_step_of_the_boxs_clock_skews_are_measured_again():
     driver = BoxDriver(competition(a=["HWV"], b=[event("HWV", team="Beta")]))
     robot = driver.connected("a")
     other = driver.robot("Beta", "r2")

@@ -69,7 +69,7 @@ def test_the_box_wants_to_be_ticked_at_the_deadline():
 
 
 @pytest.mark.parametrize("late", [0.0, 0.05, 10.0])
-def test_a_result_after_the_deadline_comes_too_late_even_if_nobody_ticked_the_box(late):
+def test_a_result_after_the_deadline_is_too_late_even_without_a_tick_between(late):
     driver = _minute()
     robot = driver.executing()
     driver.jump(driver.run_in().clock.deadline() - driver.now.mono + late)
@@ -317,7 +317,7 @@ def test_the_same_text_in_two_fields_is_logged_in_both():
     assert lines == ["activation_event: x", "visitor: x", "final_command: x"]
 
 
-def test_a_new_run_hears_strings_anew():
+def test_a_new_run_accepts_repeated_strings():
     driver = BoxDriver(competition(tbm=["HWV"]), Settings(auto_next=False))
     for _ in range(2):
         robot = driver.connected()

@@ -45,11 +45,11 @@ def test_a_ring_is_one_message_only(message, rings):
 
 
 @pytest.mark.parametrize("message", [Set("47", 1), Set("77", 10001), Set("77", 50), Set("58", 101), Set("11", 2)])
-def test_what_no_device_takes(message):
+def test_messages_for_no_device(message):
     assert device_of(message) is None
 
 
-def test_what_is_saved_is_restored():
+def test_saved_state_is_restored():
     home, other = Home(), Home()
     home.set("blinds", 40)
     home.set("switch_2", 1)

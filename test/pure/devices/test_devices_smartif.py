@@ -113,6 +113,6 @@ def test_long_texts_are_read(size):
 
 
 @pytest.mark.parametrize("message", [Set("11", -1), Set("11", 2**32), Busy("x" * (MAX_STRING + 1))])
-def test_what_does_not_fit_is_not_sent(message):
+def test_texts_that_do_not_fit_are_not_sent(message):
     with pytest.raises(ValueError):
         encode(message)

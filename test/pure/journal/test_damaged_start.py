@@ -69,7 +69,7 @@ def test_a_file_with_other_tables_is_set_aside(start, tmp_path, statement):
     "INSERT INTO links VALUES (1, 'x', 'y', '{}', 0)", "UPDATE states SET name = x'ff'",
     "UPDATE states SET state = cast(x'ff' AS TEXT)",
 ])
-def test_values_that_nobody_wrote_do_not_prevent_resuming(start, tmp_path, statement):
+def test_invalid_values_do_not_prevent_resuming(start, tmp_path, statement):
     start()[0].close()
     with sqlite3.connect(str(tmp_path / FILE_NAME)) as connection:
         connection.execute(statement)

@@ -267,7 +267,7 @@ def reader_damage(path):
     ("UPDATE sessions SET utc = utc + 1", "starts of the core: 1 damaged"),
     ("UPDATE entries SET who = CAST(x'ff' AS TEXT) WHERE id = 1", "entries 1 to 1: 1 damaged"),
 ])
-def test_rows_that_nobody_wrote_are_reported(writer, change, what):
+def test_invalid_rows_are_reported(writer, change, what):
     for i in range(5):
         writer.entry("notice", {"text": str(i)}, RECORD.identity)
     writer.close()

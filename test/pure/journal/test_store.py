@@ -59,7 +59,7 @@ def rows(journal, what="*", table="entries"):
         return connection.execute(f"SELECT {what} FROM {table}").fetchall()
 
 
-def test_what_was_written_is_there_before_write_returns(journals):
+def test_data_is_written_before_write_returns(journals):
     journal = journals()
     assert journal.previous == NOTHING
     journal.write(BATCH)
@@ -67,7 +67,7 @@ def test_what_was_written_is_there_before_write_returns(journals):
     assert rows(journal, "port, log_file", "members") == [(6667, "/logs/run.bag")]
 
 
-def test_what_the_next_start_continues_from(journals):
+def test_the_state_from_which_the_next_start_continues(journals):
     journal = journals()
     journal.write(BATCH)
     journal.write(Batch(states={"zone:Home": '{"n":2}'}, outcomes={"HNF-6667-1": RunOutcome(1e9 + 9, '{"n":2}')}))
@@ -103,7 +103,7 @@ def test_all_of_a_batch_or_nothing(journals):
     assert "cannot be written" in journal.troubles[-1]
 
 
-def test_what_is_saved_was_synced(journals, monkeypatch):
+def test_saved_data_was_synced(journals, monkeypatch):
     synced = []
     journal = journals()
     real = stores.os.fsync
@@ -186,7 +186,7 @@ def wait_until(condition):
         time.sleep(0.01)
 
 
-def test_what_cannot_be_written_waits_in_its_order(journals, monkeypatch):
+def test_unwritten_entries_wait_in_their_order(journals, monkeypatch):
     journal = journals()
     blocked = sqlite3.connect(journal.path, isolation_level=None)
     blocked.execute("BEGIN IMMEDIATE")
@@ -205,7 +205,7 @@ def test_what_cannot_be_written_waits_in_its_order(journals, monkeypatch):
     assert rows(journal, "name, state", "states") == [("zone:Home", "2")]
 
 
-def test_a_directory_that_was_removed_is_written_anew(journals, tmp_path):
+def test_a_removed_folder_is_written_again(journals, tmp_path):
     journal = journals()
     journal.write(BATCH)
     shutil.rmtree(tmp_path / "log")

@@ -51,7 +51,7 @@ def test_it_is_read_only_when_it_changed(path):
     assert file.content() == 33
 
 
-def test_what_is_wrong_is_reported_until_it_is_repaired(path):
+def test_errors_are_reported_until_they_are_repaired(path):
     file, read = watched(path)
     assert len(file.problems) == 1
     with pytest.raises(ConfigErrors, match="nonsense"):

@@ -30,7 +30,7 @@ def test_a_run_is_named_by_a_part_of_its_identity(word, number):
     ("7000", RUNS, "no run '7000'; there are\n  HWV-6669"), ("HWV", RUNS, "3 runs have 'HWV' in their name; there are"),
     ("", RUNS, "no run ''"), (LAST, (NOW,), "no run 'last'"), (LAST, (), "no run of this zone is connected or over"),
 ])
-def test_what_names_no_run_says_which_there_are(word, runs, hint):
+def test_an_unknown_run_lists_the_known_ones(word, runs, hint):
     with pytest.raises(BadWord) as bad:
         pick_run(word, runs)
     assert hint in str(bad.value)

@@ -66,7 +66,7 @@ def test_both_messages_make_one_snapshot():
     )
 
 
-def test_what_was_not_attempted_is_marked():
+def test_not_attempted_items_are_marked():
     zone = box_of(_gui(_zone_state()), _details(not_attempted=[False, False, True])).zones[0]
     assert [item.not_attempted for item in zone.score] == [False, False, True]
 

@@ -227,7 +227,7 @@ def test_the_sheet_in_the_terminal(result, lisbon):
     assert not re.search("[\x00-\x09\x0b-\x1f\u202e]", text), "nothing of a robot reaches the terminal as it is"
 
 
-def test_what_was_withdrawn_is_struck_through_where_that_can_be(result):
+def test_withdrawn_entries_are_struck_through_where_possible(result):
     struck = [text for text in sheet_lines(result, in_utc=True, strike=True) if "\033[9m" in text]
     assert len(struck) == 1
     assert "1 → 3" in struck[0]

@@ -66,7 +66,7 @@ def test_sums_that_differ_only_by_rounding_tie():
     assert [(rank, numbers) for rank, _, numbers in found] == [(1, (0.3,)), (1, (0.3,))]
 
 
-def test_who_is_disqualified_is_behind_everybody():
+def test_disqualified_teams_rank_last():
     found = ranks([
         task_record("A", 1, door=1, objects=9, hits=1), task_record("B", 2, bumps=5), task_record("C", 3, hits=2),
     ])
@@ -248,7 +248,7 @@ HWV:
     ("HWV: {disqualified_by: Hits, criteria: [{name: x, of: [{group: y}]}]}", 1, "groups of the score sheet"),
     ("- HWV", 1, "a map"),
 ])
-def test_what_is_wrong_in_the_file_is_reported_with_its_line(tmp_path, text, line, expected):
+def test_errors_in_the_file_are_reported_with_their_line(tmp_path, text, line, expected):
     with pytest.raises(ConfigErrors) as caught:
         rules_of(tmp_path, text)
     [error] = caught.value.errors

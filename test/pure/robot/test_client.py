@@ -159,7 +159,7 @@ def test_stopped_by_the_referee_and_started_again():
         "execute", "stop", "cancelled"] * 2
 
 
-def test_what_the_owner_sends_arrives():
+def test_messages_of_the_owner_arrive():
     class Requesting(Recorder):
         async def execute(self, benchmark, goal):
             for text in ("a", "b", "a"):
@@ -259,7 +259,7 @@ def test_one_phase_begins_when_the_cancelled_one_has_ended():
     asyncio.run(body())
 
 
-def test_what_is_sent_can_be_lost_too():
+def test_sent_datagrams_can_be_lost_too():
     network = {"passes": True}
 
     async def body():

@@ -153,14 +153,14 @@ def test_a_message_never_takes_more_than_its_budget():
     ("visitor", "\ud800", "Unicode"),
     ("visitors", "a", "choose from notifications, visitor"),
 ])
-def test_what_cannot_be_sent_is_refused_and_changes_nothing(field, text, found):
+def test_a_text_that_cannot_be_sent_is_refused_and_changes_nothing(field, text, found):
     sender = RepeatedStrings(FIELDS, budget_bytes=30)
     with pytest.raises(IllegalEvent, match=found):
         sender.add(field, text)
     assert sender.pending == 0
 
 
-def test_what_waits_is_bounded():
+def test_the_queue_is_bounded():
     sender = RepeatedStrings(FIELDS, budget_bytes=30, max_waiting=3)
     for number in range(3):
         sender.add("visitor", str(number))

@@ -31,5 +31,5 @@ class Request(genpy.Message):
     (Request(texts=["a", LONG]), f"texts has {MAX_TEXT + 1} characters: at most {MAX_TEXT} are accepted"),
     (Request(texts=["a"] * (MAX_LIST + 1)), f"texts has {MAX_LIST + 1} entries: at most {MAX_LIST} are accepted"),
 ])
-def test_what_is_too_long_is_named(request_, problem):
+def test_too_long_values_are_named(request_, problem):
     assert too_long(request_) == problem

@@ -52,7 +52,7 @@ def test_a_silence_that_lasts_counts_at_once():
     assert text(watch.longest()) == SILENT
 
 
-def test_what_was_while_the_core_was_silent_is_not_known():
+def test_times_while_the_core_was_silent_are_unknown():
     watch = Watch()
     watch.pass_time(5.0)
     watch.clock_s += 60.0

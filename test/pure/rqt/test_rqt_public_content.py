@@ -98,7 +98,7 @@ def test_a_clock_that_is_far_off_stops_nothing():
     assert _content(utc_s=1e300).clock == "?"
 
 
-def test_what_is_old_is_said():
+def test_old_data_is_reported():
     assert _content().trouble == ""
     assert _content(is_old=True).trouble == "No signal since 08:00:00: this is the last known state"
 

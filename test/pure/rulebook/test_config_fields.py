@@ -57,7 +57,7 @@ def test_a_number_without_bounds_is_finite(tree, report):
     assert len(report.errors) == 1
 
 
-def test_what_is_missing_or_reported_already_is_silent(report):
+def test_a_missing_or_reported_value_gives_no_error(report):
     assert yaml_fields.number(report, None, "x") is None
     assert yaml_fields.text(report, None, "x") is None
     assert yaml_fields.integer(report, None, "x", 0, 1) is None

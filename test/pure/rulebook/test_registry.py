@@ -31,7 +31,7 @@ def test_no_other_file_names_a_code(folder):
     assert found == []
 
 
-def test_the_numbers_are_those_of_the_message():
+def test_the_numbers_are_the_ones_of_the_message():
     text = (ROOT / "msg" / "Benchmark.msg").read_text(encoding="utf-8")
     constants = {name: int(number) for name, number in re.findall(r"^uint8 (\w+) = (\d+)$", text, re.MULTILINE)}
     assert {code: profile.number for code, profile in PROFILES.items()} == {

@@ -67,7 +67,7 @@ def test_a_whole_log_continues_in_its_file(path):
 
 
 @pytest.mark.parametrize("closed", [False, True])
-def test_what_was_in_the_file_is_not_written_twice(path, closed):
+def test_existing_entries_are_not_written_twice(path, closed):
     if closed:
         write_whole(str(path), entries(7))
     else:

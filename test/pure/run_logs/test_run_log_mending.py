@@ -43,7 +43,7 @@ def _untouched(path):
     return status.st_ino, status.st_size, status.st_mtime_ns
 
 
-def test_only_our_own_logs_that_nobody_closed_or_writes_are_touched(loop, log_dir, tmp_path):
+def test_only_our_own_unclosed_logs_without_a_writer_are_repaired(loop, log_dir, tmp_path):
     closed = log_dir / name(1)
     log_dir.mkdir()
     write_whole(str(closed), entries(2))

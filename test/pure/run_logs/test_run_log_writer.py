@@ -239,7 +239,7 @@ def test_a_core_that_is_ended_with_a_broken_disk_ends(log_dir, monkeypatch):
     assert not loop.writer._thread.is_alive()
 
 
-def test_a_log_that_fails_while_it_is_written_anew(loop, monkeypatch):
+def test_a_log_that_fails_while_it_is_rewritten(loop, monkeypatch):
     repair = broken_disk(monkeypatch)
     path = loop.open()
     loop.log(entries(3))
@@ -259,7 +259,7 @@ def test_a_log_that_fails_while_it_is_written_anew(loop, monkeypatch):
 
 
 @pytest.mark.parametrize("how", ["remove", "rename", "file"])
-def test_a_log_that_somebody_removed_is_written_anew(loop, log_dir, tmp_path, how):
+def test_a_removed_log_is_written_again(loop, log_dir, tmp_path, how):
     path = loop.open()
     loop.log(entries(3))
     loop.settle()

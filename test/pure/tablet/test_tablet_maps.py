@@ -147,7 +147,7 @@ GOOD = {"image": "it.pgm", "resolution": "0.5", "origin": "[0, 0, 0]"}
     ({"image": "/dev/zero"}, "a device"),
     ({"image": "."}, "a directory"), ({"resolution": "1" + "0" * 400}, "resolution is"),
 ])
-def test_what_is_wrong_in_a_map_file_is_named(saved, changes, reported):
+def test_errors_in_a_map_file_are_named(saved, changes, reported):
     lines = [f"{key}: {value}\n" for key, value in {**GOOD, **changes}.items() if value is not None]
     with pytest.raises(MapError, match=reported):
         maps.load(saved("".join(lines)))

@@ -85,7 +85,7 @@ def test_before_the_first_beacon_the_box_is_silent():
         pages.do(100.0, NS, '{"do": "call"}')
 
 
-def test_what_the_box_does_not_repeat_is_said(pages):
+def test_an_unanswered_call_is_reported(pages):
     assert shown(pages)["unanswered"] is True
     pages.do(100.0, NS, '{"do": "call"}')
     assert shown(pages, 100.0 + UNANSWERED_S)["unanswered"] is False

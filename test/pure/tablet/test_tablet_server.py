@@ -228,7 +228,7 @@ def test_an_address_of_another_machine_is_said(served):
         second.open("192.0.2.1", 0)
 
 
-def test_clients_that_never_finish_keep_nobody_waiting(served):
+def test_clients_that_never_finish_do_not_delay_others(served):
     idle = [socket.create_connection((HOST, served.port)) for _ in range(20)]
     for number, connection in enumerate(idle):
         connection.sendall([b"", b"GET / HT", b"POST / HTTP/1.1\r\nContent-Length: 9\r\n\r\n"][number % 3])
@@ -265,7 +265,7 @@ def test_a_page_that_is_refused_touches_nothing(served):
     assert len(served.touches) == 1
 
 
-def test_more_slow_connections_than_there_is_room_for_keep_nobody_out(served, monkeypatch):
+def test_too_many_slow_connections_do_not_keep_others_out(served, monkeypatch):
     monkeypatch.setattr(server_module, "MAX_CONNECTIONS", 20)
     page = served.page()
     assert served.read(page)

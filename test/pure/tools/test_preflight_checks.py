@@ -87,7 +87,7 @@ def test_what_the_robots_network_reaches(host, loaded, level, text):
 
 
 @pytest.mark.parametrize("host", [LOOPBACK_BROADCAST, "10.255.255.255"])
-def test_where_no_robots_network_is_there_is_nothing_to_close(host):
+def test_without_a_robots_network_nothing_is_closed(host):
     assert checks.check_exposure(host, [LO, ETH], [MASTER], "", "x") == []
 
 

@@ -103,7 +103,7 @@ def test_parts_can_be_chosen_and_left_out(tree):
     assert "unknown part: nothing" in tree.run("nothing").stdout
 
 
-def test_what_is_skipped_is_said_with_its_reason(tree):
+def test_skipped_tests_are_reported_with_the_reason(tree):
     done = tree.run("net", test_net="echo 'SKIPPED [1] no network namespaces'")
     assert "net: SKIPPED [1] no network namespaces" in done.stdout
 

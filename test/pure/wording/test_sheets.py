@@ -63,7 +63,7 @@ def test_how_far_a_sheet_is(closed, signed, text):
     (0.0, "", "not signed off"), (None, "", "not signed off"), (3661.0, "Cleo", "signed off by Cleo at 01:01:01Z"),
     (3661.0, "", "signed off at 01:01:01Z"),
 ])
-def test_who_signed_a_sheet_off(signed, by, text):
+def test_the_signature_of_a_sheet(signed, by, text):
     assert sheets.signature(signed, by, times.time_with_zone) == text
 
 

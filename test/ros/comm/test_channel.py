@@ -282,7 +282,7 @@ class TestRun(ChannelCase):
         self.wait_services("notifications", "activation_event", "visitor")
         self.assertTrue(self.logged(Log.INFO)[-1].startswith("Stop: "), self.logged(Log.INFO))
 
-    def test_the_box_lists_the_robot_no_more(self) -> None:
+    def test_the_box_no_longer_lists_the_robot(self) -> None:
         self.begin("STB")
         self.prepare("STB")
         self.box.send("STB", GOAL_TX, generic_goal="go")

@@ -20,7 +20,7 @@ class TestParameters(NetworkCase):
         return self._leaving(Program(own(program), f"__name:={name}",
                                      *(f"_{key}:={value}" for key, value in chosen.items())))
 
-    def test_what_is_wrong_is_reported_at_once(self) -> None:
+    def test_errors_are_reported_at_once(self) -> None:
         nodes = {
             self.node("comm", "nameless", rsbb_key="key"): ["/nameless/team_name: found nothing, expected a text"],
             self.node("comm", "empty", team_name="''", rsbb_key="key"): ["/empty/team_name: found '', expected a text"],

@@ -93,7 +93,7 @@ class TestAttacks(BoxCase):
         """Wait until the box reports it; then it has read the datagram."""
         wait_until(lambda: any(text in said for said in self.said), lambda: f"the box reports '{text}': {self.said}")
 
-    def test_nobody_else_moves_a_run(self) -> None:
+    def test_no_other_program_moves_a_run(self) -> None:
         box, robot = self.box, self.robot("Epsilon")
         attacker = self._leaving(Attacker())
         port = box.connect("Attacked")

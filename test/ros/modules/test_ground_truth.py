@@ -151,7 +151,7 @@ class TestNoPose(GroundTruthCase):
         self.shown(-60.0)
         self.assert_no_pose(rf"^robot: frame '{self.frame}' has a time (5\d\.\d|60\.0) s in the future: sync")
 
-    def test_numbers_that_are_none_are_no_pose(self) -> None:
+    def test_nan_and_infinity_are_not_a_pose(self) -> None:
         # tf2 itself refuses some of them: then the frame was never seen.
         self.publish(0.0, math.nan, 0.0, 0.0)
         self.publish(0.0, 0.0, 0.0, 0.0, turn=(0.0, 0.0, 0.0, 0.0))

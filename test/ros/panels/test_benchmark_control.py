@@ -199,14 +199,14 @@ class TestBenchmarkControl(PanelCase):
         self.assertIn("OLD", self.panel._news.text())
         self.assertIn("RUNNING", self.panel._phase.text())
 
-    def test_a_call_that_reached_nobody_says_what_to_look_at(self) -> None:
+    def test_a_call_without_answer_names_what_to_check(self) -> None:
         for raised in ("service [/core/stop] unavailable", "unable to connect to service: [Errno 104] Connection reset",
                        "transport error completing service call: unable to receive data from sender"):
             with self.subTest(raised):
                 self.assertIn("is the core running?", calls.error_text(raised))
                 self.assertIn(raised, calls.error_text(raised))
 
-    def test_the_latched_message_of_a_core_that_hangs_is_no_sign_of_life(self) -> None:
+    def test_the_latched_message_of_a_hanging_core_is_not_a_sign_of_life(self) -> None:
         self.core.silent = True
         wait_until(lambda: self.client.model.is_old, "the core is old")
         heard, gui = self.client.model._heard, self.client.model.gui

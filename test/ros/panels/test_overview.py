@@ -63,7 +63,7 @@ class TestOverview(PanelCase):
         self.assertEqual(self.other_tile.todo.text(), "→ Connect is possible")
         self.assertEqual(self.panel.head.text(), "▶ RUNNING: Home A")
 
-    def test_what_must_be_done_now_stands_out(self) -> None:
+    def test_the_next_task_is_highlighted(self) -> None:
         self.run_both()
         self.other.warnings = ["The clock is off", "No message"]
         wait_until(lambda: self.other_tile.todo.text() == "⚠ The clock is off   (⚠ 1 more)", "warnings are shown")
@@ -208,7 +208,7 @@ class TestDevices(PanelCase):
         wait_until(lambda: self.rows["switch_1"].state.text() == "○ off", "it is off")
         self.assertEqual(self.rows["switch_2"].state.text(), "○ off")
 
-    def test_what_others_set_is_shown(self) -> None:
+    def test_values_set_by_others_are_shown(self) -> None:
         self.devices.publish(switch_2=True, blinds=80, door_win_detect=True)
         wait_until(lambda: self.rows["blinds"].number.value() == 80, "the blinds are shown")
         self.assertEqual(self.rows["blinds"].slider.value(), 80)

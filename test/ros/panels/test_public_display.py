@@ -256,7 +256,7 @@ class TestTrouble(DisplayCase):
         self.wait(lambda: not self.trouble() and "running" in self.texts(), "it is live again")
         self.assertEqual(self.count(OLD_BACKGROUND), 0)
 
-    def test_the_last_message_again_is_no_sign_of_life(self) -> None:
+    def test_a_repeated_message_is_not_a_sign_of_life(self) -> None:
         self.core.silent = True
         self.wait(self.trouble, "it is said that all is old")
         self.display._feed.renew()  # gets what is latched

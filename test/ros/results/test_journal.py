@@ -120,7 +120,7 @@ class TestResults(ResultsCase):
 
 
 class TestLinkRecord(ResultsCase):
-    def test_what_is_wrong_with_a_link_is_on_record(self) -> None:
+    def test_problems_of_a_link_are_recorded(self) -> None:
         robot = self.raw_robot("Alpha")
         robot.beacon()
         port = self.box.connect(ZONE)

@@ -63,7 +63,7 @@ class TestTablet(BoxCase):
         beacons, seconds = self.count_beacons(listener) - before, time.monotonic() - began
         self.assertLessEqual(beacons, MOST_BEACONS_A_SECOND * (seconds + 1))
 
-    def test_absurd_values_reach_nobody_but_the_referee(self) -> None:
+    def test_absurd_values_reach_only_the_referee(self) -> None:
         listener, tablet = self.participant(LISTENER), self.participant(TABLET)
         self.wait_no_tablet()
         called = wire(time.time())
@@ -105,7 +105,7 @@ class TestTablet(BoxCase):
 class TestNode(BoxCase):
     """The node, where something is missing."""
 
-    def test_without_a_browser_there_is_no_tablet(self) -> None:
+    def test_without_a_browser_no_tablet_is_announced(self) -> None:
         listener = self.participant(LISTENER)
         tablet_nodes.launched_url()
         listener.wait_beacon(lambda b: True, "the box sends beacons")

@@ -84,7 +84,7 @@ def test_recorded_messages_have_no_chance_while_the_robot_lives(seed):
 
 
 @pytest.mark.parametrize("absurd", [2**63 - 1, -(2**63), 0, 2**32 * S, (2**63 - 1) * S + 2**63 - 1])
-def test_one_absurd_time_locks_nobody_out(absurd):
+def test_one_absurd_time_does_not_lock_the_robot_out(absurd):
     timeline = Timeline()
     timeline.judge(0.0, T0)
     timeline.judge(1.0, absurd)

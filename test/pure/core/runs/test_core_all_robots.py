@@ -50,13 +50,13 @@ def test_connect_needs_a_robot():
     assert state_lines(driver) == driver.off("connect")
 
 
-def test_who_could_be_connected_is_shown():
+def test_robots_that_can_be_connected_are_shown():
     driver = all_robots_box()
     robots_of(driver)
     assert state_lines(driver) == [f"3 robots ready to accept connection: {R1}, {R2}, {R3}"]
 
 
-def test_robots_that_cannot_take_part_are_named_and_keep_nobody_from_it():
+def test_robots_that_cannot_take_part_are_named_and_do_not_block_others():
     driver = all_robots_box()
     gone = driver.robot("Gamma", "gone", "10.0.0.9")
     gone.beacon()

@@ -91,7 +91,7 @@ def test_a_robot_that_was_left_out_joins_as_soon_as_it_is_ready():
     assert driver.run_in().end_reason is EndReason.COMPLETED
 
 
-def test_who_joins_late_has_the_same_clock():
+def test_a_robot_that_joins_late_has_the_same_clock():
     driver = all_robots_box(timeout=60.0)
     robots = robots_of(driver)
     driver.command("connect")
@@ -110,7 +110,7 @@ def test_who_joins_late_has_the_same_clock():
     assert driver.run_in().end_reason is EndReason.TIMEOUT
 
 
-def test_a_robot_out_of_skew_blocks_nobody_either():
+def test_a_robot_out_of_skew_blocks_no_other_robot():
     driver, robots = connected()
     robots[1].skew = 0.5
     live_all(driver, robots, 4)
@@ -168,7 +168,7 @@ def test_it_is_complete_with_the_last_robot():
     assert driver.taken(effects.TimeoutRung) == []
 
 
-def test_what_one_robot_does_is_sent_to_no_other():
+def test_the_state_of_one_robot_is_sent_to_no_other():
     driver, robots = running()
     before = len(driver.states[robots[1].port])
     robots[0].says(notifications=("hello",))
@@ -197,7 +197,7 @@ def test_one_clock_is_for_all_and_rings_once():
     assert not any("will be left out" in warning for warning in driver.view().warnings)
 
 
-def test_a_robot_that_dies_ends_nobody_elses_run():
+def test_a_robot_that_dies_does_not_end_the_run_of_the_others():
     driver, robots = running()
     live_all(driver, robots[1:], 20)
     run = driver.run_in()

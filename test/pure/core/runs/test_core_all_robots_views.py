@@ -74,7 +74,7 @@ def test_manual_operations_and_switches_are_refused():
         driver.event(driver.box.modules.complete_switches, "tbm")
 
 
-def test_a_step_of_the_boxs_clock_measures_all_skews_anew():
+def test_a_step_of_the_boxs_clock_makes_all_skews_be_measured_again():
     driver, robots = connected()
     driver.set_clock(100)
     driver.event(driver.box.tick)

@@ -267,7 +267,7 @@ def test_the_referee_sees_what_is_asked_and_what_the_module_says():
 # -- requests that make no sense ------------------------------------------------------------------------
 
 
-def test_what_comes_twice_late_or_for_another_run_changes_nothing():
+def test_repeated_late_or_foreign_messages_change_nothing():
     driver, modules, robot = started()
     modules.asks(RequestKind.REFEREE, text="first")
     first = dict(modules.progress)

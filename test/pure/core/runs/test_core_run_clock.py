@@ -80,7 +80,7 @@ def test_only_executing_counts(watch, box, robot):
     assert watch.deadline() is None
 
 
-def test_a_robot_that_executes_again_is_watched_anew(watch):
+def test_a_robot_that_executes_again_is_watched_again(watch):
     watch.see(at(10.0), BoxState.WAITING_RESULT, _report(0))
     watch.see(at(12.0), BoxState.STOP, _report(0))
     watch.see(at(20.0), BoxState.WAITING_RESULT, _report(0))

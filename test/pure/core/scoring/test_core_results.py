@@ -178,7 +178,7 @@ def test_the_reason_of_a_stop_can_be_typed_afterwards():
     assert (stop.who, stop.reason, stop.reason_by) == ("Anna", "hit the vase", "Ben")
 
 
-def test_what_is_signed_off_is_final():
+def test_a_signed_off_sheet_is_final():
     runs = _runs(run_record(1))
     run = runs.find(run_record(1).identity)
     run.mark(NOW, "Ben", Mark(BUMPS.group, BUMPS.desc, 2))

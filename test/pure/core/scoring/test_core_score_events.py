@@ -226,7 +226,7 @@ def test_a_mark_for_one_run_never_counts_in_the_next(driver):
     assert _values(_record(driver))["bumps"] == 1
 
 
-def test_what_is_typed_is_one_line_and_bounded(driver):
+def test_typed_text_is_one_line_and_bounded(driver):
     driver.connected()
     _score(driver, BUMPS, 1, who=" A\tB\n" + "x" * 1000, note="  two\n lines\x00 ")
     (entry,) = _record(driver).history
@@ -382,7 +382,7 @@ def test_all_that_a_referee_does_is_on_record(driver):
         freeze(done.value)
 
 
-def test_nobody_fills_the_disk_with_a_wrong_name(driver):
+def test_wrong_names_cannot_fill_the_disk(driver):
     driver.taken()
     with pytest.raises(Refused):
         mark = Mark("g" * 100_000, "d", 1, note="n" * 100_000)

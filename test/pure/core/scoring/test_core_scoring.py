@@ -85,7 +85,7 @@ def test_values_that_are_taken(referee, item, value):
     ("Penalized", DOOR.desc, 1, "no scoring item 'detects the door' in group 'Penalized'"),
     ("xyz", "", 1, "no scoring group 'xyz': there is 'Achievements', 'Penalized'"),
 ])
-def test_what_is_refused_changes_nothing(referee, group, desc, value, reason):
+def test_a_refused_request_changes_nothing(referee, group, desc, value, reason):
     with pytest.raises(Refused) as refused:
         referee.set(ScoringItem(group, desc, ScoreKind.UINT), value)
     assert reason in str(refused.value)

@@ -13,7 +13,7 @@ def parts(entries=(), stops=(), sign_off=False):
     return (UnsavedParts("HNF-6667-1", "fbm", entries, stops, sign_off),)
 
 
-def test_what_is_saved_soon_is_never_shown():
+def test_entries_saved_soon_are_not_shown_as_unsaved():
     unsaved = Unsaved()
     unsaved.changed(100.0, 1, RECORD)
     assert unsaved.look(100.0, 0) == ()

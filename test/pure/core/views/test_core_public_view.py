@@ -99,7 +99,7 @@ def test_the_last_event_of_a_zone_comes_no_more_once_it_was_completed():
     assert _following(driver) == []
 
 
-def test_what_follows_is_bounded():
+def test_the_list_of_next_events_is_bounded():
     driver = BoxDriver(competition(tbm=[event(run=run) for run in range(1, MAX_FOLLOWING + 3)]))
     assert [line.event.run for line in _view(driver).following] == list(range(1, MAX_FOLLOWING + 1))
 

@@ -108,7 +108,7 @@ def test_impossible_ports_are_not_private_channels():
     (5, PORT + 1, False),  # another program's, on such a port by coincidence
     (20000, 20000, False),
 ])
-def test_what_is_on_a_channel(sport, dport, concerns):
+def test_contents_of_a_channel(sport, dport, concerns):
     decoder = Decoder(PORT, {})
     assert decoder.concerns(datagram(b"")._replace(sport=sport, dport=dport)) is concerns
 

@@ -81,7 +81,7 @@ def test_a_packet_that_is_cut_off_anywhere(options):
     assert [parse_packet(whole[:size], TIME) for size in range(len(whole))] == [None] * len(whole)
 
 
-def test_noise_is_never_an_error():
+def test_noise_does_not_count_as_an_error():
     rng = random.Random(1)
     for _ in range(3000):
         noise = bytearray(packet(options=bytes(4 * rng.randrange(3))))

@@ -142,7 +142,7 @@ class _Gone:
         pass
 
 
-def test_it_ends_quietly_when_nobody_reads_it_any_more(network, monkeypatch, capsys):
+def test_it_ends_quietly_when_its_reader_has_gone(network, monkeypatch, capsys):
     network(*[beacon(number) for number in range(5)])
     reader, writer = os.pipe()
     os.close(reader)

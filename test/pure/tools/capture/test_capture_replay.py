@@ -108,7 +108,7 @@ def test_a_damaged_recording_is_reported_with_its_line(shown, text, reported):
         shown(text)
 
 
-def test_what_was_shown_before_the_damage_stays(shown, capsys):
+def test_records_before_the_damage_stay(shown, capsys):
     with pytest.raises(SystemExit):
         shown(HEADER + GOOD + "x\n")
     assert "ERROR too short" in capsys.readouterr().out

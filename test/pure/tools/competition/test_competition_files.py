@@ -104,7 +104,7 @@ def test_parameters_of_the_modules_that_are_needed(tmp_path):
         assert (tmp_path / "modules" / name).read_text("utf-8") == (SHIPPED / "modules" / name).read_text("utf-8")
 
 
-def test_what_is_there_is_not_overwritten(tmp_path):
+def test_existing_files_are_not_overwritten(tmp_path):
     (tmp_path / files.SCHEDULE).write_text("mine", encoding="utf-8")
     with pytest.raises(CannotWrite) as raised:
         written(tmp_path, plan(run("HWV", "A")))
@@ -113,7 +113,7 @@ def test_what_is_there_is_not_overwritten(tmp_path):
     assert (tmp_path / files.SCHEDULE).read_text("utf-8") == "mine"
 
 
-def test_what_cannot_be_written_leaves_nothing(tmp_path):
+def test_a_failed_write_leaves_nothing(tmp_path):
     (tmp_path / "modules").write_text("a file where a directory must be", encoding="utf-8")
     with pytest.raises(CannotWrite) as raised:
         written(tmp_path, plan(run("HNF", "A")))

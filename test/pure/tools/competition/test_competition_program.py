@@ -95,7 +95,7 @@ def test_questions_are_asked_again_until_they_are_answered(run, tmp_path):
         ("BrassButlers", 9 * 3600), ("CopperKettle", 9.25 * 3600)]
 
 
-def test_what_is_given_is_not_asked(run):
+def test_given_options_are_not_asked_for(run):
     status, out, _ = run("erl", *OPTIONS, "--zones", "A,B", "--begin", "9:00", typed="10.0.0.255\n")
     assert status == 0
     assert out.count("press Enter") == 1

@@ -166,7 +166,7 @@ def test_a_sheet_that_is_not_there(tmp_path):
     assert "did you mean 'plan.csv' there?" in report.errors[0].expected
 
 
-def test_names_that_nobody_knows(errors):
+def test_unknown_names(errors):
     found = errors(HEAD + "X,HNF,BrasButlers,2026-11-28,10:00\nX,HWV,Z,2026-11-28,11:00\n",
                    teams=Known(("BrassButlers",), "the teams in --teams"), codes=Known(("HNF",), "those of b.yaml"))
     assert found == [

@@ -136,7 +136,7 @@ class TestStop(AllRobotsCase):
 class TestScript(AllRobotsCase):
     """A referee at the terminal."""
 
-    def test_who_is_out_of_skew_is_named_and_the_others_run(self) -> None:
+    def test_robots_out_of_skew_are_named_and_the_others_run(self) -> None:
         robots = self.robots_of(*TEAMS[:2])
         self.robot("Gamma", skew=0.5)
         self.box.wait_text("Script", "WARNING: Robot of team Gamma cannot take part: Clock skew of the robot is +0.")

@@ -55,7 +55,7 @@ class TestModulesThatComeAndGo(ModulesCase):
         self._made = [*getattr(self, "_made", ()), made]
         return made
 
-    def test_what_is_late_or_of_another_run_never_acts(self) -> None:
+    def test_late_or_foreign_messages_have_no_effect(self) -> None:
         self.fbm = self.modules("STB")
         self.robot("Eta")
         self.started("Late")
