@@ -99,7 +99,7 @@ def test_a_test_that_failed_fails_the_run_with_its_reason(runner: Runner, text: 
 
 def test_what_a_failed_test_and_its_nodes_printed_is_shown(runner: Runner) -> None:
     logs = "cd $ROS_LOG_DIR; mkdir run; echo of a node > run/core-1.log; echo env > rostest-1.log"
-    done = runner.run(one=f"echo of the test; mkdir $ROS_LOG_DIR; {logs}; false", two="echo of a good one; good")
+    done = runner.run(one=f"echo of the test; mkdir -p $ROS_LOG_DIR; {logs}; false", two="echo of a good one; good")
     assert "of the test" in done.stdout
     assert "of a node" in done.stdout
     assert "env" not in done.stdout.split()
