@@ -51,3 +51,12 @@ def test_a_signal_while_the_node_registers_ends_the_program_after_that(name):
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 def test_a_signal_ends_the_wait_for_a_master(name):
     assert _printed(WAITING, name) == ([], 0)
+
+
+@pytest.mark.parametrize(("high_px", "em_px", "factor"), [
+    (768, 17.0, 1.0), (1080, 17.0, 1.0), (1440, 17.0, 1.324), (2160, 17.0, 1.985), (2160, 34.0, 1.0), (9000, 17.0, 3.0),
+])
+def test_texts_and_buttons_grow_on_a_large_screen_without_scaling(high_px, em_px, factor):
+    from roah_rsbb.rqt.app.application import growth
+
+    assert growth(high_px, em_px) == pytest.approx(factor, abs=0.001)

@@ -11,6 +11,7 @@ import rospy
 
 from roah_rsbb.ros import connections
 from roah_rsbb.rqt.qt import QApplication, QSettings, Qt, QTimer
+from roah_rsbb.rqt.widgets import basic
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 # The interval (ms) at which Python can handle signals while Qt waits, and the end of ROS is noticed.
@@ -24,6 +25,28 @@ def make_application(argv: List[str]) -> QApplication:
     QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
     QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
     return QApplication(argv)
+
+
+# On a higher screen everything grows, in units of the desktop's font: with the usual font, from 1080 pixels on.
+HIGH_SCREEN_EMS = 64
+MOST_GROWTH = 3.0
+# Less than that is not worth a font that differs from the desktop's.
+LEAST_GROWTH = 1.05
+
+
+def growth(high_px: float, em_px: float) -> float:
+    """Returns the factor by which texts and buttons grow on a screen of this height."""
+    factor = min(MOST_GROWTH, high_px / (HIGH_SCREEN_EMS * em_px))
+    return factor if factor >= LEAST_GROWTH else 1.0
+
+
+def grow(app: QApplication) -> QApplication:
+    """Let everything grow on a large screen without scaling; returns the application. Call it before any window."""
+    screen = app.primaryScreen()
+    factor = 1.0 if screen is None else growth(screen.availableSize().height(), basic.em())
+    if factor > 1.0:
+        app.setFont(basic.scaled(app.font(), factor))
+    return app
 
 
 def init_node(name: str) -> None:

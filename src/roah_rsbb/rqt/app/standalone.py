@@ -35,7 +35,7 @@ def main(kind: Type[Panel]) -> None:
         sys.exit(display.NO_DISPLAY)
     name = name_of(kind)
     application.init_node(name)
-    app = application.make_application(sys.argv[:1])
+    app = application.grow(application.make_application(sys.argv[:1]))
     settings = QSettings("roah_rsbb", name)
     kept = PanelSettings(settings, kind.__name__)
     panel = kind(Client.acquire())

@@ -105,7 +105,7 @@ def main() -> None:
     if not display.has_display():
         sys.exit(display.NO_DISPLAY)
     application.init_node("roah_rsbb_window")
-    app = application.make_application(sys.argv[:1])
+    app = application.grow(application.make_application(sys.argv[:1]))
     window = Window(QSettings("roah_rsbb", "roah_rsbb_window"), arguments.of_launch)
     window.show()
     code = application.run(app)

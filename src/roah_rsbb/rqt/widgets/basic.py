@@ -53,14 +53,20 @@ def em() -> float:
 
 def enlarged(widget: QWidget, factor: float, bold: bool = False) -> QWidget:
     """Give `widget` the desktop's font, scaled by `factor`. Returns the widget."""
-    font = QFont(QApplication.font())
+    font = scaled(QApplication.font(), factor)
+    font.setBold(bold)
+    widget.setFont(font)
+    return widget
+
+
+def scaled(font: QFont, factor: float) -> QFont:
+    """Returns a copy of the font, scaled by `factor`."""
+    font = QFont(font)
     if font.pointSizeF() > 0:
         font.setPointSizeF(font.pointSizeF() * factor)
     else:
         font.setPixelSize(round(font.pixelSize() * factor))
-    font.setBold(bold)
-    widget.setFont(font)
-    return widget
+    return font
 
 
 def show_dialog(dialog: QDialog) -> None:
