@@ -2,7 +2,7 @@
 
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help install-deps build demo test test-all lint test-pure test-python38 test-pip test-docs test-install test-ros test-net screenshots bench fuzz deb clean
+.PHONY: help install-deps build demo test test-all lint test-pure test-python38 test-pip test-docs test-install test-ros test-net screenshots bench fuzz deb wheel clean
 
 # ROS's Python: the system's, also where another python3 is the first on PATH. Where ROS 1 comes from another source
 # (RoboStack, ROS One), it is the python3 on PATH that has rospy.
@@ -95,6 +95,9 @@ fuzz: build ## coverage-guided fuzzing (test/fuzz/README.md); make fuzz FUZZ_SEC
 
 deb: build ## a package for this Debian or Ubuntu, in build/deb
 	@packaging/make_deb
+
+wheel: ## what teams without ROS install with pip, in build/wheel
+	@packaging/make_wheel
 
 clean: ## remove all build results
 	rm -rf build
