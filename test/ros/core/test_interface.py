@@ -14,7 +14,7 @@ from support.box_case import PACKAGE, BoxCase
 from support.box_client import BoxClient, Refusal
 from support.programs import Program
 from support.robots import BROADCAST, RSBB_PORT
-from support.waiting import wait_until
+from support.waiting import happened, wait_until
 
 from roah_rsbb import msg, srv
 from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, Score
@@ -119,6 +119,46 @@ class TestTopics(BoxCase):
             subscriber.unregister()
         self.assertLess(abs(clocks[30] - clocks[0] - 3.0), 1.0)
         self.assertLess(abs(len(publics) - 7), 3)
+
+
+class TestSchedule(BoxCase):
+    ZONE = "Functionality Benchmarks"
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.heard = []
+        subscriber = rospy.Subscriber("/core/schedule", msg.Schedule, lambda m: self.heard.append(m) or happened())
+        self.addCleanup(subscriber.unregister)
+        wait_until(lambda: self.heard, "it is latched")
+
+    def events(self) -> list:
+        return [event for event in self.heard[-1].events if event.zone == self.ZONE]
+
+    def choose(self, event: msg.ScheduleEvent, **other: object) -> None:
+        fields = {name: getattr(event, name) for name in ("zone", "code", "team", "round", "run", "schedule")}
+        self.box.call("choose_event", srv.ChooseEvent, *{**fields, **other}.values(), False)
+
+    def test_an_event_is_chosen(self) -> None:
+        first, *_, last = self.events()
+        self.assertEqual((first.current, first.state, last.current, last.state), (True, "next", False, "later"))
+        self.assertGreaterEqual(first.begins, self.heard[-1].clock, "its scheduled time is long over")
+        self.assertLess(first.begins.to_sec() - self.heard[-1].clock.to_sec(), 60.0)
+        self.assertGreater(last.begins, first.begins)
+        self.assertEqual(self.heard[-1].box_uuid, self.box.details.box_uuid)
+        self.choose(last)
+        wait_until(lambda: self.events()[-1].current, "it is current")
+        self.assertEqual(self.events()[0].state, "skipped")
+        self.box.wait_zone(self.ZONE, lambda zone: zone.code == last.code, "panels show it")
+        self.choose(first)
+        wait_until(lambda: self.events()[0].current, "the first one is current again")
+
+    def test_an_event_that_is_not_in_the_schedule(self) -> None:
+        event = self.events()[1]
+        for other, why in (({"team": "Nobody"}, "has no event"), ({"run": 9}, "has no event"),
+                           ({"zone": "x"}, "no zone 'x'"), ({"schedule": rospy.Time(1)}, "has no event")):
+            with self.subTest(other), self.assertRaisesRegex(Refusal, why):
+                self.choose(event, **other)
+        self.assertTrue(self.events()[0].current)
 
 
 class TestServices(BoxCase):
