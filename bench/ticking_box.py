@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A box that behaves like the original one: it sends its state every 200 ms and only then.
+"""A box that behaves like the original one: it sends its state only every 200 ms.
 
 For comparison only: one robot, no referee, no rules except the table of states. It reads the referee's commands, start
 and stop, from standard input.

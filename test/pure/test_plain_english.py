@@ -1,4 +1,4 @@
-"""Words that are never right in the texts of this project: in source, pages, messages, configuration and tests."""
+"""Words that are never right in texts and names of files: source, pages, messages, configuration and tests."""
 
 import pathlib
 import re
@@ -28,7 +28,8 @@ INSTEAD: Dict[str, str] = {
     r"gone on": _CONTINUE,
     r"went on": _CONTINUE,
     r"rooms(?<!four rooms)": "packages or folders",
-    r"what is none": "missing, invalid or not available",
+    r"what (?:is|are) no(?:ne)?": "missing, invalid or not available",
+    r"anew": "again",
     r"stands? still": "paused or stopped",
     r"stood still": "paused or stopped",
     r"end of (?:the )?time": "timeout",
@@ -66,7 +67,7 @@ def _files() -> Iterator[pathlib.Path]:
 
 def test_all_files():
     found = [f"{path.relative_to(ROOT)}: {words}" for path in _files()
-             for words in wrong_words(path.read_text(encoding="utf-8"))]
+             for words in wrong_words(path.name) + wrong_words(path.read_text(encoding="utf-8"))]
     assert found == []
 
 
@@ -77,7 +78,8 @@ def test_all_files():
     ("passwords, made by chance", "random"), ("the other rooms", "folders"),
     ("A recording, and what is none.", "missing"),
     ("class Surroundings:", "role"), ("No connection: look at the network.", "check the network"),
-    ("after the end of the time", "timeout"),
+    ("after the end of the time", "timeout"), ("def test_what_is_no_bag():", "invalid"),
+    ("test_log_mending.py", "repair"),
 ])
 def test_a_wrong_word_is_found(text, usual):
     (found,) = wrong_words(f"first line\n{text}\n")

@@ -126,7 +126,7 @@ class Watches:
 
     def clock_stepped(self, now: Now, step: float) -> str:
         """Warn that the box's own clock was set by `step` seconds."""
-        text = f"The clock of this computer was set by {step:+.3f} s: skews are measured anew"
+        text = f"The clock of this computer was set by {step:+.3f} s: skews are measured again"
         self._keep(now, ("clock", None), text, CLOCK_REMEMBER_S)
         return text
 

@@ -263,7 +263,7 @@ def _why_not(path: str, competition: str, resume: Resume, launch: str) -> str:
     try:
         if _is_empty(connection):
             return ""  # the core ended before it wrote anything
-        return _problem_of(connection, competition) or _begins_anew(connection, resume, launch)
+        return _problem_of(connection, competition) or _why_not_resumed(connection, resume, launch)
     except sqlite3.OperationalError:
         raise
     except (sqlite3.DatabaseError, ValueError) as error:
@@ -295,7 +295,7 @@ def _problem_of(connection: sqlite3.Connection, competition: str) -> str:
     return ""
 
 
-def _begins_anew(connection: sqlite3.Connection, resume: Resume, launch: str) -> str:
+def _why_not_resumed(connection: sqlite3.Connection, resume: Resume, launch: str) -> str:
     row = connection.execute("SELECT launch FROM sessions ORDER BY id DESC LIMIT 1").fetchone()
     if row is None or resume is Resume.ALWAYS or (resume is Resume.LAUNCH and row[0] == launch):
         return ""

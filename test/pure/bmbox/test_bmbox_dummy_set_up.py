@@ -87,7 +87,7 @@ def test_hnf():
     assert 0.0 < score["", "orientation_accuracy"] < 0.2
 
 
-def test_a_run_that_is_stopped_keeps_its_score_and_begins_anew():
+def test_a_stopped_run_keeps_its_score_and_the_next_begins_at_0():
     set_up = DummySetUp("HGMF")
     while ("grasped", "1") not in [(s.name, s.value) for s in set_up.run.scores]:
         set_up.step()

@@ -103,7 +103,7 @@ def test_a_run_that_was_not_started_does_nothing_until_it_is():
     assert runner.progress().request.number == 1
 
 
-def test_a_new_attempt_begins_anew():
+def test_a_new_attempt_starts_from_the_beginning():
     r = story()
     r.answer("no")
     r.result("seen")
@@ -123,7 +123,7 @@ def test_a_new_attempt_without_an_end_of_the_old_one_ends_that():
     assert r.runner.progress().attempt == 2
 
 
-def test_each_attempt_draws_anew_and_a_restart_draws_the_same():
+def test_each_attempt_draws_again_and_a_restart_draws_the_same():
     draws = set()
     for attempt in range(1, 6):
         r = Rehearsal(Story)

@@ -85,7 +85,7 @@ def test_its_timeout_is_a_setting():
     assert _ended(driver) is EndReason.NO_MESSAGES_SAVED
 
 
-def test_the_referee_may_start_again_and_the_watch_begins_anew():
+def test_the_referee_may_start_again_and_the_watch_restarts():
     driver, robot = _executing()
     driver.run(5)
     robot.says(RobotState.STOP)

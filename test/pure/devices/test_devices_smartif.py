@@ -89,7 +89,7 @@ def test_the_rest_of_an_incomplete_message_is_awaited(message, missing):
 
 @examples()
 @given(st.lists(HEARD, max_size=4), st.binary(max_size=50))
-def test_what_came_before_garbage_counts(messages, more):
+def test_messages_before_garbage_count(messages, more):
     decoder = Decoder(FROM_CONTROLLER)
     assert decoder.feed(b"".join(map(encode, messages)) + b"?" + more) == messages if messages else True
     with pytest.raises(Garbage, match=r"begins with b'\?': expected 'E', '1', '2'"):

@@ -192,7 +192,7 @@ def test_the_true_time_is_left_after_a_restart(tmp_path):
     assert driver.run_in("tbm").timer(driver.now) == pytest.approx(left - 20.0)
 
 
-def test_the_true_time_is_left_after_the_computer_was_started_anew(tmp_path):
+def test_the_true_time_is_left_after_a_restart_of_the_computer(tmp_path):
     driver = box(tmp_path)
     driver.executing("tbm")
     left = driver.run_in("tbm").timer(driver.now)

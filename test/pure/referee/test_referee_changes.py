@@ -47,7 +47,7 @@ def test_lines_continue_where_the_beginning_was_cut_off():
     assert [change.facts["text"] + "\n" for change in found] == lines[15:18]
 
 
-def test_the_next_runs_log_begins_anew():
+def test_the_next_runs_log_starts_empty():
     found = _facts(box(zone(log="old run\n")), box(zone(log="new\n")))
     assert found == [("log", "Home A", {"text": "new"})]
 

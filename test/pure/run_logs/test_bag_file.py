@@ -171,7 +171,7 @@ def test_a_log_of_another_version_is_kept_beside_the_new_one(path, monkeypatch):
     assert salvaged(kept)[0] == [(SCORE, (int(UTC), 250000000))]
 
 
-def test_when_it_cannot_be_written_anew_the_old_file_stays(path, monkeypatch):
+def test_when_it_cannot_be_rewritten_the_old_file_stays(path, monkeypatch):
     before = grown(path, entries(5)).read_bytes()
 
     def full(*_):

@@ -79,7 +79,7 @@ def test_a_disk_that_has_room_for_a_little_only(disk, loop):
     loop.log(entries(2000))
     loop.settle()
     size = path.stat().st_size
-    disk.fill(leave=size // 2)  # for more of the log, but not for writing it anew
+    disk.fill(leave=size // 2)  # for more of the log, but not for rewriting it
     loop.log(entries(2000, first=2000))
     loop.wait(loop.troubles)
     time.sleep(0.3)  # some attempts

@@ -83,7 +83,7 @@ def test_the_times_of_log_lines_are_local_and_nothing_else_in_them_changes(in_li
     assert times.Moments(in_utc=True).lines(text, NOON) == text
 
 
-def test_a_clock_that_is_far_off_is_no_error():
+def test_a_clock_that_is_far_off_is_not_an_error():
     assert times.time_of_day(1e30) == times.Moments().short(1e30) == "?"
     assert times.Moments().lines("10:00:00Z a", 1e30) == "10:00:00 a"
 

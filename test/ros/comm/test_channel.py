@@ -291,7 +291,7 @@ class TestRun(ChannelCase):
         self.wait_benchmark(0)
         self.assertEqual((self.services, self.published), (set(), ALWAYS))
         late = self.heard("benchmark/state", BenchmarkState)
-        # The next run, on another port, begins anew.
+        # The next run, on another port, begins again.
         self.begin("HGTKMH")
         self.assertEqual(late.wait_count(1).benchmark_state, SAYS_STOP)
         self.assertEqual([m.benchmark for m in self.benchmarks.messages][-4:], [0, NUMBERS["STB"], 0, 1])

@@ -89,7 +89,7 @@ class TestStops(FaultsCase):
             self.box.command("stop", "STB")
             self.box.wait_details("STB", lambda d: d.end_reason == "stopped", "it is stopped")
         self.box.start("STB")
-        self.box.wait_details("STB", lambda d: d.phase == "running" and d.operation == 1, "it begins anew")
+        self.box.wait_details("STB", lambda d: d.phase == "running" and d.operation == 1, "it begins again")
         done = robot.did.count("execute STB")
         self.answer("STB")
         for times in (1, 2):

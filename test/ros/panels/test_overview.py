@@ -82,7 +82,7 @@ class TestOverview(PanelCase):
             self.other.asked = Asked(number, "Place it")
             wait_until(lambda n=number: len(beeps) >= n, "it beeps")
             before = self.client.model.clock_s
-            wait_until(lambda b=before: self.client.model.clock_s > b + 0.3, "the panel was shown anew")
+            wait_until(lambda b=before: self.client.model.clock_s > b + 0.3, "the panel was shown again")
             self.assertEqual(len(beeps), number)
         self.other.asked = None
         for number in (3, 4):
@@ -243,7 +243,7 @@ class TestDevices(PanelCase):
         self.devices.publish(blinds=99)
         wait_until(lambda: self.client.model.devices.blinds == 99, "the message has come")
         before = self.client.model.clock_s
-        wait_until(lambda: self.client.model.clock_s > before + 0.3, "the panel was shown anew")
+        wait_until(lambda: self.client.model.clock_s > before + 0.3, "the panel was shown again")
         self.assertEqual((row.number.value(), slider.sliderPosition()), (dragged, dragged))
         self.assertEqual(self.devices.calls, [])
         QTest.mouseRelease(slider, Qt.LeftButton, Qt.NoModifier, slider.rect().center())

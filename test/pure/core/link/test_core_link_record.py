@@ -73,7 +73,7 @@ def test_a_second_of_a_good_link(line):
     assert line.sample(after=0.0) == LinkSample(1.0, received=1, gap_s=1.0, skew_s=0.0, host="10.0.0.2")
 
 
-def test_each_sample_begins_anew(line):
+def test_each_sample_starts_from_zero(line):
     line.sends_all([1.0, 3.0])
     line.sample()
     assert line.sample(after=1.0) == LinkSample(1.0, gap_s=1.0, skew_s=0.0, host="10.0.0.2")

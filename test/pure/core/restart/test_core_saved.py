@@ -71,7 +71,7 @@ def test_a_boot_keeps_its_monotonic_clock_whatever_utc_did():
     assert Anchor(100.0, 1e9, "boot").shift(Now(107.0, 5e8), "boot") == 0.0
 
 
-def test_a_new_boot_begins_its_clock_anew():
+def test_a_new_boot_has_a_new_clock():
     # 60 s passed by UTC: what was due at 100 + 90 is due in 30 s.
     shift = Anchor(100.0, 1e9, "one").shift(Now(12.0, 1e9 + 60), "two")
     assert 190.0 + shift == 12.0 + 30.0

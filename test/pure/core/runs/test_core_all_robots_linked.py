@@ -59,7 +59,7 @@ def test_thirty_robots_complete():
 
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
-def test_a_robot_that_crashes_and_comes_back_begins_anew_and_the_others_do_not(seed):
+def test_a_robot_that_crashes_and_returns_starts_again_and_the_others_do_not(seed):
     world = _world(seed, TEAMS)
     run = _started(world)
     assert world.run_until(lambda: all(robot.tasks for robot in world.robots), 30)

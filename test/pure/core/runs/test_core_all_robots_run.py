@@ -212,7 +212,7 @@ def test_a_robot_that_dies_does_not_end_the_run_of_the_others():
     assert ends(driver) == [EndReason.TIMEOUT, EndReason.COMPLETED, EndReason.COMPLETED]
 
 
-def test_a_robot_that_is_switched_on_again_begins_anew():
+def test_a_robot_that_is_switched_on_again_starts_from_the_beginning():
     driver, robots = running()
     live_all(driver, robots[1:], 10)
     robots[0].says(RobotState.STOP)
