@@ -171,7 +171,10 @@ class LaunchedBox(Box):
     def _started(self, profile: str, settings: Dict[str, object]) -> Measured:
         for name in ("listen_duration", "max_datagram"):
             rospy.set_param(f"{CORE}/{name}", settings[name])
-        given = {**{name: settings[name] for name in self.ARGUMENTS}, "public_results": "none", "resume": "always"}
+        given = {
+            **{name: settings[name] for name in self.ARGUMENTS}, "public_results": "none",
+            "public_provisional": "false", "standings_file": "none", "resume": "always",
+        }
         launch = str(ROOT / "launch" / "core.launch.xml")
         return Measured("roslaunch", launch, *(f"{name}:={value}" for name, value in given.items()))
 

@@ -17,7 +17,9 @@ GOOD = {
     "benchmarks_file": CONFIG / "short_benchmarks.yaml", "schedule_file": CONFIG / "boxes.yaml",
     "passwords_file": CONFIG / "passwords.yaml",
 }
-CORE = {"public_results": "none", "resume": "always"}
+CORE = {
+    "public_results": "none", "public_provisional": "false", "standings_file": "none", "resume": "always",
+}
 # Line by line: file and line, what is found there.
 ERRORS = (
     r"benchmarks\.yaml:2: found the text 'HGTKM' as code; expected .*did you mean 'HGTKMH'",
