@@ -89,7 +89,7 @@ class TestBenchmarkControl(PanelCase):
         self.wait_phase("RUNNING")
         wait_until(self.buttons["stop"].isEnabled, "stop is on")
         self.core.silent = True
-        self.zone.phase, self.zone.end_reason = "ended", "completed"
+        self.zone.end("completed")
         QTest.mouseClick(self.buttons["stop"], Qt.LeftButton)
         self.wait_call("stop_run", "Home A")
         self.core.silent = False
@@ -228,11 +228,13 @@ class TestBenchmarkControl(PanelCase):
         self.zone.robot = "a robot with a long name " * 3
         self.panel.resize(1, 1)  # as small as it can be: then anything that needs more room makes it grow
         look()
-        for command, phase in (("connect", "● CONNECTED"), ("start", "RUNNING"), ("stop", "ENDED")):
+        for command, phase in (("connect", "● CONNECTED"), ("start", "RUNNING")):
             self.zone.command(command)
             self.wait_phase(phase)
             look()
-        self.zone.end_reason = "no_messages_saved"
+        self.zone.end("no_messages_saved")
+        self.wait_phase("ENDED")
+        look()
         self.zone.warnings = [f"Warning {n}, which is somewhat longer than a line of the panel is" for n in range(9)]
         self.core.refuse = "for many good reasons; " * 10
         click(self.buttons["start"])

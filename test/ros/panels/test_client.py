@@ -75,7 +75,6 @@ class TestPanels(CoreCase):
         wait_until(lambda: panel._values["runs"].text() == "1 of 2 zones", "the run is counted")
         self.assertEqual(panel.notices.toPlainText(), "OK")
         self.assertEqual(panel._values["addr"].text(), "127.255.255.255")
-        self.core.status = "ANOTHER RSBB"
         self.core.box_warnings = ["ANOTHER RSBB"]
         wait_until(lambda: panel.notices.toPlainText() == "⚠ ANOTHER RSBB", "the warning is shown, once")
 

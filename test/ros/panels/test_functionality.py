@@ -71,7 +71,7 @@ class TestManualOperation(PanelCase):
         self.ask(5, "Which person came?", (), True)
         QTest.keyClicks(self.panel.typed, "the postman")
         self.ask(6, "And now?", (), True)
-        self.assertEqual(self.panel.typed.text(), "")
+        wait_until(lambda: not self.panel.typed.text(), "the line is empty again")
 
     def test_a_failed_call_is_shown_and_may_be_given_again(self) -> None:
         self.core.refuse = "that manual operation is over"

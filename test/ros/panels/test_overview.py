@@ -3,7 +3,7 @@
 import re
 import time
 
-from support.fakes.core import Asked
+from support.fakes.core import Asked, FakeCore
 from support.fakes.devices import FakeDevices
 from support.gui_testing import QApplication, QPoint, Qt, QTest, click, show, wait_until
 from support.panel_case import PanelCase
@@ -23,6 +23,12 @@ class TestOverview(PanelCase):
         self.other = self.core.zones["Home B"]
         wait_until(lambda: self.panel.tiles, "the zones are shown")
         self.tile, self.other_tile = self.panel.tiles["Home A"], self.panel.tiles["Home B"]
+
+    def replace_core(self, *zones: str) -> None:
+        """The core is started again with other zones."""
+        self.core.close()
+        self.core = FakeCore(zones, box_uuid="another")
+        self.zone, self.other = self.core.zones["Home A"], self.core.zones["Home B"]
 
     def run_both(self) -> None:
         for zone in (self.zone, self.other):
@@ -112,7 +118,7 @@ class TestOverview(PanelCase):
         self.assertEqual(self.client.model.zone_name, "Home A")
 
     def test_other_zones_of_another_schedule(self) -> None:
-        self.core.zones["Arena"] = type(self.zone)("Arena")
+        self.replace_core("Home A", "Home B", "Arena")
         wait_until(lambda: list(self.panel.tiles) == ["Home A", "Home B", "Arena"], "the new zone has a tile")
         self.assertEqual(len(self.panel.findChildren(type(self.panel.tiles["Arena"]))), 3)
 
@@ -138,7 +144,7 @@ class TestOverview(PanelCase):
     # -- stopping -----------------------------------------------------------------------------------
 
     def test_holding_the_button_stops_all_zones_that_run(self) -> None:
-        self.core.zones["Arena"] = type(self.zone)("Arena")
+        self.replace_core("Home A", "Home B", "Arena")
         self.core.zones["Arena"].command("connect")  # a stop would leave this run: it is none of ours
         self.run_both()
         self.hold(KEEP_MS + 400)

@@ -1,11 +1,11 @@
 """Results, histories, notes and reasons, clicked on and typed, with a fake core: real messages, real services."""
 
 import rospy
-from support.fakes.scores import NOT_ATTEMPTED, present
+from support.fakes.core import NOT_ATTEMPTED
 from support.gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, question, wait_until
 from support.panel_case import BUMPS, DOOR, PanelCase
 
-from roah_rsbb.core.scoring.records import By
+from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import Unsaved, UnsavedParts
 from roah_rsbb.rqt.panels import benchmark_control, scoring
@@ -41,8 +41,7 @@ class WordsCase(PanelCase):
     def leave(self) -> str:
         """Stop and leave the run; returns its identity."""
         identity = self.zone.identity
-        self.zone.command("stop")
-        self.zone.command("stop")
+        self.zone.command("stop", "disconnect")
         return identity
 
 
@@ -152,7 +151,7 @@ class TestStopReason(WordsCase):
         QTest.keyClicks(line, "fire alarm")
         QTest.keyClick(line, Qt.Key_Return)
         self.wait_words(identity, "fire alarm", "Anna")
-        wait_until(lambda: self.zone.book.state.stops[0].reason == "fire alarm", "it is saved")
+        wait_until(lambda: self.zone.run.book.state.stops[0].reason == "fire alarm", "it is saved")
         self.assertEqual(line.text(), "fire alarm")
         QTest.keyClicks(line, " in the kitchen")
         QTest.keyClick(line, Qt.Key_Return)
@@ -162,13 +161,14 @@ class TestStopReason(WordsCase):
     def test_it_stays_visible_and_editable_until_the_sign_off(self) -> None:
         line, identity = self.panel.reason, self.zone.identity
         self.zone.command("stop")
-        self.zone.book.give_reason(0, By("Ben", "fire alarm"))  # by another client
+        scores = self.core.box.scores
+        self.core.event(scores.give_stop_reason, RunName("Home A"), "fire alarm", "Ben")  # by another client
         wait_until(lambda: line.text() == "fire alarm", "it is shown")
-        self.zone.command("stop")
+        self.zone.command("disconnect")
         wait_until(lambda: "NOT CONNECTED" in self.panel._phase.text(), "the run is left")
         wait_until(line.isEnabled, "it can be changed")
         self.assertEqual(line.text(), "fire alarm")
-        self.zone.finished.find(identity).sign_off(present(), "Cleo")
+        self.core.event(scores.sign_off, RunName("Home A", identity), "Cleo")
         wait_until(lambda: not line.isEnabled(), "it is final")
         self.assertEqual(line.text(), "fire alarm")
         self.assertIn("signed off by Cleo", line.toolTip())
@@ -178,7 +178,7 @@ class TestStopReason(WordsCase):
         self.zone.command("stop")
         wait_until(line.isEnabled, "a reason may be typed")
         QTest.keyClicks(line, "the door ")
-        self.zone.command("stop")
+        self.zone.command("disconnect")
         wait_until(lambda: "NOT CONNECTED" in self.panel._phase.text(), "the run is left")
         QTest.keyClicks(line, "was locked")
         QTest.keyClick(line, Qt.Key_Return)

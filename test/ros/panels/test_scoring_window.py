@@ -142,7 +142,7 @@ class TestUndo(WindowCase):
         self.wait_call("withdraw", "Home A", 2)
         wait_until(lambda: undo.buttons == others, "it is gone, and the others stay where they are")
         self.assertEqual([entry.number for entry in self.zone.book.sheet.history if entry.withdrawn_utc], [2])
-        self.assertEqual(self.zone.book.sheet.history[1].withdrawn_by, "Anna")
+        self.assertRegex(self.zone.book.sheet.history[1].withdrawn_by, r"^Anna \(/")
 
     def test_a_new_mark_takes_the_place_of_the_oldest_and_nothing_else_moves(self) -> None:
         entries = [HistoryEntry(n, 0.0, "Anna", "G", f"item {n}", "uint", 0, False, 1, False) for n in range(1, 8)]
@@ -199,7 +199,7 @@ class TestTimes(WindowCase):
 
     def test_after_the_end_the_final_time_is_the_largest_figure(self) -> None:
         self.run_zone()
-        self.zone.elapsed_s = 92.0
+        self.core.pass_time(92.0)
         self.zone.command("stop")
         main = self.control.times.main
         wait_until(lambda: main.label.text() == "Final time of the run", "the label changes with the figure")
@@ -211,9 +211,9 @@ class TestTimes(WindowCase):
     def test_the_last_seconds_stand_out_without_colour(self) -> None:
         self.run_zone()
         left = EVENTS[0][4] - 25.0
-        self.zone.elapsed_s = left
+        self.core.pass_time(left)
         main = self.control.times.main
         wait_until(lambda: main.figure._tone is basic.OLD, "it is amber")
         self.assertFalse(main.figure._framed)
-        self.zone.elapsed_s = left + 16.0
+        self.core.pass_time(16.0)
         wait_until(lambda: main.figure._framed and "LAST SECONDS" in main.label.text(), "it has a frame and words")

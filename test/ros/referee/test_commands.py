@@ -18,26 +18,10 @@ from support.programs import own
 from support.referee_program import Referee, referee
 from support.waiting import LIMIT_S, wait_until
 
+from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import ModuleScore
 
 DOOR = ("Achievements", "The robot detects the door with changed state")
-
-
-class RestartedCore(FakeCore):
-    """A core as another process: with another identity. Publishes once it is `ready`."""
-
-    def __init__(self) -> None:
-        self.ready = False
-        super().__init__()
-
-    def publish(self, *args, **options) -> None:
-        if self.ready:
-            super().publish(*args, **options)
-
-    def details_message(self, now):
-        message = super().details_message(now)
-        message.box_uuid = "another"
-        return message
 
 
 def on_terminal(*words: str, **environment: str) -> str:
@@ -138,7 +122,7 @@ class TestCommands(WithCore):
         for value in ("1", "2", "3"):
             made = json.loads(referee("score", "Home A", "2", "+1", "--json").stdout)
             self.assertEqual((made["ok"], made["number"], made["value"]), (True, 2, int(value)))
-        self.assertEqual(self.core.calls[0], ("set_score", "Home A", *DOOR, 1))
+        self.assertEqual(self.core.calls[0], ("score", "Home A", *DOOR, 1))
         self.assertEqual(len(self.core.calls), 4)
         self.assertEqual(referee("score", "Home A", "door").returncode, 2)
 
@@ -153,7 +137,7 @@ class TestCommands(WithCore):
         self.assertEqual([(e["value"], e["not_attempted"], e["note"]) for e in sheet["history"]],
                          [(1, False, "through the window"), (0, True, "")])
         done = referee("withdraw", "Home A", "2", "--note", "it did try")
-        self.assertIn("; withdrawn at", done.stdout)
+        self.assertIn("; withdrawn by no name at", done.stdout)
         self.assertIn("1    yes  " + DOOR[1], done.stdout)
         again = referee("withdraw", "Home A", "2")
         self.assertEqual((again.returncode, again.stderr.count("entry 2 was withdrawn already")), (1, 1))
@@ -169,7 +153,7 @@ class TestCommands(WithCore):
         identity = self.zone.identity
         self.zone.command("stop")
         self.assertIn("Benchmark stopped by the referee", referee("reason", "Home A", "fire alarm").stdout)
-        self.zone.command("stop")
+        self.zone.command("disconnect")
         self.assertIn("not signed off", referee("runs", "Home A").stdout)
         self.assertIn("Home B:\n    no run is connected or over", referee("runs").stdout)
         self.assertIn("no  " + DOOR[1], referee("score", "Home A", "--run", "last").stdout)
@@ -245,7 +229,7 @@ class TestNoCore(unittest.TestCase):
         self.assert_reported("no core", "run", "Home A", "--wait", "0.5")
 
     def test_a_core_that_hangs_behind_its_last_message(self) -> None:
-        core = FakeCore(auto_publish=False)
+        core = FakeCore(silent=True)
         self.addCleanup(core.close)
         core.publish(clock=time.time() - 60)
         self.assert_reported("silent")
@@ -265,11 +249,11 @@ class TestWatch(WithCore):
         watch.line(lambda line: "allowed now" in line, "the status")
         self.zone.command("connect")
         connected = watch.line(lambda line: "CONNECTED" in line, "connected")
-        self.assertRegex(connected, r"^\d\d:\d\d:\d\dZ Home A: CONNECTED to mbot on UDP port 6667$")
+        self.assertRegex(connected, r"^\d\d:\d\d:\d\dZ Home A: CONNECTED to mbot on UDP port 6667")
         self.zone.online_data += "12:00:00Z visitor: postman\n"
         watch.wait_printed("\n12:00:00Z Home A: online data: visitor: postman")
         # This came in the message that has the sheet, too: the phase comes in another one.
-        self.zone.scores[DOOR] = 1
+        self.zone.mark(Mark(*DOOR, 1), "Anna")
         watch.wait_printed(f"Home A: score: {DOOR[0]}: {DOOR[1]}: no → yes")
         self.core.zones["Home B"].command("connect")
         self.zone.warnings.append("Robot is silent")
@@ -285,8 +269,7 @@ class TestWatch(WithCore):
         self.assertEqual(len(watch.event("start")["box"]["zones"]), 2)
         self.core.leave()
         watch.event("core", what="silent")
-        self.core = RestartedCore()
-        self.core.ready = True
+        self.core = FakeCore(box_uuid="another")
         watch.event("core", what="back")
         watch.event("core", what="restarted", box_uuid="another")
         self.core.zones["Home B"].command("next")
@@ -321,17 +304,17 @@ class TestRun(WithCore):
         run.event("score", item=DOOR[1], value=1)
         zone.online_data += "12:00:00Z visitor: postman\n"
         run.event("online_data")
-        zone.phase, zone.end_reason = "ended", "completed"
+        zone.end("completed")
         result = run.event("result")
         self.assertEqual(run.wait_ended(), 0)
         self.assertEqual((result["ok"], result["end_reason"], result["event"]["code"]), (True, "completed", "HWV"))
         self.assertEqual(result["score"][0]["value"], 1)
-        self.assertEqual([call[0] for call in self.core.calls], ["next", "connect", "start", "set_score", "leave_run"])
+        self.assertEqual([call[0] for call in self.core.calls], ["next", "connect", "start", "score", "leave_run"])
 
     def test_its_text_ends_with_score_sheet_and_verdict(self) -> None:
         run = self.start("run", "Home A")
         run.wait_printed("RUNNING")
-        self.zone.phase, self.zone.end_reason = "ended", "timeout"
+        self.zone.end("timeout")
         run.wait_printed("Score sheet: HGTKMH")
         run.wait_printed("\nHome A: the run did not complete: timeout")
         self.assertEqual(run.wait_ended(), 4)
@@ -345,7 +328,7 @@ class TestRun(WithCore):
         self.zone.asked = Asked(2, "No pose", ("try again", "skip"))
         self.wait_call("operation", "Home A", 2, "skip")
         self.zone.module_scores = [ModuleScore("goal 1", "time", "1.25", "s", "Time")]
-        self.zone.phase, self.zone.end_reason = "ended", "completed"
+        self.zone.end("completed")
         self.assertEqual(run.wait_ended(), 0)
         for text in ("TO DO by the referee: Place the mug", "press Enter when it is done",
                      "end of input: other referees must complete", "module's score: goal 1: Time: 1.25 s",
@@ -375,12 +358,11 @@ class TestRun(WithCore):
         identity = self.zone.identity
         self.core.leave()
         run.event("core", what="silent")
-        self.core = RestartedCore()
+        self.core = FakeCore(box_uuid="another", silent=True)
         zone = self.core.zones["Home A"]
-        zone.command("connect")
-        zone.command("start")
+        zone.command("connect", "start")
         zone.identity = identity
-        self.core.ready = True
+        self.core.silent = False
         run.event("core", what="restarted")
-        zone.phase, zone.end_reason = "ended", "completed"
+        zone.end("completed")
         self.assertEqual(run.wait_ended(), 0)
