@@ -8,7 +8,7 @@ import xmlrpc.client
 import rosgraph
 import rospy
 from support.box_case import TABLET, BoxCase
-from support.dummy_launch import launch_dummy
+from support.dummy_launch import DummyRobot, launch_dummy
 from support.programs import Program, own
 from support.robots import wire
 from support.run_logs import RunLog
@@ -26,9 +26,9 @@ NOTIFICATIONS = ["going to the door", "guiding the visitor", "going to the door"
 class DummyCase(BoxCase):
     """A test case with a dummy robot."""
 
-    def dummy(self, team: str, **arguments: object) -> Program:
+    def dummy(self, team: str, **arguments: object) -> DummyRobot:
         """Launch the dummy robot of a team."""
-        return self._leaving(launch_dummy(team, **arguments))
+        return self._leaving(DummyRobot(team, **arguments))
 
     def begin(self, zone: str) -> None:
         """Connect and start."""
@@ -119,7 +119,7 @@ class TestMisbehaviour(DummyCase):
         self.box.wait_details("Forgetful", lambda d: d.end_reason == "no_messages_saved", "that is the reason")
 
     def test_a_crash(self) -> None:
-        robot = self.dummy("Delta", crash_in="execute")
+        robot = self._leaving(launch_dummy("Delta", crash_in="execute"))
         self.begin("Crash")
         robot.wait_ended()
         self.assertIn("crashing on request", robot.text)
@@ -132,7 +132,7 @@ class TestMisbehaviour(DummyCase):
 
     def test_a_comm_node_that_is_killed(self) -> None:
         """It restarts, and the box continues with it. The dummy, which kept running, begins again."""
-        robot = self.dummy("Eta", execute_duration=4.0)
+        robot = self._leaving(launch_dummy("Eta", execute_duration=4.0))
         self.begin("Back")
         self.box.wait_details("Back", lambda d: d.robot_state == "EXECUTING", "the robot executes")
         robot.wait_printed("HGTKMH: executing")

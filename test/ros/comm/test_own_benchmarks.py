@@ -9,7 +9,7 @@ from std_msgs.msg import UInt32
 from std_srvs.srv import Empty
 from support.box_case import PACKAGE
 from support.comm_case import Heard
-from support.dummy_launch import launch_dummy
+from support.dummy_launch import DummyRobot
 from support.modules_case import FunctionalityCase
 from support.programs import Program
 from support.robots import BROADCAST, PASSWORDS, RSBB_PORT, host_of
@@ -32,7 +32,7 @@ class OwnBenchmarks(FunctionalityCase):
 
 class TestDummyRobots(OwnBenchmarks):
     def test_with_ros(self) -> None:
-        robot = self._leaving(launch_dummy("Alpha", execute_duration=0.3))
+        robot = self._leaving(DummyRobot("Alpha", execute_duration=0.3))
         self.begin("SetTable Alpha")
         log = self.mark_and_leave("SetTable Alpha")
         self.assertEqual(log.values("/notification"), ["on my way"])

@@ -1,15 +1,60 @@
-"""dummy_robot.launch, as a program of the test: a comm node, and a dummy that uses its topics and services."""
+"""A comm node, and a dummy that uses its topics and services: as two programs, or as dummy_robot.launch."""
+
+import json
+from typing import Dict
 
 from support.box_case import PACKAGE
-from support.programs import Program
+from support.programs import Program, own
 from support.robots import BROADCAST, PASSWORDS, RSBB_PORT, host_of
 
 
+def _comm(team: str) -> Dict[str, object]:
+    return {"team_name": team, "robot_name": "Dummy", "rsbb_key": PASSWORDS[team], "rsbb_host": BROADCAST,
+            "rsbb_port": RSBB_PORT, "bind_host": host_of(team), "clock_offset": 0.0, "loss": 0.0}
+
+
+def _dummy() -> Dict[str, object]:
+    return {"prepare_duration": 0.3, "execute_duration": 1.0, "never_end": False, "crash_in": "",
+            "save_nothing": False}
+
+
+def comm_node(team: str, **arguments: object) -> Program:
+    """The comm node of a team."""
+    return _node("comm", "roah_rsbb_comm", {**_comm(team), "generation": "2020", **arguments})
+
+
+def _node(program: str, name: str, params: Dict[str, object]) -> Program:
+    given = (f"_{param}:={json.dumps(value)}" for param, value in params.items())  # a password may look like YAML
+    return Program(own(program), f"__name:={name}", *given)
+
+
+class DummyRobot:
+    """The dummy robot of a team. There is one at a time, because each has the same names in ROS.
+
+    All parameters are set each time: the master keeps those of the robot before.
+    """
+
+    def __init__(self, team: str, **arguments: object) -> None:
+        comm = {name: arguments.pop(name) for name in list(arguments) if name in _comm(team)}
+        self.comm = comm_node(team, **comm)
+        self._dummy = _node("dummy_glue", "dummy_robot", {**_dummy(), **arguments})
+
+    def close(self) -> None:
+        """End both programs."""
+        self._dummy.close()
+        self.comm.close()
+
+    @property
+    def text(self) -> str:
+        """All that both printed so far."""
+        return f"{self.comm.text}\n{self._dummy.text}"
+
+    def wait_printed(self, text: str, times: int = 1) -> None:
+        """Wait until the dummy has printed a text."""
+        self._dummy.wait_printed(text, times)
+
+
 def launch_dummy(team: str, **arguments: object) -> Program:
-    """The dummy robot of a team; there is one at a time, as each has the same names in ROS."""
-    usual = {
-        "team_name": team, "robot_name": "Dummy", "rsbb_key": PASSWORDS[team], "rsbb_host": BROADCAST,
-        "rsbb_port": RSBB_PORT, "bind_host": host_of(team), "prepare_duration": 0.3, "execute_duration": 1.0,
-    }
-    given = (f"{argument}:={value}" for argument, value in {**usual, **arguments}.items())
-    return Program("roslaunch", PACKAGE, "dummy_robot.launch", *given)
+    """The dummy robot of a team by its launch file, which restarts what ends."""
+    given = {**_comm(team), "prepare_duration": 0.3, "execute_duration": 1.0, **arguments}
+    return Program("roslaunch", PACKAGE, "dummy_robot.launch", *(f"{name}:={value}" for name, value in given.items()))
