@@ -93,7 +93,7 @@ def _titled(title: str, lines: List[str]) -> Iterator[str]:
 
 
 def _by(who: str) -> str:
-    return f"{line(who)}: " if who else ""
+    return f"{line(sheets.person(who))}: " if who else ""
 
 
 def _items(record: RunRecord) -> Iterator[str]:
@@ -227,7 +227,7 @@ def _stops_markup(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
         return
     yield tag("h2", "Ends")
     yield table(("When", "Who", "End", "Reason given"), [
-        (date_time(stop.utc, in_utc), stop.who, _end(stop), _reason(stop)) for stop in record.stops
+        (date_time(stop.utc, in_utc), sheets.person(stop.who), _end(stop), _reason(stop)) for stop in record.stops
     ], ("when", "who", "what"))
 
 
@@ -235,7 +235,7 @@ def _section(section: Section, in_utc: bool) -> Markup:
     several = any(h.robot for h in section.events)
     headings = ("When", "Who", *(("Robot",) if several else ()), "What")
     rows = [
-        (time_with_tenths(h.utc, in_utc), h.who, *((h.robot,) if several else ()),
+        (time_with_tenths(h.utc, in_utc), sheets.person(h.who), *((h.robot,) if several else ()),
          tag("span", h.text, class_="bad") if h.bad else h.text)
         for h in section.events
     ]
