@@ -3,7 +3,7 @@
 from typing import List, Optional, Tuple
 
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
-from roah_rsbb.rqt.qt import QAbstractItemView, QComboBox, QHBoxLayout, QPushButton, Qt
+from roah_rsbb.rqt.qt import QAbstractItemView, QComboBox, QHBoxLayout, QPushButton, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.srv import ChooseEvent
@@ -61,6 +61,8 @@ class SchedulePanel(Panel):
         super().__init__(client, parent)
         self._events: List[Event] = []
         self._shown: Optional[Filter] = None
+        self._scroll = QTimer(self, singleShot=True, interval=0)
+        self._scroll.timeout.connect(self._scroll_to_current)
         self.zones, self.teams = FilterBox("All zones"), FilterBox("All teams")
         self.days, self.shows = FilterBox("All days"), FilterBox("All events")
         self.shows.offer([show.value for show in Show if show is not Show.ALL])
@@ -107,11 +109,12 @@ class SchedulePanel(Panel):
         self.rows.show_rows(rows or [Row(None, ("", "", "", NO_EVENTS if self._events else "", "", "", "", "", ""))])
         if rows and shown != self._shown:
             self._shown = shown
-            self._scroll_to_current(events)
+            self._scroll.start()  # once the rows have their heights
         self._show_button()
 
-    def _scroll_to_current(self, events: List[Event]) -> None:
-        current = next((index for index, event in enumerate(events) if event.current), 0)
+    def _scroll_to_current(self) -> None:
+        keys = {_key(event) for event in self._events if event.current}
+        current = next((index for index, key in enumerate(self.rows.keys()) if key in keys), 0)
         self.rows.scrollToItem(self.rows.item(current, 0), QAbstractItemView.PositionAtCenter)
 
     def _show_button(self) -> None:

@@ -72,6 +72,10 @@ class Rows(QTableWidget):
         self.blockSignals(False)
         self.verticalScrollBar().setValue(place)
 
+    def keys(self) -> List[Optional[Hashable]]:
+        """Returns the keys of all rows."""
+        return [row.key for row in self._rows]
+
     def texts(self) -> List[Tuple[str, ...]]:
         """Returns the texts of all rows."""
         return [row.texts for row in self._rows]
