@@ -71,8 +71,8 @@ class TestResults(ResultsCase):
         self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 2, False, "the vase", "Anna")
         wait_until(lambda: self.links(port), "the first second of the link record")
         shown = self.results("show", identity, "--utc")
-        for expected in ("running", "yes  Detects the door", "2  Bumps into", "(the vase)", " Anna (", "0 → 2",
-                         "notification: <b>at the door</b>", "Box: WAITING_RESULT", "Robot: EXECUTING",
+        for expected in ("running", "yes  Detects the door", "2  Bumps into", "(the vase)", "Z Anna: Penalized",
+                         "0 → 2", "notification: <b>at the door</b>", "Box: WAITING_RESULT", "Robot: EXECUTING",
                          "start", f"robot's address: {host_of('Alpha')}"):
             self.assertIn(expected, shown)
         self.assertNotIn("Rank  Team", self.results("standings", "HGTKMH").partition("Alpha")[2])

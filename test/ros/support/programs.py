@@ -27,10 +27,13 @@ def own(name: str) -> str:
 
 @contextlib.contextmanager
 def _input(text: str) -> Iterator[int]:
-    """A pipe to read that text from."""
-    reading, writing = os.pipe()
-    os.write(writing, text.encode())
-    os.close(writing)
+    """A file descriptor to read that text from. Without text it is no terminal and no pipe, whose end ends programs."""
+    if text:
+        reading, writing = os.pipe()
+        os.write(writing, text.encode())
+        os.close(writing)
+    else:
+        reading = os.open(os.devnull, os.O_RDONLY)
     yield reading
     os.close(reading)
 
