@@ -40,6 +40,9 @@ class MyRobot:
         return self.states.empty() and not rospy.is_shutdown()
 
     def prepare(self):
+        while self.benchmark == "NONE":  # it is on a topic of its own, so it may come after the state
+            if not self.works(0.02):
+                return
         print(f"{self.benchmark}: preparing", flush=True)
         self.saved.publish(1)  # offline data is being recorded: the box stops a run without it
         if self.works():

@@ -35,9 +35,9 @@ class TestTeamGuide(FunctionalityCase):
         self.stopped_while_it_prepares()
 
     def stopped_while_it_prepares(self) -> None:
-        preparations = self.robot.text.count(": preparing")
+        preparations = self.robot.text.count("HGTKMH: preparing")
         self.begin("HGTKMH")
-        self.robot.wait_printed(": preparing", times=preparations + 1)
+        self.robot.wait_printed("HGTKMH: preparing", times=preparations + 1)
         stops = self.robot.text.count("stopped")
         self.box.command("stop", "HGTKMH")
         self.robot.wait_printed("stopped", times=stops + 1)
