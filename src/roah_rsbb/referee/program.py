@@ -4,9 +4,11 @@ It shows what the core publishes and gives the core's commands, as the panels do
 exit status shows the result.
 """
 
+import argparse
 import os
 import signal
 import sys
+from typing import List
 
 from roah_rsbb.referee.args import parser
 from roah_rsbb.referee.exits import Exit
@@ -21,26 +23,38 @@ def _hang_up(_number: int, _frame: object) -> None:
     raise SystemExit(128 + signal.SIGHUP)
 
 
-def main() -> None:
-    """Entry point of `rosrun roah_rsbb referee`."""
+def options_of(words: List[str]) -> argparse.Namespace:
+    """Read a command line. Raises SystemExit after help and for wrong options."""
     top = parser()
-    options = top.parse_args([word for word in sys.argv[1:] if ":=" not in word])  # ROS takes name:=value for itself
+    options = top.parse_args([word for word in words if ":=" not in word])  # ROS takes name:=value for itself
     if options.command is None:
         top.print_help(sys.stderr)
         sys.exit(int(Exit.USAGE))
+    return options
+
+
+def carry_out(options: argparse.Namespace) -> int:
+    """Carry out the command and return the exit status."""
+    try:
+        # Imported late: rospy and the messages take most of the time to start, and help or a wrong option need none.
+        from roah_rsbb.referee import commands
+        from roah_rsbb.referee.output import Output
+
+        return int(commands.carry_out(options, Output(options.json)))
+    except KeyboardInterrupt:
+        return int(Exit.INTERRUPTED)
+    except SystemExit as hung_up:
+        return hung_up.code
+
+
+def main() -> None:
+    """Entry point of `rosrun roah_rsbb referee`."""
+    options = options_of(sys.argv[1:])
     signal.signal(signal.SIGTERM, _interrupt)
     if signal.getsignal(signal.SIGHUP) is signal.SIG_DFL:  # not under nohup
         signal.signal(signal.SIGHUP, _hang_up)
-    try:
-        # Imported late: rospy and the messages take most of the time to start, and help or a wrong option need none.
-        from roah_rsbb.referee.commands import carry_out
-        from roah_rsbb.referee.output import Output
-
-        status = int(carry_out(options, Output(options.json)))
-    except KeyboardInterrupt:
-        status = int(Exit.INTERRUPTED)
-    except SystemExit as hung_up:
-        status = hung_up.code
+    status = carry_out(options)
     sys.stdout.flush()
+    sys.stderr.flush()  # Python 3.8 buffers it, too, unless it is a terminal
     # Threads that still wait for a silent master or core would delay the end.
     os._exit(status)

@@ -1,4 +1,8 @@
-"""The terminal referee as a separate program, with a fake core: real messages, real services."""
+"""The terminal referee with a fake core: real messages, real services.
+
+It is called in the test's process, and is a process of its own where that matters: how it starts and ends, its exit
+status, its signals, its files and what it leaves at the master.
+"""
 
 import contextlib
 import json
@@ -10,12 +14,13 @@ import subprocess
 import tempfile
 import time
 import unittest
+from typing import Any
 
 import rosgraph
 from support.fakes.core import EVENTS, NODE, Asked, FakeCore
 from support.forking import start
 from support.programs import own
-from support.referee_program import Referee, referee
+from support.referee_program import Referee, called, referee
 from support.waiting import LIMIT_S, wait_until
 
 from roah_rsbb.core.scoring.sheet import Mark
@@ -24,10 +29,10 @@ from roah_rsbb.msg import ModuleScore
 DOOR = ("Achievements", "The robot detects the door with changed state")
 
 
-def on_terminal(*words: str, **environment: str) -> str:
-    """Return the output of a referee on a terminal."""
+def on_terminal(*words: str) -> str:
+    """Return the output of a referee on a real terminal."""
     master, slave = pty.openpty()
-    process = start((own("referee"), *words), (slave, slave, slave), **{"TERM": "xterm", **environment})
+    process = start((own("referee"), *words), (slave, slave, slave), TERM="xterm")
     os.close(slave)
     shown = b""
     with contextlib.suppress(OSError):  # the terminal's other end is closed
@@ -47,6 +52,11 @@ class WithCore(unittest.TestCase):
 
     def tearDown(self) -> None:
         self.core.close()
+
+    def called(self, *words: str, **options: Any) -> "subprocess.CompletedProcess[str]":
+        """Call the referee in this process, when the core has published what the test changed in it."""
+        self.core.publish()
+        return called(*words, **options)
 
     def start(self, *words: str, typed: str = "") -> Referee:
         """A referee that is ended with the test."""
@@ -70,32 +80,32 @@ class TestCommands(WithCore):
         box = json.loads(referee("status", "--json").stdout)
         self.assertEqual([zone["zone"] for zone in box["zones"]], ["Home A", "Home B"])
         self.assertEqual(box["warnings"], ["Another box"])
-        self.assertEqual(json.loads(referee("status", "home b", "--json").stdout)["zone"], "Home B")
+        self.assertEqual(json.loads(self.called("status", "home b", "--json").stdout)["zone"], "Home B")
 
     def test_each_command_reaches_its_zone(self) -> None:
         for command, phase in (("connect", "CONNECTED"), ("start", "RUNNING"), ("stop", "ENDED: stopped"),
                                ("disconnect", "NOT CONNECTED"), ("next", "HWV"), ("previous", "HGTKMH")):
-            done = referee(command, "home a")
+            done = self.called(command, "home a")
             self.assertEqual((done.returncode, done.stderr), (0, ""))
             self.assertIn(phase, done.stdout)
         self.assertEqual(self.core.calls, [(command, "Home A") for command in
                                            ("connect", "start", "stop", "disconnect", "next", "previous")])
 
     def test_the_schedule_and_the_choice_of_an_event(self) -> None:
-        lines = referee("schedule", "home a").stdout.splitlines()
+        lines = self.called("schedule", "home a").stdout.splitlines()
         self.assertEqual(len(lines), 1 + len(EVENTS) + 2)
         self.assertIn("Home A  1*   2015-11-01 08:00  ~08:12  +12 min  HGTKMH, team TestingTeam", lines[1])
-        events = json.loads(referee("schedule", "--team", "AnotherTeam", "--json").stdout)["events"]
+        events = json.loads(self.called("schedule", "--team", "AnotherTeam", "--json").stdout)["events"]
         self.assertEqual([(event["zone"], event["number"], event["late_s"]) for event in events],
                          [("Home A", 2, 720.0), ("Home B", 2, 720.0)])
-        self.assertEqual(referee("schedule", "--show", "unsigned").stdout.splitlines()[-1], "no events")
-        done = referee("choose", "home a", "3")
+        self.assertEqual(self.called("schedule", "--show", "unsigned").stdout.splitlines()[-1], "no events")
+        done = self.called("choose", "home a", "3")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertIn("HCFGAC", done.stdout)
         self.assertEqual(self.core.calls, [("choose_event", "Home A", "HCFGAC", False)])
-        self.assertEqual(referee("choose", "Home A", "1", "--unsigned").returncode, 0)
+        self.assertEqual(self.called("choose", "Home A", "1", "--unsigned").returncode, 0)
         self.assertEqual(self.core.calls[-1], ("choose_event", "Home A", "HGTKMH", True))
-        done = referee("choose", "Home A", "4")
+        done = self.called("choose", "Home A", "4")
         self.assertEqual((done.returncode, done.stderr.count("there are 1 to 3")), (2, 1))
 
     def test_a_refusal_has_every_reason(self) -> None:
@@ -103,89 +113,89 @@ class TestCommands(WithCore):
         done = referee("connect", "Home A")
         self.assertEqual((done.returncode, done.stdout), (1, ""))
         self.assertEqual(done.stderr, "referee: connect was refused:\n  one thing; and what to do\n  another thing\n")
-        made = json.loads(referee("connect", "Home A", "--json").stdout)
+        made = json.loads(self.called("connect", "Home A", "--json").stdout)
         self.assertEqual((made["ok"], made["exit"]), (False, 1))
         self.assertEqual(made["reasons"], ["one thing; and what to do", "another thing"])
 
     def test_unknown_and_ambiguous_zones_are_not_sent(self) -> None:
         for word, hint in (("home", "'Home A', 'Home B'"), ("Hone A", "did you mean 'Home A'?")):
-            done = referee("connect", word)
+            done = self.called("connect", word)
             self.assertEqual(done.returncode, 2)
             self.assertIn(hint, done.stderr)
         self.assertEqual(self.core.calls, [])
 
     def test_scores_are_shown_set_and_counted(self) -> None:
-        self.assertEqual(referee("score", "Home A").returncode, 1)  # no run, no sheet
+        self.assertEqual(self.called("score", "Home A").returncode, 1)  # no run, no sheet
         self.zone.command("connect")
-        self.assertIn("1     no  " + DOOR[1], referee("score", "Home A").stdout)
-        self.assertEqual(referee("score", "Home A", "door", "yes").stdout, f"{DOOR[0]}: {DOOR[1]}: yes\n")
+        self.assertIn("1     no  " + DOOR[1], self.called("score", "Home A").stdout)
+        self.assertEqual(self.called("score", "Home A", "door", "yes").stdout, f"{DOOR[0]}: {DOOR[1]}: yes\n")
         for value in ("1", "2", "3"):
-            made = json.loads(referee("score", "Home A", "2", "+1", "--json").stdout)
+            made = json.loads(self.called("score", "Home A", "2", "+1", "--json").stdout)
             self.assertEqual((made["ok"], made["number"], made["value"]), (True, 2, int(value)))
         self.assertEqual(self.core.calls[0], ("score", "Home A", *DOOR, 1))
         self.assertEqual(len(self.core.calls), 4)
-        self.assertEqual(referee("score", "Home A", "door").returncode, 2)
+        self.assertEqual(self.called("score", "Home A", "door").returncode, 2)
 
     def test_scores_with_words_and_their_history(self) -> None:
         self.zone.command("connect")
-        done = referee("score", "Home A", "door", "yes", "--note", "through the window", "--referee", "Anna")
+        done = self.called("score", "Home A", "door", "yes", "--note", "through the window", "--referee", "Anna")
         self.assertEqual((done.stdout, done.stderr), (f"{DOOR[0]}: {DOOR[1]}: yes\n", ""))
         self.assertEqual(self.core.words, [("", "through the window", "Anna")])
-        self.assertEqual(referee("score", "Home A", "door", "n/a").stdout, f"{DOOR[0]}: {DOOR[1]}: not attempted\n")
-        self.assertIn("not attempted  " + DOOR[1], referee("score", "Home A").stdout)
-        sheet = json.loads(referee("sheet", "Home A", "--json").stdout)["sheet"]
+        self.assertEqual(self.called("score", "Home A", "door", "n/a").stdout, f"{DOOR[0]}: {DOOR[1]}: not attempted\n")
+        self.assertIn("not attempted  " + DOOR[1], self.called("score", "Home A").stdout)
+        sheet = json.loads(self.called("sheet", "Home A", "--json").stdout)["sheet"]
         self.assertEqual([(e["value"], e["not_attempted"], e["note"]) for e in sheet["history"]],
                          [(1, False, "through the window"), (0, True, "")])
-        done = referee("withdraw", "Home A", "2", "--note", "it did try")
+        done = self.called("withdraw", "Home A", "2", "--note", "it did try")
         self.assertIn("; withdrawn by no name at", done.stdout)
         self.assertIn("1    yes  " + DOOR[1], done.stdout)
-        again = referee("withdraw", "Home A", "2")
+        again = self.called("withdraw", "Home A", "2")
         self.assertEqual((again.returncode, again.stderr.count("entry 2 was withdrawn already")), (1, 1))
 
     def test_a_run_that_is_over_is_corrected_and_signed_off(self) -> None:
-        refused = referee("withdraw", "Home A", "1")
+        refused = self.called("withdraw", "Home A", "1")
         self.assertEqual((refused.returncode, refused.stderr.count("'--run last'")), (1, 1))
-        self.assertEqual(referee("sign-off", "Home A", "--run", "last").returncode, 2)
-        unasked = referee("sign-off", "Home A", "--run", "last", "--by", "Cleo")
+        self.assertEqual(self.called("sign-off", "Home A", "--run", "last").returncode, 2)
+        unasked = self.called("sign-off", "Home A", "--run", "last", "--by", "Cleo")
         self.assertEqual((unasked.returncode, unasked.stderr.count("no run")), (2, 1))
         self.zone.command("connect")
         self.zone.command("start")
         identity = self.zone.identity
         self.zone.command("stop")
-        self.assertIn("Benchmark stopped by the referee", referee("reason", "Home A", "fire alarm").stdout)
+        self.assertIn("Benchmark stopped by the referee", self.called("reason", "Home A", "fire alarm").stdout)
         self.zone.command("disconnect")
-        self.assertIn("not signed off", referee("runs", "Home A").stdout)
-        self.assertIn("Home B:\n    no run is connected or over", referee("runs").stdout)
-        self.assertIn("no  " + DOOR[1], referee("score", "Home A", "--run", "last").stdout)
-        self.assertIn(": yes", referee("score", "Home A", "door", "yes", "--run", identity[:11]).stdout)
-        (run,) = json.loads(referee("runs", "--json").stdout)["runs"]
+        self.assertIn("not signed off", self.called("runs", "Home A").stdout)
+        self.assertIn("Home B:\n    no run is connected or over", self.called("runs").stdout)
+        self.assertIn("no  " + DOOR[1], self.called("score", "Home A", "--run", "last").stdout)
+        self.assertIn(": yes", self.called("score", "Home A", "door", "yes", "--run", identity[:11]).stdout)
+        (run,) = json.loads(self.called("runs", "--json").stdout)["runs"]
         self.assertEqual((run["identity"], run["corrected"], run["signed_utc_s"]), (identity, True, None))
-        unasked = referee("sign-off", "Home A", "--run", "last", "--by", "Cleo")
+        unasked = self.called("sign-off", "Home A", "--run", "last", "--by", "Cleo")
         self.assertEqual((unasked.returncode, unasked.stderr.count("give --yes")), (2, 1))
-        done = referee("sign-off", "Home A", "--run", "last", "--by", "Cleo", "--yes")
+        done = self.called("sign-off", "Home A", "--run", "last", "--by", "Cleo", "--yes")
         self.assertIn("corrected, signed off by Cleo at", done.stdout)
         self.assertIn("fire alarm", done.stdout)
-        final = referee("score", "Home A", "door", "no", "--run", "last")
+        final = self.called("score", "Home A", "door", "no", "--run", "last")
         self.assertEqual((final.returncode, final.stderr.count("signed off by Cleo")), (1, 1))
 
     def test_a_manual_operation_is_done_and_answered(self) -> None:
-        done = referee("done", "Home A")
+        done = self.called("done", "Home A")
         self.assertEqual((done.returncode, done.stderr.count("no manual operation is requested now")), (1, 1))
         self.zone.asked = Asked(4, "No pose of the robot", ("try again", "skip"))
-        self.assertIn("TO DO by the referee: No pose of the robot (try again / skip)", referee("status").stdout)
-        self.assertEqual(referee("done", "Home A", "fly").returncode, 2)
-        self.assertEqual(referee("done", "Home A", "--operation", "3").returncode, 1)
+        self.assertIn("TO DO by the referee: No pose of the robot (try again / skip)", self.called("status").stdout)
+        self.assertEqual(self.called("done", "Home A", "fly").returncode, 2)
+        self.assertEqual(self.called("done", "Home A", "--operation", "3").returncode, 1)
         self.assertEqual(self.core.calls, [])
-        done = referee("done", "Home A", "sk", "--operation", "4")
+        done = self.called("done", "Home A", "sk", "--operation", "4")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(self.core.calls, [("operation", "Home A", 4, "skip")])
         self.assertNotIn("TO DO", done.stdout)
 
     def test_switches_are_entered(self) -> None:
         self.zone.switches, self.zone.switches_asked = {1, 2}, True
-        self.assertIn("switches that are on: 1, 2; damaged: 0; TO DO", referee("switches", "Home A").stdout)
-        self.assertEqual(referee("switches", "Home A", "--press", "300").returncode, 2)
-        done = referee("switches", "Home A", "--press", "2", "--press", "3", "--damaged", "1", "--confirm")
+        self.assertIn("switches that are on: 1, 2; damaged: 0; TO DO", self.called("switches", "Home A").stdout)
+        self.assertEqual(self.called("switches", "Home A", "--press", "300").returncode, 2)
+        done = self.called("switches", "Home A", "--press", "2", "--press", "3", "--damaged", "1", "--confirm")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(self.core.calls, [("switch", "Home A", 2), ("switch", "Home A", 3), ("damaged", "Home A", 1),
                                            ("switches complete", "Home A")])
@@ -193,9 +203,13 @@ class TestCommands(WithCore):
 
     def test_colour_on_a_terminal_only_and_not_where_it_is_unwanted(self) -> None:
         self.assertIn("\x1b[", on_terminal("status"))
-        self.assertNotIn("\x1b", on_terminal("status", NO_COLOR="1"))
-        self.assertNotIn("\x1b", on_terminal("status", TERM="dumb"))
-        self.assertNotIn("\x1b", on_terminal("status", "--json"))
+        for has_colour, words, environment in (
+            (True, ["status"], {"NO_COLOR": ""}), (False, ["status"], {"NO_COLOR": "1"}),
+            (False, ["status"], {"TERM": "dumb"}), (False, ["status", "--json"], {}),
+        ):
+            shown = self.called(*words, on_terminal=True, **{"TERM": "xterm", **environment}).stdout
+            self.assertIn("TestingTeam", shown)
+            self.assertEqual("\x1b[" in shown, has_colour, environment)
 
     def test_nothing_is_left_at_the_master(self) -> None:
         self.assertEqual(referee("status").returncode, 0)
@@ -204,41 +218,41 @@ class TestCommands(WithCore):
 
 
 class TestNoCore(unittest.TestCase):
-    """Whatever does not answer is reported. `referee` limits the program's time."""
+    """Whatever does not answer is reported. The time of a process is limited."""
 
     def setUp(self) -> None:
         NODE.leave()
 
-    def assert_reported(self, hint: str, *words: str, **environment: str) -> None:
-        done = referee(*(words or ["status"]), **environment)
+    def assert_reported(self, hint: str, done: "subprocess.CompletedProcess[str]") -> None:
         self.assertEqual(done.returncode, 3)
         self.assertIn(hint, done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1)
 
     def test_no_master(self) -> None:
-        self.assert_reported("set ROS_MASTER_URI", ROS_MASTER_URI="http://127.0.0.1:9")
+        self.assert_reported("set ROS_MASTER_URI", referee("status", ROS_MASTER_URI="http://127.0.0.1:9"))
 
     def test_a_master_that_hangs(self) -> None:
         with socket.socket() as mute:
             mute.bind(("127.0.0.1", 0))
             mute.listen(5)
-            self.assert_reported("does not answer", ROS_MASTER_URI=f"http://127.0.0.1:{mute.getsockname()[1]}")
+            master = f"http://127.0.0.1:{mute.getsockname()[1]}"
+            self.assert_reported("does not answer", referee("status", ROS_MASTER_URI=master))
 
     def test_no_core(self) -> None:
-        self.assert_reported("roslaunch roah_rsbb roah_rsbb.launch")
-        self.assert_reported("no core", "run", "Home A", "--wait", "0.5")
+        self.assert_reported("roslaunch roah_rsbb roah_rsbb.launch", called("status"))
+        self.assert_reported("no core", called("run", "Home A", "--wait", "0.5"))
 
     def test_a_core_that_hangs_behind_its_last_message(self) -> None:
         core = FakeCore(silent=True)
         self.addCleanup(core.close)
         core.publish(clock=time.time() - 60)
-        self.assert_reported("silent")
+        self.assert_reported("silent", called("status"))
 
     def test_a_core_that_does_not_answer_a_command(self) -> None:
         core = FakeCore()
         self.addCleanup(core.close)
         core.answer_gate.clear()
-        done = referee("connect", "Home A")
+        done = referee("connect", "Home A")  # it ends although its call still waits
         self.assertEqual(done.returncode, 3)
         self.assertIn("did not answer", done.stderr)
 

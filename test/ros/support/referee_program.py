@@ -1,9 +1,15 @@
-"""The terminal's referee as a program, for tests."""
+"""The terminal's referee, for tests: as a program, or in the test's own process."""
 
+import contextlib
+import io
 import json
+import os
 import subprocess
+import sys
 from typing import Callable
+from unittest import mock
 
+from roah_rsbb.referee import link, program
 from support.programs import Program, own, run
 from support.waiting import wait_until
 
@@ -11,6 +17,38 @@ from support.waiting import wait_until
 def referee(*words: str, **environment: str) -> "subprocess.CompletedProcess[str]":
     """A referee, from its start to its end."""
     return run(own("referee"), *words, **environment)
+
+
+class _Terminal(io.TextIOWrapper):
+    """An output that says it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def called(*words: str, on_terminal: bool = False, **environment: str) -> "subprocess.CompletedProcess[str]":
+    """The referee's program, called in this process: a process of its own costs a quarter of a second of CPU.
+
+    It uses the test's ROS node and leaves it as it was.
+    """
+    printed = (_Terminal if on_terminal else io.TextIOWrapper)(io.BytesIO(), encoding="utf-8")
+    errors = io.StringIO()
+    with open(os.devnull) as nothing, mock.patch.object(sys, "stdin", nothing), \
+            mock.patch.dict(os.environ, environment), mock.patch.object(link, "_init_node"), \
+            mock.patch.object(link.Link, "close", _close), \
+            contextlib.redirect_stdout(printed), contextlib.redirect_stderr(errors):
+        try:
+            status = program.carry_out(program.options_of(list(words)))
+        except SystemExit as refused:
+            status = refused.code
+    printed.flush()
+    return subprocess.CompletedProcess(words, status, printed.buffer.getvalue().decode("utf-8"), errors.getvalue())
+
+
+def _close(opened: link.Link) -> None:
+    """Unsubscribe, but keep the node."""
+    if opened._feed is not None:
+        opened._feed.stop()
 
 
 class Referee(Program):
