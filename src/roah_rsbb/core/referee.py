@@ -22,14 +22,14 @@ class RunName(NamedTuple):
     identity: str = ""  # empty: the run that is connected in the zone
 
 
-def one_line(text: str) -> str:
+def note_line(text: str) -> str:
     """Return a typed text as one line that can be shown anywhere."""
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
 def checked_note(text: str) -> str:
     """Return a note or reason as one line; raises `Refused` if it is too long."""
-    note = one_line(text)
+    note = note_line(text)
     if len(note) > MAX_NOTE:
         raise Refused([f"the note has {len(note)} characters: at most {MAX_NOTE} are kept, shorten it"])
     return note
@@ -37,9 +37,9 @@ def checked_note(text: str) -> str:
 
 def cut_note(text: str) -> str:
     """Return a note or reason as one line, cut to the maximum length."""
-    return one_line(text[:4 * MAX_NOTE])[:MAX_NOTE]
+    return note_line(text[:4 * MAX_NOTE])[:MAX_NOTE]
 
 
 def checked_who(who: str) -> str:
     """Return a name as one line, cut to the maximum length."""
-    return one_line(who[:4 * MAX_WHO])[:MAX_WHO]
+    return note_line(who[:4 * MAX_WHO])[:MAX_WHO]

@@ -30,7 +30,7 @@ class RunRow(NamedTuple):
     opened_utc: float
 
 
-class RunOutcome(NamedTuple):
+class OutcomeRow(NamedTuple):
     """The present record of a run."""
 
     closed_utc: Optional[float]  # None: still connected
@@ -64,7 +64,7 @@ class Batch:
     runs: List[RunRow] = field(default_factory=list)
     members: List[Member] = field(default_factory=list)
     log_files: Dict[int, str] = field(default_factory=dict)  # path of the run log by port
-    outcomes: Dict[str, RunOutcome] = field(default_factory=dict)  # by the run's identity
+    outcomes: Dict[str, OutcomeRow] = field(default_factory=dict)  # by the run's identity
     states: Dict[str, str] = field(default_factory=dict)  # JSON of the state for a restart by its name
     links: List[LinkRow] = field(default_factory=list)
 

@@ -72,12 +72,12 @@ def text_of(damage: Damage) -> str:
     """Describe what is damaged, and the period."""
     if damage.table not in ("entries", "links"):
         return f"{NAMES[damage.table]}: {damage.what}"
-    begin = "the beginning" if damage.from_utc is None else moment(damage.from_utc)
-    end = "the end" if damage.to_utc is None else moment(damage.to_utc)
+    begin = "the beginning" if damage.from_utc is None else utc_text(damage.from_utc)
+    end = "the end" if damage.to_utc is None else utc_text(damage.to_utc)
     return f"{NAMES[damage.table]} {damage.what}, from {begin} to {end}"
 
 
-def moment(utc: float) -> str:
+def utc_text(utc: float) -> str:
     """Return a time of day for a line of text."""
     return time.strftime("%Y-%m-%d %H:%M:%S UTC", time.gmtime(utc))
 
@@ -85,4 +85,4 @@ def moment(utc: float) -> str:
 def last_moment(connection: sqlite3.Connection) -> str:
     """Return the time of the newest entry that SQLite can read."""
     row = connection.execute("SELECT utc FROM entries ORDER BY id DESC LIMIT 1").fetchone()
-    return moment(row[0]) if row is not None and isinstance(row[0], float) else "the beginning"
+    return utc_text(row[0]) if row is not None and isinstance(row[0], float) else "the beginning"

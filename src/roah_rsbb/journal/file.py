@@ -27,7 +27,7 @@ MAX_CORES = 20
 COMPETITION = "competition"
 
 
-class CannotWrite(Exception):
+class CannotWriteJournal(Exception):
     """The journal cannot be written now: its folder is missing, full or read-only. This may be temporary."""
 
 
@@ -82,7 +82,7 @@ class Lock(NamedTuple):
 
 
 def lock(log_dir: str) -> Lock:
-    """Lock the first journal in the folder that no other core uses. Raises `CannotWrite`."""
+    """Lock the first journal in the folder that no other core uses. Raises `CannotWriteJournal`."""
     base, suffix = os.path.splitext(FILE_NAME)
     holders: List[Holder] = []
     try:
@@ -101,8 +101,10 @@ def lock(log_dir: str) -> Lock:
                 os.pwrite(fd, f"{os.getpid()}\n".encode("ascii"), 0)
             return Lock(path, fd, tuple(holders))
     except OSError as error:
-        raise CannotWrite(f"{log_dir}: {error.strerror}") from None
-    raise CannotWrite(f"{log_dir}: {MAX_CORES} cores have journals there: end some of them, or set another log_dir")
+        raise CannotWriteJournal(f"{log_dir}: {error.strerror}") from None
+    raise CannotWriteJournal(
+        f"{log_dir}: {MAX_CORES} cores have journals there: end some of them, or set another log_dir"
+    )
 
 
 def _pid_in(fd: int) -> int:
@@ -132,7 +134,7 @@ def open_file(path: str, competition: str, resume: Resume, launch: str) -> File:
     """Open the journal for a competition (JSON: a list of its events, each a list), or begin a new one.
 
     `launch`: the id of the new session's roslaunch. An existing journal is not changed, and can be read even if it
-    cannot be written. Call `prepare` next. Raises `CannotWrite`.
+    cannot be written. Call `prepare` next. Raises `CannotWriteJournal`.
     """
     warnings: List[str] = []
     if os.path.exists(path):
@@ -140,7 +142,7 @@ def open_file(path: str, competition: str, resume: Resume, launch: str) -> File:
         try:
             why = _why_not(path, competition, resume, launch)
         except sqlite3.OperationalError as error:
-            raise CannotWrite(f"{path}: {error}") from None
+            raise CannotWriteJournal(f"{path}: {error}") from None
         if why:
             aside = set_aside(path)
             warnings.append(f"The journal {path} is not continued: {why}. It is kept as {aside}")
@@ -149,7 +151,7 @@ def open_file(path: str, competition: str, resume: Resume, launch: str) -> File:
     try:
         connection = _connect(path)
     except (sqlite3.Error, OSError) as error:
-        raise CannotWrite(f"{path}: {error}") from None
+        raise CannotWriteJournal(f"{path}: {error}") from None
     return File(connection, tuple(warnings))
 
 
@@ -173,7 +175,7 @@ def prepare(connection: sqlite3.Connection, competition: str) -> None:
 
 
 def set_aside(path: str) -> str:
-    """Rename a journal and its companion files; returns its new path. Raises `CannotWrite`."""
+    """Rename a journal and its companion files; returns its new path. Raises `CannotWriteJournal`."""
     base, suffix = os.path.splitext(path)
     stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
     names = (f"{base}_aside_{stamp}{number}{suffix}" for number in ("", *(f"_{n}" for n in range(2, 1000))))
@@ -183,7 +185,7 @@ def set_aside(path: str) -> str:
             if os.path.exists(path + companion):
                 os.rename(path + companion, aside + companion)
     except OSError as error:
-        raise CannotWrite(f"{path} cannot be set aside: {error.strerror}") from None
+        raise CannotWriteJournal(f"{path} cannot be set aside: {error.strerror}") from None
     return aside
 
 

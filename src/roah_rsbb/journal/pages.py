@@ -30,7 +30,7 @@ class Frame(NamedTuple):
     is_good: bool
 
 
-class Record(NamedTuple):
+class PageRecord(NamedTuple):
     """One row somewhere in the file."""
 
     rowid: Optional[int]  # None: of an index, or of a table without rowids
@@ -144,14 +144,14 @@ def _size_of_file(content: bytes) -> int:
 # -- rows -------------------------------------------------------------------------------------------
 
 
-def records(image: bytes) -> Iterator[Record]:
+def page_records(image: bytes) -> Iterator[PageRecord]:
     """Return every readable record of all pages, including unused pages."""
     size = _size_of_file(bytearray(image[:100]))
     for at in range(0, len(image) - size + 1, size):
         yield from _records_of_page(image, at, size)
 
 
-def _records_of_page(image: bytes, at: int, size: int) -> Iterator[Record]:
+def _records_of_page(image: bytes, at: int, size: int) -> Iterator[PageRecord]:
     head = at + (100 if at == 0 else 0)
     kind = image[head]
     if kind not in (_TABLE_LEAF, _INDEX_LEAF, _INDEX_INTERIOR):
@@ -165,14 +165,14 @@ def _records_of_page(image: bytes, at: int, size: int) -> Iterator[Record]:
             yield _record(image, at + place, size, kind)
 
 
-def _record(image: bytes, at: int, size: int, kind: int) -> Record:
+def _record(image: bytes, at: int, size: int, kind: int) -> PageRecord:
     if kind == _INDEX_INTERIOR:
         at += 4
     length, at = _varint(image, at)
     rowid = None
     if kind == _TABLE_LEAF:
         rowid, at = _varint(image, at)
-    return Record(rowid, _values(_payload(image, at, size, length, kind)))
+    return PageRecord(rowid, _values(_payload(image, at, size, length, kind)))
 
 
 def _payload(image: bytes, at: int, size: int, length: int, kind: int) -> bytes:

@@ -145,7 +145,7 @@ def _value(table: str, name: str, value: object) -> object:
 
 def _rows_of_pages(image: bytes) -> Iterator[Tuple[str, Row]]:
     """Return all rows of the journal's tables in all pages."""
-    for record in pages.records(image):
+    for record in pages.page_records(image):
         for table in COLUMNS:
             row = _row_of(table, record)
             if row is not None:
@@ -153,7 +153,7 @@ def _rows_of_pages(image: bytes) -> Iterator[Tuple[str, Row]]:
                 break
 
 
-def _row_of(table: str, record: pages.Record) -> Optional[Row]:
+def _row_of(table: str, record: pages.PageRecord) -> Optional[Row]:
     has_rowid = COLUMNS[table][0] in ("id", "port", "rowid")
     if has_rowid is (record.rowid is None):
         return None
@@ -173,7 +173,7 @@ def _row_of(table: str, record: pages.Record) -> Optional[Row]:
 def _last_number(image: bytes) -> int:
     """Return the number of the latest entry that was ever written, if it is readable."""
     numbers = [
-        record.values[1] for record in pages.records(image)
+        record.values[1] for record in pages.page_records(image)
         if record.rowid is not None and record.values[:1] == ("entries",) and len(record.values) == 2
     ]
     return max((n for n in numbers if isinstance(n, int)), default=0)

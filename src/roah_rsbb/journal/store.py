@@ -20,7 +20,7 @@ from roah_rsbb.journal import file as files
 from roah_rsbb.journal import schema
 from roah_rsbb.journal.batch import Batch, NewEntry
 from roah_rsbb.journal.disk import Disk
-from roah_rsbb.journal.file import CannotWrite, Holder, Resume, Session
+from roah_rsbb.journal.file import CannotWriteJournal, Holder, Resume, Session
 from roah_rsbb.journal.previous_session import NOTHING, PreviousSession, read_previous_session
 
 # Failed writes are retried after this time.
@@ -130,7 +130,7 @@ class Journal:
         """Do a step. If it fails, the runs continue, and the data waits."""
         try:
             step()
-        except (CannotWrite, sqlite3.Error, OSError) as error:
+        except (CannotWriteJournal, sqlite3.Error, OSError) as error:
             self._retry_at = time.monotonic() + RETRY_S
             self._problem, self._is_slow = _plain(error), False
             self._report(f"The journal {self.path} cannot be written: {self._problem}. {_AT_STAKE}. "

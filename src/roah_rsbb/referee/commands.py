@@ -10,11 +10,12 @@ from roah_rsbb.referee.changes import Follower
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output
-from roah_rsbb.referee.run import Plan, RunOutcome, RunScript
+from roah_rsbb.referee.run import Plan, RunScript, ScriptOutcome
 from roah_rsbb.referee.sheets import RunLine, Sheet, pick_run, sheet_of
 from roah_rsbb.referee.state import CONNECTED, IDLE, SheetItem
 from roah_rsbb.referee.words import BadWord, answer_of, pick_item, pick_zone, value_of
 from roah_rsbb.wording import schedule
+from roah_rsbb.wording.texts import escaped
 
 WATCH_STEP_S = 1.0
 # Words instead of a value.
@@ -119,7 +120,7 @@ def _run(link: Link, options, output: Output) -> Exit:
     return outcome.status
 
 
-def _show_outcome(name: str, outcome: RunOutcome, output: Output) -> None:
+def _show_outcome(name: str, outcome: ScriptOutcome, output: Output) -> None:
     zone = outcome.zone
     if output.json:
         run: Dict[str, Any] = {} if zone is None else {
@@ -130,10 +131,10 @@ def _show_outcome(name: str, outcome: RunOutcome, output: Output) -> None:
                        "text": outcome.text, **run})
         return
     if zone is not None and zone.phase != CONNECTED:
-        log = [f"Log: {view.plain(zone.log_file)}"] if zone.log_file else []
+        log = [f"Log: {escaped(zone.log_file)}"] if zone.log_file else []
         output.lines(["", *view.score_sheet(zone, output.paint), *log])
     colour = view.GREEN if outcome.status is Exit.OK else view.RED
-    lines = [view.plain(line) for line in f"{name}: {outcome.text}".split("\n")]
+    lines = [escaped(line) for line in f"{name}: {outcome.text}".split("\n")]
     output.lines([output.paint(colour, lines[0]), *lines[1:]])
 
 

@@ -10,6 +10,7 @@ from roah_rsbb.referee.args import PROG
 from roah_rsbb.referee.changes import Change
 from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.state import as_json
+from roah_rsbb.wording.texts import escaped
 
 
 class Output:
@@ -50,5 +51,5 @@ class Output:
             self.object({"ok": False, "exit": int(status), "error": text, "reasons": reasons})
         else:
             lines = [f"{PROG}: {text}:", *(f"  {reason}" for reason in reasons)] if reasons else [f"{PROG}: {text}"]
-            print("\n".join(view.plain(line) for line in "\n".join(lines).split("\n")), file=sys.stderr)
+            print("\n".join(escaped(line) for line in "\n".join(lines).split("\n")), file=sys.stderr)
         return status

@@ -41,7 +41,7 @@ class Plan(NamedTuple):
     operations: Operations = Operations.OTHERS
 
 
-class RunOutcome(NamedTuple):
+class ScriptOutcome(NamedTuple):
     """How the script ended."""
 
     status: Exit
@@ -74,7 +74,7 @@ class RunScript:
         self._scores: List[Tuple[SheetItem, int]] = []
         self._unmarked = ""  # why a score could not be set
 
-    def run(self) -> RunOutcome:
+    def run(self) -> ScriptOutcome:
         """Run the script to its end. Ctrl-C (KeyboardInterrupt) stops the run and leaves it."""
         try:
             return self._whole()
@@ -87,13 +87,13 @@ class RunScript:
         except GivenUp as given_up:
             return self._stop_and_leave(f"the run did not complete: {given_up}")
         except NoCore as gone:
-            return RunOutcome(Exit.NO_CORE, f"{gone}{self._left_behind()}")
+            return ScriptOutcome(Exit.NO_CORE, f"{gone}{self._left_behind()}")
         except KeyboardInterrupt:
             return self._interrupted()
 
     # -- the steps ----------------------------------------------------------------------------------
 
-    def _whole(self) -> RunOutcome:
+    def _whole(self) -> ScriptOutcome:
         self._settle(self._plan.wait_s)  # the first snapshot may hold old details
         zone = self._zone()
         if zone.phase != IDLE:
@@ -211,7 +211,7 @@ class RunScript:
             item = pick_item(word, self._zone().score)
             self._scores.append((item, value_of(text, item)))
 
-    def _to_the_end(self) -> RunOutcome:
+    def _to_the_end(self) -> ScriptOutcome:
         while self._is_running():
             self._step(STEP_S)
             if self._answers is not None and self._is_running():
@@ -227,7 +227,9 @@ class RunScript:
             return self._leave(status, f"the run is completed{self._unmarked}")
         if zone.end_reason == STOPPED:
             # Whoever stopped it may want to start it again.
-            return RunOutcome(Exit.NOT_COMPLETED, "stopped by another referee, and left connected for that one", zone)
+            return ScriptOutcome(
+                Exit.NOT_COMPLETED, "stopped by another referee, and left connected for that one", zone
+            )
         return self._leave(Exit.NOT_COMPLETED, f"the run did not complete: {END_REASONS[zone.end_reason]}")
 
     def _is_running(self) -> bool:
@@ -245,22 +247,24 @@ class RunScript:
 
     # -- leaving ------------------------------------------------------------------------------------
 
-    def _leave(self, status: Exit, text: str, wait_s: float = GIVE_UP_S) -> RunOutcome:
+    def _leave(self, status: Exit, text: str, wait_s: float = GIVE_UP_S) -> ScriptOutcome:
         """Disconnect our run, unless the plan keeps it. If the core is down, wait for it."""
         zone = self._link.box.zone(self._plan.zone)
         if not self._run or zone is None or zone.identity != self._run:
-            return RunOutcome(status, text)
+            return ScriptOutcome(status, text)
         if self._plan.keep:
-            return RunOutcome(status, f"{text}; left connected", zone)
+            return ScriptOutcome(status, f"{text}; left connected", zone)
         unsure = Exit.NO_CORE if status is Exit.OK else status
         if not self._is_ours:
-            return RunOutcome(unsure, f"{text}; left connected: the core did not confirm the connect, so the run may "
-                                      "be another referee's", zone)
+            return ScriptOutcome(
+                unsure, f"{text}; left connected: the core did not confirm the connect, so the run may be another "
+                "referee's", zone,
+            )
         try:
             kept = self._disconnect(wait_s)
         except NoCore as gone:
-            return RunOutcome(unsure, f"{text}; it could not be disconnected: {gone}", zone)
-        return RunOutcome(status, text + kept, zone)
+            return ScriptOutcome(unsure, f"{text}; it could not be disconnected: {gone}", zone)
+        return ScriptOutcome(status, text + kept, zone)
 
     def _disconnect(self, wait_s: float) -> str:
         """Return why the run stays connected; empty: it was left. Raises `NoCore`."""
@@ -288,16 +292,16 @@ class RunScript:
                     self._step(0.0)
                 return ""
 
-    def _stop_and_leave(self, text: str) -> RunOutcome:
+    def _stop_and_leave(self, text: str) -> ScriptOutcome:
         """Stop and leave our run, which is still running."""
         try:
             self._link.stop_run(self._plan.zone, self._run)
             self._settle()
         except (Refused, NoCore) as error:
-            return RunOutcome(Exit.NOT_COMPLETED, f"{text}; it could not be stopped: {error}{self._left_behind()}")
+            return ScriptOutcome(Exit.NOT_COMPLETED, f"{text}; it could not be stopped: {error}{self._left_behind()}")
         return self._leave(Exit.NOT_COMPLETED, text)
 
-    def _interrupted(self) -> RunOutcome:
+    def _interrupted(self) -> ScriptOutcome:
         """Handle Ctrl-C: stop our run unless it is over, and leave it. A second Ctrl-C ends the script at once."""
         text = "interrupted"
         try:
@@ -313,9 +317,9 @@ class RunScript:
                     text = "interrupted, the run was stopped"
             return self._leave(Exit.INTERRUPTED, text, wait_s=0.0)
         except KeyboardInterrupt:
-            return RunOutcome(Exit.INTERRUPTED, f"interrupted twice{self._left_behind()}")
+            return ScriptOutcome(Exit.INTERRUPTED, f"interrupted twice{self._left_behind()}")
         except (Refused, NoCore, _Failed) as error:
-            return RunOutcome(Exit.INTERRUPTED, f"interrupted, but {error}{self._left_behind()}")
+            return ScriptOutcome(Exit.INTERRUPTED, f"interrupted, but {error}{self._left_behind()}")
 
     def _left_behind(self) -> str:
         may_run = self._run or self._unanswered

@@ -37,7 +37,7 @@ class ManualOperation(NamedTuple):
     asks_text: bool
 
 
-class Switches(NamedTuple):
+class SwitchesSnapshot(NamedTuple):
     """HOMF: what the referee entered."""
 
     on: Tuple[int, ...]  # numbers of the switches that are on
@@ -45,7 +45,7 @@ class Switches(NamedTuple):
     to_confirm: bool  # the robot has finished
 
 
-class ModuleScore(NamedTuple):
+class ModuleScoreLine(NamedTuple):
     """A line of a benchmarking module's score."""
 
     group: str  # such as "waypoint 2"; empty: of the whole run
@@ -55,7 +55,7 @@ class ModuleScore(NamedTuple):
     desc: str
 
 
-class AllRobots(NamedTuple):
+class AllRobotsSnapshot(NamedTuple):
     """HSUF: how many robots prepare, execute and have stopped, and what each robot does."""
 
     preparing: int
@@ -64,7 +64,7 @@ class AllRobots(NamedTuple):
     robots: Tuple[str, ...]  # "<robot> of team <team>: <what it is doing>"
 
 
-class ScheduledEvent(NamedTuple):
+class EventSnapshot(NamedTuple):
     """An event of the schedule."""
 
     code: str
@@ -81,7 +81,7 @@ class ZoneSnapshot(NamedTuple):
     """A zone, its event and its run. Unknown values are None or empty."""
 
     zone: str
-    event: ScheduledEvent
+    event: EventSnapshot
     phase: str
     identity: str  # of the run; empty: there is none
     end_reason: str
@@ -102,14 +102,14 @@ class ZoneSnapshot(NamedTuple):
     log: str
     online_data: str
     operation: Optional[ManualOperation] = None
-    switches: Optional[Switches] = None
+    switches: Optional[SwitchesSnapshot] = None
     held: bool = False
     module_status: str = ""
-    module_score: Tuple[ModuleScore, ...] = ()
-    all_robots: Optional[AllRobots] = None
+    module_score: Tuple[ModuleScoreLine, ...] = ()
+    all_robots: Optional[AllRobotsSnapshot] = None
 
 
-class Robot(NamedTuple):
+class RobotSnapshot(NamedTuple):
     """An active robot."""
 
     team: str
@@ -128,7 +128,7 @@ class BoxSnapshot(NamedTuple):
     port: str
     box_uuid: str
     warnings: Tuple[str, ...]
-    robots: Tuple[Robot, ...]
+    robots: Tuple[RobotSnapshot, ...]
     zones: Tuple[ZoneSnapshot, ...]
 
     def zone(self, name: str) -> Optional[ZoneSnapshot]:
@@ -143,7 +143,7 @@ def box_of(gui, details) -> Optional[BoxSnapshot]:
         return None
     clock = gui.clock.to_sec()
     robots = [
-        Robot(r.team, r.robot, r.skew.to_sec(), r.beacon.to_sec(), max(0.0, clock - r.beacon.to_sec()))
+        RobotSnapshot(r.team, r.robot, r.skew.to_sec(), r.beacon.to_sec(), max(0.0, clock - r.beacon.to_sec()))
         for r in gui.active_robots
     ]
     return BoxSnapshot(
@@ -178,7 +178,7 @@ def _zone(zone, details) -> ZoneSnapshot:
     heard = details.last_message.to_sec()
     return ZoneSnapshot(
         zone=zone.zone,
-        event=ScheduledEvent(
+        event=EventSnapshot(
             zone.code, zone.name, zone.desc, zone.team, zone.round, zone.run, zone.schedule.to_sec(),
             zone.timeout.to_sec(),
         ),
@@ -202,20 +202,20 @@ def _zone(zone, details) -> ZoneSnapshot:
         log=zone.log,
         online_data=zone.online_data,
         operation=_operation(zone, details),
-        switches=Switches(tuple(zone.omf_switches), zone.omf_damaged, zone.omf_complete) if zone.omf else None,
+        switches=SwitchesSnapshot(tuple(zone.omf_switches), zone.omf_damaged, zone.omf_complete) if zone.omf else None,
         all_robots=_all_robots(details),
         held=details.held,
         module_status=details.module_status,
         module_score=tuple(
-            ModuleScore(s.group, s.name, _json_value(s.value), s.unit, s.desc) for s in details.module_scores
+            ModuleScoreLine(s.group, s.name, _json_value(s.value), s.unit, s.desc) for s in details.module_scores
         ),
     )
 
 
-def _all_robots(details) -> Optional[AllRobots]:
+def _all_robots(details) -> Optional[AllRobotsSnapshot]:
     if not details.robots:
         return None
-    return AllRobots(
+    return AllRobotsSnapshot(
         details.robots_preparing, details.robots_executing, details.robots_stopped, tuple(details.robots)
     )
 

@@ -1,6 +1,6 @@
 """The lines that the terminal referee prints. Pure text: no ROS, no terminal.
 
-Colour is never the only sign: words say the same. Text from robots and configuration files is escaped (`plain`), so
+Colour is never the only sign: words say the same. Text from robots and configuration files is escaped (`escaped`), so
 that it cannot send commands to the terminal.
 """
 
@@ -15,15 +15,16 @@ from roah_rsbb.referee.state import (
     IDLE,
     RUNNING,
     BoxSnapshot,
+    EventSnapshot,
     ManualOperation,
-    ModuleScore,
-    ScheduledEvent,
+    ModuleScoreLine,
     SheetItem,
-    Switches,
+    SwitchesSnapshot,
     ZoneSnapshot,
     lines_of,
 )
-from roah_rsbb.wording import module_scores, schedule, sheets, texts, times
+from roah_rsbb.wording import module_scores, schedule, sheets, times
+from roah_rsbb.wording.texts import escaped
 
 # SGR codes (ECMA-48).
 BOLD, RED, GREEN, YELLOW, CYAN = "1", "1;31", "1;32", "1;33", "1;36"
@@ -36,11 +37,6 @@ _WIDEST = 20
 _IN = "    "
 
 Paint = Callable[[str, str], str]
-
-
-def plain(text: str) -> str:
-    """Return text with every unprintable character escaped, e.g. ``\\x1b``."""
-    return texts.visible(text).replace("\n", "\\n")
 
 
 def no_colour(_code: str, text: str) -> str:
@@ -59,13 +55,13 @@ def colour(code: str, text: str) -> str:
 def status(box: BoxSnapshot, paint: Paint) -> List[str]:
     """Return all zones at a glance, the active robots and the box's warnings."""
     lines = [
-        f"{paint(BOLD, 'RSBB')} at {plain(box.host)}:{plain(box.port)}, {times.time_with_zone(box.clock_utc_s)}: "
-        + plain(box.status)
+        f"{paint(BOLD, 'RSBB')} at {escaped(box.host)}:{escaped(box.port)}, {times.time_with_zone(box.clock_utc_s)}: "
+        + escaped(box.status)
     ]
-    lines += [paint(RED, f"WARNING: {plain(text)}") for text in box.warnings]
+    lines += [paint(RED, f"WARNING: {escaped(text)}") for text in box.warnings]
     lines += ["", "Active robots:" if box.robots else "Active robots: none"]
     lines += [
-        f"{_IN}{plain(r.team)} {plain(r.robot)}: skew {times.skew(r.skew_s)}, heard {times.ago(r.age_s)}"
+        f"{_IN}{escaped(r.team)} {escaped(r.robot)}: skew {times.skew(r.skew_s)}, heard {times.ago(r.age_s)}"
         for r in box.robots
     ]
     for zone in box.zones:
@@ -92,11 +88,11 @@ def _event_row(event: schedule.Event) -> Tuple[str, ...]:
     begins = "" if event.state == "skipped" else schedule.moment(event.begins_utc_s, "%H:%M", in_utc=True)
     estimate = "~" if event.state in ("next", "later", "connected") else ""
     return (
-        plain(event.zone), f"{event.number}{'*' if event.current else ''}",
+        escaped(event.zone), f"{event.number}{'*' if event.current else ''}",
         schedule.moment(event.scheduled_utc_s, "%Y-%m-%d %H:%M", in_utc=True), estimate + begins,
         schedule.delay_text(event.late_s),
-        plain(sheets.run_name(event.code, event.team, event.round, event.run)), schedule.state_text(event),
-        plain(event.score), schedule.sheet_text(event),
+        escaped(sheets.run_name(event.code, event.team, event.round, event.run)), schedule.state_text(event),
+        escaped(event.score), schedule.sheet_text(event),
     )
 
 
@@ -104,12 +100,12 @@ def zone_lines(zone: ZoneSnapshot, clock_utc_s: float, paint: Paint) -> List[str
     """Return a zone in a few lines."""
     event = zone.event
     lines = [
-        f"{paint(BOLD, plain(zone.zone))}: {_phase(zone, paint)}",
-        f"{_IN}{plain(event.name)}: {plain(event.desc)}",
+        f"{paint(BOLD, escaped(zone.zone))}: {_phase(zone, paint)}",
+        f"{_IN}{escaped(event.name)}: {escaped(event.desc)}",
         f"{_IN}{_which(event)}, scheduled {times.scheduled(event.scheduled_utc_s, clock_utc_s)} UTC",
     ]
     lines += [
-        _IN + (paint(RED, plain(text)) if text.startswith("WARNING") else plain(text)) for text in zone.state
+        _IN + (paint(RED, escaped(text)) if text.startswith("WARNING") else escaped(text)) for text in zone.state
     ]
     if zone.robot and zone.all_robots is None:
         lines.append(_IN + _robot(zone, clock_utc_s))
@@ -125,27 +121,27 @@ def zone_report(zone: ZoneSnapshot, clock_utc_s: float, paint: Paint) -> List[st
     """Return a zone in full: also why each command is refused, its score sheet and its online data."""
     lines = zone_lines(zone, clock_utc_s, paint)
     for command, reasons in zone.off.items():
-        lines += [f"{_IN}no {command}: {plain(reason)}" for reason in reasons]
+        lines += [f"{_IN}no {command}: {escaped(reason)}" for reason in reasons]
     if zone.all_robots is not None:
-        lines += [f"{_IN}robot {plain(robot)}" for robot in zone.all_robots.robots]
+        lines += [f"{_IN}robot {escaped(robot)}" for robot in zone.all_robots.robots]
     if zone.log_file:
-        lines.append(f"{_IN}log: {plain(zone.log_file)}")
+        lines.append(f"{_IN}log: {escaped(zone.log_file)}")
     if zone.score or zone.module_score:
         lines += ["", *score_sheet(zone, paint)]
     if zone.online_data:
-        lines += ["", "Online data:", *(_IN + plain(line) for line in lines_of(zone.online_data))]
+        lines += ["", "Online data:", *(_IN + escaped(line) for line in lines_of(zone.online_data))]
     return lines
 
 
 def to_do(operation: ManualOperation) -> str:
     """Return what the referee is asked to do, and the possible answers."""
-    text = f"TO DO by the referee: {plain(operation.text)}"
+    text = f"TO DO by the referee: {escaped(operation.text)}"
     if operation.choices:
-        text += f" ({' / '.join(plain(choice) for choice in operation.choices)})"
+        text += f" ({' / '.join(escaped(choice) for choice in operation.choices)})"
     return f"{text} (an answer may be typed)" if operation.asks_text else text
 
 
-def switches_line(switches: Switches, paint: Paint) -> str:
+def switches_line(switches: SwitchesSnapshot, paint: Paint) -> str:
     """HOMF: return what was entered, and whether the referee must confirm it."""
     on = ", ".join(map(str, switches.on)) or "none"
     text = f"switches that are on: {on}; damaged: {switches.damaged}"
@@ -160,10 +156,10 @@ def score_sheet(zone: ZoneSnapshot, paint: Paint) -> List[str]:
     for item in zone.score:
         if item.group != group:
             group = item.group
-            lines.append(f"{_IN}{plain(group)}")
+            lines.append(f"{_IN}{escaped(group)}")
         value = f"{item_text(item):>5}"
         shown = paint(BOLD, value) if item.value or item.not_attempted else value
-        lines.append(f"{_IN}{item.number:4}  {shown}  {plain(item.item)}")
+        lines.append(f"{_IN}{item.number:4}  {shown}  {escaped(item.item)}")
     if not zone.score:
         lines.append(f"{_IN}no scoring items for the referee")
     return lines + _module_sheet(zone, paint)
@@ -172,13 +168,13 @@ def score_sheet(zone: ZoneSnapshot, paint: Paint) -> List[str]:
 def _module_sheet(zone: ZoneSnapshot, paint: Paint) -> List[str]:
     lines = ["Score of the benchmarking module"] if zone.module_score else []
     for title, group in module_scores.by_group(map(_score_in_json, zone.module_score)):
-        lines.append(f"{_IN}{plain(title)}")
-        width = min(max(len(plain(line.value)) for line in group), _WIDEST)
-        lines += [f"{_IN}{_IN}{paint(BOLD, plain(line.value).rjust(width))}  {plain(line.name)}" for line in group]
+        lines.append(f"{_IN}{escaped(title)}")
+        width = min(max(len(escaped(line.value)) for line in group), _WIDEST)
+        lines += [f"{_IN}{_IN}{paint(BOLD, escaped(line.value).rjust(width))}  {escaped(line.name)}" for line in group]
     return lines
 
 
-def _score_in_json(score: ModuleScore) -> ModuleScore:
+def _score_in_json(score: ModuleScoreLine) -> ModuleScoreLine:
     """As it is on the ROS interface."""
     return score._replace(value=json.dumps(score.value))
 
@@ -190,15 +186,15 @@ def item_text(item: SheetItem) -> str:
 
 def item_line(item: SheetItem) -> str:
     """Return a scoring item and its value in one line."""
-    return f"{plain(item.group)}: {plain(item.item)}: {item_text(item)}"
+    return f"{escaped(item.group)}: {escaped(item.item)}: {item_text(item)}"
 
 
-def _which(event: ScheduledEvent) -> str:
-    return sheets.run_name(plain(event.code), plain(event.team), event.round, event.run)
+def _which(event: EventSnapshot) -> str:
+    return sheets.run_name(escaped(event.code), escaped(event.team), event.round, event.run)
 
 
 def _phase(zone: ZoneSnapshot, paint: Paint) -> str:
-    word = plain(sheets.phase(zone.phase, zone.end_reason))
+    word = escaped(sheets.phase(zone.phase, zone.end_reason))
     left = times.countdown(zone.timer_s)
     after = {IDLE: f"{left} to run", RUNNING: f"{left} left", ENDED: f"{left} left after the end"}
     return f"{paint(_PHASE_COLOURS.get(zone.phase, BOLD), word)}, {after.get(zone.phase, f'{left} to run')}"
@@ -209,8 +205,8 @@ def _robot(zone: ZoneSnapshot, clock_utc_s: float) -> str:
     heard = "never heard on its private channel"
     if zone.last_message_utc_s is not None:
         heard = f"heard {times.ago(clock_utc_s - zone.last_message_utc_s)}"
-    state = plain(zone.robot_state) or "no state yet"
-    return f"robot {plain(zone.robot)}: {state}, skew {skew}, {heard} (UDP port {zone.port})"
+    state = escaped(zone.robot_state) or "no state yet"
+    return f"robot {escaped(zone.robot)}: {state}, skew {skew}, {heard} (UDP port {zone.port})"
 
 
 # -- changes --------------------------------------------------------------------------------------
@@ -222,7 +218,7 @@ def change_line(change: Change, paint: Paint) -> str:
     if not text:
         return ""
     clock, text = _CLOCK.match(text).groups()
-    where = f"{plain(change.zone)}: " if change.zone else ""
+    where = f"{escaped(change.zone)}: " if change.zone else ""
     return f"{clock or times.time_with_zone(change.utc_s) + ' '}{where}{text}"
 
 
@@ -235,29 +231,29 @@ def _core(facts: Dict, paint: Paint) -> str:
 
 
 def _warning(facts: Dict, paint: Paint) -> str:
-    text = plain(facts["text"])
+    text = escaped(facts["text"])
     return f"over: {text}" if facts["over"] else paint(RED, f"WARNING: {text}")
 
 
 def _robot_change(facts: Dict, paint: Paint) -> str:
-    name = f"robot {plain(facts['team'])} {plain(facts['robot'])}"
+    name = f"robot {escaped(facts['team'])} {escaped(facts['robot'])}"
     if facts["what"] == "came":
         return f"{name} is active, skew {times.skew(facts['skew_s'])}"
     return paint(YELLOW, f"{name} is GONE: no longer heard")
 
 
 def _event(facts: Dict, paint: Paint) -> str:
-    return f"now at {_which(ScheduledEvent(**facts))}"
+    return f"now at {_which(EventSnapshot(**facts))}"
 
 
 def _state(facts: Dict, paint: Paint) -> str:
     parts = []
     if "phase" in facts["changed"]:
         phase = facts["phase"]
-        whom = f" to {plain(facts['robot'])} on UDP port {facts['port']}" if phase == CONNECTED else ""
-        parts.append(paint(_PHASE_COLOURS.get(phase, BOLD), plain(sheets.phase(phase, facts["end_reason"]))) + whom)
+        whom = f" to {escaped(facts['robot'])} on UDP port {facts['port']}" if phase == CONNECTED else ""
+        parts.append(paint(_PHASE_COLOURS.get(phase, BOLD), escaped(sheets.phase(phase, facts["end_reason"]))) + whom)
     if "robot_state" in facts["changed"] and facts["robot_state"]:
-        parts.append(f"robot is in {plain(facts['robot_state'])}")
+        parts.append(f"robot is in {escaped(facts['robot_state'])}")
     return ", ".join(parts)
 
 
@@ -265,12 +261,12 @@ def _score(facts: Dict, paint: Paint) -> str:
     is_bool = facts["type"] == "bool"
     old = sheets.item_value(is_bool, facts["old"], facts["old_not_attempted"])
     new = sheets.item_value(is_bool, facts["value"], facts["not_attempted"])
-    return f"score: {plain(facts['group'])}: {plain(facts['item'])}: {old} → {paint(BOLD, new)}"
+    return f"score: {escaped(facts['group'])}: {escaped(facts['item'])}: {old} → {paint(BOLD, new)}"
 
 
 def _online_data(facts: Dict, paint: Paint) -> str:
     clock, text = _CLOCK.match(facts["text"]).groups()
-    return f"{clock or ''}{paint(CYAN, 'online data')}: {plain(text)}"
+    return f"{clock or ''}{paint(CYAN, 'online data')}: {escaped(text)}"
 
 
 def _manual_operation(facts: Dict, paint: Paint) -> str:
@@ -284,10 +280,10 @@ def _module_score(facts: Dict, paint: Paint) -> str:
     """Only the first value gets a line: some change twice a second, and the sheet has the last one."""
     if facts["value"] is None or not (facts["old"] is None or isinstance(facts["old"], (bool, str))):
         return ""
-    score = ModuleScore(*(facts[name] for name in ModuleScore._fields))
+    score = ModuleScoreLine(*(facts[name] for name in ModuleScoreLine._fields))
     line = module_scores.readable(_score_in_json(score))
-    where = f"{plain(score.group)}: " if score.group else ""
-    return f"module's score: {where}{plain(line.name)}: {paint(BOLD, plain(line.value))}"
+    where = f"{escaped(score.group)}: " if score.group else ""
+    return f"module's score: {where}{escaped(line.name)}: {paint(BOLD, escaped(line.value))}"
 
 
 _WRITERS: Dict[str, Callable[[Dict, Paint], str]] = {
@@ -298,10 +294,10 @@ _WRITERS: Dict[str, Callable[[Dict, Paint], str]] = {
     "state": _state,
     "score": _score,
     "manual_operation": _manual_operation,
-    "switches": lambda facts, paint: switches_line(Switches(**facts), paint),
+    "switches": lambda facts, paint: switches_line(SwitchesSnapshot(**facts), paint),
     "module_score": _module_score,
-    "module_status": lambda facts, paint: f"module: {plain(facts['text'])}",
-    "log": lambda facts, paint: plain(facts["text"]),
+    "module_status": lambda facts, paint: f"module: {escaped(facts['text'])}",
+    "log": lambda facts, paint: escaped(facts["text"]),
     "online_data": _online_data,
-    "note": lambda facts, paint: plain(facts["text"]),
+    "note": lambda facts, paint: escaped(facts["text"]),
 }

@@ -4,7 +4,7 @@ from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, TypeVa
 
 from roah_rsbb.core.runs.requests import MAX_DAMAGED
 from roah_rsbb.core.scoring.sheet import MAX_VALUE, ScoreSheet
-from roah_rsbb.referee.state import ManualOperation, ScheduledEvent, SheetItem
+from roah_rsbb.referee.state import EventSnapshot, ManualOperation, SheetItem
 from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
 from roah_rsbb.wording.suggestions import did_you_mean
 
@@ -33,7 +33,7 @@ class EventWanted(NamedTuple):
     round: Optional[int] = None
     run: Optional[int] = None
 
-    def fits(self, event: ScheduledEvent) -> bool:
+    def fits(self, event: EventSnapshot) -> bool:
         """Returns whether this event is meant."""
         return event.code.lower() == self.code.lower() and all(
             wanted in (None, number) for wanted, number in ((self.round, event.round), (self.run, event.run))

@@ -8,7 +8,7 @@ from roah_rsbb.journal import kinds
 from roah_rsbb.journal.reader import JournalEntry
 from roah_rsbb.protocol import RobotState
 from roah_rsbb.results.runs import RunResult
-from roah_rsbb.wording.texts import plain
+from roah_rsbb.wording.texts import value_text
 
 
 class RunEvent(NamedTuple):
@@ -44,7 +44,7 @@ def sections(result: RunResult) -> List[Section]:
         known = _WORDINGS.get(entry.kind)
         if known is None:
             if entry.kind not in _NOT_SHOWN:
-                found[_OTHER].append(_run_event(result, entry, f"{entry.kind}: {plain(entry.value)}"))
+                found[_OTHER].append(_run_event(result, entry, f"{entry.kind}: {value_text(entry.value)}"))
             continue
         title, wording = known
         text = wording(memory, entry)
@@ -55,7 +55,7 @@ def sections(result: RunResult) -> List[Section]:
 
 def box_states(result: RunResult, port: int, end_utc: float) -> List[Stretch]:
     """The states that the box sent to a robot. The last one ends at `end_utc`."""
-    changes = [(e.utc, plain(e.value)) for e in result.entries if e.kind == run_log.STATE_NAME and e.port == port]
+    changes = [(e.utc, value_text(e.value)) for e in result.entries if e.kind == run_log.STATE_NAME and e.port == port]
     return _stretches(changes, end_utc)
 
 
@@ -85,7 +85,7 @@ def _robot_state(value: object) -> str:
     try:
         return RobotState(value).name
     except ValueError:
-        return plain(value)
+        return value_text(value)
 
 
 def _dict(value: object) -> Dict[str, object]:
@@ -105,12 +105,12 @@ _Wording = Callable[[_Memory, JournalEntry], str]
 
 
 def _state_name(memory: _Memory, entry: JournalEntry) -> str:
-    memory.state[entry.port] = plain(entry.value)
+    memory.state[entry.port] = value_text(entry.value)
     return ""
 
 
 def _state_desc(memory: _Memory, entry: JournalEntry) -> str:
-    return f"Box: {memory.state.get(entry.port, '')}: {plain(entry.value)}"
+    return f"Box: {memory.state.get(entry.port, '')}: {value_text(entry.value)}"
 
 
 def _client_state(memory: _Memory, entry: JournalEntry) -> str:
@@ -122,12 +122,12 @@ def _client_state(memory: _Memory, entry: JournalEntry) -> str:
 
 
 def _as_it_is(_memory: _Memory, entry: JournalEntry) -> str:
-    return plain(entry.value)
+    return value_text(entry.value)
 
 
 def _saying(word: str) -> _Wording:
     """A word, a colon and the value."""
-    return lambda _memory, entry: f"{word}: {plain(entry.value)}"
+    return lambda _memory, entry: f"{word}: {value_text(entry.value)}"
 
 
 def _only(text: str) -> _Wording:
@@ -141,18 +141,18 @@ def _goal(_memory: _Memory, entry: JournalEntry) -> str:
 
 def _command(_memory: _Memory, entry: JournalEntry) -> str:
     command = dict(_dict(entry.value))
-    name = plain(command.pop("command", "?"))
+    name = value_text(command.pop("command", "?"))
     refused = command.pop("refused", None)
-    words = [name, *(f"{key}: {plain(value)}" for key, value in command.items())]
+    words = [name, *(f"{key}: {value_text(value)}" for key, value in command.items())]
     if refused is not None:
         reasons = refused if isinstance(refused, list) else [refused]
-        words.append("REFUSED: " + "; ".join(plain(reason) for reason in reasons))
+        words.append("REFUSED: " + "; ".join(value_text(reason) for reason in reasons))
     return "; ".join(words)
 
 
 def _notice(_memory: _Memory, entry: JournalEntry) -> str:
     notice = _dict(entry.value)
-    return f"{plain(notice.get('level', ''))}: {plain(notice.get('text', ''))}"
+    return f"{value_text(notice.get('level', ''))}: {value_text(notice.get('text', ''))}"
 
 
 def _goal_parts(value: object) -> Iterator[str]:
@@ -162,15 +162,15 @@ def _goal_parts(value: object) -> Iterator[str]:
     except ValueError:
         goal = None
     if not isinstance(goal, dict):
-        yield plain(value)
+        yield value_text(value)
         return
     if goal.get("text"):
-        yield plain(goal["text"])
+        yield value_text(goal["text"])
     for key in ("goal", "pose", "initial_state", "switches"):
         if goal.get(key):
-            yield f"{key.replace('_', ' ')}: {plain(goal[key])}"
+            yield f"{key.replace('_', ' ')}: {value_text(goal[key])}"
     if goal.get("timeout"):
-        yield f"{plain(goal['timeout'])} s"
+        yield f"{value_text(goal['timeout'])} s"
 
 
 _STATES = "Timeline of states"

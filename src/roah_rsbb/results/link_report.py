@@ -69,7 +69,7 @@ _OTHER_FILL = "#ffffff"
 _LETTER = 5.4  # width of a letter of the states' names
 
 
-class Rows(NamedTuple):
+class LinkRows(NamedTuple):
     """The states that are drawn below the link record."""
 
     box: Sequence[Stretch]
@@ -122,7 +122,7 @@ class _Strip:
         return tag("line", x1=LEFT, x2=WIDTH - RIGHT, y1=y, y2=y, stroke="#b00", stroke_dasharray="3 3")
 
 
-def link_plot(link: Sequence[LinkSecond], begin_utc: float, end_utc: float, rows: Rows, in_utc: bool) -> Markup:
+def link_plot(link: Sequence[LinkSecond], begin_utc: float, end_utc: float, rows: LinkRows, in_utc: bool) -> Markup:
     """Draw the link record of a run from `begin_utc` to `end_utc`."""
     scale = _Scale(begin_utc, max(end_utc, begin_utc + 1.0))
     columns = _columns(link, scale)

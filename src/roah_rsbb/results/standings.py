@@ -7,7 +7,7 @@ from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional
 
 from roah_rsbb.core.scoring.records import RunRecord, ScoreValue
 from roah_rsbb.results.page import Child, Markup, joined, page, table, tag
-from roah_rsbb.results.runs import signature_of, state_of
+from roah_rsbb.results.runs import signature_of, state_text
 from roah_rsbb.results.standing_rules import DEFAULT, Criterion, OfRuns, Rules, Term
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.registry import PROFILES
@@ -32,7 +32,7 @@ class Choice(NamedTuple):
     of_runs: Optional[OfRuns] = None  # overrides the rules
 
 
-class RunLine(NamedTuple):
+class RankedRun(NamedTuple):
     """A run in a standing."""
 
     record: RunRecord
@@ -48,7 +48,7 @@ class TeamLine(NamedTuple):
     team: str
     numbers: Numbers
     disqualified: bool  # all its runs are disqualified
-    runs: Tuple[RunLine, ...]  # those that count, in order
+    runs: Tuple[RankedRun, ...]  # those that count, in order
     best: Optional[int]  # index in `runs` of the best run; None: mean or median counts
 
 
@@ -87,7 +87,7 @@ def standing(code: str, records: Sequence[RunRecord], rules: Rules, choice: Choi
     records = [record for record in records if record.benchmark == code]
     if any(record.team == ALL_TEAMS and record.started_utc for record in records):
         remarks.append("all robots run at once: there is no score for each team")
-    by_team: Dict[str, List[RunLine]] = {}
+    by_team: Dict[str, List[RankedRun]] = {}
     for record in _counting([record for record in records if record.team != ALL_TEAMS], choice, remarks):
         by_team.setdefault(record.team, []).append(_run_line(record, rules, remarks))
     lines = [_team_line(team, runs, of_runs, rules.criteria) for team, runs in by_team.items()]
@@ -140,14 +140,14 @@ def _counting(records: List[RunRecord], choice: Choice, remarks: List[str]) -> L
 # -- the numbers of a run ---------------------------------------------------------------------------
 
 
-def _run_line(record: RunRecord, rules: Rules, remarks: List[str]) -> RunLine:
+def _run_line(record: RunRecord, rules: Rules, remarks: List[str]) -> RankedRun:
     disqualified = any(item.value and item.group in rules.disqualified_by for item in record.items)
     missing: Dict[str, None] = {}
     numbers = tuple(_number(record, criterion, missing) for criterion in rules.criteria)
     if missing:
         names = ", ".join(f"'{name}'" for name in missing)
         remarks.append(f"run {record.identity} of team {record.team} has no {names}")
-    return RunLine(record, disqualified, numbers)
+    return RankedRun(record, disqualified, numbers)
 
 
 def _number(record: RunRecord, criterion: Criterion, missing: Dict[str, None]) -> Optional[float]:
@@ -193,7 +193,7 @@ def _key(numbers: Numbers, disqualified: bool, criteria: Sequence[Criterion]) ->
     return (1.0, *[0.0 for _ in worth]) if disqualified else (0.0, *worth)
 
 
-def _team_line(team: str, runs: List[RunLine], of_runs: OfRuns, criteria: Sequence[Criterion]) -> TeamLine:
+def _team_line(team: str, runs: List[RankedRun], of_runs: OfRuns, criteria: Sequence[Criterion]) -> TeamLine:
     disqualified = all(run.disqualified for run in runs)
     if of_runs is OfRuns.BEST:
         best = min(range(len(runs)), key=lambda i: _key(runs[i].numbers, runs[i].disqualified, criteria))
@@ -203,7 +203,7 @@ def _team_line(team: str, runs: List[RunLine], of_runs: OfRuns, criteria: Sequen
     return TeamLine(0, False, team, numbers, disqualified, tuple(runs), None)
 
 
-def _of_run(run: RunLine, place: int, criterion: Criterion) -> Optional[float]:
+def _of_run(run: RankedRun, place: int, criterion: Criterion) -> Optional[float]:
     """What a run contributes to the mean. A disqualified run scores 0 where more is better, else it is left out."""
     if run.disqualified:
         return 0.0 if criterion.more_is_better else None
@@ -267,7 +267,7 @@ def number_cells(standing: Standing, team: TeamLine) -> List[str]:
     return [number_with_unit(number, unit) for number, unit in zip(team.numbers, standing.units)]
 
 
-def run_text(run: RunLine) -> str:
+def run_text(run: RankedRun) -> str:
     """Name a run and its state."""
     mark = f", {DISQUALIFIED}" if run.disqualified else ""
     open_mark = "" if run.record.sign_off else f", {NOT_SIGNED_OFF}"
@@ -335,7 +335,7 @@ def index_page(
     """Build the page with the standings and links to all sheets."""
     rows = [
         (str(number), date_time(r.opened_utc, in_utc), r.zone, linked(r.benchmark, r.identity, sheets), r.team,
-         f"{r.round} / {r.run}", state_of(r), signature_of(r, in_utc))
+         f"{r.round} / {r.run}", state_text(r), signature_of(r, in_utc))
         for number, r in numbered
     ]
     return page(

@@ -12,7 +12,7 @@ from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState, WireTime
 from roah_rsbb.robot.goals import RESULT_BUDGET_BYTES, result_size, write_result
-from roah_rsbb.robot.machine import IllegalEvent, Progress
+from roah_rsbb.robot.machine import IllegalEvent, RobotProgress
 from roah_rsbb.robot.watch import SILENCE_S, Silence
 from roah_rsbb.rulebook.registry import STRINGS
 
@@ -273,7 +273,7 @@ class Link:
         time = (message.acknowledgement.sec, message.acknowledgement.nsec)
         return self._times.number_reached(time) if self.by_hand else self._times.number_of(time)
 
-    def message(self, now_utc: float, progress: Progress) -> pb.RobotState:
+    def message(self, now_utc: float, progress: RobotProgress) -> pb.RobotState:
         """Build the next message to the box. It must be sent.
 
         While strings and result do not fit into one message, it reports EXECUTING instead of RESULT_TX, because the box

@@ -114,7 +114,7 @@ def event_transition(event: RobotEvent, state: RobotState) -> RobotState:
     return following
 
 
-def error_text(received: BoxState, state: RobotState) -> str:
+def unexpected_state_text(received: BoxState, state: RobotState) -> str:
     """The report of an `Act.ERROR` transition."""
     return (
         f"the box sent {received.name} while this robot is in {state.name} without a goal: stopped. "
@@ -127,7 +127,7 @@ def error_text(received: BoxState, state: RobotState) -> str:
 _MAX_UINT32 = 2**32 - 1
 
 
-class Progress:
+class RobotProgress:
     """The robot's state with benchmark, goal and result. Methods return the effects for the robot's software."""
 
     def __init__(self) -> None:
@@ -168,7 +168,7 @@ class Progress:
                     # Stay in this state: the box repeats the goal. Executing nothing would lose the goal.
                     return effects + self._report(fx.Problem.BAD_GOAL, received, str(bad))
         if step.act is Act.ERROR:
-            text = error_text(received, self.state)
+            text = unexpected_state_text(received, self.state)
             effects += self._enter(step, text)
             return effects + self._report(fx.Problem.UNEXPECTED_STATE, received, text)
         self._reported = None

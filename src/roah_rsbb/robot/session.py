@@ -16,7 +16,7 @@ from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.goals import Result
 from roah_rsbb.robot.link import Link, wire_time
-from roah_rsbb.robot.machine import IllegalEvent, Progress
+from roah_rsbb.robot.machine import IllegalEvent, RobotProgress
 from roah_rsbb.robot.watch import SILENCE_S, Home, OtherBoxes, Reports, Silence
 
 BEACON_PERIOD_S = 1.0
@@ -37,7 +37,7 @@ class Session:
             raise ValueError("team name and robot name must not be empty")
         self.team = team
         self.robot = robot
-        self.progress = Progress()
+        self.progress = RobotProgress()
         self.link: Optional[Link] = None
         self._box: Optional[str] = None  # address of the robot's box
         self._others = OtherBoxes()

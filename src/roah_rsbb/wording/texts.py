@@ -12,12 +12,17 @@ def visible(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape", "replace").decode() for c in text)
 
 
+def escaped(text: str) -> str:
+    """Writes out every character that cannot be printed, line breaks too: the text stays in one line."""
+    return text if text.isprintable() else visible(text).replace("\n", "\\n")
+
+
 def one_line(text: str) -> str:
     """Makes visible text of one line."""
     return " ".join(visible(text).split())
 
 
-def plain(value: Any) -> str:
+def value_text(value: Any) -> str:
     """Returns any JSON value as text."""
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 

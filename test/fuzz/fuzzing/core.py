@@ -293,7 +293,7 @@ class Play:
         for view in views.zones(driver.box, driver.now):
             assert view.state
             assert view.timer >= 0
-        assert views.status(driver.box, driver.now)
+        assert views.box_status(driver.box, driver.now)
         frame.encode(wire_convert.beacon_message(driver.box.beacon()))
         driver.box.modules.runs()
         deadline = driver.box.deadline()

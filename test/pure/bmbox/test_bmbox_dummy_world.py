@@ -6,7 +6,7 @@ import pytest
 
 from roah_rsbb.bmbox.framework.dummy_world import EDGE_M, FOLLOW_M, TABLE, TABLE_SIZE, TARGET_AREA, DummyWorld
 from roah_rsbb.bmbox.framework.ground_truth import Pose2D, angle_difference, distance, seen_from
-from roah_rsbb.core.modules.messages import Outcome, OutcomeKind, Request, RequestKind, RunForModule, Step
+from roah_rsbb.core.modules.messages import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step
 
 
 class World:
@@ -24,7 +24,7 @@ class World:
         return self.world.poses()
 
     def asks(self, kind, seconds=1.0, **fields):
-        steps = tuple(step._replace(outcome=Outcome(OutcomeKind.DONE)) for step in self.run.steps)
+        steps = tuple(step._replace(outcome=RequestOutcome(OutcomeKind.DONE)) for step in self.run.steps)
         request = Request(len(steps) + 1, kind, **fields)
         self.run = self.run._replace(steps=(*steps, Step(request)), told_utc=0.0)
         return self.pass_time(seconds)

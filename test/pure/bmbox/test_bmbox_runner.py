@@ -8,12 +8,12 @@ from roah_rsbb.bmbox.framework.rehearsal import Poses, Rehearsal
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.bmbox.framework.score import Value
 from roah_rsbb.bmbox.stb import STB
-from roah_rsbb.core.modules.messages import Outcome, OutcomeKind, Request, RequestKind, RunForModule, Step
+from roah_rsbb.core.modules.messages import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step
 from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors
 
-DONE = Outcome(OutcomeKind.DONE)
+DONE = RequestOutcome(OutcomeKind.DONE)
 
 
 class Story(Module):

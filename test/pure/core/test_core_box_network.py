@@ -38,10 +38,10 @@ def test_a_box_that_hears_another_one_later_warns_every_referee_and_continues(af
     assert [(e.text, e.zone) for e in errors] == [
         ("ANOTHER RSBB is transmitting from 10.0.0.99: stop it, robots obey both", "")
     ]
-    assert "ANOTHER RSBB" in views.status(driver.box, driver.now)
+    assert "ANOTHER RSBB" in views.box_status(driver.box, driver.now)
     robot.completes()
     driver.run(20)
-    assert views.status(driver.box, driver.now) == "OK"
+    assert views.box_status(driver.box, driver.now) == "OK"
 
 
 def test_a_box_with_take_over_starts_beside_another_one():
@@ -52,7 +52,7 @@ def test_a_box_with_take_over_starts_beside_another_one():
     assert driver.taken(GiveUp) == []
     driver.robot().beacon()
     assert driver.off("connect") == []
-    assert "ANOTHER RSBB is transmitting from 10.0.0.99" in views.status(driver.box, driver.now)
+    assert "ANOTHER RSBB is transmitting from 10.0.0.99" in views.box_status(driver.box, driver.now)
 
 
 def test_a_box_that_gives_up_says_how_to_start_beside_a_forged_one():
@@ -76,9 +76,9 @@ def test_a_host_with_too_many_robots_is_reported_and_another_teams_robot_is_conn
 
 def test_the_status_says_that_the_box_listens():
     driver = BoxDriver(listening=True)
-    assert views.status(driver.box, driver.now) == "Listening for another box before transmitting: 5 s"
+    assert views.box_status(driver.box, driver.now) == "Listening for another box before transmitting: 5 s"
     driver.run(5)
-    assert views.status(driver.box, driver.now) == "OK"
+    assert views.box_status(driver.box, driver.now) == "OK"
 
 
 def test_a_box_that_need_not_listen_connects_at_once():
@@ -107,7 +107,7 @@ def test_two_hosts_with_one_name_are_reported_to_every_referee():
     text = ("Two robots call themselves r1 of team Alpha: 10.0.0.2 and 10.0.0.3. Give one another robot_name. Their "
             "clocks differ: +0.000 s and +5.000 s")
     assert driver.notices(Level.WARNING) == [text]
-    assert text in views.status(driver.box, driver.now)
+    assert text in views.box_status(driver.box, driver.now)
     assert driver.off("connect") == []  # the first one's clock is right
     driver.command("connect")
     assert driver.channels == {6667: "10.0.0.2"}
@@ -122,7 +122,7 @@ def test_a_rival_that_sends_beacons_during_the_run_moves_nothing():
         rival.beacon()
     assert driver.channels == {robot.port: robot.host}
     assert driver.run_in().link.times_valid
-    assert "Two robots call themselves r1" in views.status(driver.box, driver.now)
+    assert "Two robots call themselves r1" in views.box_status(driver.box, driver.now)
 
 
 def test_a_robot_with_a_new_address_in_its_run_is_not_reported_as_two():
@@ -135,7 +135,7 @@ def test_a_robot_with_a_new_address_in_its_run_is_not_reported_as_two():
     assert driver.channels == {robot.port: "10.0.0.77"}
     driver.command("disconnect")
     robot.beacon()
-    assert views.status(driver.box, driver.now) == "OK"
+    assert views.box_status(driver.box, driver.now) == "OK"
     driver.command("connect")
     assert driver.channels == {robot.port + 1: "10.0.0.77"}
 
@@ -192,9 +192,9 @@ def test_complaints_of_the_public_channel_are_shown_for_a_while():
     driver = BoxDriver()
     driver.event(driver.box.on_complaint, "10.0.0.9 sends frames of version 1")
     assert driver.notices(Level.WARNING)[-1] == "10.0.0.9 sends frames of version 1"
-    assert views.status(driver.box, driver.now) == "10.0.0.9 sends frames of version 1"
+    assert views.box_status(driver.box, driver.now) == "10.0.0.9 sends frames of version 1"
     driver.run(11)
-    assert views.status(driver.box, driver.now) == "OK"
+    assert views.box_status(driver.box, driver.now) == "OK"
 
 
 def test_trouble_of_this_computer_is_reported_once():
@@ -203,7 +203,7 @@ def test_trouble_of_this_computer_is_reported_once():
     for _ in range(3):
         driver.event(driver.box.on_trouble, "the disk is full: free it")
     assert driver.notices(Level.ERROR) == ["the disk is full: free it"]
-    assert views.status(driver.box, driver.now) == "the disk is full: free it"
+    assert views.box_status(driver.box, driver.now) == "the disk is full: free it"
     driver.event(driver.box.on_trouble, "another trouble")
     driver.event(driver.box.on_repaired, "the disk is full: free it", "all is written")
     assert driver.notices(Level.INFO)[-1] == "all is written"

@@ -58,7 +58,7 @@ def test_no_order_of_events_breaks_the_box(sequence):
         for view in views.zones(driver.box, driver.now):
             assert view.state
             assert view.timer >= 0
-        assert views.status(driver.box, driver.now)
+        assert views.box_status(driver.box, driver.now)
 
 
 @examples(150)

@@ -46,7 +46,7 @@ def _round(driver, number):
         with contextlib.suppress(Refused):
             driver.event(box.command, "visitor", ("connect", "disconnect")[i % 2])
         views.zones(box, driver.now)
-        views.status(box, driver.now)
+        views.box_status(box, driver.now)
 
 
 def _progress(driver, name):

@@ -6,7 +6,7 @@ import os
 import sqlite3
 
 from roah_rsbb.core.restart.saved import freeze
-from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, RunOutcome, RunRow
+from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
 from roah_rsbb.journal.file import Resume, Session
 from roah_rsbb.journal.store import Journal
 
@@ -35,7 +35,7 @@ class Writer:
 
     def outcome(self, record):
         """A run's record changed."""
-        outcome = RunOutcome(record.closed_utc or None, text(freeze(record)))
+        outcome = OutcomeRow(record.closed_utc or None, text(freeze(record)))
         self.journal.write(Batch(outcomes={record.identity: outcome}))
 
     def entry(self, kind, value, identity="", zone="tbm", port=6667, who="", after=1.0):

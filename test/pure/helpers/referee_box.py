@@ -11,8 +11,8 @@ from roah_rsbb.referee.state import (
     IDLE,
     RUNNING,
     BoxSnapshot,
-    Robot,
-    ScheduledEvent,
+    EventSnapshot,
+    RobotSnapshot,
     SheetItem,
     ZoneSnapshot,
 )
@@ -26,7 +26,7 @@ ITEMS = (
     SheetItem(3, "Penalized", "Bumps into the furniture", "uint", 0),
 )
 EVENTS = tuple(
-    ScheduledEvent(code, f"Name of {code}", f"What {code} is", "TestingTeam", 1, run, UTC0 + 600 * run, 600.0)
+    EventSnapshot(code, f"Name of {code}", f"What {code} is", "TestingTeam", 1, run, UTC0 + 600 * run, 600.0)
     for run, code in enumerate(("HGTKMH", "HWV", "HGTKMH", "HCFGAC"), 1)
 )
 
@@ -52,9 +52,9 @@ def running_zone(**fields) -> ZoneSnapshot:
     })
 
 
-def robot(name: str = "mbot", team: str = "TestingTeam", skew_s: float = 0.0123) -> Robot:
+def robot(name: str = "mbot", team: str = "TestingTeam", skew_s: float = 0.0123) -> RobotSnapshot:
     """An active robot."""
-    return Robot(team, name, skew_s, UTC0 - 0.5, 0.5)
+    return RobotSnapshot(team, name, skew_s, UTC0 - 0.5, 0.5)
 
 
 def box(*zones: ZoneSnapshot, **fields) -> BoxSnapshot:

@@ -12,7 +12,7 @@ from helpers.journals import UTC0, Writer, make_old
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal import schema
-from roah_rsbb.journal.damage import moment
+from roah_rsbb.journal.damage import utc_text
 from roah_rsbb.journal.reader import JournalError, JournalMember, JournalReader, JournalRun
 
 RECORD = RunRecord("HNF-6667-1.000", "fbm", "HNF", "Alpha", 1, 2, UTC0 - 600.0, UTC0)
@@ -285,4 +285,4 @@ def test_damage_is_reported_with_its_times(writer):
     writer.close()
     statement(writer.path, f"DELETE FROM entries WHERE id IN ({last - 2}, {last - 1})")
     found, = reader_damage(writer.path)
-    assert f"from {moment(times[last - 3])} to {moment(times[last])}" in found
+    assert f"from {utc_text(times[last - 3])} to {utc_text(times[last])}" in found

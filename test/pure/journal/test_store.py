@@ -19,7 +19,7 @@ from helpers.small_disk import CannotMount, SmallDisk
 from roah_rsbb.journal import disk as disks
 from roah_rsbb.journal import schema
 from roah_rsbb.journal import store as stores
-from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, RunOutcome, RunRow
+from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
 from roah_rsbb.journal.damage import find_damage
 from roah_rsbb.journal.file import FILE_NAME, Resume, Session, same_competition
 from roah_rsbb.journal.previous_session import NOTHING
@@ -30,7 +30,7 @@ ENTRY = NewEntry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "command", '{
 BATCH = Batch(
     entries=[ENTRY], runs=[RunRow("HNF-6667-1", "Home", "HNF", "Alpha", 1, 1, 0.0, 1e9)],
     members=[Member(6667, "HNF-6667-1", "Alpha", "r1")], log_files={6667: "/logs/run.bag"},
-    outcomes={"HNF-6667-1": RunOutcome(None, '{"n":1}')}, states={"zone:Home": '{"n":1}'},
+    outcomes={"HNF-6667-1": OutcomeRow(None, '{"n":1}')}, states={"zone:Home": '{"n":1}'},
 )
 
 
@@ -70,7 +70,7 @@ def test_data_is_written_before_write_returns(journals):
 def test_the_state_from_which_the_next_start_continues(journals):
     journal = journals()
     journal.write(BATCH)
-    journal.write(Batch(states={"zone:Home": '{"n":2}'}, outcomes={"HNF-6667-1": RunOutcome(1e9 + 9, '{"n":2}')}))
+    journal.write(Batch(states={"zone:Home": '{"n":2}'}, outcomes={"HNF-6667-1": OutcomeRow(1e9 + 9, '{"n":2}')}))
     journal.close()
     before = journals(mono=9.0).previous
     assert before.states == {"zone:Home": '{"n":2}'}

@@ -8,7 +8,7 @@ import pytest
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.score import Value
-from roah_rsbb.core.modules.messages import Outcome, OutcomeKind, RunForModule, Step
+from roah_rsbb.core.modules.messages import OutcomeKind, RequestOutcome, RunForModule, Step
 from roah_rsbb.nodes.modules.hosted_module import HostedModule
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.yaml_lines import Place
@@ -38,7 +38,7 @@ def hosted(wrong=lambda module: None, load=SimpleNamespace):
 
 def answered(module, run=RUN):
     """The run once the referee did the first thing."""
-    step = Step(module.progress().request, Outcome(OutcomeKind.DONE))
+    step = Step(module.progress().request, RequestOutcome(OutcomeKind.DONE))
     return run._replace(steps=(step,))
 
 

@@ -7,11 +7,11 @@ from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.answers import MAX_IN_A_ROW, Automatic, GivenUp, Operations, Typed
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.run import Plan, RunScript
-from roah_rsbb.referee.state import ManualOperation, Switches
+from roah_rsbb.referee.state import ManualOperation, SwitchesSnapshot
 
 PLACE = ManualOperation(1, "Place it", (), False)
 AGAIN = ManualOperation(2, "No pose", ("try again", "skip"), False)
-TO_CONFIRM = Switches((1,), 0, True)
+TO_CONFIRM = SwitchesSnapshot((1,), 0, True)
 
 
 class Table:

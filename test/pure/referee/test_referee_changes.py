@@ -4,7 +4,7 @@ import pytest
 
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
 from roah_rsbb.referee.changes import changes, news
-from roah_rsbb.referee.state import ManualOperation, ModuleScore, Switches
+from roah_rsbb.referee.state import ManualOperation, ModuleScoreLine, SwitchesSnapshot
 
 
 def _facts(old, new, **options):
@@ -92,7 +92,7 @@ def test_manual_operations_come_and_go():
 
 
 def test_what_the_module_says_and_scores():
-    time = ModuleScore("goal 1", "time", None, "s", "Time")
+    time = ModuleScoreLine("goal 1", "time", None, "s", "Time")
     old = running_zone(module_score=(time,), module_status="Goal 1 of 2")
     new = running_zone(module_score=(time._replace(value=1.5), time), module_status="Goal 2 of 2")
     assert _facts(box(old), box(new)) == [
@@ -103,7 +103,7 @@ def test_what_the_module_says_and_scores():
 
 
 def test_switches_are_entered():
-    old, new = (running_zone(switches=Switches((1,), damaged, False)) for damaged in (0, 1))
+    old, new = (running_zone(switches=SwitchesSnapshot((1,), damaged, False)) for damaged in (0, 1))
     entered = ("switches", "Home A", {"on": (1,), "damaged": 1, "to_confirm": False})
     assert _facts(box(old), box(new)) == _facts(box(running_zone()), box(new)) == [entered]
     assert _facts(box(old), box(running_zone())) == []

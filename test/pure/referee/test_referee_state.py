@@ -130,9 +130,9 @@ def test_json_has_the_names_of_the_fields_all_the_way_down():
 def test_the_documentation_names_every_field():
     text = (pathlib.Path(__file__).resolve().parents[3] / "docs" / "referee.md").read_text(encoding="utf-8")
     kinds = (
-        referee_state.BoxSnapshot, referee_state.Robot, referee_state.ZoneSnapshot, referee_state.ScheduledEvent,
-        referee_state.SheetItem, referee_state.ManualOperation, referee_state.Switches, referee_state.ModuleScore,
-        sheets.RunLine, sheets.Sheet, sheets.HistoryEntry, sheets.RunEnd,
+        referee_state.BoxSnapshot, referee_state.RobotSnapshot, referee_state.ZoneSnapshot, referee_state.EventSnapshot,
+        referee_state.SheetItem, referee_state.ManualOperation, referee_state.SwitchesSnapshot,
+        referee_state.ModuleScoreLine, sheets.RunLine, sheets.Sheet, sheets.HistoryEntry, sheets.RunEnd,
     )
     missing = [f"{kind.__name__}.{field}" for kind in kinds for field in kind._fields if f"`{field}`" not in text]
     assert not missing

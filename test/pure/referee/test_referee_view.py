@@ -7,7 +7,7 @@ import pytest
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
 from roah_rsbb.referee import view as view
 from roah_rsbb.referee.changes import Change, changes
-from roah_rsbb.referee.state import AllRobots, ManualOperation, ModuleScore, Switches
+from roah_rsbb.referee.state import AllRobotsSnapshot, ManualOperation, ModuleScoreLine, SwitchesSnapshot
 from roah_rsbb.wording import schedule
 
 
@@ -47,7 +47,7 @@ def test_a_robot_of_which_little_is_known():
 
 
 def test_all_robots_at_once_are_listed_in_the_zones_report():
-    robots = AllRobots(1, 0, 1, ("a of team T: preparing", "b\n of team T: ready"))
+    robots = AllRobotsSnapshot(1, 0, 1, ("a of team T: preparing", "b\n of team T: ready"))
     of_all = running_zone(robot="2 robots", all_robots=robots)
     assert "2 robots" not in _status(of_all)  # its state counts them
     report = view.zone_report(of_all, UTC0, view.no_colour)
@@ -67,14 +67,15 @@ def test_what_the_referee_has_to_do():
     asked = asked._replace(choices=("again", "skip"), asks_text=True)
     assert "TO DO by the referee: Place the mug (again / skip) (an answer may be typed)" in _status(
         running_zone(operation=asked))
-    assert "switches that are on: 1, 3; damaged: 2\n" in _status(running_zone(switches=Switches((1, 3), 2, False)))
+    assert "switches that are on: 1, 3; damaged: 2\n" in _status(
+        running_zone(switches=SwitchesSnapshot((1, 3), 2, False)))
     assert "switches that are on: none; damaged: 0; TO DO by the referee: enter" in _status(
-        running_zone(switches=Switches((), 0, True)))
+        running_zone(switches=SwitchesSnapshot((), 0, True)))
 
 
 SCORES = (
-    ModuleScore("goal 1", "time", 1.25, "s", "Time"), ModuleScore("", "reached", 1, "", "Goals reached"),
-    ModuleScore("goal 1", "error", None, "m", "Distance error"),
+    ModuleScoreLine("goal 1", "time", 1.25, "s", "Time"), ModuleScoreLine("", "reached", 1, "", "Goals reached"),
+    ModuleScoreLine("goal 1", "error", None, "m", "Distance error"),
 )
 
 
@@ -105,7 +106,7 @@ def test_what_happens_by_hand():
     assert lines[0].endswith("Home A: TO DO by the referee: Place the mug (ok)")
     assert lines[1].endswith("Home A: module: Goal 1")
     assert _lines(box(asked), box(running_zone()))[0].endswith("Home A: manual operation over")
-    lines = _lines(box(running_zone()), box(running_zone(switches=Switches((2,), 0, True))))
+    lines = _lines(box(running_zone()), box(running_zone(switches=SwitchesSnapshot((2,), 0, True))))
     assert "switches that are on: 2" in lines[0]
 
 
@@ -211,7 +212,7 @@ def test_what_robots_say_cannot_command_the_terminal():
         online_data=evil, log=evil, log_file=evil,
         event=EVENTS[0]._replace(team=evil, name=evil, code=evil), warnings=(evil,), zone=evil,
         score=(ITEMS[0]._replace(item=evil, group=evil),), off={"connect": [evil]},
-        module_score=(ModuleScore(evil, evil, evil, evil, evil),), module_status=evil,
+        module_score=(ModuleScoreLine(evil, evil, evil, evil, evil),), module_status=evil,
     )
     quiet = loud._replace(online_data="", log="", phase="connected", operation=None, warnings=(), robot_state="",
                           module_score=(), module_status="", score=(loud.score[0]._replace(value=1),), event=EVENTS[0])

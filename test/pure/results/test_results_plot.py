@@ -8,12 +8,12 @@ import pytest
 from helpers.journals import UTC0
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.results.events import Stretch
-from roah_rsbb.results.link_report import LEFT, MAX_COLUMNS, RIGHT, WIDTH, Rows, link_plot
+from roah_rsbb.results.link_report import LEFT, MAX_COLUMNS, RIGHT, WIDTH, LinkRows, link_plot
 from roah_rsbb.results.runs import LinkSecond
 
 NAME = "{http://www.w3.org/2000/svg}"
 INSIDE = WIDTH - LEFT - RIGHT
-NO_ROWS = Rows((), ())
+NO_ROWS = LinkRows((), ())
 
 
 class Plot:
@@ -94,7 +94,7 @@ def test_round_trips_are_dots_and_late_messages_bars():
 
 
 def test_states_under_it():
-    rows = Rows((Stretch(UTC0, UTC0 + 40.0, "PREPARE"), Stretch(UTC0 + 40.0, UTC0 + 41.0, "STOP")),
+    rows = LinkRows((Stretch(UTC0, UTC0 + 40.0, "PREPARE"), Stretch(UTC0 + 40.0, UTC0 + 41.0, "STOP")),
                 (Stretch(UTC0, UTC0 + 60.0, "<evil>"),))
     plot = Plot([GOOD] * 60, rows=rows)
     assert {"PREPARE, 40.0 s", "STOP, 1.0 s", "<evil>, 60.0 s"} <= set(plot.titles())

@@ -13,8 +13,8 @@ from roah_rsbb.robot.machine import (
     RobotEvent,
     Transition,
     box_transition,
-    error_text,
     event_transition,
+    unexpected_state_text,
 )
 
 # The table as the protocol has it: rows are what the box sends, columns the robot's present state.
@@ -68,5 +68,5 @@ def test_own_events(event, state):
 
 
 def test_an_error_says_what_came_and_what_the_robot_was_doing():
-    text = error_text(BoxState.GOAL_TX, RobotState.PREPARING)
+    text = unexpected_state_text(BoxState.GOAL_TX, RobotState.PREPARING)
     assert "GOAL_TX" in text and "PREPARING" in text

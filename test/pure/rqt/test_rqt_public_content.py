@@ -133,7 +133,7 @@ def test_the_board_has_results_provisional_ones_and_standings():
     board = _board([_result("A")], [_result("B")], [standing])
     found = public_content.content(_details(finished=[_result("old")]), NOW, False, board)
     assert [[line.team for line in lines] for lines in (found.results, found.provisional)] == [["A"], ["B"]]
-    assert found.standings == (public_content.Standing("Visitors", (
+    assert found.standings == (public_content.StandingTexts("Visitors", (
         ("1=", "Alpha", "", "", ("Achievements: 5", "Error (less is better): 0.1 m")),
         ("3", "Beta", "", "", ("Achievements: disqualified",)),
     )),)

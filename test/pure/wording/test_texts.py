@@ -1,5 +1,7 @@
 """Text that is safe to show, and lists."""
 
+import pytest
+
 from roah_rsbb.wording import texts
 
 
@@ -9,8 +11,16 @@ def test_what_cannot_be_printed_is_written_out():
     assert texts.visible("\ud800") == "\\ud800"
 
 
+@pytest.mark.parametrize("text, shown", [
+    ("Übung 'a' – 1", "Übung 'a' – 1"), ("", ""), ("\x1b[31mred", "\\x1b[31mred"), ("a\nb\r\0", "a\\nb\\r\\x00"),
+    ("\u202eevil", "\\u202eevil"),
+])
+def test_an_escaped_text_cannot_command_a_terminal_or_hide_text(text, shown):
+    assert texts.escaped(text) == shown
+
+
 def test_any_json_value_is_text():
-    assert [texts.plain(value) for value in ("ü", 1, [True, None], {"a": "ü"})] == [
+    assert [texts.value_text(value) for value in ("ü", 1, [True, None], {"a": "ü"})] == [
         "ü", "1", "[true, null]", '{"a": "ü"}']
 
 

@@ -128,7 +128,7 @@ class TestAttacks(BoxCase):
         # No other case has this team: the box would still list this robot beside that of the case.
         name = "\x1b[2Jred\n[ERROR] forged"
         attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Eta", robot_name=name, time=wire(time.time())))
-        self.reported("Robot \\u001b[2Jred\\u000a[ERROR] forged of team Eta is active")
+        self.reported("Robot \\x1b[2Jred\\n[ERROR] forged of team Eta is active")
         self.assertFalse([said for said in self.said if "\x1b" in said or "\n[ERROR]" in said])
 
     def test_a_recording_moves_no_run_while_its_robot_is_silent(self) -> None:

@@ -8,11 +8,11 @@ import unittest
 from roah_rsbb.core.modules.messages import (
     ModuleInfo,
     ModulesState,
-    Outcome,
     OutcomeKind,
     Progress,
     Request,
     RequestKind,
+    RequestOutcome,
     RunForModule,
     ScoreValue,
     Step,
@@ -20,7 +20,7 @@ from roah_rsbb.core.modules.messages import (
 from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.msg import ModuleOutcome, ModuleRequest, ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
-from roah_rsbb.nodes.modules.convert import runs_message, runs_of, state_message, state_of
+from roah_rsbb.nodes.modules.convert import modules_state_message, modules_state_of, runs_message, runs_of
 from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
 
 GOAL = Request(
@@ -36,8 +36,8 @@ RUN = RunForModule(
     (ScoreGroup("Penalized", ((ScoringItem("Penalized", "Bumps", ScoreKind.UINT), 3),
                               (ScoringItem("Penalized", "Sings", ScoreKind.BOOL), 1))),),
     (
-        Step(Request(1, RequestKind.REFEREE, "Place it"), Outcome(OutcomeKind.DONE, "yes", ended_utc=1.5e9)),
-        Step(GOAL, Outcome(OutcomeKind.TIMED_OUT, "", "{x: 1}", 14.25, 1.5e9, (1, 2, 1), 3)),
+        Step(Request(1, RequestKind.REFEREE, "Place it"), RequestOutcome(OutcomeKind.DONE, "yes", ended_utc=1.5e9)),
+        Step(GOAL, RequestOutcome(OutcomeKind.TIMED_OUT, "", "{x: 1}", 14.25, 1.5e9, (1, 2, 1), 3)),
         Step(Request(3, RequestKind.NOTE)),
     ),
     '{"sum": 1}',
@@ -54,7 +54,7 @@ def sent(message):
 class TestModuleConvert(unittest.TestCase):
     def test_what_a_module_says(self) -> None:
         state = ModulesState("node", (ModuleInfo("HNF", ("wrong",), ("old",)),), (PROGRESS, Progress("STB-1", 1)))
-        self.assertEqual(state_of(sent(state_message(state))), state)
+        self.assertEqual(modules_state_of(sent(modules_state_message(state))), state)
 
     def test_what_the_core_says(self) -> None:
         runs = (RUN, RunForModule("STB-2", 0, "Door", "STB", "Beta", 1, 1, False))
@@ -65,18 +65,18 @@ class TestModuleConvert(unittest.TestCase):
         wild = PROGRESS._replace(
             attempt=10**9, status="a\ud800", request=GOAL._replace(pose=(math.nan,) * 5, switches=(-1, 2**40))
         )
-        progress = state_of(sent(state_message(ModulesState("n", (), (wild, PROGRESS))))).progress
+        progress = modules_state_of(sent(modules_state_message(ModulesState("n", (), (wild, PROGRESS))))).progress
         self.assertEqual(progress[1], PROGRESS)
         self.assertEqual((progress[0].request, progress[0].status), (None, "a?"))
         self.assertIn("x, y and theta must be finite numbers", progress[0].failed)
 
     def test_what_another_version_asks_for(self) -> None:
-        message = state_message(ModulesState("n", (), (PROGRESS,)))
+        message = modules_state_message(ModulesState("n", (), (PROGRESS,)))
         message.progress[0].request.kind = 77
-        self.assertIn("its request has the unknown kind 77", state_of(sent(message)).progress[0].failed)
+        self.assertIn("its request has the unknown kind 77", modules_state_of(sent(message)).progress[0].failed)
         message.progress[0].request.pose = [1.0]
         message.progress[0].request.kind = ModuleRequest.GOAL
-        self.assertIn("its goal's pose is (1.0,)", state_of(sent(message)).progress[0].failed)
+        self.assertIn("its goal's pose is (1.0,)", modules_state_of(sent(message)).progress[0].failed)
 
     def test_a_run_that_cannot_be_read_is_left_out(self) -> None:
         for field, kind in (("request", 77), ("request", 0), ("outcome", 77)):
@@ -95,7 +95,7 @@ class TestModuleConvert(unittest.TestCase):
         rng = random.Random(4)
         read = 0
         for good, convert in (
-            (state_message(ModulesState("node", (ModuleInfo("HNF"),), (PROGRESS,))), state_of),
+            (modules_state_message(ModulesState("node", (ModuleInfo("HNF"),), (PROGRESS,))), modules_state_of),
             (runs_message("box", (RUN,)), runs_of),
         ):
             buffer = io.BytesIO()
@@ -111,7 +111,7 @@ class TestModuleConvert(unittest.TestCase):
                 read += 1
                 made = convert(message)
                 if isinstance(made, ModulesState):
-                    sent(state_message(made))
+                    sent(modules_state_message(made))
         self.assertGreater(read, 1000)
 
     def test_the_numbers_are_those_of_the_messages(self) -> None:
@@ -120,4 +120,4 @@ class TestModuleConvert(unittest.TestCase):
         for kind in OutcomeKind:
             self.assertEqual(getattr(ModuleOutcome, kind.name), kind)
         self.assertEqual(runs_of(ModuleRuns()), ())
-        self.assertEqual(state_of(ModulesStateMsg()), ModulesState(""))
+        self.assertEqual(modules_state_of(ModulesStateMsg()), ModulesState(""))

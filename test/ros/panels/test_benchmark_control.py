@@ -203,8 +203,8 @@ class TestBenchmarkControl(PanelCase):
         for raised in ("service [/core/stop] unavailable", "unable to connect to service: [Errno 104] Connection reset",
                        "transport error completing service call: unable to receive data from sender"):
             with self.subTest(raised):
-                self.assertIn("is the core running?", calls.error_text(raised))
-                self.assertIn(raised, calls.error_text(raised))
+                self.assertIn("is the core running?", calls.failure_text(raised))
+                self.assertIn(raised, calls.failure_text(raised))
 
     def test_the_latched_message_of_a_hanging_core_is_not_a_sign_of_life(self) -> None:
         self.core.silent = True

@@ -10,7 +10,7 @@ from support.panel_case import PanelCase
 
 from roah_rsbb.rqt.panels import devices, overview
 from roah_rsbb.rqt.panels.devices import DevicesPanel
-from roah_rsbb.rqt.panels.overview import Arrangement, OverviewPanel, best_arrangement
+from roah_rsbb.rqt.panels.overview import OverviewPanel, TileArrangement, best_arrangement
 from roah_rsbb.rqt.qt import QEvent, QMouseEvent, QPointF, QWheelEvent
 from roah_rsbb.rqt.widgets.basic import KEEP_MS
 
@@ -137,9 +137,9 @@ class TestOverview(PanelCase):
 
     def test_tiles_fill_the_panel(self) -> None:
         self.assertEqual(best_arrangement(2, 22.0, 13.0).columns, 1)
-        self.assertEqual(best_arrangement(4, 60.0, 13.0), Arrangement(2, 1.1))
+        self.assertEqual(best_arrangement(4, 60.0, 13.0), TileArrangement(2, 1.1))
         self.assertEqual(best_arrangement(1, 900.0, 900.0).factor, overview.MOST)
-        self.assertEqual(best_arrangement(9, 10.0, 10.0), Arrangement(1, overview.LEAST, compact=True))
+        self.assertEqual(best_arrangement(9, 10.0, 10.0), TileArrangement(1, overview.LEAST, compact=True))
 
     # -- stopping -----------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose2D, 
 from roah_rsbb.bmbox.framework.parameters import Field
 from roah_rsbb.bmbox.framework.results import BadResult, Kind, read_record
 from roah_rsbb.bmbox.framework.score import Score, Value
-from roah_rsbb.core.modules.messages import Outcome, OutcomeKind, Request, RequestKind, RunForModule
+from roah_rsbb.core.modules.messages import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule
 
 TRY_AGAIN = "Try again"
 SKIP = "Skip"
@@ -51,7 +51,7 @@ class Ask(NamedTuple):
     watch: Optional[Watch] = None
     measure: Optional[Callable[[], Any]] = None  # NOTE: makes the value to be recorded
 
-    def __await__(self) -> Generator["Ask", Outcome, Outcome]:
+    def __await__(self) -> Generator["Ask", RequestOutcome, RequestOutcome]:
         outcome = yield self
         return outcome
 
@@ -139,7 +139,7 @@ class Module:
             outcome.kind is OutcomeKind.TIMED_OUT, outcome.result, outcome.executing_s, outcome.ended_utc
         )
 
-    async def switches(self, text: str) -> Outcome:
+    async def switches(self, text: str) -> RequestOutcome:
         """HOMF: ask the referee which switches `changed` and how many were `damaged`."""
         return await Ask(Request(0, RequestKind.SWITCHES, text))
 

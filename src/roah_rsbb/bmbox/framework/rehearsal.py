@@ -12,7 +12,7 @@ from typing import Any, Dict, Optional, Type
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3
 from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
-from roah_rsbb.core.modules.messages import Outcome, OutcomeKind, Request, RequestKind, RunForModule, Step
+from roah_rsbb.core.modules.messages import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step
 
 UTC0 = 1_800_000_000.0
 
@@ -79,12 +79,12 @@ class Rehearsal:
     def answer(self, answer: str = "") -> None:
         """The referee answers the request; "" is the usual answer if there are choices."""
         asked = self._expect(RequestKind.REFEREE)
-        self._done(Outcome(OutcomeKind.DONE, answer=answer or (asked.choices[0] if asked.choices else "")))
+        self._done(RequestOutcome(OutcomeKind.DONE, answer=answer or (asked.choices[0] if asked.choices else "")))
 
     def switches(self, *changed: int, damaged: int = 0) -> None:
         """The referee enters switches."""
         self._expect(RequestKind.SWITCHES)
-        self._done(Outcome(OutcomeKind.DONE, changed=changed, damaged=damaged))
+        self._done(RequestOutcome(OutcomeKind.DONE, changed=changed, damaged=damaged))
 
     def executes(self, seconds: float, step: float = 0.1) -> None:
         """The robot executes the goal for some seconds; the runner ticks every `step` seconds."""
@@ -101,12 +101,12 @@ class Rehearsal:
     def result(self, result: str = "", seconds: float = 0.0) -> None:
         """The robot finishes the goal after executing it for `seconds` in total."""
         self._expect(RequestKind.GOAL)
-        self._done(Outcome(OutcomeKind.DONE, result=result, executing_s=seconds))
+        self._done(RequestOutcome(OutcomeKind.DONE, result=result, executing_s=seconds))
 
     def time_out(self, seconds: float = 0.0) -> None:
         """The goal times out after the robot executed it for `seconds`."""
         self._expect(RequestKind.GOAL)
-        self._done(Outcome(OutcomeKind.TIMED_OUT, executing_s=seconds))
+        self._done(RequestOutcome(OutcomeKind.TIMED_OUT, executing_s=seconds))
 
     def end(self, reason: str = "stopped", elapsed_s: float = 0.0) -> None:
         """The run ends: stopped, timeout, no_messages_saved."""
@@ -130,7 +130,7 @@ class Rehearsal:
             raise AssertionError(f"the module waits for {asked}, not for {kind.name}; {self.failed}")
         return asked
 
-    def _done(self, outcome: Outcome) -> None:
+    def _done(self, outcome: RequestOutcome) -> None:
         last = self.run.steps[-1]._replace(outcome=outcome._replace(ended_utc=self.utc))
         self.run = self.run._replace(steps=(*self.run.steps[:-1], last), told_utc=0.0)
         self._publish()
@@ -142,7 +142,7 @@ class Rehearsal:
         while self.run.running and progress.request is not None and progress.request.number > len(self.run.steps):
             steps = (*self.run.steps, Step(progress.request))
             if progress.request.kind is RequestKind.NOTE:
-                steps = (*steps[:-1], Step(progress.request, Outcome(OutcomeKind.DONE, ended_utc=self.utc)))
+                steps = (*steps[:-1], Step(progress.request, RequestOutcome(OutcomeKind.DONE, ended_utc=self.utc)))
             self.run = self.run._replace(steps=steps, kept=progress.kept)
             self.runner.on_run(self.run)
             progress = self.runner.progress()

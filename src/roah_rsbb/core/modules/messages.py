@@ -54,7 +54,7 @@ class OutcomeKind(enum.IntEnum):
     TIMED_OUT = 2  # GOAL: its timeout ended it
 
 
-class Outcome(NamedTuple):
+class RequestOutcome(NamedTuple):
     """The answer to a request."""
 
     kind: OutcomeKind
@@ -70,7 +70,7 @@ class Step(NamedTuple):
     """A request and, once there is one, its outcome."""
 
     request: Request
-    outcome: Optional[Outcome] = None
+    outcome: Optional[RequestOutcome] = None
 
 
 class RunForModule(NamedTuple):

@@ -13,11 +13,11 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Level
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.modules.messages import (
-    Outcome,
     OutcomeKind,
     Progress,
     Request,
     RequestKind,
+    RequestOutcome,
     RunForModule,
     ScoreValue,
     Step,
@@ -26,7 +26,7 @@ from roah_rsbb.core.modules.presence import Driver, Modules
 from roah_rsbb.core.modules.texts import goal_json, result_text, scores_json
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.runs.machine import Reaction, react
-from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, Goal, GoalState, Switches, SwitchesState, check_answer
+from roah_rsbb.core.runs.requests import GOAL_OVERHEAD, GoalState, RunningGoal, Switches, SwitchesState, check_answer
 from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState
 from roah_rsbb.core.scoring.book import Marked
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
@@ -62,7 +62,7 @@ class FunctionalityRun(Run):
         self.of_module = of_module or FunctionalityState(0)
         self.switches = None if self.of_module.switches is None else Switches(self.of_module.switches)
         goal = self.of_module.goal
-        self._goal = None if goal is None else Goal(self.of_module.steps[-1].request, goal)
+        self._goal = None if goal is None else RunningGoal(self.of_module.steps[-1].request, goal)
         self._modules = modules
         self._max_goal = context.settings.max_datagram - GOAL_OVERHEAD
         self._node = ""  # of the modules that drive this attempt
@@ -127,7 +127,7 @@ class FunctionalityRun(Run):
         answer = check_answer(asked, operation, answer)
         self._emit(effects.RunLogged(self.port, run_log.MANUAL_OPERATION, f"{asked.text}: done {answer}".rstrip()))
         self.say(now, Level.INFO, f"Manual operation done: {asked.text} {answer}".rstrip())
-        self._answer_referee(now, Outcome(OutcomeKind.DONE, answer=answer, ended_utc=now.utc))
+        self._answer_referee(now, RequestOutcome(OutcomeKind.DONE, answer=answer, ended_utc=now.utc))
 
     def sheet_of_switches(self) -> Switches:
         """Return the switches that the referee enters. Raises `Refused` if the run has none now."""
@@ -152,11 +152,11 @@ class FunctionalityRun(Run):
         text = json.dumps({"switches": switches.changed, "damaged_switches": switches.damaged})
         self._emit(effects.RunLogged(self.port, run_log.OMF_COMPLETE, text))
         self.say(now, Level.INFO, "Switches confirmed by the referee")
-        self._answer_referee(now, Outcome(
+        self._answer_referee(now, RequestOutcome(
             OutcomeKind.DONE, ended_utc=now.utc, changed=tuple(switches.changed), damaged=switches.damaged
         ))
 
-    def _answer_referee(self, now: Now, outcome: Outcome) -> None:
+    def _answer_referee(self, now: Now, outcome: RequestOutcome) -> None:
         self._answer(outcome)
         self._set_pauses(now)
 
@@ -238,7 +238,7 @@ class FunctionalityRun(Run):
             return
         self.steps.append(Step(request))
         if request.kind is RequestKind.NOTE:
-            self._answer(Outcome(OutcomeKind.DONE, ended_utc=now.utc))
+            self._answer(RequestOutcome(OutcomeKind.DONE, ended_utc=now.utc))
             return
         if request.kind is RequestKind.GOAL:
             self._open_goal(now, request)
@@ -259,7 +259,7 @@ class FunctionalityRun(Run):
             return "it requests switches, but none of its goals had any"
         return ""
 
-    def _answer(self, outcome: Outcome) -> None:
+    def _answer(self, outcome: RequestOutcome) -> None:
         self.steps[-1] = self.steps[-1]._replace(outcome=outcome)
         self._changed()
 
@@ -290,7 +290,7 @@ class FunctionalityRun(Run):
     # -- goals --------------------------------------------------------------------------------------
 
     def _open_goal(self, now: Now, request: Request) -> None:
-        self._goal = Goal(request)
+        self._goal = RunningGoal(request)
         self._goal.start(now)
         self.of_module.goal = self._goal.state
         if request.initial_state:
@@ -322,7 +322,7 @@ class FunctionalityRun(Run):
         elif reaction is Reaction.GOAL_DONE:
             self._goal_done(now, goal, result_text(report))
 
-    def _goal_done(self, now: Now, goal: Goal, result: str) -> None:
+    def _goal_done(self, now: Now, goal: RunningGoal, result: str) -> None:
         seconds = goal.executing_s(now.mono)
         if result:
             self._emit(effects.RunLogged(self.port, run_log.RESULT, result))
@@ -330,16 +330,16 @@ class FunctionalityRun(Run):
                 self._emit(effects.RunLogged(self.port, run_log.HOPF_RESULT, result))
             self.show_online(now, f"result: {result}")
         self.say(now, Level.INFO, f"Goal completed by the robot in {seconds:.1f} s")
-        self._close_goal(Outcome(OutcomeKind.DONE, result=result, executing_s=seconds, ended_utc=now.utc))
+        self._close_goal(RequestOutcome(OutcomeKind.DONE, result=result, executing_s=seconds, ended_utc=now.utc))
 
-    def _goal_timed_out(self, now: Now, goal: Goal, due: float) -> None:
+    def _goal_timed_out(self, now: Now, goal: RunningGoal, due: float) -> None:
         seconds = goal.executing_s(due)
         self.say(now, Level.WARNING, f"Goal timed out after {goal.request.timeout:g} s")
-        self._close_goal(Outcome(
+        self._close_goal(RequestOutcome(
             OutcomeKind.TIMED_OUT, executing_s=seconds, ended_utc=now.utc - (now.mono - due)
         ))
 
-    def _close_goal(self, outcome: Outcome) -> None:
+    def _close_goal(self, outcome: RequestOutcome) -> None:
         self.state.desc = "Goal timed out" if outcome.kind is OutcomeKind.TIMED_OUT else "Goal completed by the robot"
         self._goal = self.of_module.goal = None
         self._answer(outcome)
@@ -391,7 +391,7 @@ class FunctionalityRun(Run):
         return left if self._goal is None else min(left, self._goal.clock.left(now))
 
     @property
-    def goal(self) -> Optional[Goal]:
+    def goal(self) -> Optional[RunningGoal]:
         """See `ZoneRun`."""
         return self._goal if self._goal is not None and self._goal.request.timeout else None
 

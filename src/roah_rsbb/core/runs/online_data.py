@@ -8,7 +8,7 @@ from typing import Dict, List, Sequence, Tuple
 
 from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.clock import Now
-from roah_rsbb.wording.plain import plain
+from roah_rsbb.wording.texts import escaped
 
 # The texts of the last message, by the name of the repeated field.
 Strings = Dict[str, Tuple[str, ...]]
@@ -49,7 +49,7 @@ def with_line(text: str, line: str, size: int) -> str:
 
     Whole lines are dropped where possible. A robot's text stays in one line, so it cannot imitate other lines.
     """
-    text = f"{text}{plain(line)}\n"
+    text = f"{text}{escaped(line)}\n"
     start = max(0, len(text) - size)
     if start > 0 and text[start - 1] != "\n":
         next_line = text.index("\n", start) + 1

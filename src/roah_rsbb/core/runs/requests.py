@@ -30,7 +30,7 @@ class GoalState:
     told: Optional[Now] = None  # when the robot was first asked to execute
 
 
-class Goal:
+class RunningGoal:
     """A goal under way."""
 
     def __init__(self, request: Request, state: Optional[GoalState] = None) -> None:

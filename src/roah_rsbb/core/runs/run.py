@@ -21,7 +21,7 @@ from roah_rsbb.core.runs.clock import CountdownState, RunClock, SavingWatch
 from roah_rsbb.core.runs.device_commands import DeviceCommands, DeviceCommandsState
 from roah_rsbb.core.runs.machine import Reaction, react
 from roah_rsbb.core.runs.online_data import Strings, StringsBudget, receive, with_line
-from roah_rsbb.core.runs.requests import Goal
+from roah_rsbb.core.runs.requests import RunningGoal
 from roah_rsbb.core.scoring.book import BookState, Marked, RunBook
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase, RunRecord, ScoreValue
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
@@ -209,7 +209,7 @@ class ZoneRun(abc.ABC):
         return self.clock.shown(now, ended=self.phase is Phase.ENDED)
 
     @property
-    def goal(self) -> Optional[Goal]:
+    def goal(self) -> Optional[RunningGoal]:
         """The goal under way; None: the robot has no goal with a time of its own."""
         return None
 

@@ -137,7 +137,7 @@ def robots(box: Box, now: Now) -> List[RobotView]:
     ]
 
 
-def status(box: Box, now: Now) -> str:
+def box_status(box: Box, now: Now) -> str:
     """Return the box's state in one line: OK, what it is doing, or its warnings."""
     left = box.listening_left(now)
     if left > 0:
@@ -150,7 +150,7 @@ def zones(box: Box, now: Now) -> List[ZoneView]:
     return [_zone(box, zone, now) for zone in box.zones.values()]
 
 
-def schedule(box: Box) -> List[ScheduleLine]:
+def coming_events(box: Box) -> List[ScheduleLine]:
     """Return the current and coming events of all zones, by scheduled time."""
     lines = [
         ScheduleLine(event, running=zone.run is not None and index == zone.index)

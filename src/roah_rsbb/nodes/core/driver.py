@@ -17,7 +17,7 @@ from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.nodes.core.journal import CoreJournal
 from roah_rsbb.nodes.core.radio import CoreRadio
 from roah_rsbb.run_logs.writer import RunLogWriter
-from roah_rsbb.wording.plain import plain
+from roah_rsbb.wording.texts import escaped
 
 # Two clock readings count as simultaneous within this time; a busy machine may need several attempts.
 SAME_MOMENT_S = 0.005
@@ -203,4 +203,4 @@ class CoreDriver:
     @staticmethod
     def _notice(effect: effects.Notice) -> None:
         zone = f"zone {effect.zone}: " if effect.zone else ""
-        _LOG[effect.level]("%s", plain(f"{zone}{effect.text}"))
+        _LOG[effect.level]("%s", escaped(f"{zone}{effect.text}"))

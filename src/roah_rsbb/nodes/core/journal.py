@@ -17,7 +17,7 @@ from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.unsaved import Unsaved, UnsavedParts
 from roah_rsbb.core.zones import ZoneState, key_of
 from roah_rsbb.journal import kinds
-from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, RunOutcome, RunRow
+from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
 from roah_rsbb.journal.previous_session import PreviousSession
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.rulebook.config import Config
@@ -185,7 +185,7 @@ class CoreJournal:
 
     def _record_changed(self, _now: Now, effect: effects.RecordChanged) -> None:
         record = effect.record
-        self._batch.outcomes[record.identity] = RunOutcome(record.closed_utc or None, _json(freeze(record)))
+        self._batch.outcomes[record.identity] = OutcomeRow(record.closed_utc or None, _json(freeze(record)))
         self._records.append(record)
 
 

@@ -239,7 +239,7 @@ class CoreNode:
         self._ros.post(lambda: self._event(self._box.on_device_refused, wish.zone, wish.device, wish.value, reason))
 
     def _on_modules(self, message: ModulesState) -> None:
-        state = convert.state_of(message)
+        state = convert.modules_state_of(message)
         self._modules.put(state.node, state)
 
     def _on_log_trouble(self, text: str) -> None:

@@ -50,7 +50,7 @@ class PanelMessages:
         return SerialisedToGui(
             [self._zone(view, log_files) for view in self._views],
             clock=ros_time(now.utc),
-            status=views.status(box, now),
+            status=views.box_status(box, now),
             addr=self._addr,
             port=str(box.settings.rsbb_port),
             active_robots=self._robot_infos(now),

@@ -23,7 +23,7 @@ def to_public(box: Box, now: Now) -> CoreToPublic:
                 line.event.team, line.event.benchmark.desc, line.event.round, line.event.run,
                 _local(line.event.scheduled), line.running,
             )
-            for line in views.schedule(box)
+            for line in views.coming_events(box)
         ],
     )
 

@@ -8,11 +8,11 @@ from typing import Iterable, Optional, Tuple
 from roah_rsbb.core.modules.messages import (
     ModuleInfo,
     ModulesState,
-    Outcome,
     OutcomeKind,
     Progress,
     Request,
     RequestKind,
+    RequestOutcome,
     RunForModule,
     Step,
 )
@@ -29,7 +29,7 @@ _OUTCOME_KINDS = {int(kind): kind for kind in OutcomeKind}
 # -- from the modules -------------------------------------------------------------------------------
 
 
-def state_message(state: ModulesState) -> ModulesStateMsg:
+def modules_state_message(state: ModulesState) -> ModulesStateMsg:
     """Convert the state of a node with modules."""
     fit = checked_state(state)
     return ModulesStateMsg(
@@ -39,7 +39,7 @@ def state_message(state: ModulesState) -> ModulesStateMsg:
     )
 
 
-def state_of(message: ModulesStateMsg) -> ModulesState:
+def modules_state_of(message: ModulesStateMsg) -> ModulesState:
     """Convert the state of a node with modules."""
     return checked_state(ModulesState(
         message.node,
@@ -134,12 +134,12 @@ def _request_of(message: ModuleRequest) -> Optional[Request]:
     )
 
 
-def _outcome_message(outcome: Optional[Outcome]) -> ModuleOutcome:
+def _outcome_message(outcome: Optional[RequestOutcome]) -> ModuleOutcome:
     return ModuleOutcome() if outcome is None else ModuleOutcome(**{**outcome._asdict(), "kind": int(outcome.kind)})
 
 
-def _outcome_of(kind: OutcomeKind, message: ModuleOutcome) -> Outcome:
-    return Outcome(
+def _outcome_of(kind: OutcomeKind, message: ModuleOutcome) -> RequestOutcome:
+    return RequestOutcome(
         kind, message.answer, message.result, message.executing_s, message.ended_utc, tuple(message.changed),
         message.damaged,
     )

@@ -20,7 +20,7 @@ from roah_rsbb.bmbox.framework.own_rules import own_files
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, RunForModule
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
-from roah_rsbb.nodes.modules.convert import runs_of, state_message
+from roah_rsbb.nodes.modules.convert import modules_state_message, runs_of
 from roah_rsbb.nodes.modules.driven import Driven
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.ground_truth_tf import ReloadingGroundTruth
@@ -72,7 +72,7 @@ class ModulesNode:
         """Report to the core that this process drives no benchmark. Otherwise it counts as present for a while."""
         # ROS may have shut down already.
         with contextlib.suppress(rospy.ROSException):
-            _publish_and_wait(self._publisher, state_message(ModulesState(self._node, (), ())))
+            _publish_and_wait(self._publisher, modules_state_message(ModulesState(self._node, (), ())))
 
     # -- the core -----------------------------------------------------------------------------------
 
@@ -133,7 +133,7 @@ class ModulesNode:
     def _send(self, state: ModulesState) -> None:
         self._sent = state
         try:
-            self._publisher.publish(state_message(state))
+            self._publisher.publish(modules_state_message(state))
         except rospy.ROSException as error:
             if not rospy.is_shutdown():
                 rospy.logerr_throttle(1.0, f"{self._publisher.name} could not be published: {error}")

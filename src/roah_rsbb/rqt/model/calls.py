@@ -103,7 +103,7 @@ class Calls(QObject):
         try:
             outcome = CallOutcome("", job())
         except Exception as e:  # the referee reads any error beside the command
-            outcome = CallOutcome(error_text(str(e)) or type(e).__name__)
+            outcome = CallOutcome(failure_text(str(e)) or type(e).__name__)
         with contextlib.suppress(RuntimeError):  # the process is ending
             self._answered.emit(token, outcome)
 
@@ -122,7 +122,7 @@ class Calls(QObject):
             waiting.done(outcome)
 
 
-def error_text(raised: str) -> str:
+def failure_text(raised: str) -> str:
     """Returns the core's reasons, or what to check if there was no answer."""
     if raised.endswith("unavailable") or raised.startswith(("unable to connect to service", "transport error")):
         return f"no answer: is the core running? Check the state when it is back. ({raised})"

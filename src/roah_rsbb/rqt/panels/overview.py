@@ -219,7 +219,7 @@ LEAST, MOST = 0.7, 3.5
 GAP_EMS = 0.3
 
 
-class Arrangement(NamedTuple):
+class TileArrangement(NamedTuple):
     """How the tiles are arranged."""
 
     columns: int
@@ -244,7 +244,7 @@ class OverviewPanel(CollapsingPanel):
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
         self.tiles: Dict[str, ZoneTile] = {}
-        self._shape: Optional[Arrangement] = None
+        self._shape: Optional[TileArrangement] = None
         self._calls: Dict[str, Tuple[int, int]] = {}  # zone: port of the run, number of the operation
         self.head = basic.Badge(1.3)
         self.head.setAlignment(Qt.AlignLeft | Qt.AlignVCenter)  # if the text is too long, its beginning stays visible
@@ -356,20 +356,20 @@ class OverviewPanel(CollapsingPanel):
         self.client.stop_keys.stop(self.model.running_zones(), self.stop.let_go)
 
 
-def best_arrangement(tiles: int, wide_ems: float, high_ems: float) -> Arrangement:
+def best_arrangement(tiles: int, wide_ems: float, high_ems: float) -> TileArrangement:
     """Returns the arrangement that fills an area best. Its size is in units of the desktop's font."""
     full = _largest(tiles, wide_ems, high_ems, HIGH_EMS)
     if full.factor >= 1.0:
         return full._replace(factor=min(MOST, full.factor))
     shape = _largest(tiles, wide_ems, high_ems, COMPACT_EMS)
-    return Arrangement(shape.columns, min(1.0, max(LEAST, shape.factor)), compact=True)
+    return TileArrangement(shape.columns, min(1.0, max(LEAST, shape.factor)), compact=True)
 
 
-def _largest(tiles: int, wide_ems: float, high_ems: float, tile_ems: float) -> Arrangement:
-    def shape(columns: int) -> Arrangement:
+def _largest(tiles: int, wide_ems: float, high_ems: float, tile_ems: float) -> TileArrangement:
+    def shape(columns: int) -> TileArrangement:
         rows = -(-tiles // columns)
         room = min(high_ems / (rows * (tile_ems + GAP_EMS)), wide_ems / (columns * (WIDE_EMS + GAP_EMS)))
-        return Arrangement(columns, math.floor(20 * room) / 20)
+        return TileArrangement(columns, math.floor(20 * room) / 20)
 
     # Among equals, prefer fewer columns: a list is easier to read.
     return max(map(shape, range(1, tiles + 1)), key=lambda shape: (shape.factor, -shape.columns))

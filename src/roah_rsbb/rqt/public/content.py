@@ -34,7 +34,7 @@ class ListLine(NamedTuple):
     scores: Tuple[str, ...] = ()  # below the other texts
 
 
-class Standing(NamedTuple):
+class StandingTexts(NamedTuple):
     """The texts of a benchmark's standing."""
 
     title: str
@@ -51,7 +51,7 @@ class PublicContent(NamedTuple):
     following: Tuple[ListLine, ...]
     results: Tuple[ListLine, ...]  # signed off
     provisional: Tuple[ListLine, ...] = ()  # not signed off
-    standings: Tuple[Standing, ...] = ()
+    standings: Tuple[StandingTexts, ...] = ()
     is_known: bool = True  # False: the core has never been heard
 
 
@@ -107,8 +107,8 @@ def _results(results, utc_s: float) -> Tuple[ListLine, ...]:
     return tuple(_result(result, utc_s) for result in results)
 
 
-def _standing(standing) -> Standing:
-    return Standing(standing.benchmark, tuple(
+def _standing(standing) -> StandingTexts:
+    return StandingTexts(standing.benchmark, tuple(
         ListLine(rank.rank, rank.team, "", "", tuple(
             f"{criterion}: {number}" if number else criterion
             for criterion, number in zip(standing.criteria, rank.numbers) if number

@@ -22,7 +22,7 @@ class _Group(NamedTuple):
     rows: List[QWidget]
 
 
-class Arrangement(NamedTuple):
+class SheetArrangement(NamedTuple):
     """How the items are arranged."""
 
     columns: int
@@ -30,7 +30,7 @@ class Arrangement(NamedTuple):
 
 
 # The first arrangement that shows all items is used. The last one scrolls if necessary.
-ARRANGEMENTS = (Arrangement(1, False), Arrangement(1, True), Arrangement(2, True))
+ARRANGEMENTS = (SheetArrangement(1, False), SheetArrangement(1, True), SheetArrangement(2, True))
 
 
 class SheetView(QWidget):
@@ -39,7 +39,7 @@ class SheetView(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self._groups: Dict[str, _Group] = {}
-        self.arrangement: Optional[Arrangement] = None
+        self.arrangement: Optional[SheetArrangement] = None
         self._area = QScrollArea(widgetResizable=True)
         self._area.setFrameShape(QFrame.NoFrame)
         self._area.setMinimumHeight(round(2 * basic.em()))
@@ -122,7 +122,7 @@ class SheetView(QWidget):
                    else layout.totalSizeHint().height() for layout in layouts]
         return sum(heights) + self.layout().spacing()
 
-    def _arrange(self, arrangement: Arrangement) -> None:
+    def _arrange(self, arrangement: SheetArrangement) -> None:
         if arrangement == self.arrangement:
             return
         self.arrangement = arrangement

@@ -13,7 +13,7 @@ from roah_rsbb.comm.complaints import likely_cause
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.tools.capture.decoding import BOX, TABLET, DatagramKind, HeardDatagram
 from roah_rsbb.tools.capture.recording import LAST_SECOND
-from roah_rsbb.wording.plain import plain
+from roah_rsbb.wording.texts import escaped
 
 
 def fields_of(message: Message) -> Dict[str, Any]:
@@ -111,7 +111,7 @@ class TextLines:
         datagram = entry.datagram
         channel = str(datagram.dport) if entry.private else "public"
         sender = f"{datagram.src}:{datagram.sport}" if datagram.sport != datagram.dport else datagram.src
-        speaker = plain(str(entry.speaker)) if entry.speaker else "unknown"
+        speaker = escaped(str(entry.speaker)) if entry.speaker else "unknown"
         return " ".join([
             self._paint(_clock(datagram.time), _DIM), f"{channel:<6}", self._column("sender", sender),
             self._column("speaker", speaker), self._what(entry),
@@ -119,9 +119,9 @@ class TextLines:
 
     def _what(self, entry: HeardDatagram) -> str:
         if entry.kind is DatagramKind.ERROR:
-            return self._paint(f"ERROR {plain(entry.text)}. {likely_cause(entry.reason)}", _RED)
+            return self._paint(f"ERROR {escaped(entry.text)}. {likely_cause(entry.reason)}", _RED)
         if entry.kind is DatagramKind.ENCRYPTED:
-            return self._paint(f"encrypted, {plain(entry.text)}", _YELLOW)
+            return self._paint(f"encrypted, {escaped(entry.text)}", _YELLOW)
         code = {BOX: _CYAN, TABLET: _MAGENTA}.get(entry.speaker, _GREEN)
         shown = [self._paint(entry.message.DESCRIPTOR.name, code)]
         for key, value in fields_of(entry.message).items():
@@ -181,7 +181,7 @@ def skew_s(entry: HeardDatagram) -> Optional[float]:
 def _text(value: Any) -> str:
     """Format a field's value unambiguously in one line."""
     if isinstance(value, str):
-        return value if value.isidentifier() else plain(json.dumps(value, ensure_ascii=False))
+        return value if value.isidentifier() else escaped(json.dumps(value, ensure_ascii=False))
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, list):

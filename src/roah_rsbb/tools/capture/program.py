@@ -23,7 +23,7 @@ from roah_rsbb.tools.capture.decoding import DatagramKind, Decoder, HeardDatagra
 from roah_rsbb.tools.capture.listening import PlainListener, RawListener
 from roah_rsbb.tools.capture.output import Filter, TextLines, json_line
 from roah_rsbb.tools.capture.recording import Datagram
-from roah_rsbb.wording.plain import plain
+from roah_rsbb.wording.texts import escaped
 
 PROGRAM = "capture_comm"
 MESSAGES = tuple(kind.DESCRIPTOR.name for kind in PUBLIC_TYPES + PRIVATE_TYPES)
@@ -116,7 +116,7 @@ class _Screen:
         """Print a notice, once for each text."""
         if text not in self._noticed and len(self._noticed) < _MAX_NOTICES:
             self._noticed.add(text)
-            print(f"{PROGRAM}: {plain(text)}", file=sys.stderr, flush=True)
+            print(f"{PROGRAM}: {escaped(text)}", file=sys.stderr, flush=True)
 
     def summary(self) -> str:
         """The counts."""

@@ -140,7 +140,7 @@ GROUND_TRUTH = "ground_truth.yaml"
 _BEFORE = SCHEDULE + "~"
 
 
-class CannotWrite(Exception):
+class CannotWriteFiles(Exception):
     """Nothing was changed. The text says why, and names the remedy."""
 
 
@@ -174,11 +174,11 @@ def new_files(config_dir: str, plan: Plan, clock: VenueClock, hosts: Hosts) -> D
 
 
 def write_new(directory: str, files: Dict[str, str]) -> None:
-    """Write the files; raises `CannotWrite` if one of them exists or cannot be written."""
+    """Write the files; raises `CannotWriteFiles` if one of them exists or cannot be written."""
     there = [name for name in files if os.path.lexists(os.path.join(directory, name))]
     if there:
-        raise CannotWrite(f"{', '.join(there)} in {directory} already exist: choose another folder, or use "
-                          "--schedule-only to replace only the schedule, or --check")
+        raise CannotWriteFiles(f"{', '.join(there)} in {directory} already exist: choose another folder, or use "
+                               "--schedule-only to replace only the schedule, or --check")
     made: List[str] = []
     with _writing(directory):
         try:
@@ -227,5 +227,6 @@ def _writing(directory: str) -> Iterator[None]:
         yield
     except OSError as error:
         where = error.filename or directory
-        raise CannotWrite(f"{where} cannot be written: {error.strerror}. Choose another folder, or make it writable "
-                          "for this user") from None
+        raise CannotWriteFiles(
+            f"{where} cannot be written: {error.strerror}. Choose another folder, or make it writable for this user"
+        ) from None

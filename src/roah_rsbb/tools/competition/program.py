@@ -13,7 +13,7 @@ from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.tools.competition import answers, files
 from roah_rsbb.tools.competition.answers import QUESTIONS, Missing, known_answers
 from roah_rsbb.tools.competition.check import check
-from roah_rsbb.tools.competition.files import CannotWrite, Hosts
+from roah_rsbb.tools.competition.files import CannotWriteFiles, Hosts
 from roah_rsbb.tools.competition.plan import Plan, PlannedDay, read_clock, timetable
 from roah_rsbb.tools.competition.sheet import OPTIONAL, REQUIRED, Known, read_sheet
 from roah_rsbb.tools.interfaces import interfaces
@@ -79,7 +79,7 @@ def _run(options: argparse.Namespace, config_dir: str, ask: Optional[Callable[[s
         _new(options, config_dir, plan, found)
     except ConfigErrors as errors:
         return _failed(errors)
-    except CannotWrite as error:
+    except CannotWriteFiles as error:
         return _failed(error)
     except Missing as error:
         _failed(error)

@@ -92,4 +92,4 @@ def test_robots_in_it_stay_active():
 
 def test_it_is_in_the_publics_schedule():
     driver, _ = connected()
-    assert [line.running for line in views.schedule(driver.box)] == [True, False]
+    assert [line.running for line in views.coming_events(driver.box)] == [True, False]

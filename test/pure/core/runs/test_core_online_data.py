@@ -61,4 +61,4 @@ def test_a_panels_text_is_bounded_whatever_comes(size, line):
 
 def test_what_a_robot_says_forges_no_line():
     shown = with_line("", "notifications: \x1b[2Jdone\n12:00:00 STOP: Benchmark completed\u202e", 1000)
-    assert shown == "notifications: \\u001b[2Jdone\\u000a12:00:00 STOP: Benchmark completed\\u202e\n"
+    assert shown == "notifications: \\x1b[2Jdone\\n12:00:00 STOP: Benchmark completed\\u202e\n"

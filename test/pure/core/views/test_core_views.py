@@ -99,7 +99,7 @@ def test_the_schedule_shows_what_runs_and_what_comes_by_time():
     driver.connected("a")
 
     def shown():
-        return [(line.event.run, line.running) for line in views.schedule(driver.box)]
+        return [(line.event.run, line.running) for line in views.coming_events(driver.box)]
 
     assert shown() == [(1, True), (2, False), (3, False)]
     driver.command("disconnect", "a")

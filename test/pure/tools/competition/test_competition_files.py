@@ -14,7 +14,7 @@ from helpers.config_files import SHIPPED, TEXTS
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.tools.competition import files
-from roah_rsbb.tools.competition.files import CannotWrite, Hosts
+from roah_rsbb.tools.competition.files import CannotWriteFiles, Hosts
 from roah_rsbb.tools.competition.firewall import TABLE, firewall_text, loaded_for
 from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock
 
@@ -106,7 +106,7 @@ def test_parameters_of_the_modules_that_are_needed(tmp_path):
 
 def test_existing_files_are_not_overwritten(tmp_path):
     (tmp_path / files.SCHEDULE).write_text("mine", encoding="utf-8")
-    with pytest.raises(CannotWrite) as raised:
+    with pytest.raises(CannotWriteFiles) as raised:
         written(tmp_path, plan(run("HWV", "A")))
     assert f"schedule.yaml in {tmp_path} already exist" in str(raised.value)
     assert os.listdir(str(tmp_path)) == [files.SCHEDULE]
@@ -115,7 +115,7 @@ def test_existing_files_are_not_overwritten(tmp_path):
 
 def test_a_failed_write_leaves_nothing(tmp_path):
     (tmp_path / "modules").write_text("a file where a directory must be", encoding="utf-8")
-    with pytest.raises(CannotWrite) as raised:
+    with pytest.raises(CannotWriteFiles) as raised:
         written(tmp_path, plan(run("HNF", "A")))
     assert f"{tmp_path}/modules" in str(raised.value)
     assert "hoose another folder" in str(raised.value)

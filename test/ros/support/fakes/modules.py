@@ -8,15 +8,15 @@ import rospy
 from roah_rsbb.core.modules.messages import (
     ModuleInfo,
     ModulesState,
-    Outcome,
     Progress,
     Request,
     RequestKind,
+    RequestOutcome,
     RunForModule,
 )
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
-from roah_rsbb.nodes.modules.convert import runs_of, state_message
+from roah_rsbb.nodes.modules.convert import modules_state_message, runs_of
 from support.box_case import BoxCase
 from support.waiting import happened, wait_until
 
@@ -50,14 +50,15 @@ class FakeModules:
 
     def beat(self) -> None:
         """Publish the whole state now."""
-        self._publisher.publish(state_message(ModulesState(self.node, self.infos, tuple(self.progress.values()))))
+        state = ModulesState(self.node, self.infos, tuple(self.progress.values()))
+        self._publisher.publish(modules_state_message(state))
 
     def send(self, *progress: Progress) -> str:
         """Publish another message once. Returns a warning that it contains and that stays."""
         self._sent += 1
         mark = f"sent {self._sent}"
         self.infos = tuple(info._replace(warnings=(mark,)) for info in self.infos)
-        self._publisher.publish(state_message(ModulesState(self.node, self.infos, progress)))
+        self._publisher.publish(modules_state_message(ModulesState(self.node, self.infos, progress)))
         return mark
 
     def says(self, zone: str, **fields: Any) -> Progress:
@@ -88,11 +89,11 @@ class FakeModules:
         """Wait until an attempt is in progress."""
         return self.wait_run(zone, lambda run: run.running and run.attempt == attempt, f"attempt {attempt} is running")
 
-    def wait_outcome(self, zone: str) -> Outcome:
+    def wait_outcome(self, zone: str) -> RequestOutcome:
         """Wait for the answer to the last request."""
         return self.wait_run(zone, lambda run: run.steps[-1].outcome, "the core answers").steps[-1].outcome
 
-    def outcome(self, zone: str) -> Optional[Outcome]:
+    def outcome(self, zone: str) -> Optional[RequestOutcome]:
         """The answer to the last request; None: none yet."""
         return self.runs[zone].steps[-1].outcome
 
