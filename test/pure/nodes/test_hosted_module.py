@@ -10,6 +10,7 @@ from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.score import Value
 from roah_rsbb.core.modules.messages import OutcomeKind, RequestOutcome, RunForModule, Step
 from roah_rsbb.nodes.modules.hosted_module import HostedModule
+from roah_rsbb.nodes.modules.limits import MAX_TEXT
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.yaml_lines import Place
 
@@ -90,6 +91,27 @@ def test_every_error_ends_this_run_with_its_score(wrong, reason):
     assert module.progress() == progress
     module.close()
     assert len(reported) == 1, "it is reported once"
+
+
+def test_texts_are_limited_before_they_are_sent():
+    def write(module):
+        module.status = "\ud800" + "x" * 5000
+
+    module, _ = hosted(write)
+    module.on_run(RUN)
+    module.on_run(answered(module))
+    progress = module.progress()
+    assert (progress.failed, progress.status) == ("", "?" + "x" * (MAX_TEXT - 2) + "…")
+
+
+def test_the_text_of_an_error_is_limited_before_it_is_sent():
+    def load():
+        raise KeyboardInterrupt("\ud800" + "x" * 5000)
+
+    module, _ = hosted(load=load)
+    module.on_run(RUN)
+    failed = module.progress().failed
+    assert failed.startswith("KeyboardInterrupt: ?x") and len(failed) == MAX_TEXT
 
 
 @pytest.mark.parametrize("wrong", [_raise, _exit, _keep, _status])

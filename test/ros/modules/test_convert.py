@@ -21,6 +21,7 @@ from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.msg import ModuleOutcome, ModuleRequest, ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.modules.convert import modules_state_message, modules_state_of, runs_message, runs_of
+from roah_rsbb.nodes.modules.limits import MAX_LIST, MAX_TEXT
 from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
 
 GOAL = Request(
@@ -61,13 +62,16 @@ class TestModuleConvert(unittest.TestCase):
         message = sent(runs_message("box", runs))
         self.assertEqual((message.box_uuid, runs_of(message)), ("box", runs))
 
-    def test_what_is_too_much_for_a_message_is_made_fit_before_it_is_sent(self) -> None:
-        wild = PROGRESS._replace(
-            attempt=10**9, status="a\ud800", request=GOAL._replace(pose=(math.nan,) * 5, switches=(-1, 2**40))
-        )
+    def test_reports_about_modules_are_limited_before_they_are_sent(self) -> None:
+        info = ModuleInfo("HNF", ("a\ud800",), ("x" * 5000,) * 200)
+        message = sent(modules_state_message(ModulesState("n", (info,), ())))
+        self.assertEqual(message.modules[0].problems, ["a?"])
+        self.assertEqual([len(text) for text in message.modules[0].warnings], [MAX_TEXT] * MAX_LIST)
+
+    def test_progress_beyond_the_limits_ends_its_run_on_arrival(self) -> None:
+        wild = PROGRESS._replace(request=GOAL._replace(pose=(math.nan,) * 5))
         progress = modules_state_of(sent(modules_state_message(ModulesState("n", (), (wild, PROGRESS))))).progress
-        self.assertEqual(progress[1], PROGRESS)
-        self.assertEqual((progress[0].request, progress[0].status), (None, "a?"))
+        self.assertEqual((progress[0].request, progress[1]), (None, PROGRESS))
         self.assertIn("x, y and theta must be finite numbers", progress[0].failed)
 
     def test_what_another_version_asks_for(self) -> None:

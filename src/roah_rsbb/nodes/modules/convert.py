@@ -1,6 +1,7 @@
 """Converts between the values of core and benchmarking modules and ROS messages, for both sides.
 
 No message causes an exception: the data of modules is limited (`limits.py`), both before sending and on arrival.
+`HostedModule` limits the progress of its module before sending, so that an invalid value ends only that run.
 """
 
 from typing import Iterable, Optional, Tuple
@@ -20,7 +21,7 @@ from roah_rsbb.msg import ModuleInfo as ModuleInfoMsg
 from roah_rsbb.msg import ModuleOutcome, ModuleProgress, ModuleRequest, ModuleRun, ModuleRuns, ModuleStep
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.core.score_convert import group_message, group_of, score_message, score_of
-from roah_rsbb.nodes.modules.limits import MAX_LIST, MAX_SCORES, checked_state
+from roah_rsbb.nodes.modules.limits import MAX_LIST, MAX_SCORES, checked_info, checked_state
 
 _REQUEST_KINDS = {int(kind): kind for kind in RequestKind}
 _OUTCOME_KINDS = {int(kind): kind for kind in OutcomeKind}
@@ -30,12 +31,11 @@ _OUTCOME_KINDS = {int(kind): kind for kind in OutcomeKind}
 
 
 def modules_state_message(state: ModulesState) -> ModulesStateMsg:
-    """Convert the state of a node with modules."""
-    fit = checked_state(state)
+    """Convert the state of a node with modules. The progress of each module is within the limits already."""
     return ModulesStateMsg(
-        node=fit.node,
-        modules=[ModuleInfoMsg(*info) for info in fit.modules],
-        progress=[_progress_message(progress) for progress in fit.progress],
+        node=state.node,
+        modules=[ModuleInfoMsg(*checked_info(info)) for info in state.modules],
+        progress=[_progress_message(progress) for progress in state.progress],
     )
 
 

@@ -27,7 +27,7 @@ def checked_state(state: ModulesState) -> ModulesState:
     """Limit the state of a node with modules."""
     return ModulesState(
         clean(state.node, MAX_NAME),
-        tuple(_checked_info(info) for info in state.modules[:MAX_LIST]),
+        tuple(checked_info(info) for info in state.modules[:MAX_LIST]),
         tuple(checked(progress) for progress in state.progress[:MAX_LIST]),
     )
 
@@ -56,7 +56,8 @@ def _texts(texts: Tuple[str, ...]) -> Tuple[str, ...]:
     return tuple(clean(text) for text in texts[:MAX_LIST])
 
 
-def _checked_info(info: ModuleInfo) -> ModuleInfo:
+def checked_info(info: ModuleInfo) -> ModuleInfo:
+    """Limit what a node reports about one of its modules."""
     return ModuleInfo(clean(info.benchmark, MAX_NAME), _texts(info.problems), _texts(info.warnings))
 
 
