@@ -1,8 +1,16 @@
-"""Lets the pure tests find the package from the source tree, and its generated protobuf code."""
+"""Prepares the tests that pytest runs.
 
+The pure tests find the package in the source tree, and its generated protobuf code. Tests, and the programs that they
+start, have a temporary folder of their own, which is removed at the end.
+"""
+
+import atexit
+import os
 import pathlib
+import shutil
 import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 GENERATED = ROOT / "build" / "pb" / f"python{sys.version_info[0]}.{sys.version_info[1]}"
@@ -17,6 +25,15 @@ def _generate() -> None:
         package.mkdir(parents=True, exist_ok=True)
         subprocess.run(["protoc", "-I", str(source.parent), f"--python_out={package}", str(source)], check=True)
     (package / "__init__.py").touch()
+
+
+def _own_temporary_folder():
+    """Make a temporary folder for this process. `--basetemp FOLDER` keeps what tests write to `tmp_path`."""
+    folder, owner = tempfile.mkdtemp(prefix="tests_"), os.getpid()
+    os.chmod(folder, 0o711)  # a test opens its files as another user
+    # At exit, not at the end of the tests: pytest still locks a folder in it. A fork of this process removes nothing.
+    atexit.register(lambda: os.getpid() == owner and shutil.rmtree(folder, ignore_errors=True))
+    os.environ["TMPDIR"] = tempfile.tempdir = folder
 
 
 def pytest_addoption(parser):
@@ -45,6 +62,7 @@ def pytest_collection_modifyitems(config, items):
 sys.path.insert(0, str(ROOT / "src"))
 sys.path.insert(0, str(ROOT / "test" / "pure"))
 _generate()
+_own_temporary_folder()
 
 import roah_rsbb  # noqa: E402  (only now can it be found)
 
