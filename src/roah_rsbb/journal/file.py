@@ -39,7 +39,7 @@ class Resume(enum.Enum):
     NEVER = "never"
 
 
-class Session(NamedTuple):
+class CoreSession(NamedTuple):
     """One start of the core."""
 
     utc: float

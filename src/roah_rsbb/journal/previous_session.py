@@ -4,7 +4,7 @@ import sqlite3
 from typing import Dict, NamedTuple, Optional, Tuple
 
 from roah_rsbb.journal import schema
-from roah_rsbb.journal.file import Session
+from roah_rsbb.journal.file import CoreSession
 
 # Number of runs whose records are restored, so that referees can correct them: as many as the core keeps.
 MAX_OUTCOMES = 400
@@ -17,7 +17,7 @@ class PreviousSession(NamedTuple):
     outcomes: Tuple[str, ...]  # JSON of the records of the newest runs, including active ones; oldest first
     log_files: Dict[int, str]  # path of the run log by port
     last_port: Optional[int]  # the highest used private port
-    last: Optional[Session]  # the previous session, with the times of its last record
+    last: Optional[CoreSession]  # the previous session, with the times of its last record
 
 
 NOTHING = PreviousSession({}, (), {}, None, None)
@@ -37,12 +37,12 @@ def read_previous_session(connection: sqlite3.Connection) -> PreviousSession:
     )
 
 
-def _last_session(connection: sqlite3.Connection) -> Optional[Session]:
+def _last_session(connection: sqlite3.Connection) -> Optional[CoreSession]:
     row = connection.execute(
         "SELECT id, utc, mono, boot_id, pid, box_uuid, launch FROM sessions ORDER BY id DESC LIMIT 1").fetchone()
     if row is None:
         return None
-    number, session = row[0], Session(*row[1:])
+    number, session = row[0], CoreSession(*row[1:])
     newest = [(session.mono, session.utc)]
     newest += connection.execute(
         "SELECT mono, utc FROM entries WHERE session = ? ORDER BY id DESC LIMIT 1", (number,)).fetchall()

@@ -20,7 +20,7 @@ from roah_rsbb.journal import file as files
 from roah_rsbb.journal import schema
 from roah_rsbb.journal.batch import Batch, NewEntry
 from roah_rsbb.journal.disk import Disk
-from roah_rsbb.journal.file import CannotWriteJournal, Holder, Resume, Session
+from roah_rsbb.journal.file import CannotWriteJournal, CoreSession, Holder, Resume
 from roah_rsbb.journal.previous_session import NOTHING, PreviousSession, read_previous_session
 
 # Failed writes are retried after this time.
@@ -40,7 +40,7 @@ class Journal:
     """Writes one journal."""
 
     def __init__(
-        self, log_dir: str, session: Session, competition: str, resume: Resume, on_trouble: Callable[[str], None]
+        self, log_dir: str, session: CoreSession, competition: str, resume: Resume, on_trouble: Callable[[str], None]
     ) -> None:
         """Never raises. `on_trouble` is called, in any thread, with a problem and its remedy, or with `REPAIRED`."""
         self._log_dir = log_dir

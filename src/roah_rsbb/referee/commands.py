@@ -10,7 +10,7 @@ from roah_rsbb.referee.changes import Follower
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output
-from roah_rsbb.referee.run import Plan, RunScript, ScriptOutcome
+from roah_rsbb.referee.run import RunScript, ScriptOutcome, ScriptPlan
 from roah_rsbb.referee.sheets import RunLine, Sheet, pick_run, sheet_of
 from roah_rsbb.referee.state import CONNECTED, IDLE, SheetItem
 from roah_rsbb.referee.words import BadWord, answer_of, pick_item, pick_zone, value_of
@@ -111,7 +111,7 @@ def _switches(link: Link, options, output: Output) -> Exit:
 
 
 def _run(link: Link, options, output: Output) -> Exit:
-    plan = Plan(
+    plan = ScriptPlan(
         _zone_name(link, options.zone), options.wait, options.event, tuple(options.score), options.keep,
         Operations(options.operations),
     )
@@ -242,7 +242,7 @@ def _schedule(link: Link, options: Any, output: Any) -> Exit:
     """Print the events that the options choose."""
     events = schedule.events_of(link.schedule())
     zone = "" if options.zone is None else _zone_name(link, options.zone)
-    shown = schedule.Filter(zone, options.team, options.day, schedule.Show[options.show.upper().replace("-", "_")])
+    shown = schedule.EventFilter(zone, options.team, options.day, schedule.Show[options.show.upper().replace("-", "_")])
     found = [event for event in events if shown.shows(event, in_utc=True)]
     if output.json:
         output.object({"events": [{**event._asdict(), "late_s": event.late_s} for event in found]})

@@ -30,7 +30,7 @@ _ANSWERS: Dict[Operations, Callable[[Any, Note], Union[Automatic, Typed, None]]]
 }
 
 
-class Plan(NamedTuple):
+class ScriptPlan(NamedTuple):
     """The run that the referee wants."""
 
     zone: str
@@ -60,7 +60,7 @@ class _Failed(Exception):
 class RunScript:
     """One run. `link` is an open Link; `report` gets every change."""
 
-    def __init__(self, link, plan: Plan, report: Callable[[Change], None]) -> None:
+    def __init__(self, link, plan: ScriptPlan, report: Callable[[Change], None]) -> None:
         self._link = link
         self._answers = _ANSWERS[plan.operations](link, self._note)
         self._plan = plan

@@ -3,7 +3,7 @@
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.scoring.records import RunRecord
-from roah_rsbb.results.runs import signature_of, state_text
+from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import one_line
@@ -55,7 +55,7 @@ def _of_run(number: int, record: RunRecord, in_utc: bool) -> CheckLine:
     name = sheets.run_name(record.benchmark, record.team, record.round, record.run)
     sheet = signature_of(record, in_utc) if record.closed_utc else sheets.OPEN
     return CheckLine(
-        record.zone, name, record.scheduled, number, state_text(record), sheet, record.sign_off is not None
+        record.zone, name, record.scheduled, number, run_state_text(record), sheet, record.sign_off is not None
     )
 
 

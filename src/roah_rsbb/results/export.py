@@ -9,7 +9,7 @@ import json
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, TextIO, Tuple, Union
 
 from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry
-from roah_rsbb.results.runs import RunResult, state_text
+from roah_rsbb.results.runs import RunResult, run_state_text
 from roah_rsbb.results.standings import Standing
 from roah_rsbb.wording.texts import value_text, visible
 from roah_rsbb.wording.times import iso
@@ -153,7 +153,7 @@ def _head(journal: str, utc: float) -> Dict[str, Any]:
 def _run_value(result: RunResult) -> Dict[str, Any]:
     return {
         **_plain(result.record),
-        "state": state_text(result.record),
+        "state": run_state_text(result.record),
         "robot_parts": [
             {"port": r.port, "team": r.team, "robot": r.robot, "log_file": r.log_file,
              "link": [{"utc": second.utc, **_plain(second.sample)} for second in r.link]}

@@ -83,11 +83,11 @@ def tag(name: str, /, *children: Child, **attributes: object) -> Markup:
             parts.append(f' {key.rstrip("_").replace("_", "-")}="{html.escape(visible(str(value)))}"')
     if name in _VOID:
         return Markup("".join(parts) + ">")
-    escape = escaped if name in _TEXT_ONLY else breakable
+    escape = html_escaped if name in _TEXT_ONLY else breakable
     return Markup("".join(parts) + ">" + joined(children, escape) + f"</{name}>")
 
 
-def escaped(text: str) -> Markup:
+def html_escaped(text: str) -> Markup:
     """Escape a text."""
     return Markup(html.escape(visible(text)))
 

@@ -8,7 +8,7 @@ from typing import Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tup
 
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, grouped
 from roah_rsbb.results.page import Child, Markup, tag
-from roah_rsbb.results.runs import signature_of, state_text
+from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.results.standing_rules import DEFAULT, Rules
 from roah_rsbb.results.standings import DISQUALIFIED, criteria_of, number_text, number_with_unit, standing_of_run
 from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent, ScoreKind
@@ -88,7 +88,7 @@ def benchmark_name(code: str, title: str) -> str:
 def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool) -> Front:
     """Returns the texts of a run's front page. `title`: the benchmark's title; empty: not known."""
     rules = rules or DEFAULT
-    ended = f"{state_text(record)}, after {elapsed(record.elapsed_s)} min" if record.started_utc else state_text(record)
+    ended = run_state_text(record) + (f", after {elapsed(record.elapsed_s)} min" if record.started_utc else "")
     return Front(
         benchmark_name(record.benchmark, title),
         "Score sheet" if record.sign_off else "Score sheet, not signed off: may still change",

@@ -81,7 +81,7 @@ def find(known: List[RunRecord], word: str) -> int:
     raise NoSuchRun(f"there is no run '{word}': {numbers}. 'results list' lists them")
 
 
-def state_text(record: RunRecord) -> str:
+def run_state_text(record: RunRecord) -> str:
     """Return how a run ended, or how far it is."""
     return sheets.run_state(record.started_utc, record.closed_utc, record.end_reason)
 

@@ -8,7 +8,7 @@ from roah_rsbb.results.events import Section, box_states, robot_states, sections
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
 from roah_rsbb.results.page import Child, Markup, facts_table, joined, page, table, tag
 from roah_rsbb.results.paper import front_markup, front_of
-from roah_rsbb.results.runs import RobotPart, RunResult, signature_of, state_text
+from roah_rsbb.results.runs import RobotPart, RunResult, run_state_text, signature_of
 from roah_rsbb.results.standing_rules import Rules
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
@@ -33,7 +33,7 @@ def _row(number: int, record: RunRecord, in_utc: bool) -> Tuple[str, ...]:
         str(number), date_time(record.opened_utc, in_utc), line(record.zone), line(record.benchmark), line(record.team),
         str(record.round), str(record.run),
         elapsed(record.elapsed_s) if record.started_utc else NOTHING,
-        sheets.sheet_state(record.closed_utc, record.sign_off), line(state_text(record)),
+        sheets.sheet_state(record.closed_utc, record.sign_off), line(run_state_text(record)),
     )
 
 
@@ -70,7 +70,7 @@ def facts(result: RunResult, in_utc: bool) -> List[Tuple[str, str]]:
         ("Started", optional_date_time(record.started_utc, in_utc)),
         ("Disconnected", optional_date_time(record.closed_utc, in_utc)),
         ("Time", elapsed(record.elapsed_s) if record.started_utc else NOTHING),
-        ("End", line(state_text(record))),
+        ("End", line(run_state_text(record))),
         ("Sheet", line(signature_of(record, in_utc))),
         ("Run logs", ", ".join(line(r.log_file) for r in result.robots if r.log_file) or NOTHING),
     ]

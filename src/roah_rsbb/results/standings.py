@@ -7,7 +7,7 @@ from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional
 
 from roah_rsbb.core.scoring.records import RunRecord, ScoreValue
 from roah_rsbb.results.page import Child, Markup, joined, page, table, tag
-from roah_rsbb.results.runs import signature_of, state_text
+from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.results.standing_rules import DEFAULT, Criterion, OfRuns, Rules, Term
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.registry import PROFILES
@@ -335,7 +335,7 @@ def index_page(
     """Build the page with the standings and links to all sheets."""
     rows = [
         (str(number), date_time(r.opened_utc, in_utc), r.zone, linked(r.benchmark, r.identity, sheets), r.team,
-         f"{r.round} / {r.run}", state_text(r), signature_of(r, in_utc))
+         f"{r.round} / {r.run}", run_state_text(r), signature_of(r, in_utc))
         for number, r in numbered
     ]
     return page(

@@ -17,7 +17,7 @@ from roah_rsbb.tools import preflight_checks as checks
 from roah_rsbb.tools.competition.files import FIREWALL, MODULES
 from roah_rsbb.tools.interfaces import interfaces
 from roah_rsbb.tools.open_ports import listeners
-from roah_rsbb.tools.preflight_checks import Finding, Level
+from roah_rsbb.tools.preflight_checks import Finding, Severity
 
 PROGRAM = "preflight"
 _DESCRIPTION = """\
@@ -31,7 +31,7 @@ Run it while your box is not running: it listens for other boxes on the public U
 """
 FILES = ("benchmarks", "schedule", "passwords")
 _LOG_DIR = "~/.ros/roah_rsbb"  # roah_rsbb.launch's
-_MARKS = {Level.OK: "ok     ", Level.WARNING: "WARNING", Level.FAILED: "FAILED "}
+_MARKS = {Severity.OK: "ok     ", Severity.WARNING: "WARNING", Severity.FAILED: "FAILED "}
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -77,7 +77,7 @@ def findings(options: argparse.Namespace) -> List[Finding]:
     found = [network, *ports]
     firewall_file = os.path.join(options.competition or "COMPETITION", FIREWALL)
     found += checks.check_exposure(options.rsbb_host, own, listeners(), checks.list_firewall(), firewall_file)
-    if options.listen and network.level is not Level.FAILED:
+    if options.listen and network.level is not Severity.FAILED:
         found.append(checks.check_other_box(options.rsbb_host, options.rsbb_port, options.bind_host, options.listen))
     found.append(checks.check_clock(checks.is_synchronised()))
     found += checks.check_log_dir(os.path.expanduser(options.log_dir))
@@ -97,6 +97,6 @@ def main(arguments: Optional[List[str]] = None) -> None:
         print(f"{_MARKS[finding.level]}  {finding.text}")
         if finding.remedy:
             print(f"         -> {finding.remedy}")
-    worst = [sum(f.level is level for f in found) for level in (Level.FAILED, Level.WARNING)]
+    worst = [sum(f.level is level for f in found) for level in (Severity.FAILED, Severity.WARNING)]
     print(f"{worst[0]} failed, {worst[1]} warnings")
     sys.exit(1 if worst[0] else 0)

@@ -34,7 +34,7 @@ MAX_SHOWN = 10
 _TIME_ERROR = 5  # result of adjtimex: the clock is not synchronised
 
 
-class Level(enum.IntEnum):
+class Severity(enum.IntEnum):
     """Severity of a finding."""
 
     OK = 0
@@ -45,7 +45,7 @@ class Level(enum.IntEnum):
 class Finding(NamedTuple):
     """A line of the report."""
 
-    level: Level
+    level: Severity
     text: str
     remedy: str = ""
 
@@ -56,10 +56,10 @@ def check_network(rsbb_host: str, found: List[Interface]) -> Finding:
     for interface in found:
         if rsbb_host == interface.broadcast:
             if interface.address.startswith("127."):
-                return Finding(Level.WARNING, f"rsbb_host {rsbb_host} reaches this computer only",
+                return Finding(Severity.WARNING, f"rsbb_host {rsbb_host} reaches this computer only",
                                f"good for a test; for robots in a network, use its broadcast address: {there_are}")
-            return Finding(Level.OK, f"rsbb_host {rsbb_host} is the broadcast address of {interface.name}")
-    return Finding(Level.FAILED, f"rsbb_host {rsbb_host} is not a broadcast address of this computer's networks",
+            return Finding(Severity.OK, f"rsbb_host {rsbb_host} is the broadcast address of {interface.name}")
+    return Finding(Severity.FAILED, f"rsbb_host {rsbb_host} is not a broadcast address of this computer's networks",
                    f"connect the network with the robots, or set rsbb_host to one of: {there_are}")
 
 
@@ -88,10 +88,10 @@ def check_exposure(
     if interface is None:
         return []
     if loaded and interface.name in firewall.loaded_for(loaded):
-        return [Finding(Level.OK, f"the firewall is loaded: {interface.name} reaches only the box's ports")]
+        return [Finding(Severity.OK, f"the firewall is loaded: {interface.name} reaches only the box's ports")]
     remedy = f"load the firewall: sudo nft -f {file}"
     if loaded:
-        return [Finding(Level.WARNING, f"the firewall is loaded, but not for {interface.name}",
+        return [Finding(Severity.WARNING, f"the firewall is loaded, but not for {interface.name}",
                         f"write that name into {file}, and load the file again: sudo nft -f {file}")]
     if loaded is None:
         remedy += f", or check whether it is loaded: sudo nft list table inet {firewall.TABLE}"
@@ -100,20 +100,20 @@ def check_exposure(
     text = f"robots' network on {interface.name}: the box's firewall was not found there, and ROS has no password"
     if reached:
         text += f"; open now: TCP {shown}"
-    return [Finding(Level.WARNING, text, remedy)]
+    return [Finding(Severity.WARNING, text, remedy)]
 
 
 def check_ports(bind_host: str, port: int) -> List[Finding]:
     """Check that the UDP ports are free."""
     taken = [number for number in range(port, port + PORTS + 1) if not _is_free(bind_host, number)]
     if not taken:
-        return [Finding(Level.OK, f"UDP ports {port} to {port + PORTS} are free")]
+        return [Finding(Severity.OK, f"UDP ports {port} to {port + PORTS} are free")]
     if taken[0] == port:
-        return [Finding(Level.FAILED, f"UDP port {port} is used by another program",
+        return [Finding(Severity.FAILED, f"UDP port {port} is used by another program",
                         f"end it ('ss -ulpn sport = :{port}' shows it; it may be a running box), or choose another "
                         "rsbb_port")]
     numbers = ", ".join(map(str, taken))
-    return [Finding(Level.WARNING, f"UDP ports are used by other programs: {numbers}",
+    return [Finding(Severity.WARNING, f"UDP ports are used by other programs: {numbers}",
                     "the box will skip them, but a firewall may not allow the ports that it uses instead")]
 
 
@@ -141,14 +141,14 @@ def check_other_box(rsbb_host: str, port: int, bind_host: str, seconds: float) -
         loop.call_later(seconds, loop.stop)
         loop.run_forever()
     except OSError as error:
-        return Finding(Level.FAILED, f"cannot listen to the network: {error}", "see the lines above")
+        return Finding(Severity.FAILED, f"cannot listen to the network: {error}", "see the lines above")
     finally:
         channel.close()
         loop.close()
     if heard:
-        return Finding(Level.FAILED, f"another RSBB transmits from {heard[0]}",
+        return Finding(Severity.FAILED, f"another RSBB transmits from {heard[0]}",
                        "end it: robots obey both. If it is your own box, it is already running")
-    return Finding(Level.OK, f"no other RSBB was heard in {seconds:g} s")
+    return Finding(Severity.OK, f"no other RSBB was heard in {seconds:g} s")
 
 
 def is_synchronised() -> Optional[bool]:
@@ -163,9 +163,9 @@ def is_synchronised() -> Optional[bool]:
 def check_clock(synchronised: Optional[bool]) -> Finding:
     """Check this computer's clock: robots whose clocks differ from it by 0.1 s cannot start."""
     if synchronised:
-        return Finding(Level.OK, "this computer's clock is synchronised")
+        return Finding(Severity.OK, "this computer's clock is synchronised")
     what = "is not synchronised" if synchronised is False else "may not be synchronised: the system does not report it"
-    return Finding(Level.WARNING, f"this computer's clock {what}",
+    return Finding(Severity.WARNING, f"this computer's clock {what}",
                    "synchronise it and all robots with one NTP server (chrony, systemd-timesyncd). Without the "
                    "Internet, this computer can be that server")
 
@@ -180,15 +180,15 @@ def check_log_dir(log_dir: str, usage: Callable[[str], object] = shutil.disk_usa
             os.fsync(trial.fileno())
         free = usage(log_dir).free
     except OSError as error:
-        return [Finding(Level.FAILED, f"log_dir {log_dir} cannot be written: {error.strerror}",
+        return [Finding(Severity.FAILED, f"log_dir {log_dir} cannot be written: {error.strerror}",
                         "choose another log_dir, or give this user write permission")]
-    found = [Finding(Level.OK, f"log_dir {log_dir} can be written")]
+    found = [Finding(Severity.OK, f"log_dir {log_dir} can be written")]
     text = f"{free / 1024**3:.1f} GiB are free there"
     if free < ENOUGH_BYTES:
-        level = Level.FAILED if free < FULL_BYTES else Level.WARNING
+        level = Severity.FAILED if free < FULL_BYTES else Severity.WARNING
         found.append(Finding(level, f"only {text}", "free some, or choose a log_dir on another disk"))
     else:
-        found.append(Finding(Level.OK, text))
+        found.append(Finding(Severity.OK, text))
     return found
 
 
@@ -197,10 +197,10 @@ def check_configuration(files: Dict[str, str], modules_dir: str) -> List[Finding
     try:
         loaded, warnings = config.load(files["benchmarks_file"], files["schedule_file"], files["passwords_file"])
     except config.ConfigErrors as errors:
-        return [Finding(Level.FAILED, line, "") for line in str(errors).splitlines()]
+        return [Finding(Severity.FAILED, line, "") for line in str(errors).splitlines()]
     events = sum(len(zone.events) for zone in loaded.zones)
-    found = [Finding(Level.OK, f"the configuration is valid: {len(loaded.zones)} zones, {events} events")]
-    found += [Finding(Level.WARNING, warning, "") for warning in warnings]
+    found = [Finding(Severity.OK, f"the configuration is valid: {len(loaded.zones)} zones, {events} events")]
+    found += [Finding(Severity.WARNING, warning, "") for warning in warnings]
     return [*found, *_check_modules(loaded, modules_dir), _check_passwords(loaded)]
 
 
@@ -211,8 +211,8 @@ def _check_modules(loaded: Config, modules_dir: str) -> List[Finding]:
         return []
     errors = module_errors(modules_dir, codes)
     if errors:
-        return [Finding(Level.FAILED, line, "") for line in errors]
-    return [Finding(Level.OK, f"the parameters of the benchmarking modules are valid: {', '.join(codes)}")]
+        return [Finding(Severity.FAILED, line, "") for line in errors]
+    return [Finding(Severity.OK, f"the parameters of the benchmarking modules are valid: {', '.join(codes)}")]
 
 
 def _check_passwords(loaded: Config) -> Finding:
@@ -220,23 +220,23 @@ def _check_passwords(loaded: Config) -> Finding:
     taking_part = {event.team for zone in loaded.zones for event in zone.events}
     weak = sorted(team for team in taking_part if loaded.passwords.get(team) in SHIPPED_PASSWORDS)
     if weak:
-        return Finding(Level.WARNING, f"passwords from the included passwords file: {', '.join(weak)}",
+        return Finding(Severity.WARNING, f"passwords from the included passwords file: {', '.join(weak)}",
                        "give each team a new password: anybody can read these")
-    return Finding(Level.OK, "no team has a password from the included passwords file")
+    return Finding(Severity.OK, "no team has a password from the included passwords file")
 
 
 def check_player(command: str, installed: Callable[[str], Optional[str]] = shutil.which) -> Finding:
     """Check that the bell and the timeout can be heard. `command`: the program that plays sounds."""
     if installed(command):
-        return Finding(Level.OK, f"sounds are played by {command}")
-    return Finding(Level.WARNING, f"{command} is not installed: neither the bell nor the timeout will be heard",
+        return Finding(Severity.OK, f"sounds are played by {command}")
+    return Finding(Severity.WARNING, f"{command} is not installed: neither the bell nor the timeout will be heard",
                    "install alsa-utils, or set bell_ring_command and timeout_ring_command")
 
 
 def check_display(there_is_one: bool) -> Finding:
     """Check that the referee's window can open."""
     if there_is_one:
-        return Finding(Level.OK, "windows can be opened here")
-    return Finding(Level.WARNING, "no window can be opened here",
+        return Finding(Severity.OK, "windows can be opened here")
+    return Finding(Severity.WARNING, "no window can be opened here",
                    "log in at a desktop, or let referees use other computers (roah_rsbb_client.launch) or a terminal "
                    "(rosrun roah_rsbb referee)")

@@ -121,7 +121,7 @@ class Show(enum.Enum):
     MISSING = "without a result"  # that is final: to be run, skipped, or not signed off
 
 
-class Filter(NamedTuple):
+class EventFilter(NamedTuple):
     """The events that are shown; an empty text shows all."""
 
     zone: str = ""

@@ -21,7 +21,7 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.journal.batch import Batch
-from roah_rsbb.journal.file import COMPANIONS, FILE_NAME, Resume, Session
+from roah_rsbb.journal.file import COMPANIONS, FILE_NAME, CoreSession, Resume
 from roah_rsbb.journal.ports import FILE_NAME as PORTS_FILE
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.reader import JournalError, JournalReader
@@ -201,7 +201,7 @@ def start_steps(data: bytes) -> Iterator[Step]:
 def _start(folder: pathlib.Path) -> None:
     driver = BoxDriver(_CONFIG)
     troubles: List[str] = []
-    session = Session(driver.now.utc, driver.now.mono, "boot 1", 1, "uuid", "")
+    session = CoreSession(driver.now.utc, driver.now.mono, "boot 1", 1, "uuid", "")
     journal = Journal(str(folder), session, competition_json(_CONFIG), Resume.ALWAYS, troubles.append)
     try:
         driver.box = Box(_CONFIG, Settings(), beacon_bytes, journal.previous.last_port)

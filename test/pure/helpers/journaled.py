@@ -7,7 +7,7 @@ from helpers.competition import competition, event
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.journal.file import Resume, Session
+from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.nodes.core import journal
 
@@ -40,7 +40,7 @@ class JournaledDriver(BoxDriver):
 
     def open(self, directory, resume=Resume.ALWAYS, launch=""):
         """Open the journal in a directory, and resume from it."""
-        session = Session(self.now.utc, self.now.mono, self.boot, 1, "uuid", launch)
+        session = CoreSession(self.now.utc, self.now.mono, self.boot, 1, "uuid", launch)
         events = journal.competition(self.config)
         self.journal = Journal(str(directory), session, events, resume, self.troubles.append)
         self._rules.restart()

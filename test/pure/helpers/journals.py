@@ -7,7 +7,7 @@ import sqlite3
 
 from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
-from roah_rsbb.journal.file import Resume, Session
+from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
 
 UTC0 = 1763722800.0  # 2025-11-21 11:00 UTC
@@ -18,7 +18,7 @@ class Writer:
 
     def __init__(self, log_dir, competition="[]"):
         self.troubles = []
-        session = Session(UTC0, 10.0, "boot", 1234, "uuid", "launch")
+        session = CoreSession(UTC0, 10.0, "boot", 1234, "uuid", "launch")
         self.journal = Journal(str(log_dir), session, competition, Resume.ALWAYS, self.troubles.append)
         self.path = self.journal.path
         self.utc = UTC0

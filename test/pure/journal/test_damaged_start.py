@@ -6,7 +6,7 @@ import sqlite3
 import pytest
 
 from roah_rsbb.journal.batch import Batch, Member, NewEntry
-from roah_rsbb.journal.file import FILE_NAME, Resume, Session
+from roah_rsbb.journal.file import FILE_NAME, CoreSession, Resume
 from roah_rsbb.journal.previous_session import NOTHING
 from roah_rsbb.journal.schema import APPLICATION_ID, VERSION
 from roah_rsbb.journal.store import Journal
@@ -23,7 +23,7 @@ def start(tmp_path):
     def start():
         troubles = []
         journal = Journal(
-            str(tmp_path), Session(1e9, 1.0, "boot", 1, "uuid", ""), COMPETITION, Resume.ALWAYS, troubles.append
+            str(tmp_path), CoreSession(1e9, 1.0, "boot", 1, "uuid", ""), COMPETITION, Resume.ALWAYS, troubles.append
         )
         opened.append(journal)
         journal.write(Batch(states={"box": "{}"}))

@@ -21,7 +21,7 @@ from roah_rsbb.journal import schema
 from roah_rsbb.journal import store as stores
 from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
 from roah_rsbb.journal.damage import find_damage
-from roah_rsbb.journal.file import FILE_NAME, Resume, Session, same_competition
+from roah_rsbb.journal.file import FILE_NAME, CoreSession, Resume, same_competition
 from roah_rsbb.journal.previous_session import NOTHING
 from roah_rsbb.journal.store import REPAIRED, Journal
 
@@ -35,7 +35,7 @@ BATCH = Batch(
 
 
 def session(launch="", boot="boot", mono=1.0):
-    return Session(1e9, mono, boot, 1, "uuid", launch)
+    return CoreSession(1e9, mono, boot, 1, "uuid", launch)
 
 
 @pytest.fixture
@@ -358,10 +358,11 @@ def test_syncs_are_grouped(journals, monkeypatch):
 ON_A_DISK = """
 import json, sys
 sys.path[:0] = json.loads(sys.argv[2])
-from roah_rsbb.journal.file import Resume, Session
+from roah_rsbb.journal.file import CoreSession, Resume
 from roah_rsbb.journal.store import Journal
 troubles = []
-journal = Journal(sys.argv[1], Session(1e9, 1.0, "boot", 1, "uuid", ""), sys.argv[3], Resume.ALWAYS, troubles.append)
+session = CoreSession(1e9, 1.0, "boot", 1, "uuid", "")
+journal = Journal(sys.argv[1], session, sys.argv[3], Resume.ALWAYS, troubles.append)
 for line in sys.stdin:
     exec(line)
     print(json.dumps([journal.previous.states, (troubles or [""])[-1], journal._session_id]), flush=True)

@@ -6,7 +6,7 @@ from helpers.referee_box import FakeLink
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.answers import MAX_IN_A_ROW, Automatic, GivenUp, Operations, Typed
 from roah_rsbb.referee.exits import Exit, NoCore
-from roah_rsbb.referee.run import Plan, RunScript
+from roah_rsbb.referee.run import RunScript, ScriptPlan
 from roah_rsbb.referee.state import ManualOperation, SwitchesSnapshot
 
 PLACE = ManualOperation(1, "Place it", (), False)
@@ -198,7 +198,7 @@ def test_another_referee_may_be_quicker():
 
 def _run(link, operations):
     reported = []
-    plan = Plan("Home A", 20.0, operations=operations)
+    plan = ScriptPlan("Home A", 20.0, operations=operations)
     outcome = RunScript(link, plan, reported.append).run()
     return outcome, [change.facts["text"] for change in reported if change.kind == "note"]
 
@@ -226,7 +226,7 @@ def _run_outcome(link):
     again = FakeLink()
     again.at(3, lambda: again.change(operation=PLACE))
     again.at(5, lambda: again.end("completed"))
-    return RunScript(again, Plan("Home A", 20.0), lambda change: None).run()
+    return RunScript(again, ScriptPlan("Home A", 20.0), lambda change: None).run()
 
 
 def test_a_run_that_needs_a_human_is_left():

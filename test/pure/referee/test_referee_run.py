@@ -7,7 +7,7 @@ import pytest
 from helpers.referee_box import EVENTS, NO_RUN, FakeLink
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.exits import Exit, NoCore
-from roah_rsbb.referee.run import Plan, RunScript
+from roah_rsbb.referee.run import RunScript, ScriptPlan
 from roah_rsbb.referee.words import event_wanted
 
 
@@ -19,7 +19,7 @@ def link():
 def _run(link, **plan):
     """The outcome and all reports, as (kind, what) pairs."""
     reported = []
-    outcome = RunScript(link, Plan(**{"zone": "Home A", "wait_s": 20.0, **plan}), reported.append).run()
+    outcome = RunScript(link, ScriptPlan(**{"zone": "Home A", "wait_s": 20.0, **plan}), reported.append).run()
     return outcome, [(c.kind, c.facts.get("text") or c.facts.get("phase") or c.facts.get("what")) for c in reported]
 
 

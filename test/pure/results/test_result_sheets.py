@@ -11,7 +11,7 @@ from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.events import box_states, robot_states, sections
 from roah_rsbb.results.page import tag
-from roah_rsbb.results.runs import NoSuchRun, find, records, run_result, state_text
+from roah_rsbb.results.runs import NoSuchRun, find, records, run_result, run_state_text
 from roah_rsbb.results.sheet import list_lines, sheet_lines, sheet_page
 from roah_rsbb.wording import texts, times
 
@@ -203,7 +203,7 @@ def test_the_list(lisbon):
     ({"end_reason": "of a newer version"}, "of a newer version"),
 ])
 def test_where_a_run_is(fields, state):
-    assert state_text(task_record("Alpha", 1, **fields)) == state
+    assert run_state_text(task_record("Alpha", 1, **fields)) == state
 
 
 def test_the_sheet_in_the_terminal(result, lisbon):

@@ -21,7 +21,7 @@ from roah_rsbb.tools import preflight_checks as checks
 from roah_rsbb.tools.competition.firewall import firewall_text
 from roah_rsbb.tools.interfaces import Interface, interfaces
 from roah_rsbb.tools.open_ports import Listener, listeners, open_to
-from roah_rsbb.tools.preflight_checks import Level
+from roah_rsbb.tools.preflight_checks import Severity
 
 LO = Interface("lo", "127.0.0.1", LOOPBACK_BROADCAST)
 ETH = Interface("eth0", "192.168.1.2", "192.168.1.255")
@@ -33,17 +33,17 @@ def test_the_interfaces_of_this_computer():
 
 
 @pytest.mark.parametrize("host, found, level, text", [
-    ("192.168.1.255", [LO, ETH], Level.OK, "broadcast address of eth0"),
-    (LOOPBACK_BROADCAST, [LO, ETH], Level.WARNING, "this computer only"),
-    ("10.255.255.255", [LO, ETH, VPN], Level.FAILED, "is not a broadcast address"),
-    ("192.168.1.2", [LO, ETH], Level.FAILED, "is not a broadcast address"),
-    ("10.255.255.255", [], Level.FAILED, "is not a broadcast address"),
+    ("192.168.1.255", [LO, ETH], Severity.OK, "broadcast address of eth0"),
+    (LOOPBACK_BROADCAST, [LO, ETH], Severity.WARNING, "this computer only"),
+    ("10.255.255.255", [LO, ETH, VPN], Severity.FAILED, "is not a broadcast address"),
+    ("192.168.1.2", [LO, ETH], Severity.FAILED, "is not a broadcast address"),
+    ("10.255.255.255", [], Severity.FAILED, "is not a broadcast address"),
 ])
 def test_the_broadcast_address(host, found, level, text):
     finding = checks.check_network(host, found)
     assert finding.level is level
     assert text in finding.text
-    if level is Level.FAILED:
+    if level is Severity.FAILED:
         assert ("192.168.1.255 (eth0, 192.168.1.2)" in finding.remedy) is (ETH in found)
         assert "tun0" not in finding.remedy, "it has no broadcast address"
 
@@ -69,10 +69,10 @@ MASTER, TABLET, LOCAL = (Listener("0.0.0.0", 11311, "rosmaster"), Listener("::",
 
 
 @pytest.mark.parametrize("host, loaded, level, text", [
-    ("192.168.1.255", LOADED, Level.OK, "eth0 reaches only"),
-    ("192.168.1.255", LOADED.replace("eth0", "wlan0"), Level.WARNING, "not for eth0"),
-    ("192.168.1.255", "", Level.WARNING, "open now: TCP 11311 (rosmaster)"),
-    ("192.168.1.255", None, Level.WARNING, "open now: TCP 11311 (rosmaster)"),
+    ("192.168.1.255", LOADED, Severity.OK, "eth0 reaches only"),
+    ("192.168.1.255", LOADED.replace("eth0", "wlan0"), Severity.WARNING, "not for eth0"),
+    ("192.168.1.255", "", Severity.WARNING, "open now: TCP 11311 (rosmaster)"),
+    ("192.168.1.255", None, Severity.WARNING, "open now: TCP 11311 (rosmaster)"),
 ])
 def test_what_the_robots_network_reaches(host, loaded, level, text):
     # nft prints a definition as its value.
@@ -82,7 +82,7 @@ def test_what_the_robots_network_reaches(host, loaded, level, text):
     assert text in finding.text
     assert "8080" not in finding.text
     assert "631" not in finding.text
-    if level is Level.WARNING:
+    if level is Severity.WARNING:
         assert "sudo nft -f erl/firewall.nft" in finding.remedy
 
 
@@ -102,10 +102,10 @@ HOST = "127.0.77.1"
 
 
 def test_free_ports(port):
-    assert [f.level for f in checks.check_ports(HOST, port)] == [Level.OK]
+    assert [f.level for f in checks.check_ports(HOST, port)] == [Severity.OK]
 
 
-@pytest.mark.parametrize("above, level", [(0, Level.FAILED), (3, Level.WARNING)])
+@pytest.mark.parametrize("above, level", [(0, Severity.FAILED), (3, Severity.WARNING)])
 def test_ports_that_are_taken(port, above, level):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.bind((HOST, port + above))
@@ -130,26 +130,28 @@ def test_another_box_is_heard(port):
         finding = checks.check_other_box(LOOPBACK_BROADCAST, port, HOST, 30.0)
         done.set()
         thread.join()
-    assert (finding.level, finding.text) == (Level.FAILED, "another RSBB transmits from 127.0.77.9")
+    assert (finding.level, finding.text) == (Severity.FAILED, "another RSBB transmits from 127.0.77.9")
 
 
 def test_no_other_box(port):
-    assert checks.check_other_box(LOOPBACK_BROADCAST, port, HOST, 0.05).level is Level.OK
+    assert checks.check_other_box(LOOPBACK_BROADCAST, port, HOST, 0.05).level is Severity.OK
 
 
 def test_a_network_that_cannot_be_listened_to(port):
-    assert checks.check_other_box(LOOPBACK_BROADCAST, port, "203.0.113.7", 0.05).level is Level.FAILED
+    assert checks.check_other_box(LOOPBACK_BROADCAST, port, "203.0.113.7", 0.05).level is Severity.FAILED
 
 
-@pytest.mark.parametrize("synchronised, level", [(True, Level.OK), (False, Level.WARNING), (None, Level.WARNING)])
+@pytest.mark.parametrize("synchronised, level", [
+    (True, Severity.OK), (False, Severity.WARNING), (None, Severity.WARNING),
+])
 def test_the_clock(synchronised, level):
     finding = checks.check_clock(synchronised)
-    assert (finding.level, bool(finding.remedy)) == (level, level is not Level.OK)
+    assert (finding.level, bool(finding.remedy)) == (level, level is not Severity.OK)
     assert checks.is_synchronised() in (True, False, None)
 
 
 @pytest.mark.parametrize("gib, levels", [
-    (50, [Level.OK, Level.OK]), (1, [Level.OK, Level.WARNING]), (0.1, [Level.OK, Level.FAILED]),
+    (50, [Severity.OK, Severity.OK]), (1, [Severity.OK, Severity.WARNING]), (0.1, [Severity.OK, Severity.FAILED]),
 ])
 def test_the_disk(tmp_path, gib, levels):
     found = checks.check_log_dir(str(tmp_path / "new" / "logs"), lambda _: SimpleNamespace(free=gib * 1024**3))
@@ -160,7 +162,7 @@ def test_the_disk(tmp_path, gib, levels):
 def test_a_log_dir_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_text("")
     finding, = checks.check_log_dir(str(tmp_path / "file"))
-    assert (finding.level, str(tmp_path / "file") in finding.text) == (Level.FAILED, True)
+    assert (finding.level, str(tmp_path / "file") in finding.text) == (Severity.FAILED, True)
 
 
 def files(**others):
@@ -174,9 +176,9 @@ def check_configuration(files, modules_dir=SHIPPED / "modules"):
 
 def test_the_shipped_configuration_is_good_but_its_passwords_are_known():
     found = check_configuration(files())
-    assert found[0].level is Level.OK
+    assert found[0].level is Severity.OK
     assert "zones" in found[0].text
-    assert (found[-1].level, "TestingTeam" in found[-1].text) == (Level.WARNING, True)
+    assert (found[-1].level, "TestingTeam" in found[-1].text) == (Severity.WARNING, True)
     assert "PASSWORD" not in "".join(map(str, found))
 
 
@@ -194,7 +196,7 @@ def test_passwords_that_were_changed(tmp_path):
     ), encoding="utf-8")
     new.chmod(0o600)
     found = check_configuration(files(passwords_file=str(new)))
-    assert [f.level for f in found] == [Level.OK, Level.OK, Level.OK]
+    assert [f.level for f in found] == [Severity.OK, Severity.OK, Severity.OK]
 
 
 def test_every_error_of_the_configuration_is_a_line(tmp_path):
@@ -202,7 +204,7 @@ def test_every_error_of_the_configuration_is_a_line(tmp_path):
     wrong.write_text("- name: a\n- name: b\n", encoding="utf-8")
     found = check_configuration(files(benchmarks_file=str(wrong)))
     assert len(found) >= 2
-    assert {f.level for f in found} == {Level.FAILED}
+    assert {f.level for f in found} == {Severity.FAILED}
     assert all("benchmarks.yaml:" in f.text and "\n" not in f.text for f in found[:2])
 
 
@@ -211,14 +213,14 @@ def test_a_wrong_parameter_of_a_scheduled_module_fails(tmp_path):
     shutil.copytree(str(SHIPPED / "modules"), str(modules_dir))
     hnf = modules_dir / "HNF.yaml"
     hnf.write_text(re.sub("# goal_timeout: [0-9]+", "goal_timeout: sixty", hnf.read_text(encoding="utf-8")))
-    failed = [f.text for f in check_configuration(files(), modules_dir) if f.level is Level.FAILED]
+    failed = [f.text for f in check_configuration(files(), modules_dir) if f.level is Severity.FAILED]
     assert len(failed) == 1
     assert "HNF.yaml:" in failed[0]
     assert "goal_timeout" in failed[0]
 
 
 def test_player_and_display():
-    assert checks.check_player("aplay", lambda name: f"/usr/bin/{name}").level is Level.OK
+    assert checks.check_player("aplay", lambda name: f"/usr/bin/{name}").level is Severity.OK
     missing = checks.check_player("aplay", lambda name: None)
-    assert (missing.level, "alsa-utils" in missing.remedy) == (Level.WARNING, True)
-    assert (checks.check_display(True).level, checks.check_display(False).level) == (Level.OK, Level.WARNING)
+    assert (missing.level, "alsa-utils" in missing.remedy) == (Severity.WARNING, True)
+    assert (checks.check_display(True).level, checks.check_display(False).level) == (Severity.OK, Severity.WARNING)

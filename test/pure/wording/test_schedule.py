@@ -6,7 +6,7 @@ import types
 import pytest
 
 from roah_rsbb.wording import schedule
-from roah_rsbb.wording.schedule import Event, Filter, Show
+from roah_rsbb.wording.schedule import Event, EventFilter, Show
 
 DAY0 = 1_800_000_000.0 - 1_800_000_000.0 % 86400
 
@@ -94,12 +94,12 @@ def shown(filter_, *lines, **options):
 
 def test_filters_by_zone_team_and_day(madrid):
     lines = (line(team="Alpha"), line(), line(schedule=Stamp(DAY0 + 86400)))
-    assert shown(Filter(), *lines) == [1, 2, 3]
-    assert shown(Filter(zone="B"), *lines) == []
-    assert shown(Filter(zone="A", team="Alpha"), *lines) == [1]
+    assert shown(EventFilter(), *lines) == [1, 2, 3]
+    assert shown(EventFilter(zone="B"), *lines) == []
+    assert shown(EventFilter(zone="A", team="Alpha"), *lines) == [1]
     days = [schedule.day_of(event) for event in events(*lines)]
-    assert shown(Filter(day=days[2]), *lines) == [3]
-    assert shown(Filter(team="Alpha", day=days[2]), *lines) == []
+    assert shown(EventFilter(day=days[2]), *lines) == [3]
+    assert shown(EventFilter(team="Alpha", day=days[2]), *lines) == []
 
 
 def test_the_day_of_an_event_around_midnight_is_the_venues_day(madrid):
@@ -112,10 +112,10 @@ def test_the_day_of_an_event_around_midnight_is_the_venues_day(madrid):
 def test_filters_by_what_became_of_them():
     lines = (SIGNED, UNSIGNED, line(state="ended"), line(state="next"), line(), line(state="skipped"),
              line(state="next", identity="r", end_reason="stopped"))
-    assert shown(Filter(show=Show.ALL), *lines) == [1, 2, 3, 4, 5, 6, 7]
-    assert shown(Filter(show=Show.TO_COME), *lines) == [3, 4, 5, 7]
-    assert shown(Filter(show=Show.UNSIGNED), *lines) == [2, 3, 7]
-    assert shown(Filter(show=Show.MISSING), *lines) == [2, 3, 4, 5, 6, 7]
+    assert shown(EventFilter(show=Show.ALL), *lines) == [1, 2, 3, 4, 5, 6, 7]
+    assert shown(EventFilter(show=Show.TO_COME), *lines) == [3, 4, 5, 7]
+    assert shown(EventFilter(show=Show.UNSIGNED), *lines) == [2, 3, 7]
+    assert shown(EventFilter(show=Show.MISSING), *lines) == [2, 3, 4, 5, 6, 7]
 
 
 def test_what_is_left_unsigned_is_the_current_run_of_the_same_zone():

@@ -28,7 +28,7 @@ from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.presence import MAX_NODES
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.views.public import PublicResults, public_view
-from roah_rsbb.journal.file import Resume, Session, boot_id
+from roah_rsbb.journal.file import CoreSession, Resume, boot_id
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.msg import (
@@ -146,7 +146,7 @@ class CoreNode:
         ports = PortRecord(log_dir)
         last_port, port_warnings = ports.read()
         launch = rospy.get_param("/run_id", "")
-        session = Session(time.time(), time.monotonic(), boot_id(), os.getpid(), self._uuid, launch)
+        session = CoreSession(time.time(), time.monotonic(), boot_id(), os.getpid(), self._uuid, launch)
         self._store = Journal(log_dir, session, competition(loaded), resume, self._on_journal_trouble)
         box = Box(loaded, settings, beacon_size, max(last_port or 0, self._store.previous.last_port or 0))
         keys = {team: Key(password) for team, password in loaded.passwords.items()}

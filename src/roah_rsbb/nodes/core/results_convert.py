@@ -59,14 +59,14 @@ def summary_message(record: RunRecord) -> RunSummary:
         started=ros_time(record.started_utc),
         closed=ros_time(record.closed_utc),
         end_reason=record.end_reason,
-        score=score_text(record),
+        score=sums_of_record(record),
         corrected=any(item.corrected for item in record.items),
         signed=ros_time(0.0 if signed is None else signed.utc),
         signed_by="" if signed is None else signed.who,
     )
 
 
-def score_text(record: RunRecord) -> str:
+def sums_of_record(record: RunRecord) -> str:
     """The sums of the groups of a run's score sheet."""
     return sums_text(_groups(record.items))
 

@@ -6,7 +6,7 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.views.schedule import EventLine, schedule
 from roah_rsbb.msg import Schedule, ScheduleEvent
-from roah_rsbb.nodes.core.results_convert import score_text
+from roah_rsbb.nodes.core.results_convert import sums_of_record
 from roah_rsbb.ros.times import ros_time
 
 
@@ -43,7 +43,7 @@ def event_message(line: EventLine) -> ScheduleEvent:
         begins=ros_time(line.begins),
     )
     if last is not None:
-        message.identity, message.end_reason, message.score = last.identity, last.end_reason, score_text(last)
+        message.identity, message.end_reason, message.score = last.identity, last.end_reason, sums_of_record(last)
         if last.sign_off is not None:
             message.signed, message.signed_by = ros_time(last.sign_off.utc), last.sign_off.who
     return message

@@ -8,7 +8,7 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.srv import ChooseEvent
 from roah_rsbb.wording import schedule, sheets
-from roah_rsbb.wording.schedule import Event, Filter, Show
+from roah_rsbb.wording.schedule import Event, EventFilter, Show
 from roah_rsbb.wording.times import Moments
 
 WAITING = "Waiting for the core"
@@ -60,7 +60,7 @@ class SchedulePanel(Panel):
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
         self._events: List[Event] = []
-        self._shown: Optional[Filter] = None
+        self._shown: Optional[EventFilter] = None
         self._scroll = QTimer(self, singleShot=True, interval=0)
         self._scroll.timeout.connect(self._scroll_to_current)
         self.zones, self.teams = FilterBox("All zones"), FilterBox("All teams")
@@ -102,7 +102,7 @@ class SchedulePanel(Panel):
         self.teams.offer(sorted({event.team for event in self._events}))
         self.days.offer(sorted({schedule.day_of(event, in_utc) for event in self._events}))
         show = Show(self.shows.chosen or Show.ALL.value)
-        shown = Filter(self.zones.chosen, self.teams.chosen, self.days.chosen, show)
+        shown = EventFilter(self.zones.chosen, self.teams.chosen, self.days.chosen, show)
         events = [event for event in self._events if shown.shows(event, in_utc)]
         several_days = len({schedule.day_of(event, in_utc) for event in events}) > 1
         rows = [_row(event, several_days, self.client.moments) for event in events]

@@ -37,7 +37,7 @@ _MAX_REMEMBERED = 1000  # senders whose latest message is remembered
 _TIMES = ("time", "acknowledgement")  # fields that differ in every message
 
 
-class Filter:
+class DatagramFilter:
     """Passes the datagrams that meet all conditions."""
 
     def __init__(self, team: Optional[str] = None, message: Optional[str] = None, errors_only: bool = False,

@@ -21,7 +21,7 @@ from roah_rsbb.rulebook.errors import ConfigErrors, Report
 from roah_rsbb.tools.capture import recording
 from roah_rsbb.tools.capture.decoding import DatagramKind, Decoder, HeardDatagram
 from roah_rsbb.tools.capture.listening import PlainListener, RawListener
-from roah_rsbb.tools.capture.output import Filter, TextLines, json_line
+from roah_rsbb.tools.capture.output import DatagramFilter, TextLines, json_line
 from roah_rsbb.tools.capture.recording import Datagram
 from roah_rsbb.wording.texts import escaped
 
@@ -100,7 +100,7 @@ class _Screen:
     """Shows and counts datagrams on standard output; notices go to standard error."""
 
     def __init__(self, options: argparse.Namespace) -> None:
-        self._filter = Filter(options.team, options.message, options.errors_only, options.changes_only)
+        self._filter = DatagramFilter(options.team, options.message, options.errors_only, options.changes_only)
         color = sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
         self._line: Callable[[HeardDatagram], str] = json_line if options.json else TextLines(color).line
         self._counts: Counter = Counter()

@@ -7,7 +7,7 @@ from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import Reason, encode
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.tools.capture.decoding import BOX, PRIVATE_PORTS, TABLET, DatagramKind, Decoder, Speaker
-from roah_rsbb.tools.capture.output import Filter
+from roah_rsbb.tools.capture.output import DatagramFilter
 from roah_rsbb.tools.capture.recording import Datagram
 
 PORT = 6666
@@ -163,7 +163,7 @@ def passed(chosen, *datagrams):
 
 def test_changes_of_each_sender_and_channel():
     decoder = Decoder(PORT, {}, PASSWORD)
-    chosen = Filter(changes_only=True)
+    chosen = DatagramFilter(changes_only=True)
     steps = [
         (datagram(robot_beacon(sec=1)), True), (datagram(robot_beacon(sec=2)), False),
         (datagram(robot_beacon(sec=3), src="10.0.0.3"), True),
@@ -178,14 +178,14 @@ def test_changes_of_each_sender_and_channel():
 
 
 def test_senders_are_forgotten_when_others_are_heard_without_end():
-    chosen = Filter(changes_only=True)
+    chosen = DatagramFilter(changes_only=True)
     everybody = [datagram(robot_beacon(), host(number)) for number in range(KEPT)]
     assert all(passed(chosen, *everybody, datagram(robot_beacon(), "10.0.0.9")))
     assert passed(chosen, everybody[2], everybody[0]) == [False, True]
 
 
 def test_a_sender_that_changes_is_not_the_oldest():
-    chosen = Filter(changes_only=True)
+    chosen = DatagramFilter(changes_only=True)
     everybody = [datagram(robot_beacon(), host(number)) for number in range(KEPT)]
     passed(chosen, *everybody, datagram(robot_beacon("changed"), host(0)), datagram(robot_beacon(), "10.0.0.9"))
     assert passed(chosen, datagram(robot_beacon("changed"), host(0)), everybody[1]) == [False, True]
@@ -195,7 +195,7 @@ def test_a_teams_datagrams():
     from_box = pb.BenchmarkState(benchmark_type="HWV", benchmark_state=pb.BenchmarkState.STOP)
     listed = datagram(box_beacon(("Team", "Robot", 6667), ("Other", "Robot", 6668)), "10.0.0.1")
     assert passed(
-        Filter(team="Team"), datagram(box_beacon(("Other", "Robot", 6668))), listed, datagram(robot_beacon()),
+        DatagramFilter(team="Team"), datagram(box_beacon(("Other", "Robot", 6668))), listed, datagram(robot_beacon()),
         datagram(robot_beacon(team="Other")), datagram(state(), port=6667, password=PASSWORD),
         datagram(from_box, "10.0.0.1", 6667, PASSWORD), datagram(b"?", port=6667), datagram(b"?", "10.0.0.7", 6668),
     ) == [False, True, True, False, True, True, True, False]
@@ -204,5 +204,5 @@ def test_a_teams_datagrams():
 def test_messages_of_a_type_and_errors():
     several = [datagram(robot_beacon()), datagram(box_beacon(("Team", "Robot", 6667))), datagram(b"?"),
                datagram(state(), port=6667, password="wrong"), datagram(state(), port=6700, password="unknown")]
-    assert passed(Filter(message="RobotBeacon"), *several) == [True, False, False, False, False]
-    assert passed(Filter(errors_only=True), *several) == [False, False, True, True, False]
+    assert passed(DatagramFilter(message="RobotBeacon"), *several) == [True, False, False, False, False]
+    assert passed(DatagramFilter(errors_only=True), *several) == [False, False, True, True, False]
