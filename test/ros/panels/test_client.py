@@ -1,11 +1,15 @@
 """The other panels, the plugins and the window, with a fake core."""
 
+import gc
 import importlib
 import pathlib
 import sys
 import tempfile
+import threading
 import types
 import unittest
+import weakref
+from typing import List
 from xml.etree import ElementTree
 
 import rosgraph
@@ -47,6 +51,33 @@ class CoreCase(unittest.TestCase):
         show(panel)
         wait_until(lambda: client.model.zone is not None and not client.model.is_old, "the core is heard")
         return panel
+
+
+class TestGarbage(unittest.TestCase):
+    def test_it_is_collected_in_qts_thread_only(self) -> None:
+        collected_in: List[threading.Thread] = []
+
+        def use_memory() -> None:
+            cycle = QObject()
+            cycle.itself = cycle
+            weakref.finalize(cycle, lambda: collected_in.append(threading.current_thread()))
+            del cycle
+            # Far more objects than Python waits for before it collects garbage.
+            kept = [[] for _ in range(10 * gc.get_threshold()[0])]
+            kept.clear()
+
+        thread = threading.Thread(target=use_memory)
+        thread.start()
+        thread.join()
+        self.assertEqual(collected_in, [])
+        kept = []
+
+        def is_collected() -> bool:
+            kept.extend([] for _ in range(gc.get_threshold()[0]))
+            return bool(collected_in)
+
+        wait_until(is_collected, "the garbage is collected")
+        self.assertEqual(collected_in, [threading.main_thread()])
 
 
 class TestPanels(CoreCase):

@@ -10,6 +10,7 @@ import rosgraph
 import rospy
 
 from roah_rsbb.ros import connections
+from roah_rsbb.rqt.model.garbage import collect_here
 from roah_rsbb.rqt.qt import QApplication, QSettings, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
 
@@ -24,7 +25,9 @@ def make_application(argv: List[str]) -> QApplication:
     sys.excepthook = _report
     QApplication.setAttribute(Qt.AA_EnableHighDpiScaling)
     QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
-    return QApplication(argv)
+    app = QApplication(argv)
+    collect_here()
+    return app
 
 
 # On a higher screen everything grows, in units of the desktop's font: with the usual font, from 1080 pixels on.

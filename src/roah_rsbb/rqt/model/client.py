@@ -6,6 +6,7 @@ import rospy
 
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.rqt.model.calls import Calls, RefereeName
+from roah_rsbb.rqt.model.garbage import collect_here
 from roah_rsbb.rqt.model.model import TOPICS, Model
 from roah_rsbb.rqt.model.presses import DoublePress
 from roah_rsbb.rqt.model.zone_parameter import ZoneParameter
@@ -39,6 +40,7 @@ class Client:
     def acquire(cls) -> "Client":
         """Returns the client of this process; the first call creates it. Call `release` once for each call."""
         if cls._shared is None:
+            collect_here()  # in rqt, whose application is not ours
             cls._shared = Client()
             cls._shared.model.start()
         cls._users += 1
