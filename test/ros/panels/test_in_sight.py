@@ -26,8 +26,11 @@ class TestInSight(WindowCase):
             yield size
 
     def assert_in_sight(self, size, **widgets: QWidget) -> None:
-        cut = [name for name, widget in widgets.items() if not in_sight(widget)]
-        self.assertEqual(cut, [], f"at {size[0]}x{size[1]}, scale {SCALE}")
+        """Wait until they are: a layout follows a message or another size in several steps."""
+        def cut():
+            return [name for name, widget in widgets.items() if not in_sight(widget)]
+
+        wait_until(lambda: not cut(), lambda: f"at {size[0]}x{size[1]}, scale {SCALE}, all is in sight but {cut()}")
 
     def test_every_item_and_every_command_is_in_sight_during_the_run(self) -> None:
         self.window.resize(*(length // SCALE for length in SIZES[0]))

@@ -152,11 +152,11 @@ class TestStopReason(WordsCase):
         QTest.keyClick(line, Qt.Key_Return)
         self.wait_words(identity, "fire alarm", "Anna")
         wait_until(lambda: self.zone.run.book.state.stops[0].reason == "fire alarm", "it is saved")
-        self.assertEqual(line.text(), "fire alarm")
+        wait_until(lambda: line.text() == "fire alarm", "it stays")
         QTest.keyClicks(line, " in the kitchen")
         QTest.keyClick(line, Qt.Key_Return)
         self.wait_words(identity, "fire alarm in the kitchen", "Anna")
-        self.assertEqual(line.text(), "fire alarm in the kitchen")
+        wait_until(lambda: line.text() == "fire alarm in the kitchen", "the longer one stays")
 
     def test_it_stays_visible_and_editable_until_the_sign_off(self) -> None:
         line, identity = self.panel.reason, self.zone.identity
