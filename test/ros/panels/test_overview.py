@@ -61,9 +61,15 @@ class TestOverview(PanelCase):
         self.zone.command("connect")
         self.zone.command("start")
         wait_until(lambda: self.tile.phase.text() == "▶ RUNNING", "the zone runs")
+        event = "AnotherTeam  ·  HWV  ·  round 1, run 2"
+
+        def is_shown() -> bool:
+            text = self.tile.event.text()
+            # The end may be cut off: systems differ in the width of the same font.
+            return text == event or ("HWV" in text and text.endswith("…") and event.startswith(text[:-1]))
+
         # Phase and event come in two messages.
-        wait_until(lambda: self.tile.event.text() == "AnotherTeam  ·  HWV  ·  round 1, run 2",
-                   lambda: f"the event is shown, not {self.tile.event.text()}")
+        wait_until(is_shown, lambda: f"the event is shown, not {self.tile.event.text()}")
         wait_until(lambda: re.fullmatch(r"^(9:5\d|10:00)$", self.tile.countdown.text()), "the time left is shown")
         self.assertEqual(self.other_tile.phase.text(), "○ NOT CONNECTED")
         self.assertEqual(self.other_tile.todo.text(), "→ Connect is possible")
