@@ -9,7 +9,6 @@ from roah_rsbb.rqt.qt import (
     QDialogButtonBox,
     QEvent,
     QGridLayout,
-    QGuiApplication,
     QLabel,
     QLineEdit,
     QObject,
@@ -17,6 +16,7 @@ from roah_rsbb.rqt.qt import (
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.window_keys import WindowKeys
 
 # docs/referee.md has the same table.
 KEYS = (
@@ -53,20 +53,12 @@ class KeysDialog(QDialog):
         self.resize(round(WIDE_EMS * basic.em()), self.sizeHint().height())
 
 
-class KeysKey(QObject):
+class KeysKey(WindowKeys):
     """Opens the page when `?` is pressed in a window of this process."""
 
     def __init__(self) -> None:
-        super().__init__()
         self._dialog: Optional[KeysDialog] = None
-        QGuiApplication.instance().focusWindowChanged.connect(self._watch)
-        self._watch(QGuiApplication.focusWindow())
-
-    def end(self) -> None:
-        """Stop watching."""
-        QGuiApplication.instance().focusWindowChanged.disconnect(self._watch)
-        for window in QGuiApplication.allWindows():
-            window.removeEventFilter(self)
+        super().__init__()
 
     def open(self) -> None:
         """Open the page, or bring it to the front."""
@@ -80,10 +72,6 @@ class KeysKey(QObject):
             self.open()
             return True
         return False
-
-    def _watch(self, window) -> None:
-        if window is not None:
-            window.installEventFilter(self)
 
     def _forget(self) -> None:
         self._dialog = None

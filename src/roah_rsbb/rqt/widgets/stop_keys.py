@@ -13,6 +13,7 @@ from roah_rsbb.rqt.model.model import Model
 from roah_rsbb.rqt.model.presses import DoublePress
 from roah_rsbb.rqt.qt import QApplication, QEvent, QGuiApplication, QKeyEvent, QLabel, QObject, QPoint, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.window_keys import WindowKeys
 from roah_rsbb.srv import StopRun
 
 DONE_S = 4.0
@@ -43,7 +44,7 @@ class StopPrompt(QLabel):
         self._timer.start(round(for_s * 1000))
 
 
-class StopKeys(QObject):
+class StopKeys(WindowKeys):
     """Watches the keys of all windows of the process."""
 
     def __init__(self, model: Model, calls: Calls) -> None:
@@ -52,15 +53,10 @@ class StopKeys(QObject):
         self._calls = calls
         self._presses = DoublePress()
         self.prompt = StopPrompt()
-        # Qt sends each key press to the window with the focus before it reaches any widget.
-        QGuiApplication.instance().focusWindowChanged.connect(self._watch)
-        self._watch(QGuiApplication.focusWindow())
 
     def end(self) -> None:
         """Stop watching."""
-        QGuiApplication.instance().focusWindowChanged.disconnect(self._watch)
-        for window in QGuiApplication.allWindows():
-            window.removeEventFilter(self)
+        super().end()
         self._calls.forget(self)
         self.prompt.close()
 
@@ -72,10 +68,6 @@ class StopKeys(QObject):
         if event.modifiers() == Qt.ShiftModifier:
             return self._press(event, "Shift+Esc", self._model.zone_names)
         return False
-
-    def _watch(self, window) -> None:
-        if window is not None:
-            window.installEventFilter(self)
 
     def _press(self, event: QKeyEvent, key: str, zones: List[str]) -> bool:
         """Handle a press of a key. Returns whether the press has no other effect."""
