@@ -5,9 +5,9 @@ from typing import Any, Dict, List, Tuple
 from crew import Robot
 
 from referee import Result
-from roah_rsbb.protocol import BoxState
+from roah_rsbb.protocol import BoxState, RobotState
 
-STATES = "/rsbb_log/rsbb_state"
+BOX_STATES, CLIENT_STATES = "/rsbb_log/rsbb_state", "/rsbb_log/client_state"
 _GOALS = {"HOPF": 2, "HNF": 2, "HPPF": 2, "HPFF": 1, "HGMF": 2, "HOMF": 2, "STB": 2}
 # These goals are sent to the robot; the others know theirs.
 _EXPLICIT = ("HNF", "HGMF", "HOMF", "STB")
@@ -43,11 +43,12 @@ def box_states(code: str, reboots: int = 0) -> List[BoxState]:
     return begin + cycle * (_GOALS.get(code, 1) + reboots) + [BoxState.STOP]
 
 
-def faults(result: Result, robot: Robot, reboots: int = 0, was_away: bool = False) -> List[str]:
+def faults(result: Result, robot: Robot, reboots: int = 0) -> List[str]:
     """All that is wrong with a run.
 
-    `was_away`: the robot could not be heard for a while. It may have had the goal and be ready with it, or have
-    forgotten it, when it was heard again: then the box is never in WAITING_RESULT.
+    All messages that say that a robot executes a goal may be lost, in an outage or where a flood fills the box's
+    buffers. The box then hears the result first, or a robot that has forgotten the goal, and is never in
+    WAITING_RESULT.
     """
     found = []
 
@@ -56,8 +57,10 @@ def faults(result: Result, robot: Robot, reboots: int = 0, was_away: bool = Fals
             found.append(f"{result.code}, {what}: {is_so}, but it should be {should}")
 
     same("end", result.end_reason, "completed")
-    seen, should = [BoxState(state) for state in result.values(STATES)], box_states(result.code, reboots)
-    if was_away and result.code in _EXPLICIT:
+    seen, should = [BoxState(state) for state in result.values(BOX_STATES)], box_states(result.code, reboots)
+    heard_executing = result.values(CLIENT_STATES).count(RobotState.EXECUTING)
+    if result.code in _EXPLICIT and heard_executing < should.count(BoxState.WAITING_RESULT):
+        same("times in WAITING_RESULT", seen.count(BoxState.WAITING_RESULT), heard_executing)
         seen, should = ([s for s in states if s is not BoxState.WAITING_RESULT] for states in (seen, should))
     same("box's states", [state.name for state in seen], [state.name for state in should])
     for what, is_so, should in _logged_strings(result):

@@ -6,11 +6,11 @@ import time
 from typing import Iterable, List, NamedTuple, Optional, Tuple
 
 from crew import Robot
+from expected import BOX_STATES, CLIENT_STATES
 
 from referee import Result
 from roah_rsbb.protocol import PERIOD_S, BoxState, RobotState
 
-CLIENT_STATES, BOX_STATES = "/rsbb_log/client_state", "/rsbb_log/rsbb_state"
 # What a machine adds that has little else to do.
 MACHINE_S = 3.0
 # A busy machine lets each program on the way wait for a processor: robot, wire, comm node, core, and back.

@@ -71,8 +71,7 @@ def _flood(net: Net, measured: List[str]) -> Iterator[None]:
 
 def _faults(played: Round, results: Dict[str, Result]) -> List[str]:
     return [fault for code, result in results.items()
-            for fault in expected.faults(
-                result, played.robots[code], played.reboots[code], was_away=bool(played.outages[code]))]
+            for fault in expected.faults(result, played.robots[code], played.reboots[code])]
 
 
 def _late(
@@ -100,7 +99,7 @@ def _speech_faults(played: Round) -> List[str]:
         faults.append(f"{SPEECH}: {len(result.logs)} logs of {len(played.robots)} robots")
     should = [int(state) for state in expected.box_states(SPEECH)]
     for number in range(len(result.logs)):
-        states = result.values(lateness.BOX_STATES, number)
+        states = result.values(expected.BOX_STATES, number)
         if states != should:
             faults.append(f"{SPEECH}: {[BoxState(state).name for state in states]}")
     return faults
