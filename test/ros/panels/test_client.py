@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 
 import rosgraph
 import rospy
+from PyQt5 import sip
 from std_srvs.srv import Empty
 from support.fakes.core import FakeCore
 from support.gui_testing import QMessageBox, Qt, QTest, answer, click, question, show, wait_until
@@ -26,8 +27,9 @@ from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.log_display import LogDisplayPanel
 from roah_rsbb.rqt.panels.online_data import OnlineDataPanel
 from roah_rsbb.rqt.panels.tablet_status import TabletStatusPanel
-from roah_rsbb.rqt.qt import QObject, QSettings
+from roah_rsbb.rqt.qt import QObject, QSettings, QSpinBox
 from roah_rsbb.rqt.widgets.basic import ALARM, OLD
+from roah_rsbb.rqt.widgets.focus_ring import FocusRing
 
 PLUGIN_XML = pathlib.Path(__file__).resolve().parents[3] / "plugin.xml"
 
@@ -51,6 +53,18 @@ class CoreCase(unittest.TestCase):
         show(panel)
         wait_until(lambda: client.model.zone is not None and not client.model.is_old, "the core is heard")
         return panel
+
+
+class TestFocusRing(unittest.TestCase):
+    def test_it_leaves_a_widget_that_qt_destroys_while_it_is_hidden(self) -> None:
+        ring = FocusRing(lambda widget: True)
+        self.addCleanup(ring.end)
+        spin_box = QSpinBox()
+        ring._follow(None, spin_box.lineEdit())  # Qt created it; the next focus in a window that closes
+        self.assertIsNotNone(ring._on)
+        sip.delete(spin_box)
+        self.assertIsNone(ring._on)
+        ring._follow(None, None)  # would use a destroyed widget
 
 
 class TestGarbage(unittest.TestCase):

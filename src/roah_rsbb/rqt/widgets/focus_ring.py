@@ -71,6 +71,9 @@ class FocusRing(QObject):
             return
         self._on = widget
         widget.installEventFilter(self)
+        # Python does not notice the end of a widget that Qt created, such as a dialog's button. If it was hidden
+        # before it got the focus, no other event comes.
+        widget.destroyed.connect(self._forget)
         self._frame = _Frame(parent)
         self._place()
         self._frame.show()
@@ -81,9 +84,15 @@ class FocusRing(QObject):
             self._frame.setGeometry(place.adjusted(-1, -1, 1, 1))
             self._frame.raise_()
 
+    def _forget(self) -> None:
+        """Leave a widget that no longer exists."""
+        self._on = None
+        self._leave()
+
     def _leave(self) -> None:
         if self._on is not None:
             self._on.removeEventFilter(self)
+            self._on.destroyed.disconnect(self._forget)
         if self._frame is not None:
             self._frame.hide()
             self._frame.setParent(None)
