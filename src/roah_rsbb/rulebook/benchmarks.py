@@ -1,6 +1,7 @@
 """The types that make up a configuration: benchmarks, schedule, passwords."""
 
 import enum
+import math
 from dataclasses import dataclass, field
 from typing import Dict, Optional, Tuple
 
@@ -8,6 +9,10 @@ from roah_rsbb.rulebook.registry import BenchmarkKind, Profile, profile_of
 
 # In the schedule this means every active robot. No team may have this name.
 ALL_TEAMS = "ALL"
+
+
+# As a limit of a run, goal or phase: only the robot or the referee ends it.
+NO_LIMIT = math.inf
 
 
 class ScoreKind(enum.IntEnum):
@@ -26,13 +31,60 @@ class ScoringItem:
     kind: ScoreKind
 
 
+class CountingAttempt(enum.Enum):
+    """Which of the attempts at an event counts."""
+
+    LAST = "last"
+    BEST = "best"
+    ALL = "all"
+
+
+class Restarts(enum.Enum):
+    """Whether a stopped run may be started again, and what its clock does in between."""
+
+    CLOCK_RUNS = "clock runs"
+    CLOCK_STOPS = "clock stops"
+    NOT_ALLOWED = "not allowed"
+
+
+class NoShow(enum.Enum):
+    """How an event counts whose team did not appear, or withdrew."""
+
+    NO_SCORE = "no score"  # the standings list it without a score
+    ZERO = "zero"  # as a run with nothing on its score sheet
+
+
+@dataclass(frozen=True)
+class PhaseRule:
+    """A phase of a task benchmark. The referee moves the run to the next one."""
+
+    name: str
+    limit: float = NO_LIMIT  # seconds; when it is over, the referee is warned
+
+
+@dataclass(frozen=True)
+class Rules:
+    """The rules about time and attempts. The defaults are those of all benchmarks that do not have such rules."""
+
+    setup_time: float = 0.0  # seconds from *connect* until the run should start; 0.0: no such rule
+    attempts: int = 0  # at one event; 0: any number
+    counting: CountingAttempt = CountingAttempt.LAST
+    restarts: Restarts = Restarts.CLOCK_RUNS
+    pause: bool = False  # whether the referee may pause the clock
+    phases: Tuple[PhaseRule, ...] = ()
+    no_show: NoShow = NoShow.NO_SCORE
+
+
+NO_RULES = Rules()
+
+
 @dataclass(frozen=True)
 class Benchmark:
     """One benchmark of the benchmarks file.
 
     `total_timeout` (s) ends the run and counts from *start*. In a functionality benchmark `timeout` (s) ends a goal,
     unless the module's parameters say otherwise. In the others it is not used. Unless the file says otherwise, both
-    are the same.
+    are the same. Either may be `NO_LIMIT`.
     """
 
     code: str
@@ -42,6 +94,7 @@ class Benchmark:
     total_timeout: float
     scoring: Tuple[ScoringItem, ...]
     own: Optional[Profile] = None  # None: that of the registry
+    rules: Rules = NO_RULES
 
     @property
     def profile(self) -> Profile:

@@ -12,8 +12,14 @@ from typing import Dict, FrozenSet, List, Optional, Set, Tuple
 
 from roah_rsbb.rulebook.benchmarks import (
     ALL_TEAMS,
+    NO_LIMIT,
     Benchmark,
     Config,
+    CountingAttempt,
+    NoShow,
+    PhaseRule,
+    Restarts,
+    Rules,
     ScheduledEvent,
     ScoreKind,
     ScoringItem,
@@ -62,6 +68,8 @@ def load_schedule(benchmarks_file: str, schedule_file: str) -> Tuple[Dict[str, B
 
 # A run of more than a day is a typing error.
 MAX_TIMEOUT_S = 86400
+NO_LIMIT_TEXT = "no limit"
+MAX_ATTEMPTS = 100
 
 _BENCHMARK = {
     "name": "Task Benchmark 1",
@@ -71,10 +79,21 @@ _BENCHMARK = {
 }
 _BENCHMARK_OPTIONAL = {
     "total_timeout": "600", "scoring": "[...]", "kind": "task", "uses": "[notifications]", "offline_data": "optional",
+    "setup_time": "120", "attempts": "2", "attempt_counts": "best", "restarts": "clock runs", "pause": "allowed",
+    "phases": "[...]", "no_show": "zero",
 }
+_PHASE, _PHASE_OPTIONAL = {"name": "Serve the drinks"}, {"limit": "120"}
 _KINDS = {kind.value: kind for kind in BenchmarkKind}
 _OFFLINE_DATA = {"required": True, "optional": False}
 _ITEM = {"type": "bool", "desc": "The robot finds the door"}
+_RULES = {
+    "attempt_counts": "which of several attempts at an event counts",
+    "restarts": "whether a stopped run may be started again",
+    "pause": "whether the referee may pause the clock",
+    "no_show": "how an event counts whose team did not appear",
+}
+_PAUSE = {"allowed": True, "not allowed": False}
+_PHASES_SHAPE = "phases '- {name: ..., limit: 120}'"
 _BENCHMARKS_SHAPE = "benchmarks, '- name: ...' and so on"
 _ITEMS_SHAPE = "items '- {type: bool, desc: ...}'"
 _GROUPS_SHAPE = "groups '- Achievements: [...]', or no key 'scoring'"
@@ -119,23 +138,75 @@ class BenchmarksFile:
         timeout = _timeout(report, got, "timeout")
         total = _timeout(report, got, "total_timeout") if "total_timeout" in got else timeout
         scoring = self._scoring(got.get("scoring"))
+        rules = self._rules(got, None if profile is None else profile.kind)
         if code is None:
             return None
         found = f"a second benchmark with code {quote(code)}"
         report.once(self._places, code, got["code"].place, found, "each code once")
         if timeout is not None and total is not None:
-            if total < timeout:
+            if total < timeout < NO_LIMIT:
                 report.warn(
                     got["total_timeout"].place,
                     f"total_timeout {total:g} of {code} is less than its timeout {timeout:g}: "
                     "it ends the run before the first goal's time is over",
                 )
-            if name is not None and desc is not None and profile is not None:
-                self.by_code[code] = Benchmark(code, name, desc, timeout, total, scoring, profile)
-                if total > timeout and profile.kind is not BenchmarkKind.FUNCTIONALITY:
-                    report.warn(got["timeout"].place, f"timeout {timeout:g} of {code} is not used: a benchmark without "
-                                f"goals ends by its total_timeout {total:g}")
+            if name is not None and desc is not None and profile is not None and rules is not None:
+                self.by_code[code] = Benchmark(code, name, desc, timeout, total, scoring, profile, rules)
+                self._warn_of_limits(self.by_code[code], got)
         return code if isinstance(node, Mapping) and node.whole else None
+
+    def _warn_of_limits(self, benchmark: Benchmark, got: Dict[str, Node]) -> None:
+        """Warn of limits that have no effect."""
+        code, timeout, total = benchmark.code, benchmark.timeout, benchmark.total_timeout
+        is_unused = total > timeout or total < timeout == NO_LIMIT
+        if is_unused and benchmark.kind is not BenchmarkKind.FUNCTIONALITY:
+            warning = (f"timeout {_limit_text(timeout)} of {code} is not used: a benchmark without goals ends by its "
+                       f"total_timeout {_limit_text(total)}")
+            self._report.warn(got["timeout"].place, warning)
+        limits = [phase.limit for phase in benchmark.rules.phases]
+        if limits and sum(limits) > total and NO_LIMIT not in limits:
+            self._report.warn(got["phases"].place, f"the phases of {code} take {sum(limits):g} s together: its "
+                              f"total_timeout {total:g} ends the run earlier")
+
+    def _rules(self, got: Dict[str, Node], kind: Optional[BenchmarkKind]) -> Optional[Rules]:
+        """Read the rules about time and attempts; None after an error."""
+        report = self._report
+        found: Dict[str, object] = {}
+        if "setup_time" in got:
+            found["setup_time"] = _timeout(report, got, "setup_time", infinity="")
+        if "attempts" in got:
+            found["attempts"] = integer(report, got["attempts"], "attempts", 1, MAX_ATTEMPTS)
+        for key, name, words in (
+            ("attempt_counts", "counting", {each.value: each for each in CountingAttempt}),
+            ("restarts", "restarts", {each.value: each for each in Restarts}),
+            ("pause", "pause", _PAUSE),
+            ("no_show", "no_show", {each.value: each for each in NoShow}),
+        ):
+            if key in got:
+                word = choice(report, got[key], key, tuple(words), _RULES[key])
+                found[name] = None if word is None else words[word]
+        if "phases" in got:
+            found["phases"] = self._phases(got["phases"], kind)
+        return None if None in found.values() else Rules(**found)
+
+    def _phases(self, node: Node, kind: Optional[BenchmarkKind]) -> Optional[Tuple[PhaseRule, ...]]:
+        """Read the phases of a task benchmark; None after an error."""
+        report = self._report
+        nodes = sequence(report, node, "phases", _PHASES_SHAPE)
+        if nodes is None:
+            return None
+        if kind not in (None, BenchmarkKind.TASK):
+            return report.error(node.place, f"phases in a benchmark of kind '{kind.value}'", "phases in a task only")
+        phases: List[Optional[PhaseRule]] = []
+        places: Dict[str, Place] = {}
+        for each in nodes:
+            got = fields(report, each, "a phase", _PHASE, _PHASE_OPTIONAL) or {}
+            name = text(report, got.get("name"), "name of a phase")
+            limit = _timeout(report, got, "limit") if "limit" in got else NO_LIMIT
+            if name is not None:
+                report.once(places, name, got["name"].place, f"a second phase {quote(name)}", "each name once")
+            phases.append(None if name is None or limit is None else PhaseRule(name, limit))
+        return None if None in phases else tuple(phases)
 
     def _code(self, node: Optional[Node], is_new: bool) -> Optional[str]:
         """Read a code: one that the programs know or, with `is_new`, one that the file defines."""
@@ -218,8 +289,12 @@ class BenchmarksFile:
         return None if kind is None else ScoringItem(group, desc, _SCORE_KINDS[kind])
 
 
-def _timeout(report: Report, got: Dict[str, Node], key: str) -> Optional[float]:
-    return number(report, got.get(key), key, unit="seconds", above=0, most=MAX_TIMEOUT_S)
+def _timeout(report: Report, got: Dict[str, Node], key: str, infinity: str = NO_LIMIT_TEXT) -> Optional[float]:
+    return number(report, got.get(key), key, unit="seconds", above=0, most=MAX_TIMEOUT_S, infinity=infinity)
+
+
+def _limit_text(seconds: float) -> str:
+    return NO_LIMIT_TEXT if seconds == NO_LIMIT else f"{seconds:g}"
 
 
 # -- the passwords file -----------------------------------------------------------------------------

@@ -116,19 +116,25 @@ def number(
     above: Optional[float] = None,
     least: Optional[float] = None,
     most: Optional[float] = None,
+    infinity: str = "",
 ) -> Optional[float]:
-    """Read a finite decimal number above `above` (or from `least`) up to `most`. `unit` is e.g. "seconds"."""
+    """Read a decimal number above `above` (or from `least`) up to `most`. `unit` is e.g. "seconds".
+
+    `infinity`: a text that stands for infinity; empty: only finite numbers are valid.
+    """
     if node is None:
         return None
-    shape = _number_shape(unit, above, least, most)
+    if infinity and isinstance(node, Scalar) and node.text == infinity:
+        return math.inf
+    shape, instead = _number_shape(unit, above, least, most), f"; or '{infinity}'" if infinity else ""
     if not isinstance(node, Scalar) or not _DECIMAL.fullmatch(node.text):
-        return _wrong(report, node, what, shape + ": digits only, '.' before decimals")
+        return _wrong(report, node, what, f"{shape}: digits only, '.' before decimals{instead}")
     if node.quoted:
-        return _wrong(report, node, what, shape + ": remove the quotes")
+        return _wrong(report, node, what, f"{shape}: remove the quotes")
     value = float(node.text)
     low = (above is None or value > above) and (least is None or value >= least)
     if not (low and (most is None or value <= most) and math.isfinite(value)):
-        return _wrong(report, node, what, shape)
+        return _wrong(report, node, what, shape + instead)
     return value
 
 

@@ -35,7 +35,8 @@ MISTAKES = [
     ("code: HWV", "code: hwv", ["did you mean 'HWV'?"]),
     ("code: HWV", "code: Kitchen", ["'HGTKMH', 'HWV', 'HCFGAC', 'HOPF', 'HNF', 'HSUF'"]),
     ("code: HWV", "code: [HWV]", ["found a sequence"]),
-    ("code: HWV", "code: HGTKMH", ["a second benchmark with code 'HGTKMH'", "already in line 26"]),
+    ("code: HWV", "code: HGTKMH", ["a second benchmark with code 'HGTKMH'",
+                                   f"already in line {line_of(TEXTS['benchmarks'], 'code: HGTKMH')}"]),
     ("name: Task Benchmark 1", "name: 2015", ["the number '2015' as name", "a text: put it in quotes"]),
     ("name: Task Benchmark 1", "name: 2015-12-31", ["the date '2015-12-31'", "put it in quotes"]),
     ("name: Task Benchmark 1", "name: No", ["'No' (to YAML, a yes-or-no value)", "put it in quotes"]),
@@ -93,8 +94,9 @@ def test_the_same_item_twice_in_a_group_but_not_in_two(files):
 def test_a_key_twice_is_an_error_and_not_silently_the_last(files):
     text = changed("benchmarks", "  code: HWV\n", "  code: HWV\n  timeout: 5\n")
     _, line, message = files.error(benchmarks=text)
-    assert line == line_of(text, "timeout: 5") + 1
-    assert message == "found the key 'timeout' again; expected each key once: it is already in line 45"
+    first = line_of(text, "timeout: 5")
+    assert line == first + 1
+    assert message == f"found the key 'timeout' again; expected each key once: it is already in line {first}"
 
 
 def test_two_benchmarks_run_together_are_one_error(files):

@@ -102,7 +102,10 @@ def test_slips_in_a_shipped_file(files, name, rng, slips):
 # What an organiser may write behind the keys of a benchmark, right and wrong.
 VALUES = {
     "name": ["Task", "7", "''"], "desc": ["Fetch", "[]", "~"], "code": ["SetTable", "HNF", "hnf", "9", "a b", "A" * 40],
-    "timeout": ["60", "0", "soon", "1e9", "{}"], "total_timeout": ["600", "30", "-1", "[1]"],
+    "timeout": ["60", "0", "soon", "1e9", "{}", "no limit"], "total_timeout": ["600", "30", "-1", "[1]", "no limit"],
+    "setup_time": ["60", "no limit", "-5"], "attempts": ["2", "0", "1.5"], "attempt_counts": ["best", "all", "first"],
+    "restarts": ["clock runs", "clock stops", "not allowed", "no"], "pause": ["allowed", "yes"], "no_show": ["zero"],
+    "phases": ["[]", "[{name: A}]", "[{name: A, limit: 60}, {name: A}]", "[A]", "{name: A}", "[{limit: 5}]", "~"],
     "kind": ["task", "functionality", "all robots", "all", "[task]", "", "{task: 1}"],
     "uses": ["[]", "[tablet]", "[tablet, tablet]", "[visitor, bell, devices]", "tablet", "[[]]", "[1]", "{}", "~"],
     "offline_data": ["required", "optional", "true", "[]"], "uss": ["[]"], "points": ["3"],

@@ -184,7 +184,8 @@ def test_a_file_that_is_too_large(files):
 @pytest.mark.parametrize(
     "data, line, part",
     [
-        (TEXTS["benchmarks"].replace("Granny", "Gränny").encode("latin-1"), 68, "not UTF-8"),
+        (TEXTS["benchmarks"].replace("Granny", "Gränny").encode("latin-1"), line_of(TEXTS["benchmarks"], "Granny"),
+         "not UTF-8"),
         (b"\xff", 1, "not UTF-8"),
         (TEXTS["benchmarks"].encode("utf-16"), 1, "UTF-16"),
     ],
