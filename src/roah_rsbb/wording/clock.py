@@ -6,11 +6,12 @@ Works on anything with the fields of RunClock; ROS is not imported. A figure nev
 import enum
 from typing import List, NamedTuple, Optional
 
+from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import countdown, elapsed
 
 SOON_S = 30.0
 LAST_S = 10.0
-PAUSED = "PAUSED"
+PAUSED = tr_later("PAUSED")
 
 
 class Hurry(enum.IntEnum):
@@ -43,20 +44,20 @@ def clock_of(message, passed_s: float) -> Clock:
     limit_s = message.limit.to_sec()
     if message.phase == "ended":
         left = max(0.0, message.after_stop.to_sec() - passed_s)
-        aside = f"Time left after the stop: {countdown(left)}" if left > 0.0 else ""
-        return Clock(Figure("Final time of the run", elapsed(message.elapsed.to_sec())), aside=aside)
+        aside = tr("Time left after the stop: {time}", time=countdown(left)) if left > 0.0 else ""
+        return Clock(Figure(tr("Final time of the run"), elapsed(message.elapsed.to_sec())), aside=aside)
     if message.phase != "running":
         goal_s = message.goal_limit.to_sec()
-        goal = Figure("Time limit of a goal", countdown(goal_s)) if goal_s else None
-        return Clock(Figure("Time limit of the run", countdown(limit_s)), goal)
+        goal = Figure(tr("Time limit of a goal"), countdown(goal_s)) if goal_s else None
+        return Clock(Figure(tr("Time limit of the run"), countdown(limit_s)), goal)
     spent_s = _spent(message.elapsed.to_sec(), message.counting, passed_s)
     goal = None
     if message.goal:
         goal_spent_s = _spent(message.goal_elapsed.to_sec(), message.goal_counting, passed_s)
-        goal = _left("Goal: time left", message.goal_limit.to_sec() - goal_spent_s, message.goal_counting)
-    pause = f"{PAUSED}: {message.paused}" if message.paused else ""
-    used = f"Used: {countdown(int(spent_s))} of {countdown(limit_s)}"
-    return Clock(_left("Run: time left", limit_s - spent_s, message.counting), goal, pause, used)
+        goal = _left(tr("Goal: time left"), message.goal_limit.to_sec() - goal_spent_s, message.goal_counting)
+    pause = f"{tr(PAUSED)}: {message.paused}" if message.paused else ""
+    used = tr("Used: {time} of {limit}", time=countdown(int(spent_s)), limit=countdown(limit_s))
+    return Clock(_left(tr("Run: time left"), limit_s - spent_s, message.counting), goal, pause, used)
 
 
 def lines(clock: Clock) -> List[str]:

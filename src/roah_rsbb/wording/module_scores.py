@@ -7,11 +7,12 @@ import json
 import math
 from typing import Dict, Iterable, List, NamedTuple, Tuple
 
+from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import NOTHING
 
 # The title of the scores that belong to the run as a whole.
-WHOLE_RUN = "Whole run"
-_WORDS = {True: "yes", False: "no", None: NOTHING}
+WHOLE_RUN = tr_later("Whole run")
+_WORDS = {True: tr_later("yes"), False: tr_later("no"), None: NOTHING}
 
 
 class ScoreLine(NamedTuple):
@@ -31,7 +32,7 @@ def by_group(scores: Iterable) -> List[Tuple[str, List[ScoreLine]]]:
     groups: Dict[str, List[ScoreLine]] = {}
     for score in scores:
         groups.setdefault(score.group, []).append(readable(score))
-    whole = [(WHOLE_RUN, groups.pop(""))] if "" in groups else []
+    whole = [(tr(WHOLE_RUN), groups.pop(""))] if "" in groups else []
     return whole + list(groups.items())
 
 
@@ -41,7 +42,7 @@ def _value(text: str) -> str:
     except ValueError:
         return text
     if value is None or isinstance(value, bool):
-        return _WORDS[value]
+        return tr(_WORDS[value])
     if isinstance(value, float):
         # Adding 0.0 turns a rounded "-0.0" into "0.0".
         return f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".") if math.isfinite(value) else str(value)

@@ -8,13 +8,14 @@ import time
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence
 
 from roah_rsbb.wording import sheets
+from roah_rsbb.wording.language import tr, tr_later
 
 MINUTE_S, HOUR_S, DAY_S = 60, 3600, 86400
 
 # By the state in ScheduleEvent.
 _STATES = {
-    "connected": "● connected", "running": "▶ running", "ended": "■ ended", "next": "→ next", "later": "later",
-    "skipped": "– skipped",
+    "connected": tr_later("● connected"), "running": tr_later("▶ running"), "ended": tr_later("■ ended"),
+    "next": tr_later("→ next"), "later": tr_later("later"), "skipped": tr_later("– skipped"),
 }
 _TO_COME = ("connected", "running", "ended", "next", "later")
 _IN_ZONE = ("connected", "running", "ended")
@@ -71,18 +72,18 @@ def events_of(schedule) -> List[Event]:
 def state_text(event: Event) -> str:
     """Returns the state of an event."""
     if event.state == "done":
-        return f"✓ done: {sheets.end_reason(event.end_reason)}"
-    text = _STATES.get(event.state, event.state)
+        return tr("✓ done: {end}", end=sheets.end_reason(event.end_reason))
+    text = tr(_STATES.get(event.state, event.state))
     if event.identity and event.state in ("next", "later"):
-        text += f" (before: {sheets.end_reason(event.end_reason)})"
+        return tr("{state} (before: {end})", state=text, end=sheets.end_reason(event.end_reason))
     return text
 
 
 def sheet_text(event: Event) -> str:
     """Returns whether the score sheet of an event's last run is signed off; empty: no run is over."""
     if event.unsigned:
-        return sheets.NOT_SIGNED_OFF
-    return sheets.SIGNED_OFF if event.identity else ""
+        return tr(sheets.NOT_SIGNED_OFF)
+    return tr(sheets.SIGNED_OFF) if event.identity else ""
 
 
 def delay_text(seconds: float) -> str:
@@ -91,22 +92,22 @@ def delay_text(seconds: float) -> str:
     if minutes < 1:
         return ""
     if minutes < 60:
-        return f"+{minutes} min"
+        return tr("+{minutes} min", minutes=minutes)
     if seconds < 2 * DAY_S:
-        return f"+{minutes // 60} h {minutes % 60:02d} min"
-    return f"+{int(seconds // DAY_S)} days"
+        return tr("+{hours} h {minutes:02d} min", hours=minutes // 60, minutes=minutes % 60)
+    return tr("+{n} days", n=int(seconds // DAY_S))
 
 
 def summary(events: Sequence[Event]) -> str:
     """Returns how many events are signed off, not signed off, to come and skipped."""
     unsigned = sum(event.unsigned for event in events)
     counts = (
-        (sum(bool(event.identity) and not event.unsigned for event in events), sheets.SIGNED_OFF),
-        (unsigned, sheets.NOT_SIGNED_OFF),
-        (sum(event.state in _TO_COME and not event.identity and not event.unsigned for event in events), "to come"),
-        (sum(event.state == "skipped" for event in events), "skipped"),
+        (sum(bool(event.identity) and not event.unsigned for event in events), tr(sheets.SIGNED_OFF)),
+        (unsigned, tr(sheets.NOT_SIGNED_OFF)),
+        (sum(event.state in _TO_COME and not event.identity and not event.unsigned for event in events), tr("to come")),
+        (sum(event.state == "skipped" for event in events), tr("skipped")),
     )
-    return "  ·  ".join(f"{count} {what}" for count, what in counts if count) or "no events"
+    return "  ·  ".join(f"{count} {what}" for count, what in counts if count) or tr("no events")
 
 
 # -- filters ----------------------------------------------------------------------------------------
@@ -115,10 +116,10 @@ def summary(events: Sequence[Event]) -> str:
 class Show(enum.Enum):
     """Which events are shown."""
 
-    ALL = "all"
-    TO_COME = "to come"
-    UNSIGNED = "not signed off"
-    MISSING = "without a result"  # that is final: to be run, skipped, or not signed off
+    ALL = tr_later("all")
+    TO_COME = tr_later("to come")
+    UNSIGNED = tr_later("not signed off")
+    MISSING = tr_later("without a result")  # that is final: to be run, skipped, or not signed off
 
 
 class EventFilter(NamedTuple):
@@ -170,9 +171,9 @@ def why_not(events: Iterable[Event], chosen: Event) -> str:
     """Returns why an event cannot become the current one of its zone; empty: it can."""
     current = next((event for event in events if event.zone == chosen.zone and event.current), None)
     if current is not None and current.state == "running":
-        return f"A run is running in {chosen.zone}. Stop it first."
+        return tr("A run is running in {zone}. Stop it first.", zone=chosen.zone)
     if current is not None and current.state == "connected":
-        return f"A run is connected in {chosen.zone}. Disconnect it first."
+        return tr("A run is connected in {zone}. Disconnect it first.", zone=chosen.zone)
     if chosen.current and chosen.state not in _IN_ZONE:
-        return f"{chosen.zone} is at this event already."
+        return tr("{zone} is at this event already.", zone=chosen.zone)
     return ""

@@ -7,26 +7,28 @@ are shown in the format that the caller passes (`When`): panels and terminal sho
 import re
 from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence
 
-NOT_ATTEMPTED = "not attempted"
-CORRECTED = "corrected"
-NOT_SAVED = "not saved yet"
-CORRECTION = "correction"
-OPEN = "open"
-SIGNED_OFF = "signed off"
-NOT_SIGNED_OFF = "not signed off"
+from roah_rsbb.wording.language import tr, tr_later
+
+NOT_ATTEMPTED = tr_later("not attempted")
+CORRECTED = tr_later("corrected")
+NOT_SAVED = tr_later("not saved yet")
+CORRECTION = tr_later("correction")
+OPEN = tr_later("open")
+SIGNED_OFF = tr_later("signed off")
+NOT_SIGNED_OFF = tr_later("not signed off")
 PHASES = {
-    "idle": "NOT CONNECTED",
-    "connected": "CONNECTED",
-    "running": "RUNNING",
-    "ended": "ENDED",
+    "idle": tr_later("NOT CONNECTED"),
+    "connected": tr_later("CONNECTED"),
+    "running": tr_later("RUNNING"),
+    "ended": tr_later("ENDED"),
 }
 END_REASONS = {
-    "stopped": "stopped",
-    "completed": "completed",
-    "goals_timed_out": "all goals timed out",
-    "timeout": "timeout",
-    "no_messages_saved": "no data saved",
-    "module_failed": "module failed",
+    "stopped": tr_later("stopped"),
+    "completed": tr_later("completed"),
+    "goals_timed_out": tr_later("all goals timed out"),
+    "timeout": tr_later("timeout"),
+    "no_messages_saved": tr_later("no data saved"),
+    "module_failed": tr_later("module failed"),
 }
 
 When = Callable[[float], str]
@@ -37,22 +39,22 @@ When = Callable[[float], str]
 
 def turn(round_number: int, run: int) -> str:
     """Returns which turn of a team a run is."""
-    return f"round {round_number}, run {run}"
+    return tr("round {round}, run {run}", round=round_number, run=run)
 
 
 def run_name(code: str, team: str, round_number: int, run: int) -> str:
     """Returns which run it is."""
-    return f"{code}, team {team}, {turn(round_number, run)}"
+    return tr("{benchmark}, team {team}, {turn}", benchmark=code, team=team, turn=turn(round_number, run))
 
 
 def end_reason(name: str) -> str:
     """Returns why a run ended; the name of a reason that a newer version wrote is shown unchanged."""
-    return END_REASONS.get(name, name)
+    return tr(END_REASONS.get(name, name))
 
 
 def phase(name: str, end: str = "") -> str:
     """Returns the phase of a zone; `end`: name of the reason for which the run has ended."""
-    word = PHASES.get(name, name.upper())
+    word = tr(PHASES.get(name, name.upper()))
     return f"{word}: {end_reason(end)}" if end else word
 
 
@@ -61,8 +63,8 @@ def run_state(started: object, closed: object, end: str) -> str:
     if end:
         return end_reason(end)
     if started:
-        return "running"
-    return "never started" if closed else "connected"
+        return tr("running")
+    return tr("never started") if closed else tr("connected")
 
 
 def stop_reason(reason: str, reason_by: str, stopped_by: str) -> str:
@@ -73,7 +75,7 @@ def stop_reason(reason: str, reason_by: str, stopped_by: str) -> str:
 
 # -- people -----------------------------------------------------------------------------------------
 
-NO_NAME = "no name"
+NO_NAME = tr_later("no name")
 # The core writes the name that was typed, if any, and the node that called (docs/ros_interface.md).
 _WITH_NODE = re.compile(r"(.*) \((/[^\s()]*)\)")
 
@@ -83,7 +85,7 @@ def person(who: str) -> str:
     match = _WITH_NODE.fullmatch(who)
     if match is not None:
         return match.group(1)
-    return NO_NAME if who.startswith("/") else who
+    return tr(NO_NAME) if who.startswith("/") else who
 
 
 def node_of(who: str) -> str:
@@ -100,9 +102,9 @@ def node_of(who: str) -> str:
 def item_value(is_bool: bool, value: int, not_attempted: bool = False) -> str:
     """Returns the value of a scoring item."""
     if not_attempted:
-        return NOT_ATTEMPTED
+        return tr(NOT_ATTEMPTED)
     if is_bool:
-        return "yes" if value else "no"
+        return tr("yes") if value else tr("no")
     return str(value)
 
 
@@ -120,8 +122,8 @@ def sums_text(groups: Iterable[GroupOfValues]) -> str:
 
 
 def _sum(group: GroupOfValues) -> str:
-    mark = f" ({group.not_attempted} {NOT_ATTEMPTED})" if group.not_attempted else ""
-    return f"{group.name} {sum(group.values)}{mark}"
+    mark = tr("({n} not attempted)", n=group.not_attempted) if group.not_attempted else ""
+    return f"{group.name} {sum(group.values)} {mark}".rstrip()
 
 
 # -- sign-off ---------------------------------------------------------------------------------------
@@ -130,15 +132,17 @@ def _sum(group: GroupOfValues) -> str:
 def sheet_state(closed: object, signed: object) -> str:
     """Returns how far a score sheet is: open while the run is connected, then signed off or not."""
     if signed:
-        return SIGNED_OFF
-    return NOT_SIGNED_OFF if closed else OPEN
+        return tr(SIGNED_OFF)
+    return tr(NOT_SIGNED_OFF) if closed else tr(OPEN)
 
 
 def signature(signed_utc_s: Optional[float], signed_by: str, when: When) -> str:
     """Returns who signed a score sheet off, and when."""
     if not signed_utc_s:
-        return NOT_SIGNED_OFF
-    return f"{SIGNED_OFF}{_by(signed_by)} at {when(signed_utc_s)}"
+        return tr(NOT_SIGNED_OFF)
+    if not signed_by:
+        return tr("signed off at {time}", time=when(signed_utc_s))
+    return tr("signed off by {name} at {time}", name=person(signed_by), time=when(signed_utc_s))
 
 
 # -- history ----------------------------------------------------------------------------------------
@@ -208,16 +212,25 @@ def entry_texts(entry: HistoryEntry, when: When) -> EntryTexts:
     """Puts an entry into words."""
     is_bool = entry.type == "bool"
     old = item_value(is_bool, entry.old, entry.old_not_attempted)
-    withdrawn = ""
-    if entry.withdrawn_utc_s:
-        corrects = f", a {CORRECTION}" if entry.withdrawal_corrects else ""
-        why = f": {entry.withdrawn_note}" if entry.withdrawn_note else ""
-        withdrawn = f"withdrawn{_by(entry.withdrawn_by)} at {when(entry.withdrawn_utc_s)}{corrects}{why}"
     return EntryTexts(
         str(entry.number), when(entry.utc_s), person(entry.who), f"{entry.group}: {entry.item}",
         f"{old} → {item_value(is_bool, entry.value, entry.not_attempted)}", entry.note,
-        CORRECTION if entry.correction else "", withdrawn,
+        tr(CORRECTION) if entry.correction else "", _withdrawal(entry, when),
     )
+
+
+def _withdrawal(entry: HistoryEntry, when: When) -> str:
+    """Returns who withdrew an entry, when and why; empty: it counts."""
+    if not entry.withdrawn_utc_s:
+        return ""
+    time = when(entry.withdrawn_utc_s)
+    if entry.withdrawn_by:
+        text = tr("withdrawn by {name} at {time}", name=person(entry.withdrawn_by), time=time)
+    else:
+        text = tr("withdrawn at {time}", time=time)
+    if entry.withdrawal_corrects:
+        text = tr("{withdrawn}, a correction", withdrawn=text)
+    return f"{text}: {entry.withdrawn_note}" if entry.withdrawn_note else text
 
 
 def entry_line(texts: EntryTexts, mark: Callable[[str], str] = str) -> str:
@@ -226,7 +239,3 @@ def entry_line(texts: EntryTexts, mark: Callable[[str], str] = str) -> str:
     note = f" ({texts.note})" if texts.note else ""
     marks: List[str] = [f"; {mark(text)}" for text in (texts.correction, texts.withdrawn) if text]
     return f"{texts.when}{who} {texts.item}: {texts.change}{note}{''.join(marks)}"
-
-
-def _by(who: str) -> str:
-    return f" by {person(who)}" if who else ""

@@ -11,6 +11,8 @@ import re
 import time
 from typing import NamedTuple, Optional
 
+from roah_rsbb.wording.language import tr, tr_later
+
 # Stands for a value that does not exist.
 NOTHING = "–"
 
@@ -38,12 +40,12 @@ def _minutes(minutes: int, seconds: str) -> str:
 def ago(seconds: float) -> str:
     """Returns how long ago something was: "just now", "4 s ago", "3 min ago", "2 h ago"."""
     if seconds < 1.5:
-        return "just now"
+        return tr("just now")
     if seconds < 120:
-        return f"{seconds:.0f} s ago"
+        return tr("{time:.0f} s ago", time=seconds)
     if seconds < 7200:
-        return f"{seconds / 60:.0f} min ago"
-    return f"{seconds / 3600:.0f} h ago"
+        return tr("{time:.0f} min ago", time=seconds / 60)
+    return tr("{time:.0f} h ago", time=seconds / 3600)
 
 
 def skew(seconds: float) -> str:
@@ -54,8 +56,8 @@ def skew(seconds: float) -> str:
 def silence(seconds: Optional[float]) -> str:
     """Returns what a panel says while the core is silent; None: the core has never been heard."""
     if seconds is None:
-        return "OLD: waiting for the core"
-    return f"OLD: nothing heard from the core for {max(1.0, seconds):.0f} s"
+        return tr("OLD: waiting for the core")
+    return tr("OLD: nothing heard from the core for {time:.0f} s", time=max(1.0, seconds))
 
 
 # -- moments in UTC, for the terminal and for logs --------------------------------------------------
@@ -114,7 +116,7 @@ class Moments(NamedTuple):
 
     def and_age(self, utc_s: float, now_utc_s: float) -> str:
         """Returns a time of day and how long ago it was; on the ROS interface zero means never."""
-        return f"{self.time_of_day(utc_s)} ({ago(now_utc_s - utc_s)})" if utc_s else "never"
+        return f"{self.time_of_day(utc_s)} ({ago(now_utc_s - utc_s)})" if utc_s else tr("never")
 
     def lines(self, text: str, now_utc_s: float) -> str:
         """Returns the lines of a log with the times at their beginnings in this time zone."""
@@ -146,6 +148,14 @@ def _offset_s(utc_s: float) -> int:
 # -- moments for the public and for results, local or UTC -------------------------------------------
 
 
+DAYS = (tr_later("Mon"), tr_later("Tue"), tr_later("Wed"), tr_later("Thu"), tr_later("Fri"), tr_later("Sat"),
+        tr_later("Sun"))
+MONTHS = (
+    tr_later("Jan"), tr_later("Feb"), tr_later("Mar"), tr_later("Apr"), tr_later("May"), tr_later("Jun"),
+    tr_later("Jul"), tr_later("Aug"), tr_later("Sep"), tr_later("Oct"), tr_later("Nov"), tr_later("Dec"),
+)
+
+
 def short_time(moment: str, clock: str) -> str:
     """Shortens `moment` ("2015-12-31 10:00:00"): "10:00" on the clock's day, "Thu 10:00" within six days of it.
 
@@ -159,7 +169,7 @@ def short_time(moment: str, clock: str) -> str:
     with contextlib.suppress(ValueError):  # text that is not a date is shown unchanged
         day = datetime.datetime.strptime(date, "%Y-%m-%d")
         is_near = abs((day - datetime.datetime.strptime(today, "%Y-%m-%d")).days) < 7
-        date = day.strftime("%a" if is_near else "%d %b").lstrip("0")
+        date = tr(DAYS[day.weekday()]) if is_near else tr("{day} {month}", day=day.day, month=tr(MONTHS[day.month - 1]))
     return f"{date} {shown}".strip()
 
 

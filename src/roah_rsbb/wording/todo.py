@@ -7,6 +7,8 @@ ZoneDetails; ROS is not imported.
 import enum
 from typing import NamedTuple
 
+from roah_rsbb.wording.language import tr
+
 # How the core marks a line of a zone's state that is a warning.
 WARNING = "WARNING: "
 
@@ -34,11 +36,12 @@ def todo(zone, details) -> Todo:
     if zone.manual_operation:
         return Todo(Urgency.DO, zone.manual_operation, len(found))
     if zone.omf_complete:
-        return Todo(Urgency.DO, "Enter and confirm the switches that the robot changed (OMF Switches)", len(found))
+        return Todo(
+            Urgency.DO, tr("Enter and confirm the switches that the robot changed (OMF Switches)"), len(found))
     if found:
         return Todo(Urgency.LOOK, found[0], len(found))
     if details is not None and details.held:
-        return Todo(Urgency.LOOK, "The benchmarking module is not running: the run is paused")
+        return Todo(Urgency.LOOK, tr("The benchmarking module is not running: the run is paused"))
     return _step(zone, details)
 
 
@@ -46,15 +49,17 @@ def _step(zone, details) -> Todo:
     """Returns what the run's phase requires."""
     phase = "" if details is None else details.phase
     if phase == "running":
-        return Todo(Urgency.NONE, details.module_status or "The robot is working")
+        return Todo(Urgency.NONE, details.module_status or tr("The robot is working"))
     if phase == "connected":
-        return _when(zone.start_enabled, "Start is possible", details.start_off)
+        return _when(zone.start_enabled, tr("Start is possible"), details.start_off)
     if phase == "ended":
-        return Todo(Urgency.POSSIBLE, "Score the run, then disconnect")
+        return Todo(Urgency.POSSIBLE, tr("Score the run, then disconnect"))
     if phase == "idle":
-        return _when(zone.connect_enabled, "Connect is possible", details.connect_off)
+        return _when(zone.connect_enabled, tr("Connect is possible"), details.connect_off)
     return Todo(Urgency.NONE, zone.state.partition("\n")[0])
 
 
 def _when(possible: bool, text: str, reasons) -> Todo:
-    return Todo(Urgency.POSSIBLE, text) if possible else Todo(Urgency.NONE, f"Wait: {'; '.join(reasons)}")
+    if possible:
+        return Todo(Urgency.POSSIBLE, text)
+    return Todo(Urgency.NONE, tr("Wait: {reasons}", reasons="; ".join(reasons)))

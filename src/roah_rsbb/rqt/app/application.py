@@ -10,6 +10,7 @@ import rosgraph
 import rospy
 
 from roah_rsbb.ros import connections
+from roah_rsbb.rqt import language
 from roah_rsbb.rqt.model.garbage import collect_here
 from roah_rsbb.rqt.qt import QApplication, QSettings, Qt, QTimer
 from roah_rsbb.rqt.widgets import basic
@@ -27,6 +28,7 @@ def make_application(argv: List[str]) -> QApplication:
     QApplication.setAttribute(Qt.AA_UseHighDpiPixmaps)
     app = QApplication(argv)
     collect_here()
+    language.install()
     return app
 
 

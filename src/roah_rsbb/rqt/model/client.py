@@ -5,6 +5,7 @@ from typing import Optional
 import rospy
 
 from roah_rsbb.ros.feed import Feed
+from roah_rsbb.rqt import language
 from roah_rsbb.rqt.model.calls import Calls, RefereeName
 from roah_rsbb.rqt.model.garbage import collect_here
 from roah_rsbb.rqt.model.model import TOPICS, Model
@@ -40,7 +41,9 @@ class Client:
     def acquire(cls) -> "Client":
         """Returns the client of this process; the first call creates it. Call `release` once for each call."""
         if cls._shared is None:
-            collect_here()  # in rqt, whose application is not ours
+            # In rqt, whose application is not ours.
+            collect_here()
+            language.install()
             cls._shared = Client()
             cls._shared.model.start()
         cls._users += 1

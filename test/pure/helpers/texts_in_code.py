@@ -1,0 +1,193 @@
+"""Finds the texts that windows show in the source code: those for the translators, and those that were forgotten."""
+
+import ast
+import pathlib
+import re
+from typing import Dict, Iterator, List, NamedTuple, Optional, Set
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+PACKAGE = ROOT / "src" / "roah_rsbb"
+# The folders whose texts windows show.
+FOLDERS = ("wording", "rqt")
+MARKS = ("tr", "tr_later", "tr_sent")
+
+# Calls whose texts no window shows: log lines, errors of programs, command lines, formats.
+NOT_SHOWN = {
+    "logdebug", "loginfo", "logwarn", "logerr", "logerror", "print", "_say", "exit", "add_argument", "Parser",
+    "ArgumentTypeError", "NotImplementedError", "AttributeError", "ServiceException", "signal_shutdown", "shutdown",
+    "strftime", "_format", "moment", "strptime", "compile", "sub", "findall", "set_style", "setStyleSheet",
+    "setObjectName", "QSettings", "value", "setValue", "QColor", "Tone", "QKeySequence", "get_param", "TwiceKey",
+    "service", "command", "Thread", "_key", "_changer", "TypeVar", "import_module",
+}
+# A word of two letters or more, and another word or a capital letter: what no identifier or key has.
+_SENTENCE = re.compile(r"[^\W\d_]{2,}\W* \W*[^\W\d_]|^[^\w]*[A-Z][a-z]+[^\w]*$|[^\w] ?[A-Za-z]{2,}$|^[A-Z]{2,}$")
+_WORD = re.compile(r"[^\W\d_]{2,}")
+# Names of classes, topics, files, style sheets and HTML.
+_NAME = re.compile(r"^([A-Z][a-z0-9]+){2,}$|^[\w.]*/[\w./{}]*$|^#[0-9a-f]{6}$|^~?[a-z_]+\.?$|^\W*$")
+_MARKUP = re.compile(r"<(p|br|b|table|tr|td)\b|\b(background|color|border|padding)[-a-z]*: ")
+
+
+class Text(NamedTuple):
+    """A text in the code."""
+
+    text: str
+    place: str  # file in the package
+    line: int
+
+
+class Found(NamedTuple):
+    """What a file holds."""
+
+    marked: List[Text]  # for the translators
+    forgotten: List[Text]
+    wrong: List[Text]  # calls of `tr` with a text that is composed in them
+
+
+def files() -> List[pathlib.Path]:
+    """Returns all files whose texts windows show."""
+    return [path for folder in FOLDERS for path in sorted((PACKAGE / folder).rglob("*.py"))]
+
+
+def find(source: str, place: str) -> Found:
+    """Returns the texts in a file."""
+    visitor = _Visitor(place)
+    visitor.visit(ast.parse(source))
+    return Found(visitor.marked, visitor.forgotten, visitor.wrong)
+
+
+def find_in(path: pathlib.Path) -> Found:
+    """Returns the texts in a file of the package."""
+    return find(path.read_text(encoding="utf-8"), path.relative_to(PACKAGE).as_posix())
+
+
+def marked() -> Dict[str, str]:
+    """Returns all texts for the translators, in the order of the files, with the first file of each."""
+    found: Dict[str, str] = {}
+    for path in files():
+        for text in find_in(path).marked:
+            found.setdefault(text.text, text.place)
+    return found
+
+
+def placeholders(text: str) -> List[str]:
+    """Returns the places for values in a text, such as ["{zone}"], sorted."""
+    return sorted(re.findall(r"{[^{}]*}", text))
+
+
+def _name(function: ast.expr) -> str:
+    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+
+
+def _string(node: Optional[ast.AST]) -> Optional[str]:
+    """The text of a literal; places for values are written as {}."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return node.value
+    if isinstance(node, ast.JoinedStr):
+        return "".join(part.value if isinstance(part, ast.Constant) else "{}" for part in node.values)
+    return None
+
+
+def _literals(node: ast.AST) -> Iterator[ast.AST]:
+    """All literals in an expression that become part of its text, such as both of `"yes" if on else "no"`."""
+    if isinstance(node, (ast.Constant, ast.JoinedStr)):
+        yield node
+    elif isinstance(node, ast.IfExp):
+        yield from _literals(node.body)
+        yield from _literals(node.orelse)
+    elif isinstance(node, ast.BoolOp):
+        for value in node.values:
+            yield from _literals(value)
+    elif isinstance(node, ast.BinOp):
+        yield from _literals(node.left)
+        yield from _literals(node.right)
+
+
+# Calls that show a text: even a single word in them is one.
+SHOWN = {
+    "setText", "setWindowTitle", "setToolTip", "setPlaceholderText", "setTabText", "setTitle", "setSuffix",
+    "setInformativeText", "setAccessibleName", "addAction", "addMenu", "addTab", "addItem", "addRow", "addButton",
+    "QLabel", "QPushButton", "QCheckBox", "QGroupBox", "QDockWidget", "CommandButton", "HoldButton", "show_text",
+    "say", "warn", "tip", "ask", "allow", "show_outcome", "write", "_button", "NoteDialog", "Figure",
+}
+
+
+class _Visitor(ast.NodeVisitor):
+    def __init__(self, place: str) -> None:
+        self._place = place
+        self._done: Set[int] = set()  # literals that were judged
+        self.marked: List[Text] = []
+        self.forgotten: List[Text] = []
+        self.wrong: List[Text] = []
+
+    def _add(self, texts: List[Text], text: str, node: ast.AST) -> None:
+        texts.append(Text(text, self._place, node.lineno))
+
+    def _skip(self, node: ast.AST) -> None:
+        self._done.update(id(part) for part in ast.walk(node))
+
+    def _visit_documented(self, node) -> None:
+        first = node.body[0] if node.body else None
+        if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
+            self._skip(first)
+        self.generic_visit(node)
+
+    visit_Module = visit_ClassDef = _visit_documented
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
+        for part in (node.returns, *(argument.annotation for argument in node.args.args)):
+            if part is not None:
+                self._skip(part)
+        self._visit_documented(node)
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
+        self._skip(node.annotation)
+        self.generic_visit(node)
+
+    def visit_Call(self, node: ast.Call) -> None:
+        name = _name(node.func)
+        if name in MARKS:
+            self._mark(node)
+        elif name in NOT_SHOWN:
+            self._skip(node.func)
+            for part in (*node.args, *(keyword.value for keyword in node.keywords)):
+                if _string(part) is not None:
+                    self._done.add(id(part))
+        elif name in SHOWN:
+            for part in (*node.args, *(keyword.value for keyword in node.keywords)):
+                for literal in _literals(part):
+                    self._judge(literal, is_shown=True)
+        self.generic_visit(node)
+
+    def _mark(self, node: ast.Call) -> None:
+        first = node.args[0] if node.args else None
+        text = _string(first)
+        if isinstance(first, ast.Constant) and text is not None:
+            self._add(self.marked, text, node)
+            self._done.add(id(first))
+        elif any(True for _ in _literals(first)) or (isinstance(first, ast.Call) and _name(first.func) == "format"):
+            self._add(self.wrong, ast.dump(first), node)
+            self._skip(first)
+
+    def visit_JoinedStr(self, node: ast.JoinedStr) -> None:
+        self._judge(node)
+        for part in node.values:
+            self._done.add(id(part))
+            if isinstance(part, ast.FormattedValue):
+                for literal in _literals(part.value):
+                    self._judge(literal, is_shown=True)
+                self.visit(part.value)
+
+    def visit_Constant(self, node: ast.Constant) -> None:
+        self._judge(node)
+
+    def _judge(self, node: ast.AST, is_shown: bool = False) -> None:
+        text = _string(node)
+        if text is None or id(node) in self._done:
+            return
+        self._done.add(id(node))
+        plain = text.replace("{}", "")
+        if _MARKUP.search(text) or not _WORD.search(plain):
+            return
+        has_words = isinstance(node, ast.JoinedStr) or _SENTENCE.search(text)
+        if is_shown or (has_words and not _NAME.search(plain)):
+            self._add(self.forgotten, text, node)
