@@ -66,7 +66,6 @@ def faults(result: Result, robot: Robot, reboots: int = 0) -> List[str]:
     for what, is_so, should in _logged_strings(result):
         if not (is_so == should or (reboots and is_so[-len(should):] == should and _again(is_so, should))):
             found.append(f"{result.code}, {what}: {is_so}, but it should be {should}")
-    same("scores", result.scores, result.marked)
     same("scores in the log", _logged_scores(result), result.marked)
     for name, value in _SCORES.get(result.code, {}).items():
         same(f"module's {name}", result.module_scores.get(("", name)), value)

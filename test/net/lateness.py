@@ -1,20 +1,14 @@
 """Measures how late each side learned of the other's changes of state."""
 
 import bisect
-import threading
-import time
 from typing import Iterable, List, NamedTuple, Optional, Tuple
 
 from crew import Robot
 from expected import BOX_STATES, CLIENT_STATES
 
 from referee import Result
-from roah_rsbb.protocol import PERIOD_S, BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 
-# What a machine adds that has little else to do.
-MACHINE_S = 3.0
-# A busy machine lets each program on the way wait for a processor: robot, wire, comm node, core, and back.
-STALLS = 10
 # The robot's state that shows that it has heard of the box's.
 _HEARD = {
     BoxState.PREPARE: RobotState.PREPARING.name, BoxState.GOAL_TX: RobotState.EXECUTING.name,
@@ -25,40 +19,8 @@ _HEARD = {
 class Late(NamedTuple):
     """One change that was heard."""
 
-    seconds: float  # after it, or after the end of the outage that it was in
+    seconds: float  # after the change, or after the end of the outage in which it happened
     what: str
-
-
-class Stalls(threading.Thread):
-    """Measures for how long the machine lets a thread wait that wants to run now."""
-
-    STEP_S = 0.02
-
-    def __init__(self) -> None:
-        super().__init__(daemon=True)
-        self.worst_s = 0.0
-        self._ended = threading.Event()
-
-    def run(self) -> None:
-        """Measure until the block ends."""
-        before = time.monotonic()
-        while not self._ended.wait(self.STEP_S):
-            now = time.monotonic()
-            self.worst_s = max(self.worst_s, now - before - self.STEP_S)
-            before = now
-
-    def __enter__(self) -> "Stalls":
-        self.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._ended.set()
-        self.join()
-
-
-def allowed_s(longest_delay_s: float, worst_stall_s: float, periods: int = 1) -> float:
-    """Sums the network's delay, the retransmission periods, and a margin for a busy machine."""
-    return longest_delay_s + periods * PERIOD_S + MACHINE_S + STALLS * worst_stall_s
 
 
 def of_run(result: Result, robot: Robot, outages: Iterable[Tuple[float, float]] = ()) -> List[Late]:

@@ -33,8 +33,7 @@ class Result(NamedTuple):
     code: str
     end_reason: str
     module_scores: Dict[Tuple[str, str], Any]
-    scores: Dict[Tuple[str, str], int]  # what the box showed
-    marked: Dict[Tuple[str, str], int]  # what the referee had marked
+    marked: Dict[Tuple[str, str], int]  # by the referee, and shown by the box
     logs: List[List[Entry]]  # one; of each robot, where all ran at once
 
     def values(self, topic: str, log: int = 0) -> List[Any]:
@@ -101,11 +100,15 @@ class Referee:
                 box.call("manual_operation_answer", ManualOperationAnswer, zone, done, "")
             else:
                 self._enter_switches()
-        shown = {(group, desc): value for group, desc, _, value in box.scores(zone)}
+        wait_until(
+            lambda: self._shown() == self._marked, lambda: f"{zone} shows the marks; it has {self._shown()}", LIMIT_S)
         module_scores = {(s.group, s.name): json.loads(s.value) for s in details.module_scores}
         box.command("disconnect", zone)
         box.wait_phase(zone, "idle")
-        return Result(zone, details.end_reason, module_scores, shown, self._marked, self._read_logs())
+        return Result(zone, details.end_reason, module_scores, self._marked, self._read_logs())
+
+    def _shown(self) -> Dict[Tuple[str, str], int]:
+        return {(group, desc): value for group, desc, _, value in self._box.scores(self._code)}
 
     def _something(self, details: ZoneDetails, done: int) -> bool:
         return details.phase == "ended" or details.operation > done or self._box.zone(self._code).omf_complete

@@ -22,8 +22,6 @@ FLOOD = pathlib.Path(__file__).resolve().parent / "flood.py"
 FLOOD_RATE, FLOOD_S = 10000, 8
 # Without a goal, with explicit ones of both generations.
 FLOODED = ["HWV", "HNF", "STB"]
-# After an outage a state leaves once a second, and may be lost so many times.
-PERIODS_AFTER_OUTAGE = 6
 
 
 def test_round(net: Net, plan: Plan, measured: List[str]) -> None:
@@ -31,14 +29,14 @@ def test_round(net: Net, plan: Plan, measured: List[str]) -> None:
     net.impair(wire.BAD)
     for code in plan.lossless:
         net.lan.wire(net.numbers[code]).how = wire.BAD._replace(loss=0.0)
-    with Round(net, list(TEAMS)) as played, lateness.Stalls() as stalls:
+    with Round(net, list(TEAMS)) as played:
         with contextlib.ExitStack() as around:
             if plan.strangers:
                 played.when_connected = lambda: around.enter_context(
                     troubles.strangers(net.lan.stations[STRANGER], list(TEAMS.values())))
             results = played.conduct(plan.troubles)
-        faults = _faults(played, results) + _late(played, results, plan.name, wire.BAD, stalls, measured)
-        faults += _speech_faults(played) + _tablet_faults(played)
+        faults = _faults(played, results) + _speech_faults(played) + _tablet_faults(played)
+        measured.append(f"{plan.name}: {_lateness(played, results)}")
         measured.extend(_overtaken(played))
     assert not faults, "\n".join(faults)
 
@@ -46,11 +44,12 @@ def test_round(net: Net, plan: Plan, measured: List[str]) -> None:
 def test_flood(net: Net, measured: List[str]) -> None:
     """Garbage arrives on the public port and on a private one, and the runs continue."""
     net.impair(wire.PERFECT)
-    with Round(net, FLOODED) as played, lateness.Stalls() as stalls:
+    with Round(net, FLOODED) as played:
         with contextlib.ExitStack() as around:
             played.when_connected = lambda: around.enter_context(_flood(net, measured))
             results = played.conduct({})
-        faults = _faults(played, results) + _late(played, results, "flood", wire.PERFECT, stalls, measured)
+        faults = _faults(played, results)
+        measured.append(f"flood: {_lateness(played, results)}")
     assert not faults, "\n".join(faults)
 
 
@@ -74,21 +73,10 @@ def _faults(played: Round, results: Dict[str, Result]) -> List[str]:
             for fault in expected.faults(result, played.robots[code], played.reboots[code])]
 
 
-def _late(
-    played: Round, results: Dict[str, Result], name: str, how: wire.Impairment, stalls: lateness.Stalls,
-    measured: List[str],
-) -> List[str]:
-    """Return the messages that arrived too late."""
-    faults: List[str] = []
-    everything: List[lateness.Late] = []
-    for code, result in results.items():
-        late = lateness.of_run(result, played.robots[code], played.outages[code])
-        limit_s = lateness.allowed_s(how.longest_s, stalls.worst_s, PERIODS_AFTER_OUTAGE if played.outages[code] else 1)
-        faults += [f"{each.what} after {each.seconds:.3f} s" for each in late if each.seconds > limit_s]
-        everything += late
-    stall = f"the machine stalled for up to {stalls.worst_s * 1e3:.0f} ms"
-    measured.append(f"{name}: {lateness.summary(everything)}; {stall}")
-    return faults
+def _lateness(played: Round, results: Dict[str, Result]) -> str:
+    return lateness.summary([
+        late for code, result in results.items()
+        for late in lateness.of_run(result, played.robots[code], played.outages[code])])
 
 
 def _speech_faults(played: Round) -> List[str]:
