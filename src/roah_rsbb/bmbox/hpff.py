@@ -2,7 +2,7 @@
 
 from typing import Any, Dict
 
-from roah_rsbb.bmbox.framework.ground_truth import Pose2D, distance
+from roah_rsbb.bmbox.framework.ground_truth import Pose2D, Source, distance
 from roah_rsbb.bmbox.framework.module import Module, RunEnded
 from roah_rsbb.bmbox.framework.parameters import GoalTimeout, Number
 from roah_rsbb.bmbox.framework.score import Value
@@ -24,7 +24,7 @@ class HPFF(Module):
     Measuring begins in the eighth second of execution. The path between two samples half a second apart counts as
     covered if the distance was between minimum and maximum at both. Without both poses, no path is counted. The
     length of a run is the time from the start to the end of the goal. It also decides about runs that the referee
-    stops or that time out.
+    stops or that time out. Without motion capture, only the length of the run is scored.
     """
 
     CODE = "HPFF"
@@ -52,7 +52,8 @@ class HPFF(Module):
         self.status = "The robot follows the person"
         try:
             await self.note(lambda: "start")
-            outcome = await self.goal(text="follow the person", watch=self._look, every=PERIOD_S)
+            watch = self._look if self.source is Source.MOTION_CAPTURE else None
+            outcome = await self.goal(text="follow the person", watch=watch, every=PERIOD_S)
         except RunEnded:
             self._conclude(self.run.elapsed_s)
             raise
@@ -68,7 +69,7 @@ class HPFF(Module):
     def _show(self) -> None:
         sums = self.kept
         self.score["samples"] = sums["samples"]
-        self.score["distance_covered"] = sums["covered"]
+        self.score["distance_covered"] = sums["covered"] if self.source is Source.MOTION_CAPTURE else None
         self.score["mean_deviation"] = sums["deviation"] / sums["both"] if sums["both"] else None
         self.score["reliability"] = sums["both"] / sums["samples"] if sums["samples"] else None
 
@@ -79,7 +80,9 @@ class HPFF(Module):
         if self.score["failed_run"]:
             self.warn(f"failed run: it took {length_s:.0f} s instead of {self.goal_timeout:g} s")
         reliability = self.score["reliability"]
-        if reliability is None:
+        if self.source is not Source.MOTION_CAPTURE:
+            self.warn("without motion capture, only the length of the run is scored")
+        elif reliability is None:
             self.warn("the distance could not be measured: there is no score")
         elif reliability < RELIABLE:
             self.warn(f"unreliable: only {reliability:.0%} of the samples have the poses of both robot and person")

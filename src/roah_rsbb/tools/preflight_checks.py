@@ -209,7 +209,7 @@ def _check_modules(loaded: Config, modules_dir: str) -> List[Finding]:
     codes = scheduled_modules(loaded)
     if not codes:
         return []
-    errors = module_errors(modules_dir, codes)
+    errors = module_errors(modules_dir, loaded)
     if errors:
         return [Finding(Severity.FAILED, line, "") for line in errors]
     return [Finding(Severity.OK, f"the parameters of the benchmarking modules are valid: {', '.join(codes)}")]

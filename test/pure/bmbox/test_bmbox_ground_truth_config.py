@@ -3,7 +3,7 @@
 import pytest
 
 from helpers.config_files import SHIPPED
-from roah_rsbb.bmbox.framework.ground_truth import NO_TRANSFORM, NoPose, Pose3
+from roah_rsbb.bmbox.framework.ground_truth import NO_TRANSFORM, NoPose, Pose3, Source
 from roah_rsbb.bmbox.framework.ground_truth_config import Marker, load
 from roah_rsbb.rulebook.errors import ConfigErrors
 
@@ -116,3 +116,23 @@ def test_all_errors_at_once(errors):
 def test_the_shipped_file_has_all_that_the_rules_ask_for():
     config = load(str(SHIPPED / "modules" / "ground_truth.yaml"))
     assert set(config.markers) == {"robot", "person", "positioner", "object", "table"}
+
+
+@pytest.mark.parametrize("source", [Source.REFEREE, Source.NONE])
+def test_without_motion_capture_the_source_is_enough(read, source):
+    config = read(f"source: {source.value}\n")
+    assert (config.source, config.markers) == (source, {})
+    assert read(GOOD + f"source: {source.value}\n").marker("robot").frame == "mocap_robot"  # for the day it is back
+
+
+def test_motion_capture_is_the_default(read):
+    assert read(GOOD).source is read(GOOD + "source: motion_capture\n").source is Source.MOTION_CAPTURE
+
+
+def test_errors_about_the_source(errors):
+    assert errors("maximum_age", "source: refere\nmaximum_age") == [
+        (2, "found the text 'refere' as source; expected one of motion_capture, referee, none: did you mean "
+            "'referee'?"),
+    ]
+    found = errors("reference_frame: testbed\nmaximum_age: 0.5", "source: none\nmaximum_age: old")
+    assert [line for line, _ in found] == [2]

@@ -118,23 +118,23 @@ def test_rules_and_parameters_are_read_again_when_they_change(write, tmp_path):
     path = write("import nothing_like_it\n")
     write("colour: red\n", "FetchMug.yaml")
     driven = _driven(tmp_path)
-    assert driven.problems == [f"{path}:1: found ModuleNotFoundError: No module named 'nothing_like_it'; expected "
+    assert driven.problems() == [f"{path}:1: found ModuleNotFoundError: No module named 'nothing_like_it'; expected "
                                "rules that can be loaded (docs/write_a_benchmark.md)"]
     assert driven.subjects == []
     with pytest.raises(ConfigErrors):
         driven.parameters()
     write(GOOD)
     driven.reload()
-    assert (driven.problems, driven.parameters().colour) == ([], "red")
+    assert (driven.problems(), driven.parameters().colour) == ([], "red")
     write(GOOD.replace('"colour": Text', '"color": Text').replace(".colour)", ".color)", 1))
     driven.reload()
-    assert len(driven.problems) == 1
-    assert "FetchMug.yaml:1: found the unknown key 'colour'" in driven.problems[0]
+    assert len(driven.problems()) == 1
+    assert "FetchMug.yaml:1: found the unknown key 'colour'" in driven.problems()[0]
 
 
 def test_rules_without_required_parameters_need_no_parameters_file(write, tmp_path):
     write(GOOD.replace('{"colour": Text("red")}', "{}").replace("self.parameters.colour", "'red'"))
     driven = _driven(tmp_path)
-    assert driven.problems == []
+    assert driven.problems() == []
     assert vars(driven.parameters()) == {}
     assert not os.path.exists(str(tmp_path / "FetchMug.yaml"))

@@ -16,6 +16,16 @@ class TestNavigation(FunctionalityCase):
         self.assertIn("executing pose Pose(x=0.5, y=1.0, theta=3.14)", robot.text)
         self.assertEqual(log.values("/notification"), ["on my way"] * 2)
 
+    def test_hnf_in_two_arenas_at_once(self) -> None:
+        robots = {"HNF": self.dummy_robot("Beta", execute_s=1.5), "HNF 2": self.dummy_robot("Theta", execute_s=1.5)}
+        for zone in robots:
+            self.begin(zone)
+        for zone, pose in (("HNF", "Pose(x=0.5, y=1.0, theta=3.14)"), ("HNF 2", "Pose(x=1.5, y=2.0, theta=1.57)")):
+            scores, _ = self.to_the_end(zone)
+            self.assertEqual(scores["", "reached"], 2)
+            self.assertTrue(all(0.0 <= error < 0.3 for error in self.of_each(scores, "distance_error")), scores)
+            self.assertIn(f"executing pose {pose}", robots[zone].text)
+
     def test_hnf_with_a_robot_that_never_arrives(self) -> None:
         self.dummy_robot("Theta", "--never-end")
         self.begin("HNF 2")

@@ -4,8 +4,11 @@ Theory of operation. A module asks for the pose of a *subject*: "robot", "person
 The implementation (nodes/modules/ground_truth_tf.py, or a dictionary in tests) knows from its configuration which
 frame that is and how the marker is mounted, so rules contain no frame names. A pose is planar with a height: x, y, z
 in metres and theta, the yaw, in radians, in the reference frame of the test bed. A missing pose raises `NoPose`.
+
+A competition without motion capture says so in its configuration (`Source`). Then this gives no poses.
 """
 
+import enum
 import math
 from typing import NamedTuple, Optional, Sequence, Tuple
 
@@ -35,12 +38,25 @@ class Pose3(NamedTuple):
 NO_TRANSFORM = Pose3(0.0, 0.0, 0.0, 0.0)
 
 
+class Source(enum.Enum):
+    """Where poses come from (docs/organiser.md, "Without motion capture")."""
+
+    MOTION_CAPTURE = "motion_capture"
+    REFEREE = "referee"  # the referee measures and enters them
+    NONE = "none"  # poses are not scored
+
+
 class NoPose(Exception):
     """The pose is not available. The text names subject and frame, and whether it is missing or too old."""
 
 
 class GroundTruth:
     """Interface of what provides poses."""
+
+    @property
+    def source(self) -> Source:
+        """Where poses come from. Only motion capture gives them here."""
+        return Source.MOTION_CAPTURE
 
     def pose(self, frame: str, at_utc: Optional[float] = None) -> Pose3:
         """The pose of a subject ("robot", "person", …) in the reference frame of the test bed; metres and radians.

@@ -7,13 +7,18 @@ differently on each robot.
 
 from typing import Dict, NamedTuple, Optional, Tuple
 
-from roah_rsbb.bmbox.framework.ground_truth import NO_TRANSFORM, NoPose, Pose3
+from roah_rsbb.bmbox.framework.ground_truth import NO_TRANSFORM, NoPose, Pose3, Source
 from roah_rsbb.bmbox.framework.parameters import Transform
 from roah_rsbb.rulebook.errors import Report, quote
-from roah_rsbb.rulebook.yaml_fields import describe, fields, number, text
+from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, number, text
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, read_yaml
 
 FILE_NAME = "ground_truth.yaml"
+_SOURCES = tuple(source.value for source in Source)
+# Without motion capture, these may be left out.
+_OF_MOTION_CAPTURE = {
+    "reference_frame": "testbed", "maximum_age": "0.5", "markers": "{robot: {frame: mocap_robot}}",
+}
 _SHAPE = "a map with reference_frame, maximum_age and markers"
 _MARKERS_SHAPE = "a map with a line 'subject: {frame: name}' for each marker, such as 'robot: {frame: mocap_robot}'"
 _TRANSFORM = Transform()
@@ -33,6 +38,7 @@ class GroundTruthConfig(NamedTuple):
     maximum_age_s: float  # older measurements are not used
     markers: Dict[str, Marker]  # by subject
     teams: Dict[str, Dict[str, Marker]]  # by team, then by subject; default: `markers`
+    source: Source = Source.MOTION_CAPTURE
 
     def marker(self, subject: str, team: str = "") -> Marker:
         """The marker of a subject in a team's run. Raises NoPose if it has none."""
@@ -64,13 +70,15 @@ def load(path: str) -> GroundTruthConfig:
 
 
 def _config(report: Report, root: Optional[Node]) -> Optional[GroundTruthConfig]:
-    found = fields(
-        report, root, "the ground truth's configuration",
-        {"reference_frame": "testbed", "maximum_age": "0.5", "markers": "{robot: {frame: mocap_robot}}"},
-        {"teams": "{Team: {robot: {transform: [0.1, 0.0, 0.0, 0.0]}}}"},
-    )
+    optional = {"teams": "{Team: {robot: {transform: [0.1, 0.0, 0.0, 0.0]}}}", "source": Source.MOTION_CAPTURE.value}
+    is_measured = _word(root, "source") not in (Source.REFEREE.value, Source.NONE.value)
+    required, optional = (_OF_MOTION_CAPTURE, optional) if is_measured else ({}, {**_OF_MOTION_CAPTURE, **optional})
+    found = fields(report, root, "the ground truth's configuration", required, optional)
     if found is None:
         return None
+    source = Source.MOTION_CAPTURE.value
+    if "source" in found:
+        source = choice(report, found["source"], "source", _SOURCES, f"one of {', '.join(_SOURCES)}") or source
     reference_frame = _frame(report, found.get("reference_frame"), "reference_frame")
     maximum_age_s = number(report, found.get("maximum_age"), "maximum_age", "seconds", above=0.0, most=10.0)
     markers = _markers(report, found.get("markers"), "markers", {})
@@ -78,9 +86,17 @@ def _config(report: Report, root: Optional[Node]) -> Optional[GroundTruthConfig]
         key.text: _markers(report, value, f"markers of team {quote(key.text)}", markers)
         for key, value in _pairs(report, found.get("teams"), "teams", "a map with a line 'team: markers' for each")
     }
+    if not is_measured:
+        return GroundTruthConfig(reference_frame or "", maximum_age_s or 0.0, markers, teams, Source(source))
     if reference_frame is None or maximum_age_s is None:
         return None
     return GroundTruthConfig(reference_frame, maximum_age_s, markers, teams)
+
+
+def _word(node: Optional[Node], wanted: str) -> str:
+    """Return the text of a key's value; empty if it has none."""
+    pairs = node.pairs if isinstance(node, Mapping) else ()
+    return next((value.text for key, value in pairs if key.text == wanted and isinstance(value, Scalar)), "")
 
 
 def _pairs(report: Report, node: Optional[Node], what: str, shape: str) -> Tuple[Tuple[Scalar, Node], ...]:

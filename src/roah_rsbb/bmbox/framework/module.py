@@ -5,14 +5,15 @@ for whatever reason, the `await` raises `RunEnded`. Modules need not handle it: 
 kept.
 """
 
+import math
 import random
 from types import SimpleNamespace
 from typing import Any, Callable, Dict, Generator, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import yaml
 
-from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose2D, Pose3
-from roah_rsbb.bmbox.framework.parameters import Field
+from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose2D, Pose3, Source, normalised, seen_from
+from roah_rsbb.bmbox.framework.parameters import FARTHEST_M, Field
 from roah_rsbb.bmbox.framework.results import BadResult, Kind, read_record
 from roah_rsbb.bmbox.framework.score import Score, Value
 from roah_rsbb.core.modules.messages import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule
@@ -84,6 +85,7 @@ class Module:
         self.status = ""  # one line for the referee
         self.warnings: List[str] = []  # for the referee
         self._truth = truth.for_team(run.team)
+        self.source = self._truth.source  # of ground truth, during the whole attempt
 
     @property
     def goal_timeout(self) -> float:
@@ -149,26 +151,54 @@ class Module:
 
     # -- measuring ----------------------------------------------------------------------------------
 
-    async def pose(self, subject: str, may_skip: bool = False) -> Optional[Pose3]:
-        """The present pose of a subject. While it is not available, the referee is asked to solve the problem.
+    async def pose(self, subject: str, may_skip: bool = False, base: str = "") -> Optional[Pose3]:
+        """The present pose of a subject, in the frame of the subject `base`, or else in that of the test bed.
 
-        None only if `may_skip` is set and the referee skips it.
+        While motion capture does not see it, the referee is asked to solve the problem. Without motion capture, the
+        referee enters it, or it is None (`Source`). Otherwise it is None only if `may_skip` is set and the referee
+        skips it.
         """
+        if self.source is Source.NONE:
+            return None
+        if self.source is Source.REFEREE:
+            return await self._entered_pose(subject, may_skip, base)
+        origin = await self.pose(base) if base else None
         while True:
             found = await self.note(lambda: self._measure(subject, None))
             if "pose" in found:
-                return Pose3(*found["pose"])
+                pose = Pose3(*found["pose"])
+                return pose if origin is None else seen_from(origin, pose)
             choices = (TRY_AGAIN, SKIP) if may_skip else (TRY_AGAIN,)
             if await self.referee(f"{found['problem']}. Solve the problem, then try again", choices) == SKIP:
                 return None
 
     async def pose_at(self, subject: str, utc: float) -> Optional[Pose3]:
-        """The pose of a subject at a past time (UTC seconds); None, with a warning, if it is unknown."""
+        """The pose of a subject at a past time (UTC seconds); None, with a warning, if it is unknown.
+
+        Without motion capture, as `pose`. The referee may skip it.
+        """
+        if self.source is not Source.MOTION_CAPTURE:
+            return await self.pose(subject, may_skip=True)
         found = await self.note(lambda: self._measure(subject, utc))
         if "pose" in found:
             return Pose3(*found["pose"])
         self.warn(found["problem"])
         return None
+
+    async def _entered_pose(self, subject: str, may_skip: bool, base: str) -> Optional[Pose3]:
+        """The pose that the referee measures and enters; None if the referee skips it."""
+        where = f"from the {base}'s corner" if base else "in the test bed"
+        asked = (f"Measure the pose of the {subject} {where}. Enter x, y and its direction, in metres and degrees: "
+                 "1.25 0.40 90")
+        text = asked
+        while True:
+            answer = await self.referee(text, (SKIP,) if may_skip else (), asks_text=True)
+            if may_skip and answer == SKIP:
+                return None
+            pose = read_pose(answer)
+            if pose is not None:
+                return pose
+            text = f"'{answer}' is not a pose. {asked}"
 
     def peek(self, subject: str) -> Optional[Pose3]:
         """The present pose of a subject, for a watch: not recorded; None if it is not available."""
@@ -210,6 +240,22 @@ class Module:
         """Warn the referee of a problem."""
         if text not in self.warnings:
             self.warnings.append(text)
+
+
+def read_pose(text: str) -> Optional[Pose3]:
+    """Read a pose that a referee entered: x, y, perhaps z (metres), and the direction (degrees); None: not a pose."""
+    words = text.replace(",", ".").split()
+    try:
+        numbers = [float(word) for word in words]
+    except ValueError:
+        return None
+    if len(numbers) not in (3, 4) or not all(math.isfinite(number) for number in numbers):
+        return None
+    *metres, degrees = numbers
+    if max(map(abs, metres)) > FARTHEST_M or abs(degrees) > 360.0:
+        return None
+    x, y, z = (*metres, 0.0)[:3]
+    return Pose3(x, y, z, normalised(math.radians(degrees)))
 
 
 def _yaml(goal: Any) -> str:

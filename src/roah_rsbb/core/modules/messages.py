@@ -109,11 +109,15 @@ class Progress(NamedTuple):
 
 
 class ModuleInfo(NamedTuple):
-    """A benchmark that a node of modules drives."""
+    """A benchmark that a node of modules drives, in all zones or in one.
+
+    What a node reports of a zone replaces what it reports of all zones there.
+    """
 
     benchmark: str  # code
     problems: Tuple[str, ...] = ()  # why no run can be started, e.g. wrong parameters
     warnings: Tuple[str, ...] = ()
+    zone: str = ""  # empty: all zones
 
 
 class ModulesState(NamedTuple):

@@ -53,34 +53,35 @@ class Modules:
         """Monotonic time (s) at which the next node counts as missing unless a message comes first; None: no nodes."""
         return min((heard.mono + GONE_S for heard in self._heard.values()), default=None)
 
-    def driver(self, now: Now, code: str) -> Optional[Driver]:
-        """Return the driver of the benchmark `code`; None: it has no driver."""
-        return next(iter(self._drivers(now, code)), None)
+    def driver(self, now: Now, code: str, zone: str) -> Optional[Driver]:
+        """Return the driver of the benchmark `code` in a zone; None: it has no driver."""
+        return next(iter(self._drivers(now, code, zone)), None)
 
     def progress(self, node: str) -> Dict[str, Progress]:
         """Return a node's last progress in each run, by the run's identity."""
         heard = self._heard.get(node)
         return {} if heard is None else {progress.run: progress for progress in heard.state.progress}
 
-    def start_off(self, now: Now, code: str) -> List[str]:
-        """Return why no run of a functionality benchmark can be started; empty: one can."""
-        driver = self.driver(now, code)
+    def start_off(self, now: Now, code: str, zone: str) -> List[str]:
+        """Return why no run of a functionality benchmark can be started in a zone; empty: one can."""
+        driver = self.driver(now, code, zone)
         if driver is None:
             return [f"Benchmarking module not connected: no node drives {code}. Is roah_rsbb_modules running, and is "
                     f"{code} among its benchmarks?"]
         return list(driver.info.problems)
 
-    def warnings(self, now: Now, code: str) -> List[str]:
-        """Return the referee's warnings about the module of a benchmark."""
-        drivers = self._drivers(now, code)
+    def warnings(self, now: Now, code: str, zone: str) -> List[str]:
+        """Return the warnings about the module of a benchmark for the referee of a zone."""
+        drivers = self._drivers(now, code, zone)
         found = list(drivers[0].info.warnings) if drivers else []
         if len(drivers) > 1:
             found.append(f"{len(drivers)} nodes drive {code}: end all but one. The first one counts")
         return found
 
-    def _drivers(self, now: Now, code: str) -> List[Driver]:
-        return [
-            Driver(node, info)
-            for node, heard in self._heard.items() if now.mono < heard.mono + GONE_S
-            for info in heard.state.modules if info.benchmark == code
-        ]
+    def _drivers(self, now: Now, code: str, zone: str) -> List[Driver]:
+        drivers = []
+        for node, heard in self._heard.items():
+            infos = [info for info in heard.state.modules if info.benchmark == code and info.zone in ("", zone)]
+            if infos and now.mono < heard.mono + GONE_S:
+                drivers.append(Driver(node, next((info for info in infos if info.zone), infos[0])))
+        return drivers

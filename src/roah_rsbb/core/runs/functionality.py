@@ -164,7 +164,7 @@ class FunctionalityRun(Run):
 
     def on_modules(self, now: Now) -> None:
         """A node of modules was heard or is missing: update this run's driver, and take its progress."""
-        driver = self._modules.driver(now, self.event.benchmark.code)
+        driver = self._modules.driver(now, self.event.benchmark.code, self.zone)
         self._note_driver(now, driver)
         if driver is None or not self.attempt:
             return
@@ -404,14 +404,14 @@ class FunctionalityRun(Run):
 
     def start_off(self, now: Now) -> List[str]:
         """Return why the run cannot be started. Reasons of the module come first."""
-        return self._modules.start_off(now, self.event.benchmark.code) + super().start_off(now)
+        return self._modules.start_off(now, self.event.benchmark.code, self.zone) + super().start_off(now)
 
     def warnings(self, now: Now) -> List[str]:
         """Return the referee's warnings. Those of the module come first."""
         found: List[str] = []
         if self.held:
             found.append("Benchmarking module not connected: the run is paused until it is back")
-        found += self._modules.warnings(now, self.event.benchmark.code)
+        found += self._modules.warnings(now, self.event.benchmark.code, self.zone)
         if self._progress is not None:
             found += self._progress.warnings
         return found + super().warnings(now)

@@ -11,6 +11,7 @@ import rosgraph
 import rospy
 
 from roah_rsbb.arguments import Parser, number
+from roah_rsbb.bmbox.framework.ground_truth import Source
 from roah_rsbb.bmbox.framework.ground_truth_config import load
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.ground_truth_tf import FrameState, TfGroundTruth
@@ -47,6 +48,9 @@ def main(arguments: Optional[List[str]] = None) -> None:
         config = load(options.file or default_file())
     except ConfigErrors as errors:
         sys.exit(f"{PROGRAM}: the configuration is invalid\n{errors}")
+    if config.source is not Source.MOTION_CAPTURE:
+        print(f"Nothing to check: the configuration has the source '{config.source.value}', not motion capture.")
+        sys.exit(0)
     if not rosgraph.is_master_online():
         sys.exit(f"{PROGRAM}: no ROS master: start roscore or the launch file, or set ROS_MASTER_URI")
     connections.init_node(PROGRAM, anonymous=True, disable_signals=True)

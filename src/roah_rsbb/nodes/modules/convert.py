@@ -34,7 +34,7 @@ def modules_state_message(state: ModulesState) -> ModulesStateMsg:
     """Convert the state of a node with modules. The progress of each module is within the limits already."""
     return ModulesStateMsg(
         node=state.node,
-        modules=[ModuleInfoMsg(*checked_info(info)) for info in state.modules],
+        modules=[_info_message(checked_info(info)) for info in state.modules],
         progress=[_progress_message(progress) for progress in state.progress],
     )
 
@@ -43,10 +43,19 @@ def modules_state_of(message: ModulesStateMsg) -> ModulesState:
     """Convert the state of a node with modules."""
     return checked_state(ModulesState(
         message.node,
-        tuple(ModuleInfo(info.benchmark, tuple(info.problems[:MAX_LIST]), tuple(info.warnings[:MAX_LIST]))
-              for info in message.modules[:MAX_LIST]),
+        tuple(map(_info_of, message.modules[:MAX_LIST])),
         tuple(_progress_of(progress) for progress in message.progress[:MAX_LIST]),
     ))
+
+
+def _info_message(info: ModuleInfo) -> ModuleInfoMsg:
+    """Convert a benchmark. The message has no field for the zone, so the zone follows the code, after a blank."""
+    return ModuleInfoMsg(f"{info.benchmark} {info.zone}" if info.zone else info.benchmark, info.problems, info.warnings)
+
+
+def _info_of(message: ModuleInfoMsg) -> ModuleInfo:
+    code, _, zone = message.benchmark.partition(" ")
+    return ModuleInfo(code, tuple(message.problems[:MAX_LIST]), tuple(message.warnings[:MAX_LIST]), zone)
 
 
 def _progress_message(progress: Progress) -> ModuleProgress:

@@ -2,26 +2,32 @@
 
 import os
 from types import SimpleNamespace
-from typing import List, Optional, Type
+from typing import Dict, List, Optional, Type
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth
 from roah_rsbb.bmbox.framework.module import Module
 from roah_rsbb.bmbox.framework.own_rules import load_rules
 from roah_rsbb.bmbox.framework.parameters import read_parameters
+from roah_rsbb.bmbox.framework.zone_folders import file_in
 from roah_rsbb.core.modules.messages import RunForModule
 from roah_rsbb.nodes.modules.watched_file import WatchedFile
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 
 class Driven:
-    """The rules of the package, or those of the competition in `own_file`, and the file with their parameters."""
+    """The rules of the package, or those of the competition in `own_file`, and the files with their parameters.
+
+    A zone may have parameters of its own. The zone "" stands for all other zones.
+    """
 
     def __init__(self, code: str, folder: str, kind: Optional[Type[Module]], own_file: Optional[str]) -> None:
         self.code = code
+        self.own_file = own_file
+        self._folder = folder
         self._kind = kind
         self._rules = None if own_file is None else WatchedFile(own_file, lambda: load_rules(own_file))
-        path = os.path.join(folder, f"{code}.yaml")
-        self._parameters = WatchedFile(path, lambda: read_parameters(path, code, self.kind().PARAMETERS))
+        self._parameters: Dict[str, WatchedFile] = {}  # by path
+        self._in_zone("")
 
     def kind(self) -> Type[Module]:
         """Return the rules; raises ConfigErrors."""
@@ -31,22 +37,33 @@ class Driven:
         """Make the module of an attempt; raises ConfigErrors."""
         return self.kind()(run, parameters, truth)
 
-    def parameters(self) -> SimpleNamespace:
-        """Return the parameters; raises ConfigErrors."""
+    def parameters(self, zone: str = "") -> SimpleNamespace:
+        """Return the parameters in a zone; raises ConfigErrors."""
         self.reload()
-        return self._parameters.content()
+        return self._in_zone(zone).content()
 
     def reload(self) -> None:
         """Read again what has changed. Other rules may have other parameters."""
-        if self._rules is not None and self._rules.reload():
-            self._parameters.forget()
-        self._parameters.reload()
+        is_changed = self._rules is not None and self._rules.reload()
+        for path, file in list(self._parameters.items()):
+            if is_changed:
+                file.forget()
+            if not os.path.lexists(path) and len(self._parameters) > 1:
+                del self._parameters[path]  # read again when a zone asks for it
+            else:
+                file.reload()
 
-    @property
-    def problems(self) -> List[str]:
-        """All errors in the rules or, if they have none, in the parameters, one per line."""
+    def problems(self, zone: str = "") -> List[str]:
+        """Return all errors in the rules or, if they have none, in the parameters of a zone, one per line."""
         rules = [] if self._rules is None else self._rules.problems
-        return rules or self._parameters.problems
+        return rules or self._in_zone(zone).problems
+
+    def _in_zone(self, zone: str) -> WatchedFile:
+        path = file_in(self._folder, zone, f"{self.code}.yaml")
+        if path not in self._parameters:
+            self._parameters[path] = WatchedFile(
+                path, lambda: read_parameters(path, self.code, self.kind().PARAMETERS))
+        return self._parameters[path]
 
     @property
     def subjects(self) -> List[str]:

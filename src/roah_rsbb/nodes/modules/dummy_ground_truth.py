@@ -1,6 +1,7 @@
 """Node roah_rsbb_dummy_ground_truth: simulates a motion-capture system, for the dummy set-up.
 
-Publishes each marker of the ground truth's configuration to /tf, with the poses of `DummyWorld`. Parameters (private):
+Publishes each marker of the ground truth's configuration to /tf, with the poses of `DummyWorld`. A zone with its own
+ground_truth.yaml, in its folder beside the given file, is a test bed of its own. Parameters (private):
 ground_truth_file; rate (Hz); seed; to misbehave: lose (invisible subjects, such as "person robot"), lose_every and
 lose_for (seconds: they are only invisible during the first lose_for of each lose_every seconds; lose_every 0: always).
 """
@@ -17,8 +18,9 @@ import tf2_ros
 from geometry_msgs.msg import Quaternion, TransformStamped, Vector3
 
 from roah_rsbb.bmbox.framework.dummy_world import DummyWorld
-from roah_rsbb.bmbox.framework.ground_truth import Pose3, compose, inverse, rotation
+from roah_rsbb.bmbox.framework.ground_truth import Pose3, Source, compose, inverse, rotation
 from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig, Marker, load
+from roah_rsbb.bmbox.framework.zone_folders import own_file, zone_folders
 from roah_rsbb.core.modules.messages import RunForModule
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.nodes.modules.convert import runs_of
@@ -27,6 +29,8 @@ from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 NOTHING = "nothing"
+# The zones without their own file.
+ALL_OTHERS = ""
 
 
 def default_file() -> str:
@@ -58,14 +62,18 @@ class DummyGroundTruthNode:
         for_s = params.number("lose_for", 5.0)
         lost = frozenset(params.text("lose", NOTHING).split()) - {NOTHING}
         params.done()
-        self._config = load(path)
-        unknown = sorted(lost - set(self._config.markers))
+        folder, name = os.path.split(path)
+        zones = [zone for zone in zone_folders(folder) if os.path.lexists(own_file(folder, zone, name))]
+        configs = {zone: load(own_file(folder, zone, name)) for zone in zones}
+        configs[ALL_OTHERS] = load(path)
+        known = list(dict.fromkeys(subject for config in configs.values() for subject in config.markers))
+        unknown = sorted(lost - set(known))
         if unknown:
             raise BadParams(f"parameter {rospy.resolve_name('~lose')}: found {', '.join(unknown)}, expected some of "
-                            + ", ".join(self._config.markers))
+                            + ", ".join(known))
+        self._test_beds = {zone: (config, DummyWorld(seed)) for zone, config in configs.items()}
         self._losses = _Losses(lost, every_s, for_s)
         self._rate = rospy.Rate(rate)
-        self._world = DummyWorld(seed)
         self._runs: Tuple[RunForModule, ...] = ()
         self._lock = threading.Lock()
         self._broadcaster = tf2_ros.TransformBroadcaster()
@@ -88,19 +96,24 @@ class DummyGroundTruthNode:
     def _publish(self, now: rospy.Time, lost: FrozenSet[str]) -> None:
         with self._lock:
             runs = self._runs
-        self._world.step(now.to_sec(), runs)
-        poses = self._world.poses()
-        team = next((run.team for run in runs if run.running), "")
-        self._broadcaster.sendTransform([
-            self._transform(now, marker, poses[subject])
-            for subject, marker in worn_markers(self._config, team) if subject in poses and subject not in lost
-        ])
+        transforms = []
+        for zone, (config, world) in self._test_beds.items():
+            here = [run for run in runs if (run.zone if run.zone in self._test_beds else ALL_OTHERS) == zone]
+            world.step(now.to_sec(), here)
+            poses = world.poses()
+            team = next((run.team for run in here if run.running), "")
+            transforms += [
+                self._transform(now, config.reference_frame, marker, poses[subject])
+                for subject, marker in worn_markers(config, team) if subject in poses and subject not in lost
+            ]
+        self._broadcaster.sendTransform(transforms)
 
-    def _transform(self, now: rospy.Time, marker: Marker, subject: Pose3) -> TransformStamped:
+    @staticmethod
+    def _transform(now: rospy.Time, reference_frame: str, marker: Marker, subject: Pose3) -> TransformStamped:
         seen = compose(subject, inverse(marker.transform))
         message = TransformStamped()
         message.header.stamp = now
-        message.header.frame_id = self._config.reference_frame
+        message.header.frame_id = reference_frame
         message.child_frame_id = marker.frame
         message.transform.translation = Vector3(seen.x, seen.y, seen.z)
         message.transform.rotation = Quaternion(*rotation(seen.theta))
@@ -108,7 +121,12 @@ class DummyGroundTruthNode:
 
 
 def worn_markers(config: GroundTruthConfig, team: str) -> Iterator[Tuple[str, Marker]]:
-    """Return each frame once, with its subject. A frame that teams share belongs to the running team's robot."""
+    """Return each frame once, with its subject. A frame that teams share belongs to the running team's robot.
+
+    Without motion capture, nothing carries markers.
+    """
+    if config.source is not Source.MOTION_CAPTURE:
+        return iter(())
     by_frame: Dict[str, Tuple[str, Marker]] = {}
     for owner, subject, marker in config.all_markers():
         if owner == team or marker.frame not in by_frame:

@@ -1,13 +1,14 @@
 """Ground truth from tf2: frames that a motion-capture system publishes (docs/benchmarks.md, "Benchmarking modules").
 
 `TfGroundTruth` may be used from any thread and never waits for a frame. `ReloadingGroundTruth` also follows changes of
-the configuration file.
+the configuration file. `ZonesGroundTruth` has one for each zone with its own file.
 """
 
 import bisect
 import collections
 import contextlib
 import math
+import os
 import threading
 import time
 from typing import Deque, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
@@ -16,8 +17,9 @@ import rospy
 import tf2_ros
 from tf2_msgs.msg import TFMessage
 
-from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3, compose, yaw
+from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3, Source, compose, yaw
 from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME, GroundTruthConfig, load
+from roah_rsbb.bmbox.framework.zone_folders import file_in
 from roah_rsbb.nodes.modules.watched_file import WatchedFile
 from roah_rsbb.ros.times import ros_time
 
@@ -33,6 +35,7 @@ _REMEDY_REFERENCE = (
 )
 _REMEDY_NEVER = f"put the marker into the cameras' view, or check the name in {FILE_NAME} ('rosrun tf tf_monitor')"
 _REMEDY_OLD = "check that the cameras see the marker"
+_NO_SOURCE = f"ground truth is off: poses are not scored (source in {FILE_NAME})"
 _REMEDY_CLOCKS = "synchronise the motion-capture computer's clock (chrony)"
 
 
@@ -243,8 +246,8 @@ def _clock(utc: float) -> str:
 
 # -- with a configuration file that may change ------------------------------------------------------
 
-class ReloadingGroundTruth(GroundTruth):
-    """The ground truth that modules use. Create it after `rospy.init_node`."""
+class ReloadingGroundTruth:
+    """The ground truth of one file. Create it after `rospy.init_node`."""
 
     def __init__(self, path: str) -> None:
         self._file = WatchedFile(path, lambda: load(path))
@@ -256,43 +259,91 @@ class ReloadingGroundTruth(GroundTruth):
         if self._file.reload():
             self._use()
 
-    def pose(self, frame: str, at_utc: Optional[float] = None) -> Pose3:
-        """See GroundTruth.pose."""
-        return self.of_team("").pose(frame, at_utc)
-
-    def for_team(self, team: str) -> GroundTruth:
-        """See GroundTruth.for_team."""
-        return _OfTeam(self, team)
-
     def of_team(self, team: str) -> GroundTruth:
         """The ground truth with the present file; raises NoPose if the file is invalid."""
         self.reload()
-        if self._file.problems or self._tf is None:
+        if self._file.problems:
             raise NoPose("; ".join(self._file.problems))
+        if self._tf is None:
+            raise NoPose(f"{FILE_NAME} has no motion capture any more: restore it, or start the run again")
         return self._tf.for_team(team)
+
+    @property
+    def source(self) -> Source:
+        """See GroundTruth.source. An invalid file keeps *start* off."""
+        self.reload()
+        return Source.MOTION_CAPTURE if self._file.problems else self._file.content().source
+
+    def close(self) -> None:
+        """Stop listening."""
+        if self._tf is not None:
+            self._tf.close()
+            self._tf = None
 
     def check(self, subjects: Sequence[str]) -> Tuple[List[str], List[str]]:
         """See TfGroundTruth.check; also reports errors in the file."""
         if not subjects:
             return [], []
         self.reload()
-        if self._file.problems or self._tf is None:
+        if self._file.problems:
             return self._file.problems, []
+        if self._tf is None:
+            return [], [_NO_SOURCE] if self.source is Source.NONE else []
         return self._tf.check(subjects)
 
     def _use(self) -> None:
         if self._file.problems:
             return
-        if self._tf is None:
+        if self._file.content().source is not Source.MOTION_CAPTURE:
+            self.close()
+        elif self._tf is None:
             self._tf = TfGroundTruth(self._file.content())
         else:
             self._tf.use(self._file.content())
 
 
-class _OfTeam(GroundTruth):
-    def __init__(self, truth: ReloadingGroundTruth, team: str) -> None:
-        self._truth = truth
+# -- by zone ----------------------------------------------------------------------------------------
+
+class ZonesGroundTruth:
+    """The ground truth of each zone: from its own file, or else from the file of all zones (`zone_folders`)."""
+
+    def __init__(self, folder: str) -> None:
+        self._folder = folder
+        self._by_path: Dict[str, ReloadingGroundTruth] = {}
+        self.now("")
+
+    def of_zone(self, zone: str) -> GroundTruth:
+        """Return the ground truth that modules use for runs in a zone. It follows changes of the files."""
+        return _OfZone(self, zone)
+
+    def check(self, zone: str, subjects: Sequence[str]) -> Tuple[List[str], List[str]]:
+        """See ReloadingGroundTruth.check."""
+        return self.now(zone).check(subjects)
+
+    def now(self, zone: str) -> ReloadingGroundTruth:
+        """Return what applies in a zone now."""
+        for path in [path for path in self._by_path if not os.path.lexists(path)]:
+            self._by_path.pop(path).close()
+        path = file_in(self._folder, zone, FILE_NAME)
+        if path not in self._by_path:
+            self._by_path[path] = ReloadingGroundTruth(path)
+        return self._by_path[path]
+
+
+class _OfZone(GroundTruth):
+    """The ground truth in a zone, in the run of a team."""
+
+    def __init__(self, zones: ZonesGroundTruth, zone: str, team: str = "") -> None:
+        self._zones = zones
+        self._zone = zone
         self._team = team
 
+    @property
+    def source(self) -> Source:
+        return self._zones.now(self._zone).source
+
     def pose(self, frame: str, at_utc: Optional[float] = None) -> Pose3:
-        return self._truth.of_team(self._team).pose(frame, at_utc)
+        return self._zones.now(self._zone).of_team(self._team).pose(frame, at_utc)
+
+    def for_team(self, team: str) -> GroundTruth:
+        return _OfZone(self._zones, self._zone, team)

@@ -58,7 +58,8 @@ def _texts(texts: Tuple[str, ...]) -> Tuple[str, ...]:
 
 def checked_info(info: ModuleInfo) -> ModuleInfo:
     """Limit what a node reports about one of its modules."""
-    return ModuleInfo(clean(info.benchmark, MAX_NAME), _texts(info.problems), _texts(info.warnings))
+    return ModuleInfo(clean(info.benchmark, MAX_NAME), _texts(info.problems), _texts(info.warnings),
+                      clean(info.zone, MAX_NAME))
 
 
 def _checked_score(score: ScoreValue) -> ScoreValue:

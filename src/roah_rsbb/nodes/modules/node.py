@@ -2,8 +2,8 @@
 
 Parameters (private): benchmarks (codes with blanks between them, to distribute modules over processes; default: all),
 parameters_dir (for each benchmark a YAML file with parameters, and a Python file if the competition has rules of its
-own; and ground_truth.yaml). Files may be changed at any time: changes take effect at the next start of a run or the
-next request for a pose.
+own; ground_truth.yaml; and a folder for each zone with parameters or ground truth of its own). Files may be changed,
+added and removed at any time: changes take effect at the next start of a run or the next request for a pose.
 """
 
 import contextlib
@@ -15,15 +15,15 @@ from typing import Dict, List, Optional, Tuple
 import rospy
 
 from roah_rsbb.bmbox.framework import registry
-from roah_rsbb.bmbox.framework.ground_truth_config import FILE_NAME
 from roah_rsbb.bmbox.framework.own_rules import own_files
+from roah_rsbb.bmbox.framework.zone_folders import zone_folders
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, RunForModule
 from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.modules.convert import modules_state_message, runs_of
 from roah_rsbb.nodes.modules.driven import Driven
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
-from roah_rsbb.nodes.modules.ground_truth_tf import ReloadingGroundTruth
+from roah_rsbb.nodes.modules.ground_truth_tf import ZonesGroundTruth
 from roah_rsbb.nodes.modules.hosted_module import HostedModule
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.loop import RosLoop
@@ -45,9 +45,13 @@ class ModulesNode:
         params = Params()
         words = params.text("benchmarks", "all")
         folder = params.path("parameters_dir", os.path.dirname(default_file()))
-        self._driven = _chosen(words, folder)
+        self._folder = folder
+        self._shipped = registry.modules(lambda text: rospy.logerr("%s", text))
+        self._driven: Dict[str, Driven] = {}
+        self._find_rules()
+        self._chosen = _chosen(words, self._driven)
         params.done()
-        self._truth = ReloadingGroundTruth(os.path.join(folder, FILE_NAME))
+        self._truth = ZonesGroundTruth(folder)
         self._hosted: Dict[str, HostedModule] = {}  # by the run's identity
         self._node = str(uuid.uuid4())
         self._ros = RosLoop()
@@ -55,9 +59,9 @@ class ModulesNode:
         self._sent: Optional[ModulesState] = None
         self._is_ticking = False
         self._publisher = rospy.Publisher("/modules/state", ModulesStateMsg, queue_size=1, latch=True)
-        rospy.loginfo("Running modules %s with the parameters in %s", ", ".join(self._driven), folder)
-        for driven in self._driven.values():
-            for problem in driven.problems:
+        rospy.loginfo("Running modules %s with the parameters in %s", ", ".join(self._codes()), folder)
+        for code in self._codes():
+            for problem in self._driven[code].problems():
                 rospy.logerr("%s", problem)
 
     def run(self) -> None:
@@ -81,25 +85,47 @@ class ModulesNode:
         self._ros.post(lambda: self._take(runs))
 
     def _take(self, runs: Tuple[RunForModule, ...]) -> None:
-        ours = {run.run: run for run in runs if run.benchmark in self._driven}
+        codes = self._codes()
+        ours = {run.run: run for run in runs if run.benchmark in codes or run.run in self._hosted}
         for left in self._hosted.keys() - ours.keys():
             self._hosted.pop(left).close()
         for identity, run in ours.items():
             if identity not in self._hosted:
-                self._hosted[identity] = self._host(run.benchmark)
+                self._hosted[identity] = self._host(run)
             self._hosted[identity].on_run(run)
         self._send_if_changed()
         self._tick_if_needed()
 
-    def _host(self, code: str) -> HostedModule:
-        driven = self._driven[code]
-        return HostedModule(driven.make, driven.parameters, self._truth, lambda text: rospy.logerr("%s", text))
+    def _host(self, run: RunForModule) -> HostedModule:
+        driven = self._driven[run.benchmark]
+        return HostedModule(driven.make, lambda: driven.parameters(run.zone), self._truth.of_zone(run.zone),
+                            lambda text: rospy.logerr("%s", text))
+
+    # -- the rules ----------------------------------------------------------------------------------
+
+    def _find_rules(self) -> None:
+        """Find the rules of all benchmarks, also those that were added or removed just now.
+
+        Rules in the competition's folder replace those of the package.
+        """
+        own = own_files(self._folder)
+        for code in list(self._driven):
+            if self._driven[code].own_file != own.get(code):
+                del self._driven[code]
+        for code in {**self._shipped, **own}:
+            if code not in self._driven:
+                self._driven[code] = Driven(code, self._folder, self._shipped.get(code), own.get(code))
+
+    def _codes(self) -> List[str]:
+        """The codes of the benchmarks that this node drives now."""
+        return [code for code in self._driven if self._chosen is None or code in self._chosen]
 
     # -- time ---------------------------------------------------------------------------------------
 
     def _beat(self) -> None:
         self._ros.loop.call_later(BEAT_S, self._beat)
-        self._infos = tuple(self._info(driven) for driven in self._driven.values())
+        self._find_rules()
+        self._infos = tuple(info for code in self._codes() for info in self._infos_of(self._driven[code]))
         self._send(self._state())
 
     def _tick_if_needed(self) -> None:
@@ -116,10 +142,16 @@ class ModulesNode:
 
     # -- state --------------------------------------------------------------------------------------
 
-    def _info(self, driven: Driven) -> ModuleInfo:
+    def _infos_of(self, driven: Driven) -> List[ModuleInfo]:
+        """Return the state of a benchmark in all zones, and in each zone in which it differs."""
         driven.reload()
-        problems, warnings = self._truth.check(driven.subjects)
-        return ModuleInfo(driven.code, (*driven.problems, *problems), tuple(warnings))
+        common = self._info(driven, "")
+        of_zones = [self._info(driven, zone) for zone in zone_folders(self._folder)]
+        return [common, *(info for info in of_zones if info != common._replace(zone=info.zone))]
+
+    def _info(self, driven: Driven, zone: str) -> ModuleInfo:
+        problems, warnings = self._truth.check(zone, driven.subjects)
+        return ModuleInfo(driven.code, (*driven.problems(zone), *problems), tuple(warnings), zone)
 
     def _state(self) -> ModulesState:
         said = (hosted.progress() for hosted in self._hosted.values())
@@ -152,21 +184,16 @@ def _publish_and_wait(publisher: rospy.Publisher, message: ModulesStateMsg) -> N
         time.sleep(TICK_S)
 
 
-def _chosen(words: str, folder: str) -> Dict[str, Driven]:
-    """Return the benchmarks that the parameter selects, by code. Raises BadParams.
-
-    Rules in the competition's folder replace those of the package.
-    """
-    shipped, own = registry.modules(lambda text: rospy.logerr("%s", text)), own_files(folder)
-    known = {code: Driven(code, folder, shipped.get(code), own.get(code)) for code in {**shipped, **own}}
+def _chosen(words: str, known: Dict[str, Driven]) -> Optional[List[str]]:
+    """Return the codes of the benchmarks that the parameter selects; None: all. Raises BadParams."""
     if words == "all":
-        return known
+        return None
     codes = words.replace(",", " ").split()
     unknown: List[str] = [f"no module for {code}{did_you_mean(code, known)}" for code in codes
                           if code not in known]
     if unknown or not codes:
         raise BadParams(f"parameter {rospy.resolve_name('~benchmarks')}: " + ("; ".join(unknown) or "it is empty"))
-    return {code: known[code] for code in codes}
+    return codes
 
 
 def main() -> None:

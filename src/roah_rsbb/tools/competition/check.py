@@ -1,19 +1,22 @@
 """Checks a competition's folder: errors that the box would reject, and probable mistakes."""
 
+import functools
 import os
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
 from xml.parsers import expat
 
 from roah_rsbb.bmbox.framework import ground_truth_config
 from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
+from roah_rsbb.bmbox.framework.zone_folders import file_in, zone_folders
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, ScheduledEvent
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.rulebook.yaml_lines import read_text
 from roah_rsbb.tools.competition import files
+from roah_rsbb.wording.suggestions import did_you_mean
 
 # Arguments of the launch file that name files of the folder.
 _NAMED_FILES = {
@@ -127,7 +130,20 @@ def _check_modules(report: Report, directory: str, loaded: Config) -> List[str]:
         report.warn(Place(folder, 0, 0), f"not found, so the default parameters of {listing(needed)} apply, which fit "
                     "no real venue. Copy config/modules of roah_rsbb to this place")
         return []
-    return module_errors(folder, needed)
+    _check_zone_folders(report, folder, loaded)
+    return module_errors(folder, loaded)
+
+
+def _check_zone_folders(report: Report, folder: str, loaded: Config) -> None:
+    """Warn of files that no zone reads."""
+    zones = [zone.name for zone in loaded.zones]
+    for name in zone_folders(folder):
+        path = os.path.join(folder, name)
+        if name not in zones:
+            guess = did_you_mean(name, zones)
+            report.warn(Place(path, 0, 0), f"not used: no zone of the schedule has this name{guess}")
+        for own in own_files(path).values():
+            report.warn(Place(own, 0, 0), f"not used: rules are the same in all zones, so put them into {folder}")
 
 
 def scheduled_modules(loaded: Config) -> List[str]:
@@ -136,25 +152,40 @@ def scheduled_modules(loaded: Config) -> List[str]:
     return sorted(b.code for b in benchmarks if b.kind is BenchmarkKind.FUNCTIONALITY)
 
 
-def module_errors(folder: str, codes: Sequence[str]) -> List[str]:
-    """Return all errors in the files that these benchmarking modules read in `folder`."""
+def module_errors(folder: str, loaded: Config) -> List[str]:
+    """Return all errors in the files that the scheduled benchmarking modules read in `folder`."""
     known, own = modules(), own_files(folder)
     errors: List[str] = []
-    for code in codes:
+    read: Set[str] = set()  # paths
+    for code in scheduled_modules(loaded):
+        zones = [zone.name for zone in loaded.zones if any(event.benchmark.code == code for event in zone.events)]
         if code not in own and code not in known:
             errors.append(f"{os.path.join(folder, code)}.py: found no rules for the functionality benchmark {code}; "
                           "expected a file as in docs/write_a_benchmark.md")
             continue
         try:
             kind = load_rules(own[code]) if code in own else known[code]
-            read_parameters(os.path.join(folder, f"{code}.yaml"), code, kind.PARAMETERS)
         except ConfigErrors as found:
             errors += str(found).splitlines()
-    try:
-        ground_truth_config.load(os.path.join(folder, files.GROUND_TRUTH))
-    except ConfigErrors as found:
-        errors += str(found).splitlines()
+            continue
+        for zone in zones:
+            parameters, truth = file_in(folder, zone, f"{code}.yaml"), file_in(folder, zone, files.GROUND_TRUTH)
+            checks = {
+                parameters: functools.partial(read_parameters, parameters, code, kind.PARAMETERS),
+                truth: functools.partial(ground_truth_config.load, truth),
+            }
+            for path in (path for path in checks if path not in read):
+                errors += _errors_in(checks[path])
+            read |= checks.keys()
     return errors
+
+
+def _errors_in(read: Callable[[], object]) -> List[str]:
+    try:
+        read()
+    except ConfigErrors as found:
+        return str(found).splitlines()
+    return []
 
 
 def _check_launch(report: Report, path: str) -> None:

@@ -170,9 +170,9 @@ def test_a_node_is_gone_when_it_was_not_heard_for_two_seconds():
     assert modules.deadline() is None
     modules.hear(at(10.0), ModulesState("n", (ModuleInfo("STB"), ModuleInfo("HNF"))))
     assert modules.deadline() == 10.0 + GONE_S
-    assert modules.driver(at(11.9), "HNF").node == "n"
-    assert modules.driver(at(12.0), "HNF") is None
-    assert modules.driver(at(11.0), "HOPF") is None
+    assert modules.driver(at(11.9), "HNF", "zone").node == "n"
+    assert modules.driver(at(12.0), "HNF", "zone") is None
+    assert modules.driver(at(11.0), "HOPF", "zone") is None
 
 
 def test_a_node_that_drives_nothing_more_has_left():
@@ -180,9 +180,9 @@ def test_a_node_that_drives_nothing_more_has_left():
     for node in ("first", "second"):
         modules.hear(at(0.0), ModulesState(node, (ModuleInfo("STB"),)))
     modules.hear(at(0.1), ModulesState("first", ()))
-    assert modules.driver(at(0.1), "STB").node == "second"
+    assert modules.driver(at(0.1), "STB", "zone").node == "second"
     modules.hear(at(0.1), ModulesState("second", ()))
-    assert modules.driver(at(0.1), "STB") is None
+    assert modules.driver(at(0.1), "STB", "zone") is None
     assert modules.deadline() is None
 
 
@@ -190,16 +190,41 @@ def test_a_node_that_comes_back_comes_after_the_one_that_took_over():
     modules = Modules()
     for mono, node in ((0.0, "first"), (1.0, "second")):
         modules.hear(at(mono), ModulesState(node, (ModuleInfo("STB"),)))
-    assert modules.driver(at(1.0), "STB").node == "first"
+    assert modules.driver(at(1.0), "STB", "zone").node == "first"
     modules.forget_gone(at(2.5))
     modules.hear(at(2.6), ModulesState("first", (ModuleInfo("STB"),)))
-    assert modules.driver(at(2.7), "STB").node == "second"
+    assert modules.driver(at(2.7), "STB", "zone").node == "second"
 
 
 def test_a_flood_of_nodes_does_not_grow():
     modules = Modules()
     for i in range(1000):
         modules.hear(at(0.0), ModulesState(str(i), (ModuleInfo("STB"),)))
-    assert f"{MAX_NODES} nodes drive STB" in modules.warnings(at(0.0), "STB")[0]
+    assert f"{MAX_NODES} nodes drive STB" in modules.warnings(at(0.0), "STB", "zone")[0]
     modules.hear(at(5.0), ModulesState("later", (ModuleInfo("STB"),)))
-    assert modules.driver(at(5.0), "STB").node == "later"
+    assert modules.driver(at(5.0), "STB", "zone").node == "later"
+
+
+def test_problems_and_warnings_of_a_zone_replace_those_of_all_zones():
+    modules = Modules()
+    modules.hear(at(0.0), ModulesState("n", (
+        ModuleInfo("HNF", ("HNF.yaml:1: wrong",)), ModuleInfo("HNF", (), ("marker lost",), zone="North"),
+        ModuleInfo("STB"), ModuleInfo("STB", ("North/STB.yaml:2: wrong",), zone="North"),
+    )))
+    assert modules.start_off(at(0.5), "HNF", "South") == ["HNF.yaml:1: wrong"]
+    assert modules.start_off(at(0.5), "HNF", "North") == []
+    assert modules.warnings(at(0.5), "HNF", "North") == ["marker lost"]
+    assert modules.start_off(at(0.5), "STB", "South") == []
+    assert modules.start_off(at(0.5), "STB", "North") == ["North/STB.yaml:2: wrong"]
+
+
+def test_a_run_is_off_by_the_problems_of_its_own_zone_only():
+    driver = BoxDriver(competition(north=[event("HNF")], south=[event("HNF", team="Beta")]))
+    modules = FakeModules(driver, "HNF")
+    modules.infos += (ModuleInfo("HNF", ("north/HNF.yaml:1: wrong",), zone="north"),)
+    modules.beat()
+    driver.connected("north")
+    driver.connected("south", team="Beta", name="r2", host="10.0.0.3")
+    modules.beat()
+    assert "north/HNF.yaml:1: wrong" in driver.off("start", "north")
+    assert driver.off("start", "south") == []

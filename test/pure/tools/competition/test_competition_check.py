@@ -189,3 +189,24 @@ def test_benchmarks_of_its_own(competition):
     assert reported.startswith(f"{rules}:7: found invalid Python (")
     rules.write_text(RULES, encoding="utf-8")
     assert check(str(directory)).errors == []
+
+
+def test_files_of_a_zone(competition):
+    directory = competition(North=[run("HNF", "A")], South=[run("HNF", "B")])
+    own = directory / "modules" / "North"
+    own.mkdir()
+    (own / "HNF.yaml").write_text("starting_pose: [0, 0]\n", "utf-8")
+    (own / "ground_truth.yaml").write_text("source: nothing\n", "utf-8")
+    reported = {error.replace(str(directory) + "/", "").partition(": ")[0] for error in check(str(directory)).errors}
+    assert reported == {"modules/North/HNF.yaml:1", "modules/North/ground_truth.yaml:1"}
+
+
+def test_files_that_no_zone_reads(competition):
+    directory = competition(North=[run("HNF", "A")], South=[run("HNF", "B")])
+    for zone in ("Nort", "South"):
+        (directory / "modules" / zone).mkdir()
+    (directory / "modules" / "South" / "HNF.py").write_text("", "utf-8")
+    assert warnings(directory) == [
+        "modules/Nort: not used: no zone of the schedule has this name: did you mean 'North'?",
+        "modules/South/HNF.py: not used: rules are the same in all zones, so put them into modules",
+    ]
