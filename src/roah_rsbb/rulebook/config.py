@@ -375,7 +375,7 @@ _EVENT = {
     "scheduled_time": "2015-12-31 14:30:00",
 }
 # `uint8` on the ROS interface; counted from 1.
-_MAX_ROUND = 255
+MAX_ROUND = 255
 
 _Run = Tuple[str, str, int, int]
 
@@ -423,8 +423,8 @@ class ScheduleFile:
             return None
         code = self._code(got.get("benchmark"))
         team = text(report, got.get("team"), "team")
-        number = integer(report, got.get("round"), "round", 1, _MAX_ROUND)
-        run = integer(report, got.get("run"), "run", 1, _MAX_ROUND)
+        number = integer(report, got.get("round"), "round", 1, MAX_ROUND)
+        run = integer(report, got.get("run"), "run", 1, MAX_ROUND)
         scheduled = utc_time(report, got.get("scheduled_time"), "scheduled_time")
         if code is not None and self._benchmarks.codes is not None and code not in self._benchmarks.codes:
             self._codes_not_described.setdefault(code, []).append(got["benchmark"].place)

@@ -194,7 +194,8 @@ def _add_files(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_choice(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--rules", metavar="YAML", help=f"rules of the ranking; default: the included {RULES_FILE}")
+    parser.add_argument("--rules", metavar="YAML",
+                        help=f"rules of the ranking; default: {RULES_FILE} beside the log_dir, or the included one")
     parser.add_argument("--benchmarks-file", metavar="YAML",
                         help=f"titles of the benchmarks; default: {BENCHMARKS_FILE} beside the log_dir")
     parser.add_argument("--runs", choices=[of.value for of in OfRuns], dest="of_runs", default=None,
@@ -422,17 +423,20 @@ def _open(options: argparse.Namespace) -> JournalReader:
 
 
 def _rules(options: argparse.Namespace) -> Dict[str, Rules]:
-    return read_rules(options.rules or os.path.join(options.config_dir, RULES_FILE))
+    return read_rules(options.rules or _beside(options, RULES_FILE) or os.path.join(options.config_dir, RULES_FILE))
 
 
 def _file(options: argparse.Namespace, name: str) -> str:
     """The path of a file of the competition: the option's, or the one beside the log_dir, else the included one."""
     given = getattr(options, name.replace(".yaml", "_file"))
+    return given or _beside(options, name) or os.path.join(options.config_dir, name)
+
+
+def _beside(options: argparse.Namespace, name: str) -> Optional[str]:
+    """The path of a file of the competition beside the log_dir; None if it does not exist."""
     log_dir = os.path.dirname(options.journal) if options.journal else os.path.expanduser(options.log_dir)
     beside = os.path.join(os.path.dirname(os.path.abspath(log_dir)), name)
-    if given or os.path.exists(beside):
-        return given or beside
-    return os.path.join(options.config_dir, name)
+    return beside if os.path.exists(beside) else None
 
 
 def _titles(options: argparse.Namespace) -> Dict[str, str]:

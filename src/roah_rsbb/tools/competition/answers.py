@@ -1,17 +1,20 @@
 """The organiser's decisions: options, questions at a terminal, and reading the answers."""
 
 import argparse
+import collections
 import datetime
+import functools
 import ipaddress
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
-from roah_rsbb.rulebook.config import MAX_TEAM_BYTES
+from roah_rsbb.rulebook.config import MAX_ROUND, MAX_TEAM_BYTES
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
-from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
-from roah_rsbb.rulebook.yaml_fields import choice, text
+from roah_rsbb.rulebook.registry import BenchmarkKind
+from roah_rsbb.rulebook.yaml_fields import choice, integer, text
 from roah_rsbb.rulebook.yaml_lines import Scalar
-from roah_rsbb.tools.competition.plan import read_clock, read_day, read_time
+from roah_rsbb.tools.competition.plan import Break, read_clock, read_day, read_time
+from roah_rsbb.tools.competition.rulebooks import Answer, Benchmarks
 
 # Two zones are what a competition usually has (docs/organiser.md, "A first competition").
 _TASKS, _OTHERS = "Task Benchmarks", "Functionality Benchmarks"
@@ -36,17 +39,18 @@ def team_name(report: Report, place: Place, name: str, what: str = "a team's nam
 
 
 def benchmark_code(
-    report: Report, place: Place, code: str, what: str = "benchmark", codes: Sequence[str] = tuple(PROFILES)
+    report: Report, place: Place, code: str, codes: Sequence[str], what: str = "benchmark"
 ) -> Optional[str]:
     """Check a benchmark's code in upper or lower case; None after an error."""
-    same = next((known for known in codes if known.upper() == code.upper()), code.upper())
+    same = next((known for known in codes if known.upper() == code.upper()), code)
     return choice(report, Scalar(place, same, False, False), what, tuple(codes), "a benchmark code")
 
 
 def each_once(report: Report, place: Place, names: Sequence[str], what: str) -> Tuple[str, ...]:
     """Return the names; duplicates are errors."""
-    for name in dict.fromkeys(name for name in names if names.count(name) > 1):
-        report.error(place, f"{what} {quote(name)} twice", "each once")
+    for name, count in collections.Counter(names).items():
+        if count > 1:
+            report.error(place, f"{what} {quote(name)} twice", "each once")
     return tuple(dict.fromkeys(names))
 
 
@@ -56,36 +60,75 @@ def read_teams(report: Report, place: Place, given: str) -> Tuple[str, ...]:
     return each_once(report, place, [name for name in names if name is not None], "team")
 
 
-def read_benchmarks(report: Report, place: Place, given: str) -> Tuple[str, ...]:
+def read_benchmarks(benchmarks: Benchmarks, report: Report, place: Place, given: str) -> Tuple[str, ...]:
     """Read codes, separated by commas; or ``tasks``, ``all``."""
-    words = {"tasks": tuple(filter(_is_task, PROFILES)), "all": tuple(PROFILES)}
-    if given.strip().casefold() in words:
-        return words[given.strip().casefold()]
-    codes = [benchmark_code(report, place, part) for part in split(given)]
+    return _codes(benchmarks, report, place, split(given))
+
+
+def words_for_several(benchmarks: Benchmarks) -> Dict[str, Tuple[str, ...]]:
+    """The words that stand for several benchmarks, with their codes."""
+    return {"tasks": tuple(filter(are_of(BenchmarkKind.TASK, benchmarks), benchmarks)),
+            "all": tuple(benchmarks)}
+
+
+def _codes(benchmarks: Benchmarks, report: Report, place: Place, words: Sequence[str]) -> Tuple[str, ...]:
+    """Read codes, each once; or only ``tasks`` or ``all``."""
+    several = words_for_several(benchmarks)
+    word = words[0].casefold() if len(words) == 1 else ""
+    if several.get(word):
+        return several[word]
+    codes = [benchmark_code(report, place, part, tuple(benchmarks)) for part in words]
     return each_once(report, place, [code for code in codes if code is not None], "benchmark")
 
 
-def read_zones(report: Report, place: Place, given: str) -> Tuple[ZoneWish, ...]:
+def read_zones(benchmarks: Benchmarks, report: Report, place: Place, given: str) -> Tuple[ZoneWish, ...]:
     """Read zones, separated by commas, each a name or ``name: CODE CODE`` with its benchmarks."""
     zones: List[ZoneWish] = []
     for part in split(given):
         name, _, codes = part.partition(":")
         name = text(report, Scalar(place, name.strip(), True, False), "a zone's name")
-        found = tuple(benchmark_code(report, place, code) for code in codes.split())
+        found = _codes(benchmarks, report, place, codes.split())
         if name is not None:
-            zones.append((name, tuple(code for code in found if code is not None)))
+            zones.append((name, found))
     each_once(report, place, [name for name, _ in zones], "zone")
     return tuple(zones)
 
 
-def _is_task(code: str) -> bool:
-    return PROFILES[code].kind is BenchmarkKind.TASK
+def read_daily(benchmarks: Benchmarks, report: Report, place: Place, given: str) -> Tuple[Tuple[str, ...], ...]:
+    """Read the benchmarks of each day: days separated by commas, codes by spaces."""
+    return tuple(_codes(benchmarks, report, place, part.split() or [part]) for part in split(given))
 
 
-def usual_zones(codes: Sequence[str]) -> Dict[str, Sequence[str]]:
+def read_breaks(report: Report, place: Place, given: str) -> Tuple[Break, ...]:
+    """Read breaks of each day, separated by commas, such as 12:30-13:30."""
+    found: List[Break] = []
+    for part in split(given):
+        begin, _, end = part.partition("-")
+        times = [read_time(report, place, time.strip(), "time of a break") for time in (begin, end)]
+        if None in times:
+            continue
+        if times[0] < times[1]:
+            found.append(Break(*times))
+        else:
+            report.error(place, f"{quote(part)} as break", "a break that ends after its begin, such as 12:30-13:30")
+    return tuple(sorted(found))
+
+
+def read_rounds(report: Report, place: Place, given: str) -> Optional[int]:
+    """Read how often each team does each benchmark."""
+    return integer(report, Scalar(place, given, False, False), "rounds", 1, MAX_ROUND)
+
+
+def are_of(kind: BenchmarkKind, benchmarks: Benchmarks) -> Callable[[str], bool]:
+    """Return a function that says whether a code is of this kind."""
+    return lambda code: benchmarks[code].kind is kind
+
+
+def usual_zones(benchmarks: Benchmarks, codes: Sequence[str]) -> Dict[str, Sequence[str]]:
     """Return one zone for task benchmarks and one for the others, omitting empty zones."""
-    tasks = [code for code in codes if _is_task(code)]
-    others = [code for code in codes if not _is_task(code)]
+    is_task = are_of(BenchmarkKind.TASK, benchmarks)
+    tasks = [code for code in codes if is_task(code)]
+    others = [code for code in codes if not is_task(code)]
     return {name: found for name, found in ((_TASKS, tasks), (_OTHERS, others)) if found}
 
 
@@ -94,9 +137,6 @@ def share(
 ) -> Dict[str, Sequence[str]]:
     """Return the benchmarks of each zone. Zones without benchmarks share the remaining ones."""
     named = [code for _, own in zones for code in own]
-    for code in dict.fromkeys(code for code in named if named.count(code) > 1):
-        report.error(place, f"benchmark {code} in two zones",
-                     "each benchmark in one zone; use a sheet (--sheet) for other plans")
     for code in dict.fromkeys(code for code in named if code not in codes):
         report.error(place, f"benchmark {code} in a zone", f"one of the competition's benchmarks: {listing(codes)}")
     left = [code for code in codes if code not in named]
@@ -153,36 +193,53 @@ def _time(report: Report, place: Place, given: str) -> Optional[datetime.time]:
     return read_time(report, place, given, "time")
 
 
-QUESTIONS = (
-    Question("teams", read_teams, "'BrassButlers, CopperKettle'",
-             "names of the teams, exactly as their robots send them",
-             "Teams, separated by commas, exactly as their robots send them"),
-    Question("benchmarks", read_benchmarks, "HGTKMH,HWV,HNF",
-             f"codes of the benchmarks ({' '.join(PROFILES)}), or 'tasks', or 'all'",
-             "Benchmarks: codes separated by commas, or 'tasks' (the first three), or 'all'", of_sheet=True),
-    Question("zones", read_zones, "'Home: HGTKMH HWV, Arena: HNF'",
-             "zones, which run in parallel, each with its own referee; with the benchmarks of each, or without, then "
-             "the "
-             "benchmarks are distributed (default: a zone for task benchmarks, one for the others)",
-             "Zones, such as 'Home, Arena' or 'Home: HGTKMH HWV, Arena: HNF' (press Enter for one with task benchmarks "
-             "and one with the others)", "", True),
-    Question("days", read_days, "2026-11-28,2026-11-29", "days of the competition",
-             "Days, such as 2026-11-28, 2026-11-29", of_sheet=True),
-    Question("begin", _time, "09:00", "start of the first run of a day (default: 09:00)",
-             "Start of the first run of a day (press Enter for 09:00)", "09:00", True),
-    Question("end", _time, "18:00", "latest end of the last run of a day (default: 18:00)", "", "18:00", True),
-    Question("every", read_minutes, "15", "minutes from the start of one run to the next (default: 15)", "",
-             "15", True),
-    Question("time-zone", read_clock, "+01:00",
-             "time zone of the venue: local (this computer's, the default), UTC, or its offset, such as +01:00", "",
-             "local"),
-    Question("rsbb-host", read_address, "192.168.1.255",
-             "broadcast address of the network with the robots, for the launch file",
-             "Broadcast address of the network with the robots ('ip address' shows it as brd; press Enter to give "
-             "it later)", ""),
-    Question("smartif-host", read_address, "192.168.1.56",
-             "address of the home devices' controller, for the launch file", "", ""),
-)
+def questions(benchmarks: Benchmarks) -> Tuple[Question, ...]:
+    """All questions; codes in the answers are those of `benchmarks`."""
+    of_codes = functools.partial
+    return (
+        Question("teams", read_teams, "'BrassButlers, CopperKettle'",
+                 "names of the teams, exactly as their robots send them",
+                 "Teams, separated by commas, exactly as their robots send them"),
+        Question("benchmarks", of_codes(read_benchmarks, benchmarks), _codes_example(benchmarks),
+                 "codes of the benchmarks, or 'tasks', or 'all'",
+                 "Benchmarks: codes separated by commas, or 'tasks', or 'all'", of_sheet=True),
+        Question("zones", of_codes(read_zones, benchmarks), "'Home: HGTKMH HWV, Arena: HNF'",
+                 "zones, which run in parallel, each with its own referee; with the benchmarks of each, or 'all', or "
+                 "without, then the benchmarks are distributed. Zones with the same benchmark share its teams "
+                 "(default: a zone for task benchmarks, one for the others)",
+                 "Zones, such as 'Home, Arena' or 'Home: HGTKMH HWV, Arena: HNF' (press Enter for one with task "
+                 "benchmarks and one with the others)", "", True),
+        Question("days", read_days, "2026-11-28,2026-11-29", "days of the competition",
+                 "Days, such as 2026-11-28, 2026-11-29", of_sheet=True),
+        Question("daily", of_codes(read_daily, benchmarks), "'HGTKMH HWV, HWV HNF'",
+                 "benchmarks of each day: days separated by commas, codes by spaces (default: all of them every day)",
+                 "", "", True),
+        Question("rounds", read_rounds, "1",
+                 "how often each team does each benchmark, spread over the benchmark's days (default: once a day)",
+                 "", "", True),
+        Question("begin", _time, "09:00", "start of the first run of a day (default: 09:00)",
+                 "Start of the first run of a day (press Enter for 09:00)", "09:00", True),
+        Question("end", _time, "18:00", "latest end of the last run of a day (default: 18:00)", "", "18:00", True),
+        Question("every", read_minutes, "15",
+                 "minutes from the start of one run to the next (default: 15, or more if the longest benchmark needs "
+                 "more)", "", "", True),
+        Question("breaks", read_breaks, "12:30-13:30", "breaks of each day, separated by commas: no run begins or "
+                 "continues in them", "", "", True),
+        Question("time-zone", read_clock, "+01:00",
+                 "time zone of the venue: local (this computer's, the default), UTC, or its offset, such as +01:00",
+                 "", "local"),
+        Question("rsbb-host", read_address, "192.168.1.255",
+                 "broadcast address of the network with the robots, for the launch file",
+                 "Broadcast address of the network with the robots ('ip address' shows it as brd; press Enter to give "
+                 "it later)", ""),
+        Question("smartif-host", read_address, "192.168.1.56",
+                 "address of the home devices' controller, for the launch file", "", ""),
+    )
+
+
+def _codes_example(benchmarks: Benchmarks) -> str:
+    usual = ("HGTKMH", "HWV", "HNF")
+    return ",".join(usual if not benchmarks or all(code in benchmarks for code in usual) else list(benchmarks)[:3])
 
 
 class Missing(Exception):
@@ -191,33 +248,37 @@ class Missing(Exception):
 
 def known_answers(
     given: argparse.Namespace, report: Report, ask: Optional[Callable[[str], str]], say: Callable[[str], None],
-    hints: Dict[str, str],
+    hints: Dict[str, str], benchmarks: Benchmarks, usual: Dict[str, Answer],
 ) -> Dict[str, object]:
     """Return the answer to each question by option (None: open), from options, the terminal (`ask`), or defaults.
 
     Errors in options are added to the report. At the terminal, a question is repeated after an error; `hints` by option
-    are printed first. `ask` is None without a terminal. With a sheet, the questions that it answers are skipped.
+    are printed first. `ask` is None without a terminal. `usual`: the answers of the rulebook. With a sheet, the
+    questions that it answers are skipped.
     """
     found: Dict[str, object] = {}
     missing: List[Question] = []
-    for question in QUESTIONS:
-        text = getattr(given, question.option.replace("-", "_"))
-        place = Place("--" + question.option, 0, 0)
+    for question in questions(benchmarks):
+        option = question.option
+        text = getattr(given, option.replace("-", "_"))
+        place = Place("--" + option, 0, 0)
         if given.sheet and question.of_sheet:
             if text is not None:
                 report.error(place, "this option together with --sheet", "only one of them: the sheet contains it")
             continue
-        optional = question.default is not None or (given.sheet and question.option == "teams")
+        if text is None and option in usual:
+            place, text = usual[option]
+        optional = question.default is not None or (given.sheet and option == "teams")
         if text is None and ask is not None and question.asks and not given.sheet:
-            if question.option in hints:
-                say(hints[question.option])
-            found[question.option] = _asked(question, place, ask, say)
-            continue
-        if text is None and not optional:
+            if option in hints:
+                say(hints[option])
+            found[option] = _asked(question, place, ask, say)
+        elif text is None and not optional:
             missing.append(question)
-            continue
-        text = text if text is not None else question.default
-        found[question.option] = question.reader(report, place, text.strip()) if text else None
+        elif text is None and question.default is None:
+            found[option] = None  # the sheet has the teams
+        else:
+            found[option] = _read(question, report, place, (text or "").strip())
     if missing:
         wanted = " ".join(f"--{question.option} {question.example}" for question in missing)
         raise Missing(f"not given: {', '.join('--' + q.option for q in missing)}; for example: {wanted}\n"
@@ -225,16 +286,23 @@ def known_answers(
     return found
 
 
+def _read(question: Question, report: Report, place: Place, given: str) -> object:
+    """Read an answer; None after an error, or if it is optional and empty."""
+    text = given or question.default
+    if not text:
+        return report.error(place, "nothing", question.example) if text is None else None
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:
+        return report.error(place, "a character that is not UTF-8", "text in UTF-8")
+    return question.reader(report, place, text)
+
+
 def _asked(question: Question, place: Place, ask: Callable[[str], str], say: Callable[[str], None]) -> object:
     """Ask until the answer is valid."""
     while True:
-        text = ask(f"{question.asks}: ").strip() or question.default
-        if text == "":
-            return None
         report = Report()
-        if text is None:
-            report.error(place, "nothing", question.example)
-        answer = None if text is None else question.reader(report, place, text)
+        answer = _read(question, report, place, ask(f"{question.asks}: ").strip())
         if not report.errors:
             return answer
         for error in report.errors:

@@ -10,18 +10,21 @@ from roah_rsbb.bmbox.framework.own_rules import load_rules, own_files
 from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.registry import modules
 from roah_rsbb.bmbox.framework.zone_folders import file_in, zone_folders
+from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Config, ScheduledEvent
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.rulebook.yaml_lines import read_text
 from roah_rsbb.tools.competition import files
+from roah_rsbb.tools.competition.plan import planned_s
+from roah_rsbb.tools.competition.rulebooks import STANDINGS
 from roah_rsbb.wording.suggestions import did_you_mean
 
 # Arguments of the launch file that name files of the folder.
 _NAMED_FILES = {
     "benchmarks_file": files.BENCHMARKS, "schedule_file": files.SCHEDULE, "passwords_file": files.PASSWORDS,
-    "modules_dir": files.MODULES,
+    "standings_file": STANDINGS, "modules_dir": files.MODULES,
 }
 _BESIDE = "$(dirname)/"
 # At most this many overlaps of a zone or team are listed.
@@ -52,6 +55,12 @@ def check(directory: str) -> Checked:
     try:
         _check_launch(report, os.path.join(directory, files.LAUNCH))
         report.raise_errors()
+    except ConfigErrors as found:
+        errors += str(found).splitlines()
+    standings = os.path.join(directory, STANDINGS)
+    try:
+        if os.path.lexists(standings):
+            read_rules(standings)
     except ConfigErrors as found:
         errors += str(found).splitlines()
     if loaded is not None:
@@ -88,12 +97,12 @@ def _check_times(report: Report, path: str, loaded: Config) -> None:
     last_of_team: Dict[str, Tuple[str, ScheduledEvent]] = {}
     for zone, event in _events(loaded):
         before = last_in_zone.get(zone)
-        if before is not None and event.scheduled < before.scheduled + before.benchmark.total_timeout:
+        if before is not None and event.scheduled < before.scheduled + planned_s(before.benchmark):
             by_zone.setdefault(zone, []).append(f"{_name(event)} before the end of {_name(before)}")
         last_in_zone[zone] = event
         for team, (other, busy) in last_of_team.items():
             together = team == event.team or ALL_TEAMS in (team, event.team)
-            if together and other != zone and event.scheduled < busy.scheduled + busy.benchmark.total_timeout:
+            if together and other != zone and event.scheduled < busy.scheduled + planned_s(busy.benchmark):
                 who = event.team if team == ALL_TEAMS else team
                 by_team.setdefault(who, []).append(f"{_name(event)} in zone {quote(zone)} and {_name(busy)} in zone "
                                                    f"{quote(other)}")

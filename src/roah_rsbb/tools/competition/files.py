@@ -6,14 +6,18 @@ import os
 import re
 import secrets
 import string
-from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence
+from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Set
 from xml.sax.saxutils import quoteattr
 
 import yaml
 
-from roah_rsbb.rulebook.registry import BELL, DEVICES, PROFILES, TABLET, BenchmarkKind
+from roah_rsbb.rulebook.benchmarks import Benchmark
+from roah_rsbb.rulebook.config import PasswordsFile
+from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.rulebook.registry import BELL, DEVICES, TABLET, BenchmarkKind
 from roah_rsbb.tools.competition.firewall import firewall_text
 from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock
+from roah_rsbb.tools.competition.rulebooks import BENCHMARKS, STANDINGS, Rulebook, benchmarks_text, standings_text
 
 # Without letters that look alike on paper.
 _LETTERS = "".join(c for c in string.ascii_letters if c not in "lIoO")
@@ -21,8 +25,6 @@ _FURTHER = _LETTERS + "23456789"
 _PASSWORD_LENGTH = 16
 # Text that needs no quotes in YAML, also in `{a: b}`.
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_]+(?:[ -][A-Za-z0-9_]+)*")
-_BENCHMARK = re.compile(r"^(?=- name:)", re.MULTILINE)
-_CODE = re.compile(r"^  code: *(\w+) *$", re.MULTILINE)
 
 _PASSWORDS = """\
 # Passwords of the teams, randomly generated for this competition. Keep this file secret (chmod 600) and out of any
@@ -52,15 +54,12 @@ def yaml_text(text: str) -> str:
 
 def passwords_text(passwords: Dict[str, str]) -> str:
     """The passwords file; `passwords` by team."""
-    lines = [f"{yaml_text(team)}: {yaml_text(password)}" for team, password in passwords.items()]
-    return "\n".join([_PASSWORDS, *lines, ""])
+    return "\n".join([_PASSWORDS, *passwords_lines(passwords), ""])
 
 
-def benchmarks_text(shipped: str, codes: Sequence[str]) -> str:
-    """The default benchmarks file, reduced to these benchmarks."""
-    head, *entries = _BENCHMARK.split(shipped)
-    held = [entry for entry in entries if _CODE.search(entry).group(1) in codes]
-    return head + "".join(held).rstrip("\n") + "\n"
+def passwords_lines(passwords: Dict[str, str]) -> List[str]:
+    """The line of each team."""
+    return [f"{yaml_text(team)}: {yaml_text(password)}" for team, password in passwords.items()]
 
 
 def schedule_text(shipped: str, zones: Iterable[PlannedZone], clock: VenueClock) -> str:
@@ -86,22 +85,24 @@ def _at_venue(moment: datetime.datetime, clock: VenueClock) -> str:
     return f"{local:%A} {local:%H:%M}"
 
 
-def module_codes(codes: Iterable[str]) -> List[str]:
-    """The benchmarks with a benchmarking module, which have a file of parameters."""
-    return [code for code in codes if PROFILES[code].kind is BenchmarkKind.FUNCTIONALITY]
+def needs_modules(benchmarks: Sequence[Benchmark]) -> bool:
+    """Whether a benchmarking module drives one of the benchmarks."""
+    return any(benchmark.kind is BenchmarkKind.FUNCTIONALITY for benchmark in benchmarks)
 
 
-def needs_tablet(plan: Plan) -> bool:
-    """Whether a benchmark of the competition uses the tablet."""
-    return _uses(plan, TABLET)
+def needs_tablet(benchmarks: Sequence[Benchmark]) -> bool:
+    """Whether one of the benchmarks uses the tablet."""
+    return _uses({TABLET}, benchmarks)
 
 
-def _uses(plan: Plan, *words: str) -> bool:
-    return any(PROFILES[code].uses.intersection(words) for code in plan.codes)
+def _uses(words: Set[str], benchmarks: Sequence[Benchmark]) -> bool:
+    return any(benchmark.profile.uses.intersection(words) for benchmark in benchmarks)
 
 
-def launch_text(plan: Plan, rsbb_host: Optional[str], smartif_host: Optional[str]) -> str:
-    """The launch file, which starts what these benchmarks need."""
+def launch_text(
+    benchmarks: Sequence[Benchmark], rsbb_host: Optional[str], smartif_host: Optional[str], has_standings: bool = False
+) -> str:
+    """The launch file, which starts what these benchmarks need. `has_standings`: the folder has rules for them."""
     beside = "$(dirname)"
     yes = {True: "true", False: "false"}
     arguments = [
@@ -111,16 +112,17 @@ def launch_text(plan: Plan, rsbb_host: Optional[str], smartif_host: Optional[str
         ("schedule_file", f"{beside}/schedule.yaml", "YAML file with the schedule of the competition"),
         ("passwords_file", f"{beside}/passwords.yaml", "YAML file with the teams' passwords"),
         ("log_dir", f"{beside}/log", "Directory for the logs of the runs"),
-        ("modules", yes[bool(module_codes(plan.codes))], "Run the benchmarking modules of functionality benchmarks"),
+        ("standings_file", f"{beside}/standings.yaml", "YAML file with the ranking of the standings"),
+        ("modules", yes[needs_modules(benchmarks)], "Run the benchmarking modules of functionality benchmarks"),
         ("modules_dir", f"{beside}/modules",
          "Directory with the parameters of the benchmarking modules and ground_truth.yaml"),
-        ("tablet", yes[needs_tablet(plan)], "Serve the tablet's page, for HCFGAC"),
-        ("devices", yes[_uses(plan, DEVICES, BELL)],
-         "Control the home devices: the doorbell in HWV, all of them in HCFGAC"),
+        ("tablet", yes[needs_tablet(benchmarks)], "Serve the tablet's page"),
+        ("devices", yes[_uses({DEVICES, BELL}, benchmarks)], "Control the home devices and the doorbell"),
         ("smartif_host", smartif_host or "192.168.1.56", "IP address of the SmartIF devices controller"),
     ]
-    if not module_codes(plan.codes):
-        arguments = [argument for argument in arguments if argument[0] != "modules_dir"]
+    left_out = {"modules_dir"} if not needs_modules(benchmarks) else set()
+    left_out |= {"standings_file"} if not has_standings else set()
+    arguments = [argument for argument in arguments if argument[0] not in left_out]
     text = _LAUNCH.format(host="" if rsbb_host else " rsbb_host:=192.168.1.255")
     for name, default, doc in arguments:
         text += f"  <arg name={quoteattr(name)} default={quoteattr(default)}\n       doc={quoteattr(doc)}/>\n"
@@ -131,7 +133,7 @@ def launch_text(plan: Plan, rsbb_host: Optional[str], smartif_host: Optional[str
 
 # -- writing ----------------------------------------------------------------------------------------
 
-BENCHMARKS, SCHEDULE, PASSWORDS = "benchmarks.yaml", "schedule.yaml", "passwords.yaml"
+SCHEDULE, PASSWORDS = "schedule.yaml", "passwords.yaml"
 LAUNCH = "competition.launch"
 FIREWALL = "firewall.nft"
 RSBB_PORT = 6666  # roah_rsbb.launch's
@@ -152,25 +154,31 @@ class Hosts(NamedTuple):
     interface: Optional[str] = None  # of this computer, to the robots
 
 
-def module_file(code: str) -> str:
-    """The path of the parameters of a benchmark's module within the folder."""
-    return os.path.join(MODULES, f"{code}.yaml")
-
-
-def new_files(config_dir: str, plan: Plan, clock: VenueClock, hosts: Hosts) -> Dict[str, str]:
-    """Return name and text of each file of a new competition; `config_dir` contains the default files."""
+def new_files(book: Rulebook, plan: Plan, clock: VenueClock, hosts: Hosts) -> Dict[str, str]:
+    """Return name and text of each file of a new competition."""
+    codes = [code for code in book.benchmarks if code in plan.codes]
+    benchmarks = [book.benchmarks[code] for code in codes]
     passwords = {team: new_password() for team in plan.teams}
+    standings = standings_text(book.path(STANDINGS), _text(book, STANDINGS), codes)
     files = {
-        BENCHMARKS: benchmarks_text(_default_file(config_dir, BENCHMARKS), plan.codes),
+        BENCHMARKS: benchmarks_text(book.path(BENCHMARKS), _text(book, BENCHMARKS), codes),
         PASSWORDS: passwords_text(passwords),
-        SCHEDULE: schedule_text(_default_file(config_dir, SCHEDULE), plan.zones, clock),
-        LAUNCH: launch_text(plan, hosts.rsbb, hosts.smartif),
-        FIREWALL: firewall_text(FIREWALL, hosts.interface, RSBB_PORT, needs_tablet(plan)),
+        SCHEDULE: schedule_text(_text(book, SCHEDULE), plan.zones, clock),
+        **({STANDINGS: standings} if standings else {}),
+        LAUNCH: launch_text(benchmarks, hosts.rsbb, hosts.smartif, bool(standings)),
+        FIREWALL: firewall_text(FIREWALL, hosts.interface, RSBB_PORT, needs_tablet(benchmarks)),
     }
-    modules = [module_file(code) for code in module_codes(plan.codes)]
-    if modules:
-        modules.append(os.path.join(MODULES, GROUND_TRUTH))
-    return {**files, **{name: _default_file(config_dir, name) for name in modules}}
+    return {**files, **{name: _text(book, name) for name in _module_files(book, benchmarks)}}
+
+
+def _module_files(book: Rulebook, benchmarks: Sequence[Benchmark]) -> List[str]:
+    """The files of benchmarking modules: parameters and rules, as far as they exist, and the ground truth."""
+    if not needs_modules(benchmarks):
+        return []
+    names = [f"{benchmark.code}.{kind}" for benchmark in benchmarks if benchmark.kind is BenchmarkKind.FUNCTIONALITY
+             for kind in ("py", "yaml")]
+    paths = [os.path.join(MODULES, name) for name in (*names, GROUND_TRUTH)]
+    return [path for path in paths if os.path.lexists(book.path(path))]
 
 
 def write_new(directory: str, files: Dict[str, str]) -> None:
@@ -193,11 +201,11 @@ def write_new(directory: str, files: Dict[str, str]) -> None:
             raise
 
 
-def write_schedule(directory: str, config_dir: str, plan: Plan, clock: VenueClock) -> str:
+def write_schedule(directory: str, book: Rulebook, zones: Sequence[PlannedZone], clock: VenueClock) -> str:
     """Replace the schedule; returns the path of the old one, "" if there was none."""
     path, before = os.path.join(directory, SCHEDULE), os.path.join(directory, _BEFORE)
     with _writing(directory):
-        text = schedule_text(_default_file(config_dir, SCHEDULE), plan.zones, clock)
+        text = schedule_text(_text(book, SCHEDULE), zones, clock)
         new = path + ".new"
         with contextlib.suppress(FileNotFoundError):
             os.unlink(new)
@@ -209,9 +217,32 @@ def write_schedule(directory: str, config_dir: str, plan: Plan, clock: VenueCloc
     return before if kept else ""
 
 
-def _default_file(config_dir: str, name: str) -> str:
-    with open(os.path.join(config_dir, name), encoding="utf-8") as file:
-        return file.read()
+def add_password(directory: str, team: str) -> None:
+    """Add a line with a randomly generated password to the passwords file; raises `CannotWriteFiles`."""
+    path = os.path.join(directory, PASSWORDS)
+    new = path + ".new"
+    with _writing(directory):
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        line = passwords_lines({team: new_password()})[0]
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(new)
+        _write(new, text + ("" if text.endswith("\n") else "\n") + line + "\n", private=True)
+        if team not in PasswordsFile(new, Report()).by_team:
+            os.unlink(new)
+            raise CannotWriteFiles(f"{path} does not end with a line 'team: password': add a line for {team} yourself")
+        os.replace(new, path)
+
+
+def _text(book: Rulebook, name: str) -> str:
+    path = book.path(name)
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except (OSError, UnicodeDecodeError) as error:
+        why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
+        raise CannotWriteFiles(f"{path} cannot be read: {why}. Repair the rulebook, or install the package again") \
+            from None
 
 
 def _write(path: str, text: str, private: bool) -> None:

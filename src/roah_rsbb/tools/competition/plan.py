@@ -2,11 +2,11 @@
 
 import datetime
 import re
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_LIMIT, Benchmark
 from roah_rsbb.rulebook.errors import Place, Report, quote
-from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind
+from roah_rsbb.rulebook.registry import BenchmarkKind, profile_of
 
 UTC = datetime.timezone.utc
 _DAY = re.compile(r"([0-9]{4})-([0-9]{1,2})-([0-9]{1,2})")
@@ -77,6 +77,11 @@ def read_clock(report: Report, place: Place, text: str) -> Optional[VenueClock]:
 
 # -- the plan ---------------------------------------------------------------------------------------
 
+def planned_s(benchmark: Benchmark) -> float:
+    """Seconds that a run takes in a plan: set-up and limit. Without a limit, only the set-up counts."""
+    return benchmark.rules.setup_time + (benchmark.total_timeout if benchmark.total_timeout < NO_LIMIT else 0.0)
+
+
 class PlannedRun(NamedTuple):
     """A run of the schedule."""
 
@@ -102,9 +107,15 @@ class Plan(NamedTuple):
 
     @property
     def codes(self) -> Tuple[str, ...]:
-        """The benchmarks of the plan: the shipped ones in their order, then others."""
-        held = {run.code for zone in self.zones for run in zone.runs}
-        return (*(code for code in PROFILES if code in held), *sorted(held.difference(PROFILES)))
+        """The benchmarks of the plan."""
+        return tuple(dict.fromkeys(run.code for zone in self.zones for run in zone.runs))
+
+
+class Break(NamedTuple):
+    """A time of day without runs."""
+
+    begin: datetime.time
+    end: datetime.time
 
 
 class PlannedDay(NamedTuple):
@@ -114,63 +125,92 @@ class PlannedDay(NamedTuple):
     first: datetime.time
     last: datetime.time
     every: datetime.timedelta
+    breaks: Tuple[Break, ...] = ()  # sorted
+    codes: Optional[Tuple[str, ...]] = None  # the benchmarks of this day; None: all
+
+    def free(self, begins: datetime.datetime, clock: VenueClock) -> datetime.datetime:
+        """The earliest time from `begins` on at which a run meets no break."""
+        for each in self.breaks:
+            if begins < clock.utc(self.day, each.end) and clock.utc(self.day, each.begin) < begins + self.every:
+                begins = clock.utc(self.day, each.end)
+        return begins
 
 
 def for_all(code: str) -> bool:
     """Whether all robots do this shipped benchmark at once."""
-    return PROFILES[code].kind is BenchmarkKind.ALL_ROBOTS
+    return profile_of(code).kind is BenchmarkKind.ALL_ROBOTS
+
+
+# A team's turn in a benchmark: the team, and the round.
+_Turn = Tuple[str, int]
 
 
 def timetable(
     report: Report, teams: Sequence[str], zones: Dict[str, Sequence[str]], days: Sequence[PlannedDay],
-    clock: VenueClock,
+    clock: VenueClock, rounds: Optional[int] = None, for_all: Callable[[str], bool] = for_all,
 ) -> Plan:
-    """Plan every benchmark for every team once a day. The number of the day is the round.
+    """Plan every benchmark `rounds` times for every team, spread evenly over its days (None: once a day).
 
     `zones` has the benchmarks of each zone. A zone finishes one benchmark before it begins the next, because each needs
-    its own set-up. No team is in two zones at once. The order of teams rotates with each benchmark and day, so that no
-    team always begins. If a day is too short, an error is added to the report.
+    its own set-up. Zones with the same benchmark share its teams. No team is in two zones at once. The order of teams
+    rotates with each benchmark and round, so that no team always begins. If a day is too short, an error is added to
+    the report. `for_all` says whether all robots do a benchmark at once.
     """
     runs: Dict[str, List[PlannedRun]] = {name: [] for name in zones}
-    for number, day in enumerate(days, 1):
-        waiting = {name: list(_in_turn(teams, codes, number)) for name, codes in zones.items()}
-        begins = clock.utc(day.day, day.first)
-        ends = clock.utc(day.day, day.last)
+    ordered = {name: sorted(codes, key=for_all) for name, codes in zones.items()}
+    for day, waiting in zip(days, _turns(teams, ordered, days, rounds, for_all)):
+        begins = ended = clock.utc(day.day, day.first)
         while any(waiting.values()):
-            for name, (code, team) in _same_time(waiting):
+            begins = day.free(ended, clock)
+            for name, code, (team, number) in _same_time(ordered, waiting):
                 runs[name].append(PlannedRun(code, team, number, 1, begins))
-            begins += day.every
-        if begins > ends:
-            at = clock.local(begins)
+            ended = begins + day.every
+        if ended > clock.utc(day.day, day.last):
+            at = clock.local(ended)
             next_day = " the next day" if at.date() > day.day else ""
             report.error(
                 Place("--days", 0, 0), f"runs on {day.day} until {at:%H:%M}{next_day}",
                 f"that they end by {day.last:%H:%M}: begin earlier (--begin), reduce "
                 "the interval (--every), choose more zones or fewer benchmarks, or end later (--end)")
-    return Plan(tuple(teams), tuple(PlannedZone(name, tuple(found)) for name, found in runs.items()))
+    for name in [name for name, found in runs.items() if not found]:
+        report.warn(Place("--zones", 0, 0), f"zone {quote(name)} has no runs and is left out: others do them all")
+    return Plan(tuple(teams), tuple(PlannedZone(name, tuple(found)) for name, found in runs.items() if found))
 
 
-def _in_turn(teams: Sequence[str], codes: Sequence[str], day: int) -> Iterator[Tuple[str, str]]:
-    """The runs of a zone on a day, in order. Runs of all robots at once come last."""
-    for number, code in enumerate(sorted(codes, key=for_all)):
-        if for_all(code):
-            yield code, ALL_TEAMS
-        else:
-            first = (number + day - 1) % len(teams)
-            yield from ((code, team) for team in (*teams[first:], *teams[:first]))
+def _turns(
+    teams: Sequence[str], zones: Dict[str, List[str]], days: Sequence[PlannedDay], rounds: Optional[int],
+    for_all: Callable[[str], bool],
+) -> List[Dict[str, List[_Turn]]]:
+    """The turns of each day by benchmark. Each benchmark's turns are spread evenly over its days."""
+    found: List[Dict[str, List[_Turn]]] = [{} for _ in days]
+    numbers = {code: number for codes in reversed(list(zones.values())) for number, code in enumerate(codes)}
+    for code, number in numbers.items():
+        of_code = [i for i, day in enumerate(days) if day.codes is None or code in day.codes]
+        count = rounds or len(of_code)
+        turns: List[_Turn] = []
+        for round_ in range(1, count + 1):
+            first = (number + round_ - 1) % len(teams)
+            turns += [(team, round_) for team in ([ALL_TEAMS] if for_all(code) else (*teams[first:], *teams[:first]))]
+        for place, i in enumerate(of_code):
+            begin, end = (len(turns) * n // len(of_code) for n in (place, place + 1))
+            found[i][code] = turns[begin:end]
+    return found
 
 
-def _same_time(waiting: Dict[str, List[Tuple[str, str]]]) -> Iterator[Tuple[str, Tuple[str, str]]]:
-    """Take from each zone's queue a run that can take place at the same time as the others.
+def _same_time(
+    zones: Dict[str, List[str]], waiting: Dict[str, List[_Turn]]
+) -> Iterator[Tuple[str, str, _Turn]]:
+    """Take for each zone a turn that can take place at the same time as the others; with the zone and the benchmark.
 
     A zone waits while the remaining teams of its present benchmark are busy in other zones.
     """
     busy: Set[str] = set()
-    for name, queue in waiting.items():
-        now = [entry for entry in queue if entry[0] == queue[0][0]]
-        free = [entry for entry in now if entry[1] not in busy and (entry[1] != ALL_TEAMS or not busy)]
-        if ALL_TEAMS in busy or not free:
+    for name, codes in zones.items():
+        code = next((code for code in codes if waiting.get(code)), None)
+        if code is None or ALL_TEAMS in busy:
             continue
-        queue.remove(free[0])
-        busy.add(free[0][1])
-        yield name, free[0]
+        free = [turn for turn in waiting[code] if turn[0] not in busy and (turn[0] != ALL_TEAMS or not busy)]
+        if free:
+            waiting[code].remove(free[0])
+            busy.add(free[0][0])
+            yield name, code, free[0]

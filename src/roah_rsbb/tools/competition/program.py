@@ -1,20 +1,25 @@
 """`rosrun roah_rsbb new_competition DIR`: creates a competition's folder, or checks one (docs/organiser.md)."""
 
 import argparse
+import datetime
+import math
 import os
 import shlex
 import sys
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from roah_rsbb.arguments import Parser
+from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.config import BenchmarksFile, PasswordsFile
-from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report
+from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
-from roah_rsbb.tools.competition import answers, files
-from roah_rsbb.tools.competition.answers import QUESTIONS, Missing, known_answers
+from roah_rsbb.tools.competition import answers, files, rulebooks
+from roah_rsbb.tools.competition.answers import Missing, known_answers, questions
 from roah_rsbb.tools.competition.check import check
 from roah_rsbb.tools.competition.files import CannotWriteFiles, Hosts
-from roah_rsbb.tools.competition.plan import Plan, PlannedDay, read_clock, timetable
+from roah_rsbb.tools.competition.late_team import late_runs, planned
+from roah_rsbb.tools.competition.plan import Plan, PlannedDay, VenueClock, planned_s, read_clock, timetable
+from roah_rsbb.tools.competition.rulebooks import Rulebook, read_rulebook
 from roah_rsbb.tools.competition.sheet import OPTIONAL, REQUIRED, Known, read_sheet
 from roah_rsbb.tools.interfaces import interfaces
 
@@ -33,8 +38,10 @@ where the time is the venue's local time. All robots do HSUF at once: its team i
 Examples:
   new_competition erl2026
   new_competition erl2026 --teams 'BrassButlers, CopperKettle' --benchmarks HGTKMH,HNF --days 2026-11-28,2026-11-29
+  new_competition athome2026 --rulebook athome --teams 'BrassButlers, CopperKettle' --days 2026-11-28,2026-11-29
   new_competition erl2026 --sheet plan.csv
   new_competition erl2026 --sheet plan.csv --schedule-only
+  new_competition erl2026 --add-team HomeAlone
   new_competition --check erl2026
 
 The exit status is 0 on success (possibly with warnings), 1 for errors, 2 for wrong usage.
@@ -43,23 +50,37 @@ The exit status is 0 on success (possibly with warnings), 1 for errors, 2 for wr
 
 def main(config_dir: str, arguments: Optional[List[str]] = None) -> None:
     """Run the program; `config_dir` contains the default configuration files."""
-    options = _parser().parse_args(sys.argv[1:] if arguments is None else arguments)
+    options = _parser(config_dir).parse_args(sys.argv[1:] if arguments is None else arguments)
     ask = input if sys.stdin is not None and sys.stdin.isatty() else None
+    sys.stdout.reconfigure(errors="backslashreplace")  # escape characters that this terminal cannot show
     try:
-        sys.exit(_run(options, config_dir, ask))
+        status = _run(options, config_dir, ask)
     except (EOFError, KeyboardInterrupt):
         print("\nnew_competition: cancelled; nothing was written", file=sys.stderr)
-        sys.exit(1)
+        status = 1
+    except UnicodeDecodeError:
+        print("\nnew_competition: found an answer that is not UTF-8; nothing was written", file=sys.stderr)
+        status = 1
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader has closed the pipe
+        status = 1
+    sys.exit(status)
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(config_dir: str) -> argparse.ArgumentParser:
     parser = Parser("new_competition", _DESCRIPTION, _EPILOG)
     parser.add_argument("directory", metavar="DIR", help="the competition's folder")
     parser.add_argument("--check", action="store_true", help="check the folder without changing it")
+    parser.add_argument("--rulebook", metavar="NAME",
+                        help=f"the kind of competition: {', '.join(rulebooks.names(config_dir))}, or a folder with a "
+                        "rulebook of your own (default: all included benchmarks)")
     parser.add_argument("--sheet", metavar="CSV", help="create the schedule from this sheet (see below)")
     parser.add_argument("--schedule-only", action="store_true",
                         help="with --sheet: replace only the schedule of an existing competition")
-    for question in QUESTIONS:
+    parser.add_argument("--add-team", metavar="TEAM",
+                        help="add a team to an existing competition: a password, and its runs after those of the "
+                        "others (--days: only on these days)")
+    for question in questions({}):
         parser.add_argument("--" + question.option, metavar=question.example.strip("'"), help=question.help)
     return parser
 
@@ -70,16 +91,19 @@ def _run(options: argparse.Namespace, config_dir: str, ask: Optional[Callable[[s
         return _checked(options.directory)
     report = Report()
     try:
+        book = read_rulebook(report, config_dir, options.rulebook)
+        report.raise_errors()
         if options.schedule_only:
-            return _schedule_only(report, options, config_dir)
-        found = known_answers(options, report, ask, print, {"benchmarks": _benchmarks(config_dir)})
+            return _schedule_only(report, options, book)
+        if options.add_team is not None:
+            return _add_team(report, options, book)
+        found = known_answers(options, report, ask, print, {"benchmarks": _described(book)}, book.benchmarks,
+                              book.answers)
         report.raise_errors()
-        plan = _plan(report, options, found)
+        plan = _plan(report, options, book, found)
         report.raise_errors()
-        _new(options, config_dir, plan, found)
-    except ConfigErrors as errors:
-        return _failed(errors)
-    except CannotWriteFiles as error:
+        _new(options, book, plan, found)
+    except (ConfigErrors, CannotWriteFiles) as error:
         return _failed(error)
     except Missing as error:
         _failed(error)
@@ -89,43 +113,109 @@ def _run(options: argparse.Namespace, config_dir: str, ask: Optional[Callable[[s
     return _checked(options.directory) or _next_steps(options, found)
 
 
-def _benchmarks(config_dir: str) -> str:
+def _described(book: Rulebook) -> str:
     """Describe all benchmarks."""
-    shipped = BenchmarksFile(os.path.join(config_dir, files.BENCHMARKS), Report()).by_code
-    return "\n".join(f"  {code:7} {benchmark.desc}" for code, benchmark in shipped.items())
+    return "\n".join(f"  {code:7} {benchmark.desc}" for code, benchmark in book.benchmarks.items())
 
 
-def _plan(report: Report, options: argparse.Namespace, found: Dict[str, object]) -> Optional[Plan]:
+def _plan(
+    report: Report, options: argparse.Namespace, book: Rulebook, found: Dict[str, object]
+) -> Optional[Plan]:
     """Make the plan from the sheet or from the answers."""
     if options.sheet:
         teams = found["teams"]
         known = None if teams is None else Known(teams, "the teams in --teams")
-        plan = read_sheet(options.sheet, report, found["time-zone"], known)
+        codes = Known(list(book.benchmarks), f"the benchmarks of {book.path(files.BENCHMARKS)}")
+        plan = read_sheet(options.sheet, report, found["time-zone"], known, codes, book.for_all)
         return plan if plan is None or teams is None else plan._replace(teams=teams)
-    zones = answers.usual_zones(found["benchmarks"]) if found["zones"] is None else answers.share(
-        report, Place("--zones", 0, 0), found["zones"], found["benchmarks"])
+    zones = _zones(report, options, book, found)
+    days = _days(report, options, book, found)
     report.raise_errors()
-    days = [PlannedDay(day, found["begin"], found["end"], found["every"]) for day in found["days"]]
-    return timetable(report, found["teams"], zones, days, found["time-zone"])
+    return timetable(report, found["teams"], zones, days, found["time-zone"], found["rounds"], book.for_all)
 
 
-def _new(options: argparse.Namespace, config_dir: str, plan: Plan, found: Dict[str, object]) -> None:
+def _zones(
+    report: Report, options: argparse.Namespace, book: Rulebook, found: Dict[str, object]
+) -> Dict[str, Sequence[str]]:
+    """The benchmarks of each zone."""
+    codes, wishes = found["benchmarks"], found["zones"]
+    if wishes is None:
+        return answers.usual_zones(book.benchmarks, codes)
+    place, of_rulebook = _place(options, book, "zones")
+    chosen = [(name, _chosen(own, codes, book, of_rulebook)) for name, own in wishes]
+    wishes = [(name, new) for (name, new), (_, own) in zip(chosen, wishes) if new or not own]
+    return answers.share(report, place, wishes, codes)
+
+
+def _place(options: argparse.Namespace, book: Rulebook, option: str) -> Tuple[Place, bool]:
+    """Where an answer stands, and whether that is the rulebook."""
+    of_rulebook = getattr(options, option) is None and option in book.answers
+    return (book.answers[option].place if of_rulebook else Place("--" + option, 0, 0)), of_rulebook
+
+
+def _chosen(own: Sequence[str], codes: Sequence[str], book: Rulebook, of_rulebook: bool) -> Tuple[str, ...]:
+    """The benchmarks of a zone or day. The rulebook's answers and 'all' may contain some that were not chosen."""
+    if of_rulebook or own in answers.words_for_several(book.benchmarks).values():
+        return tuple(code for code in own if code in codes)
+    return tuple(own)
+
+
+def _days(
+    report: Report, options: argparse.Namespace, book: Rulebook, found: Dict[str, object]
+) -> List[PlannedDay]:
+    """The days with their benchmarks, times and breaks."""
+    codes, daily = found["benchmarks"], found["daily"]
+    if daily is not None:
+        place, of_rulebook = _place(options, book, "daily")
+        daily = [_chosen(day, codes, book, of_rulebook) for day in daily]
+        _check_daily(report, place, daily, codes, len(found["days"]))
+    every = found["every"] or _every([planned_s(book.benchmarks[code]) for code in codes])
+    return [PlannedDay(day, found["begin"], found["end"], every, found["breaks"] or (),
+                       None if daily is None else daily[min(number, len(daily) - 1)])
+            for number, day in enumerate(found["days"])]
+
+
+def _check_daily(
+    report: Report, place: Place, daily: Sequence[Sequence[str]], codes: Sequence[str], days: int
+) -> None:
+    """Check that there are benchmarks for each day, and a day for each benchmark. One entry is for all days."""
+    if len(daily) not in (1, days):
+        report.error(place, f"benchmarks for {len(daily)} days", f"those of {days} days, or --daily all")
+    named = [code for day in daily for code in day]
+    for code in dict.fromkeys(code for code in named if code not in codes):
+        report.error(place, f"benchmark {code} on a day", f"one of the competition's benchmarks: {listing(codes)}")
+    left = [code for code in codes if code not in named]
+    if left:
+        report.error(place, f"no day for {listing(left)}", "a day for each benchmark of the competition")
+
+
+def _every(seconds: Sequence[float]) -> datetime.timedelta:
+    """The usual interval between runs that take so long: enough for the longest one, in steps of five minutes."""
+    return datetime.timedelta(minutes=max(15, 5 * math.ceil(max(seconds) / 300)))
+
+
+def _new(options: argparse.Namespace, book: Rulebook, plan: Plan, found: Dict[str, object]) -> None:
     interface = next((i.name for i in interfaces() if i.broadcast == found["rsbb-host"]), None)
     hosts = Hosts(found["rsbb-host"], found["smartif-host"], interface)
-    written = files.new_files(config_dir, plan, found["time-zone"], hosts)
+    written = files.new_files(book, plan, found["time-zone"], hosts)
     files.write_new(options.directory, written)
     print(f"Written to {options.directory}: {', '.join(written)}")
 
 
-def _schedule_only(report: Report, options: argparse.Namespace, config_dir: str) -> int:
+def _only(report: Report, options: argparse.Namespace, command: str, *allowed: str) -> None:
+    """Report the options that a command does not take."""
+    for option in (*(question.option for question in questions({})), "rulebook", "sheet"):
+        if option not in allowed and getattr(options, option.replace("-", "_")) is not None:
+            words = " and ".join(f"--{word}" for word in allowed)
+            report.error(Place("--" + option, 0, 0), f"this option together with {command}", f"only {words}")
+
+
+def _schedule_only(report: Report, options: argparse.Namespace, book: Rulebook) -> int:
     """Replace the schedule of an existing competition from a sheet; its teams and benchmarks stay."""
     if not options.sheet:
         raise Missing("not given: --sheet, which --schedule-only needs")
-    for question in QUESTIONS:
-        if question.option != "time-zone" and getattr(options, question.option.replace("-", "_")) is not None:
-            report.error(Place("--" + question.option, 0, 0), "this option together with --schedule-only",
-                         "only --sheet and --time-zone")
-    clock = read_clock(report, Place("--time-zone", 0, 0), options.time_zone or "local")
+    _only(report, options, "--schedule-only", "sheet", "time-zone")
+    clock = _clock(report, options)
     benchmarks, passwords = (os.path.join(options.directory, name) for name in (files.BENCHMARKS, files.PASSWORDS))
     teams = PasswordsFile(passwords, report).by_team
     known = BenchmarksFile(benchmarks, report).by_code
@@ -134,10 +224,40 @@ def _schedule_only(report: Report, options: argparse.Namespace, config_dir: str)
                       Known(list(known), f"the benchmarks of {benchmarks}"),
                       lambda code: code in known and known[code].kind is BenchmarkKind.ALL_ROBOTS)
     report.raise_errors()
-    before = files.write_schedule(options.directory, config_dir, plan, clock)
+    before = files.write_schedule(options.directory, book, plan.zones, clock)
     print(f"Written: {files.SCHEDULE} in {options.directory}" + (f"; the old one is {before}" if before else ""))
     for warning in report.warnings:
         print(f"warning: {warning}")
+    return _checked(options.directory)
+
+
+def _clock(report: Report, options: argparse.Namespace) -> Optional[VenueClock]:
+    return read_clock(report, Place("--time-zone", 0, 0), options.time_zone or "local")
+
+
+def _add_team(report: Report, options: argparse.Namespace, book: Rulebook) -> int:
+    """Add a team to an existing competition."""
+    _only(report, options, "--add-team", "days", "time-zone")
+    place = Place("--add-team", 0, 0)
+    team = answers.team_name(report, place, options.add_team)
+    clock = _clock(report, options)
+    days = None if options.days is None else answers.read_days(report, Place("--days", 0, 0), options.days)
+    report.raise_errors()
+    names = (files.BENCHMARKS, files.SCHEDULE, files.PASSWORDS)
+    loaded, _ = config.load(*(os.path.join(options.directory, name) for name in names))
+    if team in loaded.passwords:
+        report.error(place, f"team {quote(team)}, which the competition has already", "another name")
+    report.raise_errors()
+    added = late_runs(loaded.zones, team, clock, days)
+    files.add_password(options.directory, team)
+    print(f"Written: a password for {quote(team)} in {os.path.join(options.directory, files.PASSWORDS)}")
+    if added:
+        zones = [zone._replace(runs=(*zone.runs, *added.get(zone.name, ()))) for zone in planned(loaded.zones)]
+        before = files.write_schedule(options.directory, book, zones, clock)
+        print(f"Written: {files.SCHEDULE} in {options.directory}; the old one is {before}")
+        for name, run in sorted(((name, run) for name, runs in added.items() for run in runs),
+                                key=lambda entry: entry[1].begins):
+            print(f"  {clock.local(run.begins):%Y-%m-%d %H:%M}  zone {quote(name)}: {run.code}, round {run.round}")
     return _checked(options.directory)
 
 

@@ -171,7 +171,7 @@ class _Sheet:
     def _code(self, cell: Scalar) -> Optional[str]:
         what = self._what("benchmark")
         codes = dict.fromkeys([*PROFILES, *(self._codes.names if self._codes else ())])
-        code = benchmark_code(self._report, cell.place, cell.text, what, tuple(codes))
+        code = benchmark_code(self._report, cell.place, cell.text, tuple(codes), what)
         return self._known(code, cell, what, self._codes)
 
     def _known(self, name: Optional[str], cell: Scalar, what: str, known: Optional[Known]) -> Optional[str]:

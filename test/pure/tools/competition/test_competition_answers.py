@@ -1,14 +1,22 @@
 """What organisers answer: read, or refused with what was expected."""
 
 import datetime
+import functools
 import time
 
 import pytest
 
+from helpers.config_files import SHIPPED
 from roah_rsbb.rulebook.errors import Place, Report
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.tools.competition import answers, plan
+from roah_rsbb.tools.competition.plan import Break
+from roah_rsbb.tools.competition.rulebooks import read_rulebook
 
+BENCHMARKS = read_rulebook(Report(), str(SHIPPED)).benchmarks
+READ_BENCHMARKS, READ_ZONES, READ_DAILY = (
+    functools.partial(reader, BENCHMARKS)
+    for reader in (answers.read_benchmarks, answers.read_zones, answers.read_daily))
 PLACE = Place("--option", 0, 0)
 
 
@@ -51,18 +59,18 @@ def test_all_wrong_teams_are_reported_at_once():
 
 
 def test_benchmarks():
-    assert read(answers.read_benchmarks, "hnf, HWV") == ("HNF", "HWV")
-    assert read(answers.read_benchmarks, "Tasks") == ("HGTKMH", "HWV", "HCFGAC")
-    assert read(answers.read_benchmarks, "all") == tuple(PROFILES)
-    assert "did you mean 'HGTKMH'?" in refused(answers.read_benchmarks, "HGTKM")[0]
-    assert refused(answers.read_benchmarks, "HNF,HNF") == ["found benchmark 'HNF' twice; expected each once"]
+    assert read(READ_BENCHMARKS, "hnf, HWV") == ("HNF", "HWV")
+    assert read(READ_BENCHMARKS, "Tasks") == ("HGTKMH", "HWV", "HCFGAC")
+    assert read(READ_BENCHMARKS, "all") == tuple(PROFILES)
+    assert "did you mean 'HGTKMH'?" in refused(READ_BENCHMARKS, "HGTKM")[0]
+    assert refused(READ_BENCHMARKS, "HNF,HNF") == ["found benchmark 'HNF' twice; expected each once"]
 
 
 def test_zones():
-    assert read(answers.read_zones, "Home A: HNF hwv, Arena") == (("Home A", ("HNF", "HWV")), ("Arena", ()))
-    assert refused(answers.read_zones, "A, A") == ["found zone 'A' twice; expected each once"]
-    assert "found an empty text as a zone's name" in refused(answers.read_zones, ": HNF")[0]
-    assert "'HNV' as benchmark" in refused(answers.read_zones, "A: HNV")[0]
+    assert read(READ_ZONES, "Home A: HNF hwv, Arena") == (("Home A", ("HNF", "HWV")), ("Arena", ()))
+    assert refused(READ_ZONES, "A, A") == ["found zone 'A' twice; expected each once"]
+    assert "found an empty text as a zone's name" in refused(READ_ZONES, ": HNF")[0]
+    assert "'HNV' as benchmark" in refused(READ_ZONES, "A: HNV")[0]
 
 
 def shared(zones, codes):
@@ -78,19 +86,41 @@ def test_benchmarks_are_shared_out():
     assert shared([("A", ("STB",)), ("B", ())], ["HNF", "HWV", "STB"]) == {"A": ("STB",), "B": ["HNF", "HWV"]}
 
 
+def test_zones_with_the_same_benchmark():
+    assert shared([("A", ("STB", "HNF")), ("B", ("STB",))], ["STB", "HNF"]) == {"A": ("STB", "HNF"), "B": ("STB",)}
+
+
+def test_the_benchmarks_of_each_day():
+    assert read(READ_DAILY, "HNF hwv, STB, all") == (("HNF", "HWV"), ("STB",), tuple(BENCHMARKS))
+    assert refused(READ_DAILY, "HNF HNF,")[0] == "found benchmark 'HNF' twice; expected each once"
+    assert "expected a benchmark code" in refused(READ_DAILY, "HNF,")[0]
+
+
+def test_breaks():
+    assert read(answers.read_breaks, "15:00 - 15:15,12:30-13:30") == (
+        Break(datetime.time(12, 30), datetime.time(13, 30)), Break(datetime.time(15), datetime.time(15, 15)))
+    for text in ("13:30-12:30", "12-13", "12:30", "12:30-12:30", ""):
+        assert len(refused(answers.read_breaks, text)) >= 1
+
+
+def test_rounds():
+    assert read(answers.read_rounds, "3") == 3
+    for text in ("0", "256", "x"):
+        assert refused(answers.read_rounds, text)[0].endswith("expected a whole number from 1 to 255")
+
+
 def test_benchmarks_that_cannot_be_shared_out():
     assert not_shared([("A", ("STB",))], ["STB", "HNF"]) == [
         "found no zone for HNF; expected each benchmark in a zone, or a zone without benchmarks"]
-    assert not_shared([("A", ("STB",)), ("B", ("STB",))], ["STB"])[0].startswith("found benchmark STB in two zones")
     assert not_shared([("A", ("HNF",))], ["STB"])[0] == (
         "found benchmark HNF in a zone; expected one of the competition's benchmarks: STB")
     assert not_shared([("A", ()), ("B", ())], ["STB"])[0].startswith("found no benchmark left for zone 'B'")
 
 
 def test_usual_zones():
-    assert answers.usual_zones(["HNF", "HWV", "HSUF"]) == {
+    assert answers.usual_zones(BENCHMARKS, ["HNF", "HWV", "HSUF"]) == {
         "Task Benchmarks": ["HWV"], "Functionality Benchmarks": ["HNF", "HSUF"]}
-    assert answers.usual_zones(["HWV"]) == {"Task Benchmarks": ["HWV"]}
+    assert answers.usual_zones(BENCHMARKS, ["HWV"]) == {"Task Benchmarks": ["HWV"]}
 
 
 def test_days_are_in_their_order():

@@ -5,11 +5,14 @@ import datetime
 import pytest
 
 from helpers.config_files import SHIPPED
+from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.tools.competition import files
 from roah_rsbb.tools.competition.check import check
 from roah_rsbb.tools.competition.files import Hosts
 from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock
+from roah_rsbb.tools.competition.rulebooks import read_rulebook
 
+BOOK = read_rulebook(Report(), str(SHIPPED))
 CLOCK = VenueClock(datetime.timedelta(0))
 
 
@@ -24,7 +27,7 @@ def competition(tmp_path):
     def write(teams=("A", "B"), **zones):
         zones = zones or {"X": [run("HWV", "A"), run("HWV", "B", 15)], "Y": [run("HNF", "B"), run("HNF", "A", 15)]}
         made = Plan(teams, tuple(PlannedZone(name, tuple(runs)) for name, runs in zones.items()))
-        files.write_new(str(tmp_path), files.new_files(str(SHIPPED), made, CLOCK, Hosts(None, None)))
+        files.write_new(str(tmp_path), files.new_files(BOOK, made, CLOCK, Hosts(None, None)))
         return tmp_path
     return write
 

@@ -12,12 +12,15 @@ import yaml
 
 from helpers.config_files import SHIPPED, TEXTS
 from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.tools.competition import files
 from roah_rsbb.tools.competition.files import CannotWriteFiles, Hosts
 from roah_rsbb.tools.competition.firewall import TABLE, firewall_text, loaded_for
 from roah_rsbb.tools.competition.plan import Plan, PlannedRun, PlannedZone, VenueClock
+from roah_rsbb.tools.competition.rulebooks import BENCHMARKS, benchmarks_text, read_rulebook
 
+BOOK = read_rulebook(Report(), str(SHIPPED))
 CLOCK = VenueClock(datetime.timedelta(hours=1))
 NO_HOSTS = Hosts(None, None)
 AWKWARD = ("Brass Butlers", "123", "yes", "n", "Übung's", "a, {b}", "x #y", "-", "null", "2026-11-28", '"q"', "N-1 b")
@@ -32,7 +35,7 @@ def plan(*runs, teams=("A", "B")):
 
 
 def written(directory, made, hosts=NO_HOSTS):
-    new = files.new_files(str(SHIPPED), made, CLOCK, hosts)
+    new = files.new_files(BOOK, made, CLOCK, hosts)
     files.write_new(str(directory), new)
     return new
 
@@ -88,13 +91,13 @@ def test_a_private_file_is_so_whatever_the_umask(tmp_path):
 
 @pytest.mark.parametrize("code", PROFILES)
 def test_any_benchmark_alone(code):
-    text = files.benchmarks_text(TEXTS["benchmarks"], [code])
+    text = benchmarks_text(BOOK.path(BENCHMARKS), TEXTS["benchmarks"], [code])
     assert [entry for entry in yaml.safe_load(TEXTS["benchmarks"]) if entry["code"] == code] == yaml.safe_load(text)
     assert text.startswith("# The benchmarks")
 
 
 def test_all_benchmarks_are_the_shipped_file():
-    assert files.benchmarks_text(TEXTS["benchmarks"], list(PROFILES)) == TEXTS["benchmarks"]
+    assert benchmarks_text(BOOK.path(BENCHMARKS), TEXTS["benchmarks"], list(PROFILES)) == TEXTS["benchmarks"]
 
 
 def test_parameters_of_the_modules_that_are_needed(tmp_path):
@@ -126,7 +129,7 @@ def test_a_new_schedule_keeps_the_old_one(tmp_path):
     written(tmp_path, plan(run("HWV", "A")))
     old = (tmp_path / files.SCHEDULE).read_text("utf-8")
     passwords = (tmp_path / files.PASSWORDS).read_text("utf-8")
-    before = files.write_schedule(str(tmp_path), str(SHIPPED), plan(run("HWV", "B", 7)), CLOCK)
+    before = files.write_schedule(str(tmp_path), BOOK, plan(run("HWV", "B", 7)).zones, CLOCK)
     assert before == str(tmp_path / "schedule.yaml~")
     with open(before, encoding="utf-8") as file:
         assert file.read() == old
@@ -137,20 +140,20 @@ def test_a_new_schedule_keeps_the_old_one(tmp_path):
 
 
 def test_a_first_schedule_keeps_nothing(tmp_path):
-    assert files.write_schedule(str(tmp_path), str(SHIPPED), plan(run("HWV", "B")), CLOCK) == ""
+    assert files.write_schedule(str(tmp_path), BOOK, plan(run("HWV", "B")).zones, CLOCK) == ""
 
 
 @pytest.mark.parametrize("code, started", [
     ("HGTKMH", []), ("HWV", ["devices"]), ("HCFGAC", ["devices", "tablet"]), ("HNF", ["modules"]), ("HSUF", []),
 ])
 def test_only_what_the_benchmarks_need_is_started(code, started):
-    arguments = launch_arguments(files.launch_text(plan(run(code, "ALL")), None, None))
+    arguments = launch_arguments(files.launch_text([BOOK.benchmarks[code]], None, None))
     assert sorted(name for name in ("devices", "modules", "tablet") if arguments[name] == "true") == started
     assert ("modules_dir" in arguments) == (code == "HNF")
 
 
 def test_addresses_in_the_launch_file():
-    arguments = launch_arguments(files.launch_text(plan(run("HWV", "A")), "10.0.0.255", "10.0.0.9"))
+    arguments = launch_arguments(files.launch_text([BOOK.benchmarks["HWV"]], "10.0.0.255", "10.0.0.9"))
     assert (arguments["rsbb_host"], arguments["smartif_host"]) == ("10.0.0.255", "10.0.0.9")
 
 

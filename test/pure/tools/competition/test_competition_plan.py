@@ -7,7 +7,7 @@ import pytest
 
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.errors import Report
-from roah_rsbb.tools.competition.plan import PlannedDay, VenueClock, timetable
+from roah_rsbb.tools.competition.plan import Break, PlannedDay, VenueClock, timetable
 
 UTC = VenueClock(datetime.timedelta(0))
 
@@ -107,3 +107,56 @@ def test_times_are_the_venues():
     report = Report()
     made = timetable(report, ["A"], {"X": ["HWV"]}, days(), VenueClock(datetime.timedelta(hours=2)))
     assert made.zones[0].runs[0].begins == datetime.datetime(2026, 11, 28, 7, tzinfo=datetime.timezone.utc)
+
+
+# -- chosen days, rounds, breaks, shared benchmarks ---------------------------------------------------
+
+def starts(made, zone=0):
+    return [run.begins.strftime("%d %H:%M") for run in made.zones[zone].runs]
+
+
+def test_benchmarks_of_certain_days():
+    wanted = [day._replace(codes=codes) for day, codes in zip(days(3), [("HWV",), ("HNF",), ("HWV",)])]
+    made = plan(["A", "B"], {"X": ["HWV", "HNF"]}, wanted)
+    assert [(run.code, run.round, run.begins.day) for run in made.zones[0].runs] == [
+        ("HWV", 1, 28), ("HWV", 1, 28), ("HNF", 1, 29), ("HNF", 1, 29), ("HWV", 2, 30), ("HWV", 2, 30)]
+
+
+@pytest.mark.parametrize("rounds, on_each_day", [(1, [2, 2, 3]), (2, [4, 5, 5]), (4, [9, 9, 10])])
+def test_rounds_are_spread_over_the_days(rounds, on_each_day):
+    names = [f"T{number}" for number in range(7)]
+    report = Report()
+    made = timetable(report, names, {"X": ["HWV"]}, days(3), UTC, rounds)
+    runs = made.zones[0].runs
+    assert [sum(run.begins.day == day for run in runs) for day in (28, 29, 30)] == on_each_day
+    assert collections.Counter((run.team, run.round) for run in runs) == collections.Counter(
+        (name, number) for name in names for number in range(1, rounds + 1))
+
+
+def test_no_run_meets_a_break():
+    noon, tea = Break(datetime.time(9, 40), datetime.time(10, 10)), Break(datetime.time(10, 10), datetime.time(10, 20))
+    wanted = [day._replace(breaks=(noon, tea)) for day in days()]
+    made = plan(["A", "B", "C", "D"], {"X": ["HWV"]}, wanted)
+    assert starts(made) == ["28 09:00", "28 09:15", "28 10:20", "28 10:35"]
+
+
+def test_a_break_makes_a_day_longer():
+    report = Report()
+    wanted = [day._replace(breaks=(Break(datetime.time(9, 15), datetime.time(9, 45)),)) for day in days(last="09:59")]
+    timetable(report, ["A", "B"], {"X": ["HWV"]}, wanted, UTC)
+    assert report.errors[0].found == "runs on 2026-11-28 until 10:00"
+
+
+@pytest.mark.parametrize("teams", [1, 2, 5])
+def test_zones_share_the_teams_of_a_benchmark(teams):
+    names = [f"T{number}" for number in range(teams)]
+    made = plan(names, {"X": ["HWV", "HNF"], "Y": ["HWV", "HSUF"]}, days(2))
+    runs = [run[:4] for zone in made.zones for run in zone.runs]
+    assert collections.Counter(runs) == collections.Counter(
+        (code, team, number, 1) for code in ("HWV", "HNF", "HSUF") for number in (1, 2)
+        for team in ([ALL_TEAMS] if code == "HSUF" else names))
+    for found in by_time(made).values():
+        busy = [run.team for run in found]
+        assert len(set(busy)) == len(busy)
+    if teams == 5:
+        assert [sum(run.code == "HWV" for run in zone.runs) for zone in made.zones] == [6, 4]

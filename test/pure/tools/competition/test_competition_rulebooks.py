@@ -1,0 +1,185 @@
+"""Rulebooks: every included one makes a competition that the box takes; those of others are checked."""
+
+import datetime
+import os
+import pathlib
+
+import pytest
+import yaml
+
+from helpers.config_files import SHIPPED
+from roah_rsbb.results.standing_rules import read_rules
+from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.errors import Report
+from roah_rsbb.tools.competition import program, rulebooks
+
+NAMES = rulebooks.names(str(SHIPPED))
+OPTIONS = ["--teams", "Alpha,Beta,Gamma", "--time-zone", "UTC"]
+DAYS = ["--days", "2026-11-28,2026-11-29,2026-11-30"]
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    monkeypatch.chdir(tmp_path)
+
+    def go(*arguments):
+        with pytest.raises(SystemExit) as ended:
+            program.main(str(SHIPPED), list(arguments))
+        out, err = capsys.readouterr()
+        return ended.value.code, out, err
+    return go
+
+
+def text_of(path):
+    return pathlib.Path(path).read_text("utf-8")
+
+
+def load(folder="new"):
+    return config.load(*(f"{folder}/{name}.yaml" for name in ("benchmarks", "schedule", "passwords")))
+
+
+def start(event):
+    return datetime.datetime.utcfromtimestamp(event.scheduled).strftime("%d %H:%M")
+
+
+def test_there_are_rulebooks():
+    assert {"erl2019", "rockin2015"} <= set(NAMES)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_included_rulebook_needs_teams_and_days_only(run, name):
+    status, out, err = run("new", "--rulebook", name, *OPTIONS, *DAYS)
+    assert (status, err) == (0, "")
+    assert "warning" not in out
+    loaded, warnings = load()
+    assert warnings == []
+    report = Report()
+    book = rulebooks.read_rulebook(report, str(SHIPPED), name)
+    assert report.errors == [] and report.warnings == []
+    done = {event.benchmark.code for zone in loaded.zones for event in zone.events}
+    assert done == set(loaded.benchmarks) <= set(book.benchmarks)
+    assert {code: loaded.benchmarks[code] for code in done} == {code: book.benchmarks[code] for code in done}
+
+
+@pytest.mark.parametrize("name, codes", [
+    ("rockin2015", "HGTKMH HWV HCFGAC HOPF HNF HSUF"), ("erl2019", "HGTKMH HWV HCFGAC HOPF HNF HPPF HPFF HGMF"),
+])
+def test_the_leagues_of_the_past(run, name, codes):
+    assert run("new", "--rulebook", name, *OPTIONS, *DAYS)[0] == 0
+    assert list(load()[0].benchmarks) == codes.split()
+    assert set(read_rules("new/standings.yaml")) == set(codes.split()) - {"HSUF"}
+    with open(SHIPPED / "benchmarks.yaml", encoding="utf-8") as file:
+        included = {entry["code"]: entry for entry in yaml.safe_load(file)}
+    with open("new/benchmarks.yaml", encoding="utf-8") as file:
+        assert yaml.safe_load(file) == [included[code] for code in codes.split()]
+
+
+def test_options_replace_the_answers_of_a_rulebook(run):
+    assert run("new", "--rulebook", "erl2019", "--benchmarks", "STB", *OPTIONS, *DAYS)[0] == 0
+    assert list(load()[0].benchmarks) == ["STB"]
+
+
+@pytest.fixture
+def own(tmp_path):
+    """Writes a rulebook of an organiser."""
+    def write(**files):
+        folder = tmp_path / "own"
+        for name, text in files.items():
+            path = folder / name.replace("__", "/").replace("_yaml", ".yaml").replace("_py", ".py")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        return folder
+    return write
+
+
+BENCHMARKS = """\
+# The benchmarks of our league.
+
+# The first one.
+-   {name: One, desc: Task one, code: One, kind: task, timeout: 300}
+# The second one.
+-   code: "Two"
+    name: Two
+    desc: Task two
+    kind: task
+    timeout: 1000
+"""
+
+
+def test_a_rulebook_of_an_organiser(run, own):
+    own(benchmarks_yaml=BENCHMARKS, rulebook_yaml=(
+        "title: Our league\nbenchmarks: one, two\nzones: 'Left: all, Right: all'\ndaily: Two, One\nbreaks: 9:20-10:00\n"
+        "every: 20\nrounds: 1\nbegin: '9:00'\nend: 12:00\n"), modules__Other_py="")
+    status, out, err = run("new", "--rulebook", "own", *OPTIONS, "--days", "2026-11-28,2026-11-29")
+    assert (status, err) == (0, "")
+    assert sorted(os.listdir("new")) == [
+        "benchmarks.yaml", "competition.launch", "firewall.nft", "passwords.yaml", "schedule.yaml"]
+    zones = load()[0].zones
+    assert [(zone.name, [(event.benchmark.code, start(event)) for event in zone.events]) for zone in zones] == [
+        ("Left", [("Two", "28 09:00"), ("Two", "28 10:00"), ("One", "29 09:00"), ("One", "29 10:00")]),
+        ("Right", [("Two", "28 09:00"), ("One", "29 09:00")])]
+    # Only what is needed of the answers.
+    assert run("few", "--rulebook", "own", *OPTIONS, "--benchmarks", "One", "--days", "2026-11-28",
+               "--daily", "all")[0] == 0
+    text = text_of("few/benchmarks.yaml")
+    assert text == BENCHMARKS[:BENCHMARKS.index("# The second")]
+
+
+def test_the_interval_fits_the_longest_benchmark(run, own):
+    own(benchmarks_yaml=BENCHMARKS)
+    assert run("new", "--rulebook", "own", "--benchmarks", "all", *OPTIONS, "--days", "2026-11-28")[0] == 0
+    first, second = load()[0].zones[0].events[:2]
+    assert second.scheduled - first.scheduled == 20 * 60
+
+
+def test_functionality_benchmarks_come_with_their_rules_and_parameters(run, own):
+    own(benchmarks_yaml="- {name: F, desc: F, code: Fetch, kind: functionality, timeout: 20}\n",
+        modules__Fetch_py=text_of(SHIPPED.parent / "test/ros/config/own/modules/FetchMug.py")
+        .replace("FetchMug", "Fetch"), modules__Fetch_yaml="colours: [red]\n",
+        standings_yaml="Fetch: {criteria: [{name: Mugs, of: [{score: fetched}]}]}\n")
+    assert run("new", "--rulebook", "./own", "--benchmarks", "all", *OPTIONS, *DAYS)[0] == 0
+    assert sorted(os.listdir("new/modules")) == ["Fetch.py", "Fetch.yaml", "ground_truth.yaml"]
+    assert "standings.yaml" in os.listdir("new")
+    launch = text_of("new/competition.launch")
+    assert '$(dirname)/standings.yaml' in launch
+    with open("new/standings.yaml", "a", encoding="utf-8") as file:
+        file.write("Fetch: {}\n")
+    status, out, _ = run("new", "--check")
+    assert status == 1
+    assert out.startswith("error: new/standings.yaml:2: found the key 'Fetch' again")
+
+
+@pytest.mark.parametrize("text, line, reported", [
+    ("benchmarks: all\n", 1, "found a rulebook without title"),
+    ("title: A\nbenchmark: all\n", 2, "found the unknown key 'benchmark' in a rulebook"),
+    ("title: A\nbenchmarks: Onne\n", 2, "found the text 'Onne' as benchmark; expected a benchmark code: did you mean "),
+    ("title: A\nbenchmarks: []\n", 2, "found a sequence ('- item', or [a, b]) as benchmarks; expected a text"),
+    ("title: A\nbenchmarks: all\nevery: soon\n", 3, "found 'soon' as minutes"),
+    ("title: A\nbenchmarks: all\nevery:\n", 3, "found nothing as every; expected a text, such as 15"),
+    ("title: A\nbenchmarks: all\ndaily: One, Two\n", 3, "found benchmarks for 2 days; expected those of 3 days"),
+    ("title: A\nbenchmarks: all\ndaily: One, One, One\n", 3, "found no day for Two"),
+    ("title: A\nbenchmarks: all\nzones: 'L: One'\n", 3, "found no zone for Two"),
+])
+def test_errors_of_a_rulebook(run, own, text, line, reported):
+    own(benchmarks_yaml=BENCHMARKS, rulebook_yaml=text)
+    status, _, err = run("new", "--rulebook", "own", *OPTIONS, *DAYS)
+    assert status == 1
+    assert err.startswith(f"new_competition: own/rulebook.yaml:{line}: {reported}")
+    assert not os.path.exists("new")
+
+
+def test_an_unknown_rulebook(run):
+    status, _, err = run("new", "--rulebook", "erl2018", *OPTIONS, *DAYS)
+    assert status == 1
+    assert "--rulebook: found no rulebook 'erl2018'; expected " in err
+    assert "did you mean 'erl2019'?" in err
+
+
+def test_a_benchmark_without_a_limit(run, own):
+    own(benchmarks_yaml=BENCHMARKS.replace("timeout: 1000", "timeout: no limit\n    setup_time: 1000"))
+    status, out, _ = run("new", "--rulebook", "own", "--benchmarks", "all", *OPTIONS, "--days", "2026-11-28")
+    assert status == 0
+    assert "warning" not in out
+    first, second = load()[0].zones[0].events[:2]
+    assert second.scheduled - first.scheduled == 20 * 60
+    assert run("new", "--add-team", "Delta", "--time-zone", "UTC")[0] == 0
