@@ -497,5 +497,659 @@
         <source>Wait: {reasons}</source>
         <translation>Warten: {reasons}</translation>
     </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/app/window.py"/>
+        <source>RoAH RSBB – referee</source>
+        <translation>RoAH RSBB – Schiedsrichter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/app/window.py"/>
+        <source>&amp;Panels</source>
+        <translation>&amp;Fenster</translation>
+    </message>
+    <message numerus="yes">
+        <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
+        <source>{what}: not sent, because {n} commands are still waiting for an answer</source>
+        <translation>
+            <numerusform>{what}: nicht gesendet, weil {n} Befehl noch auf Antwort wartet</numerusform>
+            <numerusform>{what}: nicht gesendet, weil {n} Befehle noch auf Antwort warten</numerusform>
+        </translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
+        <source>{what}: no answer within {time:.0f} s: is the core running?</source>
+        <translation>{what}: keine Antwort innerhalb von {time:.0f} s: Läuft der Core?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/calls.py"/>
+        <source>no answer: is the core running? Check the state when it is back. ({error})</source>
+        <translation>keine Antwort: Läuft der Core? Prüfen Sie den Zustand, sobald er wieder da ist. ({error})</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
+        <source>▮▮▮ good</source>
+        <translation>▮▮▮ gut</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
+        <source>▮▮▯ gaps</source>
+        <translation>▮▮▯ Lücken</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
+        <source>▮▯▯ poor</source>
+        <translation>▮▯▯ schlecht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/model/link_quality.py"/>
+        <source>▯▯▯ silent</source>
+        <translation>▯▯▯ stumm</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>Team</source>
+        <translation>Team</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>Robot</source>
+        <translation>Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>Link</source>
+        <translation>Verbindung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>Clock skew</source>
+        <translation>Uhrabweichung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>Run in zone</source>
+        <translation>Lauf in Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>Last heard</source>
+        <translation>Zuletzt gehört</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>Active Robots</source>
+        <translation>Aktive Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>Longest silence of the robot in the last {time:.0f} s. It sends every second.</source>
+        <translation>Längste Sendepause des Roboters in den letzten {time:.0f} s. Er sendet jede Sekunde.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>The robot&apos;s clock minus the box&apos;s: + is ahead, - is behind</source>
+        <translation>Uhr des Roboters minus Uhr der Box: + geht vor, - geht nach</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>The whole box</source>
+        <translation>Die ganze Box</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>No robot is heard</source>
+        <translation>Kein Roboter ist zu hören</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/active_robots.py"/>
+        <source>Waiting for the core</source>
+        <translation>Warte auf den Core</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Reason of the stop</source>
+        <translation>Grund des Stopps</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Why was the run stopped? Press Enter to save</source>
+        <translation>Warum wurde der Lauf gestoppt? Speichern mit Enter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>After a stop, type the reason here and press Enter. You can change it until the run is signed off.</source>
+        <translation>Geben Sie nach einem Stopp hier den Grund ein und drücken Sie Enter. Sie können ihn ändern, bis der Lauf abgeschlossen ist.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Previous in {zone}</source>
+        <translation>Zurück in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>◀ Previous</source>
+        <translation>◀ Zurück</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Go to the zone&apos;s previous event</source>
+        <translation>Zum vorigen Termin der Zone gehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Next in {zone}</source>
+        <translation>Weiter in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Next ▶</source>
+        <translation>Weiter ▶</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Go to the zone&apos;s next event</source>
+        <translation>Zum nächsten Termin der Zone gehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Connect in {zone}</source>
+        <translation>Verbinden in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Connect</source>
+        <translation>Verbinden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Open the private channel to the team&apos;s robot</source>
+        <translation>Den privaten Kanal zum Roboter des Teams öffnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Start in {zone}</source>
+        <translation>Starten in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>▶ START</source>
+        <translation>▶ START</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Start the benchmark (keys: F5 twice)</source>
+        <translation>Den Benchmark starten (Tasten: zweimal F5)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Stop in {zone}</source>
+        <translation>Stoppen in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>■ STOP</source>
+        <translation>■ STOPP</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Stop the benchmark (keys: Esc twice)</source>
+        <translation>Den Benchmark stoppen (Tasten: zweimal Esc)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Disconnect in {zone}</source>
+        <translation>Trennen in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Disconnect</source>
+        <translation>Trennen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Leave the run and close the channel</source>
+        <translation>Den Lauf verlassen und den Kanal schließen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>This zone is not in the schedule. Choose a zone above.</source>
+        <translation>Diese Zone ist nicht im Zeitplan. Wählen Sie oben eine Zone.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>The core is silent: this is its last known state</source>
+        <translation>Der Core ist stumm: Dies ist sein letzter bekannter Zustand</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Benchmark Control</source>
+        <translation>Benchmark-Steuerung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>All keys (key: ?)</source>
+        <translation>Alle Tasten (Taste: ?)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>NO SUCH ZONE</source>
+        <translation>ZONE UNBEKANNT</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>NO CORE</source>
+        <translation>KEIN CORE</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>scheduled {time}</source>
+        <translation>geplant {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Scheduled: {time}</source>
+        <translation>Geplant: {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>The run is in progress. Disconnect?</source>
+        <translation>Der Lauf ist im Gange. Trennen?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>This ends the run of {robot} in zone {zone}, and it cannot be resumed.</source>
+        <translation>Das beendet den Lauf von {robot} in Zone {zone}. Er kann nicht fortgesetzt werden.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Not disconnected: another run is in {zone} now</source>
+        <translation>Nicht getrennt: In {zone} ist jetzt ein anderer Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/collapsing.py"/>
+        <source>Show this panel now</source>
+        <translation>Dieses Fenster jetzt zeigen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/collapsing.py"/>
+        <source>Leave the space to Scoring</source>
+        <translation>Den Platz der Wertung überlassen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Broadcast to</source>
+        <translation>Broadcast an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>UDP port</source>
+        <translation>UDP-Port</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Robots</source>
+        <translation>Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Running</source>
+        <translation>Läufe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Core Status</source>
+        <translation>Core-Status</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Exit …</source>
+        <translation>Beenden …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>End this client or the whole RSBB. You are asked first.</source>
+        <translation>Diesen Client oder die ganze RSBB beenden. Vorher wird nachgefragt.</translation>
+    </message>
+    <message numerus="yes">
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>{number} of {n} zones</source>
+        <translation>
+            <numerusform>{number} von {n} Zone</numerusform>
+            <numerusform>{number} von {n} Zonen</numerusform>
+        </translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Exit</source>
+        <translation>Beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>End the whole RSBB?</source>
+        <translation>Die ganze RSBB beenden?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>End the RSBB</source>
+        <translation>RSBB beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>This ends the core and everything started with it, for all referees.</source>
+        <translation>Das beendet den Core und alles, was mit ihm gestartet wurde, für alle Schiedsrichter.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>End this client?</source>
+        <translation>Diesen Client beenden?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>End this client</source>
+        <translation>Client beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>This ends only this referee&apos;s client. The core and its runs continue.</source>
+        <translation>Das beendet nur den Client dieses Schiedsrichters. Der Core und seine Läufe gehen weiter.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Runs in progress: {runs}</source>
+        <translation>Laufende Läufe: {runs}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
+        <source>☛ DO NOW: </source>
+        <translation>☛ JETZT: </translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
+        <source>Show {zone} in all panels of this client</source>
+        <translation>{zone} in allen Fenstern dieses Clients zeigen</translation>
+    </message>
+    <message numerus="yes">
+        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
+        <source>   (⚠ {n} more)</source>
+        <translation>
+            <numerusform>   (⚠ {n} weitere)</numerusform>
+            <numerusform>   (⚠ {n} weitere)</numerusform>
+        </translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
+        <source>■ STOP ALL ZONES (hold)</source>
+        <translation>■ ALLE ZONEN STOPPEN (halten)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
+        <source>Stop the runs of all zones. Hold the button down (keys: {key} twice).</source>
+        <translation>Die Läufe aller Zonen stoppen. Halten Sie die Schaltfläche gedrückt (Tasten: zweimal {key}).</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
+        <source>To stop all zones, hold the button down until the runs stop</source>
+        <translation>Um alle Zonen zu stoppen, halten Sie die Schaltfläche gedrückt, bis die Läufe stoppen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
+        <source>No zone is running</source>
+        <translation>Keine Zone läuft</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
+        <source>Overview</source>
+        <translation>Übersicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
+        <source>All zones</source>
+        <translation>Alle Zonen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
+        <source>▶ RUNNING: {zones}</source>
+        <translation>▶ LÄUFT: {zones}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
+        <source>● live</source>
+        <translation>● live</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
+        <source>Cancel</source>
+        <translation>Abbrechen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
+        <source>✘ {what} failed: {error}</source>
+        <translation>✘ {what} ist fehlgeschlagen: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
+        <source>✔ {what}: done</source>
+        <translation>✔ {what}: erledigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
+        <source>Enter your name</source>
+        <translation>Ihr Name</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/panel.py"/>
+        <source>The referee&apos;s name. It is recorded with everything that you do here. A sign-off needs it.</source>
+        <translation>Der Name des Schiedsrichters. Er wird bei allem vermerkt, was Sie hier tun. Zum Abschließen einer Wertung ist er nötig.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/basic.py"/>
+        <source>Not possible now</source>
+        <translation>Jetzt nicht möglich</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/basic.py"/>
+        <source>… keep holding</source>
+        <translation>… weiter halten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>F5 twice</source>
+        <translation>F5 zweimal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>start the benchmark of the zone</source>
+        <translation>den Benchmark der Zone starten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>Esc twice</source>
+        <translation>Esc zweimal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>stop the run of the zone, wherever the focus is</source>
+        <translation>den Lauf der Zone stoppen, wo auch immer der Fokus ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>Shift+Esc twice</source>
+        <translation>Umschalt+Esc zweimal</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>stop the runs of all zones</source>
+        <translation>die Läufe aller Zonen stoppen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>1 to 9</source>
+        <translation>1 bis 9</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>score the item with this number: count one more, or yes</source>
+        <translation>den Punkt mit dieser Nummer werten: eins mehr oder ja</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>Shift+1 to 9</source>
+        <translation>Umschalt+1 bis 9</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>take it back: count one less, or no</source>
+        <translation>das zurücknehmen: eins weniger oder nein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>Tab, Shift+Tab</source>
+        <translation>Tab, Umschalt+Tab</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>go to the next or previous control; a frame shows where you are</source>
+        <translation>zum nächsten oder vorigen Bedienelement gehen; ein Rahmen zeigt, wo Sie sind</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>Space</source>
+        <translation>Leertaste</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>press the button in the frame</source>
+        <translation>die Schaltfläche im Rahmen drücken</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>Ctrl+F, F3, Shift+F3</source>
+        <translation>Strg+F, F3, Umschalt+F3</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>in a log: search, next, previous</source>
+        <translation>in einem Protokoll: suchen, nächste, vorige Stelle</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>open this page; Esc closes it</source>
+        <translation>diese Seite öffnen; Esc schließt sie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
+        <source>Keys</source>
+        <translation>Tasten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/run_times.py"/>
+        <source>‼ LAST SECONDS ‼ {label}</source>
+        <translation>‼ LETZTE SEKUNDEN ‼ {label}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/run_times.py"/>
+        <source>Time</source>
+        <translation>Zeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
+        <source>Note</source>
+        <translation>Notiz</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
+        <source>Save</source>
+        <translation>Speichern</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
+        <source>Not attempted</source>
+        <translation>Nicht versucht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
+        <source>Yes</source>
+        <translation>Ja</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
+        <source>Value</source>
+        <translation>Wert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
+        <source>Nothing is running in {zone}</source>
+        <translation>In {zone} läuft nichts</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
+        <source>Nothing is running in any zone</source>
+        <translation>In keiner Zone läuft etwas</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
+        <source>■ STOP {zones}?  Press {key} again within {time:.0f} s</source>
+        <translation>■ {zones} STOPPEN?  Drücken Sie innerhalb von {time:.0f} s noch einmal {key}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
+        <source>Stop {zones}</source>
+        <translation>{zones} stoppen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
+        <source>✘ Stop failed: {errors}</source>
+        <translation>✘ Stoppen ist fehlgeschlagen: {errors}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <source>Search (Ctrl+F)</source>
+        <translation>Suchen (Strg+F)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <source>Previous match (Shift+F3)</source>
+        <translation>Vorige Stelle (Umschalt+F3)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <source>Next match (F3, Enter)</source>
+        <translation>Nächste Stelle (F3, Enter)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <source>none</source>
+        <translation>keine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <source>{number} found</source>
+        <translation>{number} gefunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <source>{number} of {all}</source>
+        <translation>{number} von {all}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <source>No match</source>
+        <translation>Keine Stelle gefunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
+        <source>Type the text to search for</source>
+        <translation>Geben Sie den gesuchten Text ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/undo.py"/>
+        <source>Undo: {mark}</source>
+        <translation>Rückgängig: {mark}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/undo.py"/>
+        <source>{group}, by {name}, entry {number} of the history</source>
+        <translation>{group}, von {name}, Eintrag {number} des Verlaufs</translation>
+    </message>
 </context>
 </TS>

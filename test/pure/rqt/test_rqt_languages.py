@@ -15,29 +15,19 @@ LANGUAGES = sorted(path.stem for path in catalogues.FOLDER.glob("*.ts"))
 NOT_IN_WINDOWS = {"rqt/app/gui.py", "rqt/public/node.py", "rqt/qt.py", "rqt/language.py", "wording/suggestions.py"}
 # Literals that look like texts: names of classes, keys and time zones, and what rospy and the core say.
 NOT_TEXTS = {
-    "Esc", "Shift+Esc", "UTC", "{} UTC", "Panel", "PANEL", "{}Panel", "Results", "Schedule", "Devices",
+    "Esc", "Shift+Esc", "UTC", "{} UTC", "OK", "Panel", "PANEL", "{}Panel", "Results", "Schedule",
+    "Devices", "{} – RoAH RSBB",
     "unable to connect to service", "transport error", "{} of team {}: ",
 }
 
 # Still to do.
 PENDING = {
-    "rqt/app/panel_list.py",
-    "rqt/app/standalone.py",
-    "rqt/app/window.py",
-    "rqt/model/calls.py",
-    "rqt/model/link_quality.py",
-    "rqt/panels/active_robots.py",
-    "rqt/panels/benchmark_control.py",
-    "rqt/panels/collapsing.py",
-    "rqt/panels/core_status.py",
     "rqt/panels/devices.py",
     "rqt/panels/history.py",
     "rqt/panels/log_display.py",
     "rqt/panels/manual_operation.py",
     "rqt/panels/omf_switches.py",
     "rqt/panels/online_data.py",
-    "rqt/panels/overview.py",
-    "rqt/panels/panel.py",
     "rqt/panels/results.py",
     "rqt/panels/schedule.py",
     "rqt/panels/scoring.py",
@@ -46,13 +36,6 @@ PENDING = {
     "rqt/panels/text_panel.py",
     "rqt/public/content.py",
     "rqt/public/display.py",
-    "rqt/widgets/basic.py",
-    "rqt/widgets/keys_page.py",
-    "rqt/widgets/run_times.py",
-    "rqt/widgets/score_dialogs.py",
-    "rqt/widgets/stop_keys.py",
-    "rqt/widgets/text_search.py",
-    "rqt/widgets/undo.py",
 }
 
 

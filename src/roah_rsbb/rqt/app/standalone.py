@@ -17,6 +17,7 @@ from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QSettings
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.wording.language import tr
 
 # Size at the first start, in units of the desktop's font.
 WIDE_EMS, HIGH_EMS = 40, 40
@@ -39,7 +40,7 @@ def main(kind: Type[Panel]) -> None:
     settings = QSettings("roah_rsbb", name)
     kept = PanelSettings(settings, kind.__name__)
     panel = kind(Client.acquire())
-    panel.setWindowTitle(f"{kind.TITLE} – RoAH RSBB")
+    panel.setWindowTitle(f"{tr(kind.TITLE)} – RoAH RSBB")
     panel.resize(round(WIDE_EMS * basic.em()), round(HIGH_EMS * basic.em()))
     geometry = settings.value("geometry")
     if geometry is not None:

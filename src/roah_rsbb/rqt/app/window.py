@@ -15,6 +15,7 @@ from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QApplication, QDockWidget, QMainWindow, QSettings, Qt
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.wording.language import tr
 
 # Increase it when the set of panels changes: an older layout would hide new panels.
 LAYOUT_VERSION = 5
@@ -30,19 +31,19 @@ class Window(QMainWindow):
         super().__init__()
         self._settings = settings
         self._of_launch = of_launch
-        self.setWindowTitle("RoAH RSBB – referee")
+        self.setWindowTitle(tr("RoAH RSBB – referee"))
         self.setObjectName("RoahRsbbWindow")
         client = Client.acquire()
         self.panels: Dict[str, Panel] = {}
         self.docks: Dict[str, QDockWidget] = {}
         for kind in PANELS:
             panel = kind(client)
-            dock = QDockWidget(panel.TITLE, self, objectName=panel.objectName())
+            dock = QDockWidget(tr(panel.TITLE), self, objectName=panel.objectName())
             dock.setWidget(panel)
             self.panels[panel.objectName()] = panel
             self.docks[panel.objectName()] = dock
         self._lay_out()
-        menu = self.menuBar().addMenu("&Panels")
+        menu = self.menuBar().addMenu(tr("&Panels"))
         for dock in self.docks.values():
             menu.addAction(dock.toggleViewAction())
         self._restore()

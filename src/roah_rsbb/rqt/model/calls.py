@@ -10,6 +10,7 @@ from roah_rsbb.ros import refusals
 from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.srv import GetClock
+from roah_rsbb.wording.language import tr
 
 # Timeout of a call. A later answer is ignored.
 TIMEOUT_S = 5.0
@@ -83,7 +84,8 @@ class Calls(QObject):
     def run(self, owner: object, what: str, job: Callable[[], Any], done: Callable[[CallOutcome], None]) -> None:
         """Run `job` in a thread; `done` receives its result or error, unless `owner` was forgotten."""
         if self._threads >= MAX_WAITING:
-            done(CallOutcome(f"{what}: not sent, because {self._threads} commands are still waiting for an answer"))
+            done(CallOutcome(tr("{what}: not sent, because {n} commands are still waiting for an answer",
+                                what=what, n=self._threads)))
             return
         self._threads += 1
         self._next += 1
@@ -114,7 +116,8 @@ class Calls(QObject):
     def _on_late(self, token: int) -> None:
         if token in self._waiting:
             what = self._waiting[token].what
-            self._deliver(token, CallOutcome(f"{what}: no answer within {TIMEOUT_S:.0f} s: is the core running?"))
+            self._deliver(token, CallOutcome(
+                tr("{what}: no answer within {time:.0f} s: is the core running?", what=what, time=TIMEOUT_S)))
 
     def _deliver(self, token: int, outcome: CallOutcome) -> None:
         waiting = self._waiting.pop(token, None)
@@ -125,5 +128,5 @@ class Calls(QObject):
 def failure_text(raised: str) -> str:
     """Returns the core's reasons, or what to check if there was no answer."""
     if raised.endswith("unavailable") or raised.startswith(("unable to connect to service", "transport error")):
-        return f"no answer: is the core running? Check the state when it is back. ({raised})"
+        return tr("no answer: is the core running? Check the state when it is back. ({error})", error=raised)
     return refusals.reason(raised)

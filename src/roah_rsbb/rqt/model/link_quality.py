@@ -7,6 +7,8 @@ The core publishes when it last heard a robot, ten times a second; a robot sends
 import collections
 from typing import Deque, Dict, Hashable, NamedTuple, Optional
 
+from roah_rsbb.wording.language import tr, tr_later
+
 # Older silences are ignored, seconds.
 WINDOW_S = 10.0
 # A gap between two messages of the core that is longer than this says nothing about robots, seconds.
@@ -19,8 +21,8 @@ class _Level(NamedTuple):
 
 
 # A robot sends each second; after 3 s without a message the core warns.
-LEVELS = (_Level(1.6, "▮▮▮ good"), _Level(3.0, "▮▮▯ gaps"), _Level(10.0, "▮▯▯ poor"))
-SILENT = "▯▯▯ silent"
+LEVELS = (_Level(1.6, tr_later("▮▮▮ good")), _Level(3.0, tr_later("▮▮▯ gaps")), _Level(10.0, tr_later("▮▯▯ poor")))
+SILENT = tr_later("▯▯▯ silent")
 
 
 class _Robot:
@@ -63,5 +65,5 @@ def text(longest_silence_s: Optional[float]) -> str:
         return ""
     for number, level in enumerate(LEVELS):
         if longest_silence_s <= level.up_to_s:
-            return f"{level.text}, {longest_silence_s:.1f} s" if number else level.text
-    return SILENT
+            return f"{tr(level.text)}, {longest_silence_s:.1f} s" if number else tr(level.text)
+    return tr(SILENT)

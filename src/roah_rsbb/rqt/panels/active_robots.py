@@ -8,26 +8,30 @@ from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import QAbstractItemView, QHeaderView, Qt, QTableWidget, QTableWidgetItem
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import times
+from roah_rsbb.wording.language import tr, tr_later
 
-COLUMNS = ("Team", "Robot", "Link", "Clock skew", "Run in zone", "Last heard")
+COLUMNS = (
+    tr_later("Team"), tr_later("Robot"), tr_later("Link"), tr_later("Clock skew"), tr_later("Run in zone"),
+    tr_later("Last heard"),
+)
 NO_RUN = "–"
-TIPS = {
-    "Link": f"Longest silence of the robot in the last {link_quality.WINDOW_S:.0f} s. It sends every second.",
-    "Clock skew": "The robot's clock minus the box's: + is ahead, - is behind",
-}
+LINK, SKEW = 2, 3  # columns with tooltips
 
 
 class ActiveRobotsPanel(CollapsingPanel):
     """A table with one row per robot."""
 
-    TITLE = "Active Robots"
+    TITLE = tr_later("Active Robots")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
         self.table = basic.enlarged(QTableWidget(0, len(COLUMNS)), 1.1)
-        self.table.setHorizontalHeaderLabels(COLUMNS)
-        for column, text in TIPS.items():
-            self.table.horizontalHeaderItem(COLUMNS.index(column)).setToolTip(basic.tip(text))
+        self.table.setHorizontalHeaderLabels([tr(column) for column in COLUMNS])
+        self.table.horizontalHeaderItem(LINK).setToolTip(basic.tip(tr(
+            "Longest silence of the robot in the last {time:.0f} s. It sends every second.",
+            time=link_quality.WINDOW_S)))
+        self.table.horizontalHeaderItem(SKEW).setToolTip(basic.tip(tr(
+            "The robot's clock minus the box's: + is ahead, - is behind")))
         self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeToContents)
         self.table.horizontalHeader().setStretchLastSection(True)
         self.table.verticalHeader().hide()
@@ -56,10 +60,10 @@ class ActiveRobotsPanel(CollapsingPanel):
         self._show_lines([self._line(robot) for robot in robots] or [self._nobody()])
 
     def where(self) -> str:
-        return "The whole box"
+        return tr("The whole box")
 
     def _nobody(self) -> Tuple[str, ...]:
-        text = "No robot is heard" if self.model.gui else "Waiting for the core"
+        text = tr("No robot is heard") if self.model.gui else tr("Waiting for the core")
         return (text, *("" for _ in COLUMNS[1:]))
 
     def _zone_of(self, robot: RobotInfo) -> str:

@@ -27,10 +27,14 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.run_times import RunTimes
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
 from roah_rsbb.srv import StopReason, Zone
+from roah_rsbb.wording import sheets
+from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.todo import WARNING
 
-ASK_REASON = "Why was the run stopped? Press Enter to save"
-REASON_TIP = "After a stop, type the reason here and press Enter. You can change it until the run is signed off."
+REASON = tr_later("Reason of the stop")
+ASK_REASON = tr_later("Why was the run stopped? Press Enter to save")
+REASON_TIP = tr_later(
+    "After a stop, type the reason here and press Enter. You can change it until the run is signed off.")
 
 
 class StopReasonLine(QLineEdit):
@@ -62,8 +66,8 @@ class StopReasonLine(QLineEdit):
         summary, is_old = self._summary, self._panel.model.is_old
         why_fixed_now = why_fixed(summary, is_old) if summary is not None else ""
         self.setEnabled(summary is not None and not why_fixed_now)
-        self.setToolTip(basic.tip(why_fixed_now or REASON_TIP))
-        self.setPlaceholderText("" if summary is None else ASK_REASON)
+        self.setToolTip(basic.tip(why_fixed_now or tr(REASON_TIP)))
+        self.setPlaceholderText("" if summary is None else tr(ASK_REASON))
         sheet = None if summary is None else self._sheets.sheet(summary)
         if sheet is None or not sheet.stops or self.isModified() or sheet.summary.revision == self._sent_with:
             return
@@ -83,7 +87,7 @@ class StopReasonLine(QLineEdit):
         self._sent_with = summary.revision
 
         def done(outcome: CallOutcome) -> None:
-            self._answer.show_outcome("Reason of the stop", outcome)
+            self._answer.show_outcome(tr(REASON), outcome)
             if outcome.error and self._identity(self._summary) == summary.identity and self.text().strip() == reason:
                 self.setModified(True)
                 self._sent_with = None
@@ -95,9 +99,10 @@ class StopReasonLine(QLineEdit):
 
 
 class _Command(NamedTuple):
-    """A command of the zone: its names in services, button and message fields."""
+    """A command of the zone: its names in services, messages, button and message fields."""
 
     service: str
+    what: str
     label: str
     explanation: str
     field: str  # <field>_enabled in ZoneState, <field>_off in ZoneDetails
@@ -106,16 +111,22 @@ class _Command(NamedTuple):
 COMMANDS = {
     c.service: c
     for c in (
-        _Command("previous", "◀ Previous", "Go to the zone's previous event", "prev"),
-        _Command("next", "Next ▶", "Go to the zone's next event", "next"),
-        _Command("connect", "Connect", "Open the private channel to the team's robot", "connect"),
-        _Command("start", "▶ START", "Start the benchmark (keys: F5 twice)", "start"),
-        _Command("stop", "■ STOP", "Stop the benchmark (keys: Esc twice)", "stop"),
-        _Command("disconnect", "Disconnect", "Leave the run and close the channel", "disconnect"),
+        _Command("previous", tr_later("Previous in {zone}"), tr_later("◀ Previous"),
+                 tr_later("Go to the zone's previous event"), "prev"),
+        _Command("next", tr_later("Next in {zone}"), tr_later("Next ▶"),
+                 tr_later("Go to the zone's next event"), "next"),
+        _Command("connect", tr_later("Connect in {zone}"), tr_later("Connect"),
+                 tr_later("Open the private channel to the team's robot"), "connect"),
+        _Command("start", tr_later("Start in {zone}"), tr_later("▶ START"),
+                 tr_later("Start the benchmark (keys: F5 twice)"), "start"),
+        _Command("stop", tr_later("Stop in {zone}"), tr_later("■ STOP"),
+                 tr_later("Stop the benchmark (keys: Esc twice)"), "stop"),
+        _Command("disconnect", tr_later("Disconnect in {zone}"), tr_later("Disconnect"),
+                 tr_later("Leave the run and close the channel"), "disconnect"),
     )
 }
-NO_ZONE = "This zone is not in the schedule. Choose a zone above."
-SILENT = "The core is silent: this is its last known state"
+NO_ZONE = tr_later("This zone is not in the schedule. Choose a zone above.")
+SILENT = tr_later("The core is silent: this is its last known state")
 
 # The usual next command of each phase is highlighted while it is possible.
 NEXT_STEP = {
@@ -136,7 +147,7 @@ class _ZoneBox(QComboBox):
 class BenchmarkControlPanel(Panel):
     """Zone selector, event, countdown, state and the six commands."""
 
-    TITLE = "Benchmark Control"
+    TITLE = tr_later("Benchmark Control")
     WHERE_FACTOR = 1.4
 
     def __init__(self, client, parent=None) -> None:
@@ -154,7 +165,7 @@ class BenchmarkControlPanel(Panel):
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
         keys = QToolButton()
         keys.setText("?")
-        keys.setToolTip("All keys (key: ?)")
+        keys.setToolTip(tr("All keys (key: ?)"))
         keys.setFocusPolicy(Qt.NoFocus)  # the key does the same
         keys.clicked.connect(client.keys_key.open)
         self.heading.addWidget(keys)
@@ -184,7 +195,7 @@ class BenchmarkControlPanel(Panel):
             button.setSizePolicy(QSizePolicy.Preferred, QSizePolicy.Expanding)
         self.body.addWidget(self._answer)
         reason = QHBoxLayout()
-        reason.addWidget(QLabel("Reason of the stop"))
+        reason.addWidget(QLabel(tr(REASON)))
         reason.addWidget(self.reason, 1)
         self.body.addLayout(reason)
         self.body.addLayout(commands)
@@ -204,14 +215,14 @@ class BenchmarkControlPanel(Panel):
 
     def _button(self, command: _Command) -> basic.CommandButton:
         factor = 1.0 if command.field in ("prev", "next") else 1.3
-        button = basic.CommandButton(command.label, command.explanation, factor)
+        button = basic.CommandButton(tr(command.label), tr(command.explanation), factor)
         button.clicked.connect(lambda: self._press(command.service))
         return button
 
     def _key(self, key: str, service: str) -> TwiceKey:
         def what():
             zone = self.model.zone_name
-            return (service, zone), f"{COMMANDS[service].label} {zone}"
+            return (service, zone), f"{tr(COMMANDS[service].label)} {zone}"
 
         return TwiceKey(self, key, self.buttons[service], self._answer, what, lambda: self._press(service))
 
@@ -261,9 +272,9 @@ class BenchmarkControlPanel(Panel):
         for label in self._event.values():
             label.setText("")
         heard = self.model.gui is not None
-        self._phase.show_text("NO SUCH ZONE" if heard else "NO CORE", basic.IDLE)
+        self._phase.show_text(tr("NO SUCH ZONE") if heard else tr("NO CORE"), basic.IDLE)
         self.times.show_clock(None, self.model.is_old)
-        self._show_state(f"{NO_ZONE} ({self.model.zone_name})" if heard else "Waiting for the core")
+        self._show_state(f"{tr(NO_ZONE)} ({self.model.zone_name})" if heard else tr("Waiting for the core"))
 
     def _show_event(self, zone: ZoneState) -> None:
         self._event["name"].setText(f"{zone.code}  {zone.desc}")
@@ -271,9 +282,9 @@ class BenchmarkControlPanel(Panel):
         scheduled_s = zone.schedule.to_sec()
         when = self.client.moments.scheduled(scheduled_s, self.model.clock_s)
         self._event["facts"].setText(
-            f"{zone.name} · round {zone.round}, run {zone.run} · scheduled {when}"
+            f"{zone.name} · {sheets.turn(zone.round, zone.run)} · {tr('scheduled {time}', time=when)}"
         )
-        self._event["facts"].setToolTip(f"Scheduled: {self.client.moments.tip(scheduled_s)}")
+        self._event["facts"].setToolTip(tr("Scheduled: {time}", time=self.client.moments.tip(scheduled_s)))
 
     def _show_run(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
         clock = self.model.clock_of(zone.zone)
@@ -296,12 +307,12 @@ class BenchmarkControlPanel(Panel):
         button = self.buttons[command.service]
         running = details is not None and details.phase == "running"
         if zone is None:
-            button.allow(False, [NO_ZONE if self.model.gui else "Waiting for the core"])
+            button.allow(False, [tr(NO_ZONE) if self.model.gui else tr("Waiting for the core")])
             return
         allowed = getattr(zone, f"{command.field}_enabled")
         if self.model.is_old:
             # The run may still be running: STOP stays available in case the command gets through.
-            button.allow(allowed and command.service == "stop", [SILENT], basic.ALARM if running else None)
+            button.allow(allowed and command.service == "stop", [tr(SILENT)], basic.ALARM if running else None)
             return
         reasons = getattr(details, f"{command.field}_off") if details else ()
         tone = NEXT_STEP.get((details.phase if details else "", command.service))
@@ -313,9 +324,10 @@ class BenchmarkControlPanel(Panel):
         """A button was clicked, or its key pressed twice."""
         zone, details = self.model.zone_name, self.model.zone_details
         if service == "disconnect" and details is not None and details.phase == "running":
-            ask(self, "The run is in progress. Disconnect?",
-                f"This ends the run of {details.robot} in zone {zone}, and it cannot be resumed.",
-                "Disconnect", partial(self._disconnect, zone, details))
+            ask(self, tr("The run is in progress. Disconnect?"),
+                tr("This ends the run of {robot} in zone {zone}, and it cannot be resumed.",
+                   robot=details.robot, zone=zone),
+                tr(COMMANDS[service].label), partial(self._disconnect, zone, details))
         else:
             self._send(service, zone)
 
@@ -324,10 +336,10 @@ class BenchmarkControlPanel(Panel):
         if self.model.identity_of(zone) == asked.identity:
             self._send("disconnect", zone)
         else:
-            self._answer.warn(f"Not disconnected: another run is in {zone} now")
+            self._answer.warn(tr("Not disconnected: another run is in {zone} now", zone=zone))
 
     def _send(self, service: str, zone: str) -> None:
-        what = f"{service.capitalize()} in {zone}"
+        what = tr(COMMANDS[service].what, zone=zone)
         button = self.buttons[service]
         button.hold()
         self._answer.say(f"{what} …")

@@ -10,12 +10,13 @@ from typing import Optional
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QDockWidget, QMainWindow, Qt, QTimer, QToolButton, QWidget
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.wording.language import tr, tr_later
 
 # A window of this height has space for all panels, in units of the desktop's font.
 HIGH_WINDOW_EMS = 75
 SCORING = "ScoringPanel"
 SHOW, HIDE = "▸", "▾"
-SHOW_TIP, HIDE_TIP = "Show this panel now", "Leave the space to Scoring"
+SHOW_TIP, HIDE_TIP = tr_later("Show this panel now"), tr_later("Leave the space to Scoring")
 NO_LIMIT = 16777215  # Qt's QWIDGETSIZE_MAX
 
 
@@ -79,7 +80,7 @@ class CollapsingPanel(Panel):
     def _collapse(self, is_collapsed: bool) -> None:
         self.toggle.setVisible(bool(self._run) and (is_collapsed or self._is_in_the_way()))
         self.toggle.setText(SHOW if is_collapsed else HIDE)
-        self.toggle.setToolTip(SHOW_TIP if is_collapsed else HIDE_TIP)
+        self.toggle.setToolTip(tr(SHOW_TIP if is_collapsed else HIDE_TIP))
         if is_collapsed == self.is_collapsed:
             return
         self.is_collapsed = is_collapsed

@@ -14,22 +14,23 @@ from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.qt import QGridLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.wording.language import tr, tr_later
 
 SHUTDOWN = "roah_rsbb_shutdown"
 ENDS_RSBB = "exit_ends_rsbb"
 
 FIELDS = {
-    "addr": "Broadcast to",
-    "port": "UDP port",
-    "robots": "Robots",
-    "runs": "Running",
+    "addr": tr_later("Broadcast to"),
+    "port": tr_later("UDP port"),
+    "robots": tr_later("Robots"),
+    "runs": tr_later("Running"),
 }
 
 
 class CoreStatusPanel(Panel):
     """Status, address, port, number of robots and runs; exit."""
 
-    TITLE = "Core Status"
+    TITLE = tr_later("Core Status")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
@@ -44,13 +45,14 @@ class CoreStatusPanel(Panel):
             value.setTextInteractionFlags(Qt.TextSelectableByMouse)
             self._values[name] = basic.enlarged(value, 1.1)
             row, column = divmod(number, 2)
-            grid.addWidget(QLabel(label), row, 2 * column)
+            grid.addWidget(QLabel(tr(label)), row, 2 * column)
             grid.addWidget(value, row, 2 * column + 1)
             grid.setColumnStretch(2 * column + 1, 1)
         self.body.addLayout(grid)
         self._answer = Answer()
         self.body.addWidget(self._answer)
-        self.exit = basic.CommandButton("Exit …", "End this client or the whole RSBB. You are asked first.", 1.0)
+        self.exit = basic.CommandButton(
+            tr("Exit …"), tr("End this client or the whole RSBB. You are asked first."), 1.0)
         self.exit.allow(True)
         self.exit.clicked.connect(self.ask_exit)
         self.body.addWidget(self.exit)
@@ -58,7 +60,7 @@ class CoreStatusPanel(Panel):
     def show_model(self) -> None:
         gui, details = self.model.gui, self.model.details
         if gui is None:
-            self.notices.show_lines([("Waiting for the core", False)])
+            self.notices.show_lines([(tr("Waiting for the core"), False)])
             return
         warnings = list(details.warnings) if details else []
         # The status may only repeat these warnings in one line.
@@ -69,14 +71,14 @@ class CoreStatusPanel(Panel):
             "addr": gui.addr,
             "port": gui.port,
             "robots": str(len(gui.active_robots)),
-            "runs": f"{phases.count('running')} of {len(gui.zones)} zones",
+            "runs": tr("{number} of {n} zones", number=phases.count("running"), n=len(gui.zones)),
         }
         for name, value in values.items():
             self._values[name].setText(value)
             self._values[name].setEnabled(not self.model.is_old)
 
     def where(self) -> str:
-        return "The whole box"
+        return tr("The whole box")
 
     # -- exit ---------------------------------------------------------------------------------------
 
@@ -92,21 +94,21 @@ class CoreStatusPanel(Panel):
 
     def _ask(self, found: CallOutcome, service: str) -> None:
         if found.error:
-            self._answer.show_outcome("Exit", found)
+            self._answer.show_outcome(tr("Exit"), found)
             return
         details = self.model.details
         runs = [f"{d.zone} ({d.robot})" for d in details.zones if d.phase == "running"] if details else []
-        in_progress = f"\n\nRuns in progress: {', '.join(runs)}" if runs else ""
         if found.result:
-            question, yes = "End the whole RSBB?", "End the RSBB"
-            text = f"This ends the core and everything started with it, for all referees.{in_progress}"
+            question, yes = tr("End the whole RSBB?"), tr("End the RSBB")
+            text = tr("This ends the core and everything started with it, for all referees.")
         else:
-            question, yes = "End this client?", "End this client"
-            text = f"This ends only this referee's client. The core and its runs continue.{in_progress}"
-        ask(self, question, text, yes, lambda: self._exit(service))
+            question, yes = tr("End this client?"), tr("End this client")
+            text = tr("This ends only this referee's client. The core and its runs continue.")
+        in_progress = [tr("Runs in progress: {runs}", runs=", ".join(runs))] if runs else []
+        ask(self, question, "\n\n".join([text, *in_progress]), yes, lambda: self._exit(service))
 
     def _exit(self, service: str) -> None:
-        self._answer.say("Exit …")
+        self._answer.say(tr("Exit …"))
         self.client.calls.service(
-            self, service, Empty, (), lambda outcome: self._answer.show_outcome("Exit", outcome)
+            self, service, Empty, (), lambda outcome: self._answer.show_outcome(tr("Exit"), outcome)
         )

@@ -25,9 +25,11 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.basic import HoldButton
-from roah_rsbb.rqt.widgets.run_times import UNKNOWN, marked, tone_of
+from roah_rsbb.rqt.widgets.run_times import known, marked, tone_of
 from roah_rsbb.rqt.widgets.stop_keys import DONE_S
+from roah_rsbb.wording import sheets
 from roah_rsbb.wording.clock import Clock, lines
+from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.todo import Todo, Urgency, todo
 
 # Size of a tile at scale 1, in units of the desktop's font. A compact tile is lower.
@@ -38,7 +40,7 @@ WIDE_EMS = 20.0
 SHRINK = (1.0, 0.85, 0.7)
 LEAST_TEXT = 0.62
 LINES = {
-    Urgency.DO: ("☛ DO NOW: ", basic.ALARM),
+    Urgency.DO: (tr_later("☛ DO NOW: "), basic.ALARM),
     Urgency.LOOK: ("⚠ ", basic.OLD),
     Urgency.POSSIBLE: ("→ ", basic.READY),
     Urgency.NONE: ("", basic.OFF),
@@ -107,7 +109,7 @@ class ZoneTile(QFrame):
         self.setObjectName(f"zone {zone}")
         self.setFocusPolicy(Qt.TabFocus)
         self.setCursor(Qt.PointingHandCursor)
-        self.setToolTip(basic.tip(f"Show {zone} in all panels of this client"))
+        self.setToolTip(basic.tip(tr("Show {zone} in all panels of this client", zone=zone)))
         self.setAccessibleName(zone)
         self.name, self.countdown, self.event = QLabel(), QLabel(alignment=Qt.AlignRight), QLabel()
         self.phase = basic.Badge()
@@ -148,10 +150,10 @@ class ZoneTile(QFrame):
                   chosen: bool, old: bool) -> None:
         """Show the zone. `chosen`: the other panels show it; `old`: the core is silent."""
         self._texts = (f"{CHOSEN if chosen else ''}{zone.zone}", zone.team,
-                       f"{zone.team}  ·  {zone.code}  ·  round {zone.round}, run {zone.run}")
-        figure = (clock or UNKNOWN).main
+                       f"{zone.team}  ·  {zone.code}  ·  {sheets.turn(zone.round, zone.run)}")
+        figure = known(clock).main
         self.countdown.setText(f"({figure.text})" if old else marked(figure))
-        self.countdown.setToolTip(basic.tip("\n".join(lines(clock or UNKNOWN))))
+        self.countdown.setToolTip(basic.tip("\n".join(lines(known(clock)))))
         tone = None if old else tone_of(figure)
         basic.set_style(self.countdown, f"background: {tone.background}; color: {tone.text};" if tone else "")
         phase = phases.shown(details, clock)
@@ -160,7 +162,9 @@ class ZoneTile(QFrame):
         self._fit()
         mark, tone = LINES[todo.urgency]
         more = todo.warnings - (todo.urgency is Urgency.LOOK)
-        text = f"{mark}{todo.text}{f'   (⚠ {more} more)' if more > 0 else ''}"
+        text = f"{tr(mark)}{todo.text}"
+        if more > 0:
+            text += tr("   (⚠ {n} more)", n=more)
         self.todo.show_text(text)
         self.todo.setToolTip(basic.tip(text))  # the whole text, if it does not fit
         tone = basic.OFF if old else tone
@@ -206,12 +210,12 @@ class ZoneTile(QFrame):
 
 
 STOP_KEY = "Shift+Esc"
-STOP_ALL = "■ STOP ALL ZONES (hold)"
-STOP_TIP = f"Stop the runs of all zones. Hold the button down (keys: {STOP_KEY} twice)."
-HOLD_IT = "To stop all zones, hold the button down until the runs stop"
-NONE_RUNS = "No zone is running"
+STOP_ALL = tr_later("■ STOP ALL ZONES (hold)")
+STOP_TIP = tr_later("Stop the runs of all zones. Hold the button down (keys: {key} twice).")
+HOLD_IT = tr_later("To stop all zones, hold the button down until the runs stop")
+NONE_RUNS = tr_later("No zone is running")
 NO_CALL = (0, -1)
-NOT_HEARD = "Waiting for the core"
+NOT_HEARD = tr_later("Waiting for the core")
 # Tiles grow with the panel, so that they can be read from a distance, up to the factor MOST. Where space is short they
 # are compact, and shrink to LEAST at the smallest.
 LEAST, MOST = 0.7, 3.5
@@ -239,7 +243,7 @@ def _both(zone: str, team: str, metrics: QFontMetrics, width: int) -> str:
 class OverviewPanel(CollapsingPanel):
     """A tile for each zone, in the order of the schedule, so that no tile moves under the mouse."""
 
-    TITLE = "Overview"
+    TITLE = tr_later("Overview")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
@@ -257,9 +261,9 @@ class OverviewPanel(CollapsingPanel):
         self._area.setFrameShape(QFrame.NoFrame)
         self._area.setWidget(self._inside)
         self.body.addWidget(self._area, 1)
-        self.stop = HoldButton(STOP_ALL, STOP_TIP, 1.4)
+        self.stop = HoldButton(tr(STOP_ALL), tr(STOP_TIP, key=STOP_KEY), 1.4)
         self.stop.kept.connect(self._stop_all)
-        self.stop.too_short.connect(lambda: client.stop_keys.prompt.say(HOLD_IT, basic.OLD, DONE_S))
+        self.stop.too_short.connect(lambda: client.stop_keys.prompt.say(tr(HOLD_IT), basic.OLD, DONE_S))
         self.body.addWidget(self.stop)
 
     # -- showing ------------------------------------------------------------------------------------
@@ -273,7 +277,8 @@ class OverviewPanel(CollapsingPanel):
         basic.enlarged(self.stop, 1.0 if is_collapsed else 1.4, bold=True)
 
     def where(self) -> str:
-        return f"All zones  ·  {self.client.moments.with_zone(self.model.clock_s)}" if self.model.gui else "All zones"
+        clock = f"  ·  {self.client.moments.with_zone(self.model.clock_s)}" if self.model.gui else ""
+        return tr("All zones") + clock
 
     def where_tip(self) -> str:
         return self.client.moments.tip(self.model.clock_s) if self.model.gui else ""
@@ -295,7 +300,7 @@ class OverviewPanel(CollapsingPanel):
                 zone, details, self.model.clock_of(zone.zone), what, zone.zone == self.model.zone_name, old)
         running = self.model.running_zones()
         self._show_head(running, calling)
-        self.stop.allow(bool(running), [NONE_RUNS if self.model.gui else NOT_HEARD], basic.ALARM)
+        self.stop.allow(bool(running), [tr(NONE_RUNS if self.model.gui else NOT_HEARD)], basic.ALARM)
 
     def resizeEvent(self, event) -> None:
         super().resizeEvent(event)
@@ -304,12 +309,12 @@ class OverviewPanel(CollapsingPanel):
     def _show_head(self, running: List[str], calling: List[str]) -> None:
         """Show which zones need the referee, and which are running."""
         if self.model.gui is None:
-            self.head.show_text("Waiting for the core", basic.IDLE)
+            self.head.show_text(tr(NOT_HEARD), basic.IDLE)
             return
-        text = f"▶ RUNNING: {', '.join(running)}" if running else f"○ {NONE_RUNS}"
+        text = tr("▶ RUNNING: {zones}", zones=", ".join(running)) if running else f"○ {tr(NONE_RUNS)}"
         tone = basic.RUNNING if running else basic.IDLE
         if calling:
-            text, tone = f"☛ DO NOW: {', '.join(calling)}   {text}", basic.ALARM
+            text, tone = f"{tr(LINES[Urgency.DO][0])}{', '.join(calling)}   {text}", basic.ALARM
         old = self.model.is_old
         self.head.show_text(f"({text})" if old else text, basic.IDLE if old else tone)
 

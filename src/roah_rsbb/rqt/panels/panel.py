@@ -19,7 +19,8 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import StopRun
-from roah_rsbb.wording import times
+from roah_rsbb.wording import sheets, times
+from roah_rsbb.wording.language import tr
 
 # More than all panels of a window have.
 MOST_CONTROLS = 1000
@@ -39,7 +40,7 @@ class Panel(QWidget):
         self.client = client
         self.model = client.model
         self.setObjectName(type(self).__name__)
-        self.setWindowTitle(self.TITLE)
+        self.setWindowTitle(tr(self.TITLE))
         self._where = basic.enlarged(QLabel(), self.WHERE_FACTOR, bold=True)
         self._where.setTextFormat(Qt.PlainText)
         self._where.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
@@ -64,7 +65,7 @@ class Panel(QWidget):
         zone = self.model.zone
         if zone is None:
             return self.model.zone_name
-        return f"{zone.zone}  ·  {zone.code}  ·  {zone.team}  ·  round {zone.round}, run {zone.run}"
+        return f"{zone.zone}  ·  {zone.code}  ·  {zone.team}  ·  {sheets.turn(zone.round, zone.run)}"
 
     def where_tip(self) -> str:
         """Returns the tooltip of the heading."""
@@ -112,7 +113,7 @@ class Panel(QWidget):
         if self.model.is_old:
             self._news.show_text(f"⚠ {times.silence(self.model.silence_s)}", basic.OLD)
         else:
-            self._news.show_text("● live", basic.OFF)
+            self._news.show_text(tr("● live"), basic.OFF)
         self.show_model()
 
 
@@ -121,7 +122,7 @@ def ask(parent: QWidget, question: str, details: str, yes: str, then) -> QMessag
     box = QMessageBox(QMessageBox.Warning, question, question, parent=parent)
     box.setInformativeText(details)
     accept = box.addButton(yes, QMessageBox.AcceptRole)
-    cancel = box.addButton("Cancel", QMessageBox.RejectRole)
+    cancel = box.addButton(tr("Cancel"), QMessageBox.RejectRole)
     box.setDefaultButton(cancel)
     box.setEscapeButton(cancel)
     box.setAttribute(Qt.WA_DeleteOnClose)
@@ -162,9 +163,10 @@ class Answer(QLabel):
         """Show the result of the command `what`."""
         if outcome.error:
             tone = basic.ALARM
-            self._show(f"✘ {what} failed: {outcome.error}", f"background: {tone.background}; color: {tone.text};")
+            failed = tr("✘ {what} failed: {error}", what=what, error=outcome.error)
+            self._show(failed, f"background: {tone.background}; color: {tone.text};")
         else:
-            self._show(f"✔ {what}: done", "")
+            self._show(tr("✔ {what}: done", what=what), "")
             self._done.start(DONE_MS)
 
     def clear_answer(self) -> None:
@@ -191,8 +193,9 @@ class RefereeLine(QLineEdit):
         self._shared = shared
         self.setMaxLength(MAX_NAME)
         self.setFocusPolicy(Qt.ClickFocus)  # a stray key press must not change the name
-        self.setPlaceholderText("Enter your name")
-        self.setToolTip("The referee's name. It is recorded with everything that you do here. A sign-off needs it.")
+        self.setPlaceholderText(tr("Enter your name"))
+        self.setToolTip(tr(
+            "The referee's name. It is recorded with everything that you do here. A sign-off needs it."))
         self.textEdited.connect(lambda text: shared.set(text.strip()))
         shared.changed.connect(self._show)
         self._mark()

@@ -23,6 +23,7 @@ from roah_rsbb.rqt.qt import (
     Signal,
 )
 from roah_rsbb.wording import texts
+from roah_rsbb.wording.language import tr, tr_later
 
 
 class Tone(NamedTuple):
@@ -227,7 +228,7 @@ class CommandButton(QPushButton):
     ) -> None:
         """Enable or disable it. `tone`: colour while enabled; `explanation`: replaces the usual tooltip."""
         self._allowed = allowed
-        self.why_off = "" if allowed else texts.bullets(reasons or ("Not possible now",))
+        self.why_off = "" if allowed else texts.bullets(reasons or (tr("Not possible now"),))
         self.setToolTip(tip(self.why_off or explanation or self._explanation))
         on = allowed and tone is not None
         set_style(self, _button_style(tone) if on else "")
@@ -261,7 +262,7 @@ def _button_style(tone: Tone) -> str:
 
 
 KEEP_MS = 800
-KEEP_HOLDING = "… keep holding"
+KEEP_HOLDING = tr_later("… keep holding")
 
 
 class HoldButton(CommandButton):
@@ -274,7 +275,7 @@ class HoldButton(CommandButton):
         super().__init__(text, explanation, factor, parent)
         self._text = text
         # Its text changes, but its size must not.
-        self.setText(KEEP_HOLDING)
+        self.setText(tr(KEEP_HOLDING))
         self.setMinimumWidth(self.sizeHint().width())
         self.setText(text)
         self._keeping = QTimer(self, singleShot=True)
@@ -283,7 +284,7 @@ class HoldButton(CommandButton):
         self.released.connect(self._on_released)
 
     def _on_pressed(self) -> None:
-        self.setText(KEEP_HOLDING)
+        self.setText(tr(KEEP_HOLDING))
         self._keeping.start(KEEP_MS)
 
     def _on_released(self) -> None:

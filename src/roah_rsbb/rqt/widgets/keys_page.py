@@ -17,18 +17,19 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.window_keys import WindowKeys
+from roah_rsbb.wording.language import tr, tr_later
 
 # docs/referee.md has the same table.
 KEYS = (
-    ("F5 twice", "start the benchmark of the zone"),
-    ("Esc twice", "stop the run of the zone, wherever the focus is"),
-    ("Shift+Esc twice", "stop the runs of all zones"),
-    ("1 to 9", "score the item with this number: count one more, or yes"),
-    ("Shift+1 to 9", "take it back: count one less, or no"),
-    ("Tab, Shift+Tab", "go to the next or previous control; a frame shows where you are"),
-    ("Space", "press the button in the frame"),
-    ("Ctrl+F, F3, Shift+F3", "in a log: search, next, previous"),
-    ("?", "open this page; Esc closes it"),
+    (tr_later("F5 twice"), tr_later("start the benchmark of the zone")),
+    (tr_later("Esc twice"), tr_later("stop the run of the zone, wherever the focus is")),
+    (tr_later("Shift+Esc twice"), tr_later("stop the runs of all zones")),
+    (tr_later("1 to 9"), tr_later("score the item with this number: count one more, or yes")),
+    (tr_later("Shift+1 to 9"), tr_later("take it back: count one less, or no")),
+    (tr_later("Tab, Shift+Tab"), tr_later("go to the next or previous control; a frame shows where you are")),
+    (tr_later("Space"), tr_later("press the button in the frame")),
+    (tr_later("Ctrl+F, F3, Shift+F3"), tr_later("in a log: search, next, previous")),
+    ("?", tr_later("open this page; Esc closes it")),
 )
 WIDE_EMS = 40
 
@@ -39,12 +40,12 @@ class KeysDialog(QDialog):
     def __init__(self, parent: Optional[QWidget]) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WA_DeleteOnClose)
-        self.setWindowTitle("Keys")
+        self.setWindowTitle(tr("Keys"))
         grid = QGridLayout(self)
         grid.setHorizontalSpacing(round(1.5 * basic.em()))
         for row, (key, text) in enumerate(KEYS):
-            grid.addWidget(basic.enlarged(QLabel(key), 1.2, bold=True), row, 0, Qt.AlignTop)
-            what = basic.enlarged(QLabel(text, wordWrap=True), 1.2)
+            grid.addWidget(basic.enlarged(QLabel(tr(key)), 1.2, bold=True), row, 0, Qt.AlignTop)
+            what = basic.enlarged(QLabel(tr(text), wordWrap=True), 1.2)
             grid.addWidget(what, row, 1)
         grid.setColumnStretch(1, 1)
         buttons = QDialogButtonBox(QDialogButtonBox.Close)

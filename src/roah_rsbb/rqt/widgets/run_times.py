@@ -5,16 +5,21 @@ from typing import Optional
 from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, Qt, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.clock import Clock, Figure, Hurry
+from roah_rsbb.wording.language import tr, tr_later
 
-UNKNOWN = Clock(Figure("Time", "–:––"))
 # How the last seconds look. Those of the last 10 s have marks, words and a frame: they stand out without colour.
 _TONES = {Hurry.NO: None, Hurry.SOON: basic.OLD, Hurry.LAST: basic.ALARM}
-_LAST = "‼ LAST SECONDS ‼ {}"
+_LAST = tr_later("‼ LAST SECONDS ‼ {label}")
 
 
 def marked(figure: Figure) -> str:
     """Returns the time, with a mark in its last seconds."""
     return f"‼ {figure.text}" if figure.hurry is Hurry.LAST else figure.text
+
+
+def known(clock: Optional[Clock]) -> Clock:
+    """Returns the times of a run, or one that says that they are not known."""
+    return clock or Clock(Figure(tr("Time"), "–:––"))
 
 
 def tone_of(figure: Figure) -> Optional[basic.Tone]:
@@ -39,7 +44,7 @@ class _Time(QWidget):
     def show_figure(self, figure: Figure, is_old: bool) -> None:
         """Show a time. Brackets and grey show that it is old."""
         is_last = figure.hurry is Hurry.LAST
-        self.label.setText(_LAST.format(figure.label) if is_last else figure.label)
+        self.label.setText(tr(_LAST, label=figure.label) if is_last else figure.label)
         basic.enlarged(self.label, 1.0, bold=is_last)
         self.figure.setText(f"({figure.text})" if is_old else figure.text)
         self.figure.set_tone(None if is_old else tone_of(figure), framed=is_last)
@@ -65,7 +70,7 @@ class RunTimes(QWidget):
 
     def show_clock(self, clock: Optional[Clock], is_old: bool) -> None:
         """Show the times of a run; None: they are not known."""
-        clock = clock or UNKNOWN
+        clock = known(clock)
         self.main.show_figure(clock.main, is_old)
         self.goal.setVisible(clock.goal is not None)
         if clock.goal is not None:

@@ -15,6 +15,7 @@ from roah_rsbb.rqt.qt import (
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.wording.language import tr
 
 MAX_NOTE = 500
 MAX_VALUE = 2**31 - 1
@@ -40,7 +41,7 @@ class NoteDialog(QDialog):
         self.note = QLineEdit(maxLength=MAX_NOTE)
         self.buttons = QDialogButtonBox()
         self.yes = self.buttons.addButton(yes, QDialogButtonBox.AcceptRole)
-        self.cancel = self.buttons.addButton("Cancel", QDialogButtonBox.RejectRole)
+        self.cancel = self.buttons.addButton(tr("Cancel"), QDialogButtonBox.RejectRole)
         self.buttons.accepted.connect(self._accept)
         self.buttons.rejected.connect(self.reject)
         self.add_fields()
@@ -73,19 +74,19 @@ class ScoreDialog(NoteDialog):
         self._then_scored = then
         self.number: Optional[QSpinBox] = None
         self.tick: Optional[QCheckBox] = None
-        super().__init__(parent, title, desc, "Note", "Save", lambda note: None)
+        super().__init__(parent, title, desc, tr("Note"), tr("Save"), lambda note: None)
 
     def add_fields(self) -> None:
-        self.not_attempted = QCheckBox("Not attempted", checked=self._was_not_attempted)
+        self.not_attempted = QCheckBox(tr("Not attempted"), checked=self._was_not_attempted)
         if self._is_bool:
-            self.tick = QCheckBox("Yes", checked=bool(self._value))
+            self.tick = QCheckBox(tr("Yes"), checked=bool(self._value))
             field = self.tick
         else:
             self.number = QSpinBox(minimum=0, maximum=MAX_VALUE, value=self._value)
             field = self.number
         field.setEnabled(not self._was_not_attempted)
         self.not_attempted.toggled.connect(lambda on: field.setEnabled(not on))
-        self.form.addRow("Value", field)
+        self.form.addRow(tr("Value"), field)
         self.form.addRow("", self.not_attempted)
 
     def answer(self) -> None:

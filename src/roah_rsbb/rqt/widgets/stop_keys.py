@@ -15,6 +15,7 @@ from roah_rsbb.rqt.qt import QApplication, QEvent, QGuiApplication, QKeyEvent, Q
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.window_keys import WindowKeys
 from roah_rsbb.srv import StopRun
+from roah_rsbb.wording.language import tr
 
 DONE_S = 4.0
 FAILED_S = 15.0
@@ -75,21 +76,23 @@ class StopKeys(WindowKeys):
             return False
         running = [zone for zone in self._model.running_zones() if zone in zones]
         if not running:
-            names = "in any zone" if len(zones) != 1 else f"in {zones[0]}"
-            self.prompt.say(f"Nothing is running {names}", basic.IDLE, presses.WITHIN_S)
+            nothing = tr("Nothing is running in {zone}", zone=zones[0]) if len(zones) == 1 else \
+                tr("Nothing is running in any zone")
+            self.prompt.say(nothing, basic.IDLE, presses.WITHIN_S)
             return False
         what = (key, running[0], self._model.identity_of(running[0])) if key == "Esc" else (key,)
         # The time when the key was pressed: a busy process may handle both presses at once.
         if self._presses.press(event.timestamp() / 1000, what):
             self.stop(running)
             return True
-        text = f"■ STOP {', '.join(running)}?  Press {key} again within {presses.WITHIN_S:.0f} s"
+        text = tr("■ STOP {zones}?  Press {key} again within {time:.0f} s",
+                  zones=", ".join(running), key=key, time=presses.WITHIN_S)
         self.prompt.say(text, basic.ALARM, presses.WITHIN_S)
         return False
 
     def stop(self, zones: List[str], failed: Callable[[], None] = lambda: None) -> None:
         """Stop the runs in these zones and show the outcome; `failed()` is called if one could not be stopped."""
-        what = f"Stop {', '.join(zones)}"
+        what = tr("Stop {zones}", zones=", ".join(zones))
         self.prompt.say(f"{what} …", basic.ALARM, FAILED_S)
         outcomes: Dict[str, CallOutcome] = {}
 
@@ -98,9 +101,9 @@ class StopKeys(WindowKeys):
             errors = [f"{name}: {found.error}" for name, found in outcomes.items() if found.error]
             if errors:
                 failed()
-                self.prompt.say(f"✘ Stop failed: {'; '.join(errors)}", basic.ALARM, FAILED_S)
+                self.prompt.say(tr("✘ Stop failed: {errors}", errors="; ".join(errors)), basic.ALARM, FAILED_S)
             elif len(outcomes) == len(zones):
-                self.prompt.say(f"✔ {what}: done", basic.RUNNING, DONE_S)
+                self.prompt.say(tr("✔ {what}: done", what=what), basic.RUNNING, DONE_S)
 
         for zone in zones:
             request = (zone, self._model.identity_of(zone))

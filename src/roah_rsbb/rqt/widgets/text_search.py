@@ -18,6 +18,7 @@ from roah_rsbb.rqt.qt import (
     Signal,
 )
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.wording.language import tr
 
 # Highlighting more matches would make the text slow.
 MOST = 1000
@@ -37,11 +38,11 @@ class TextSearch(QWidget):
         self._view = view
         self._found: List[QTextCursor] = []
         self._here: Optional[int] = None
-        self.line = QLineEdit(placeholderText="Search (Ctrl+F)", clearButtonEnabled=True)
+        self.line = QLineEdit(placeholderText=tr("Search (Ctrl+F)"), clearButtonEnabled=True)
         self.count = QLabel()
         self.count.setMinimumWidth(round(6 * basic.em()))
-        self.previous = basic.CommandButton("▲", "Previous match (Shift+F3)", 1.0)
-        self.next = basic.CommandButton("▼", "Next match (F3, Enter)", 1.0)
+        self.previous = basic.CommandButton("▲", tr("Previous match (Shift+F3)"), 1.0)
+        self.next = basic.CommandButton("▼", tr("Next match (F3, Enter)"), 1.0)
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self.line, 1)
@@ -109,10 +110,11 @@ class TextSearch(QWidget):
     def _show(self) -> None:
         many, text = len(self._found), ""
         if self.line.text():
-            text = "none" if not many else f"{many}{'+' if many == MOST else ''} found"
-        self.count.setText(text if self._here is None else f"{self._here + 1} of {many}")
+            text = tr("none") if not many else tr("{number} found", number=f"{many}{'+' if many == MOST else ''}")
+        self.count.setText(
+            text if self._here is None else tr("{number} of {all}", number=self._here + 1, all=many))
         for button in (self.previous, self.next):
-            button.allow(bool(many), ["No match" if self.line.text() else "Type the text to search for"])
+            button.allow(bool(many), [tr("No match") if self.line.text() else tr("Type the text to search for")])
         self._view.setExtraSelections(
             [_selection(cursor, number == self._here) for number, cursor in enumerate(self._found)]
         )

@@ -9,10 +9,11 @@ from typing import Callable, List, NamedTuple, Optional, Sequence
 from roah_rsbb.rqt.qt import QFontMetricsF, QHBoxLayout, QPushButton, QSizePolicy, Qt, QTimer, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording import sheets, times
+from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.sheets import HistoryEntry
 
 PLACES = 5
-UNDO = "Undo: {}"
+UNDO = tr_later("Undo: {mark}")
 
 
 def placed(before: Sequence[Optional[HistoryEntry]], entries: Sequence[HistoryEntry]) -> List[Optional[HistoryEntry]]:
@@ -81,10 +82,11 @@ class UndoRow(QWidget):
         font.setBold(entry.number == newest)
         button.setFont(font)
         metrics, room = QFontMetricsF(font), button.width() - basic.em()
-        lines = (entry.item, f"{UNDO.format(sheets.change_text(entry))} ({ago})")
+        lines = (entry.item, f"{tr(UNDO, mark=sheets.change_text(entry))} ({ago})")
         button.setText("\n".join(metrics.elidedText(line, Qt.ElideRight, room) for line in lines).replace("&", "&&"))
-        more = f"{entry.group}, by {sheets.person(entry.who)}, entry {entry.number} of the history"
-        button.setToolTip(basic.tip(f"{UNDO.format(sheets.mark_text(entry))} ({ago})\n{more}"))
+        more = tr("{group}, by {name}, entry {number} of the history",
+                  group=entry.group, name=sheets.person(entry.who), number=entry.number)
+        button.setToolTip(basic.tip(f"{tr(UNDO, mark=sheets.mark_text(entry))} ({ago})\n{more}"))
 
     def _apply(self) -> None:
         for place, entry in zip(self._places, self._entries):
