@@ -859,6 +859,319 @@
         <translation>Laufende Läufe: {runs}</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Dimmer</source>
+        <translation>Dimmer</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Blinds</source>
+        <translation>Jalousie</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>The devices node is not running. Was roah_rsbb.launch started with devices:=true?</source>
+        <translation>Der Geräteknoten läuft nicht. Wurde roah_rsbb.launch mit devices:=true gestartet?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>What you set here takes effect when the controller is connected again.</source>
+        <translation>Was Sie hier einstellen, wirkt, sobald die Steuerung wieder verbunden ist.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Devices</source>
+        <translation>Geräte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Switch {number}</source>
+        <translation>Schalter {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>off</source>
+        <translation>aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>ON</source>
+        <translation>AN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Turn off</source>
+        <translation>Ausschalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Turn on</source>
+        <translation>Einschalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Door</source>
+        <translation>Tür</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>closed</source>
+        <translation>zu</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>OPEN</source>
+        <translation>OFFEN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Close</source>
+        <translation>Schließen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Open</source>
+        <translation>Öffnen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Bell</source>
+        <translation>Klingel</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>♪ Ring</source>
+        <translation>♪ Klingeln</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Ring the bell</source>
+        <translation>Die Klingel läuten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Home devices</source>
+        <translation>Geräte der Wohnung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>✘ NO DEVICES NODE</source>
+        <translation>✘ KEIN GERÄTEKNOTEN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>⚠ NOT CONNECTED</source>
+        <translation>⚠ NICHT VERBUNDEN</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>Last ring: {time}</source>
+        <translation>Zuletzt geklingelt: {time}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
+        <source>♪ RINGS</source>
+        <translation>♪ KLINGELT</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>The core is silent: nothing can be changed now</source>
+        <translation>Der Core ist stumm: Jetzt kann nichts geändert werden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>Final: signed off by {name}</source>
+        <translation>Endgültig: abgeschlossen von {name}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>Time</source>
+        <translation>Zeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>Who</source>
+        <translation>Wer</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>Item</source>
+        <translation>Kriterium</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>Change</source>
+        <translation>Änderung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>Notes</source>
+        <translation>Notizen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>Withdraw entry …</source>
+        <translation>Eintrag zurücknehmen …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>Choose an entry above</source>
+        <translation>Wählen Sie oben einen Eintrag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>Already withdrawn</source>
+        <translation>Schon zurückgenommen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>Withdraw entry {number}</source>
+        <translation>Eintrag {number} zurücknehmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>Why</source>
+        <translation>Warum</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>Withdraw</source>
+        <translation>Zurücknehmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
+        <source>History of the score sheet – {zone}</source>
+        <translation>Verlauf des Wertungsbogens – {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/log_display.py"/>
+        <source>Log Display</source>
+        <translation>Protokoll</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/log_display.py"/>
+        <source>Nothing has been logged yet</source>
+        <translation>Noch nichts protokolliert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <source>No manual operation now.</source>
+        <translation>Zurzeit kein Handeingriff.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <source>The robot has finished. Enter and confirm the switches that it changed in the panel OMF Switches.</source>
+        <translation>Der Roboter ist fertig. Geben Sie im Fenster OMF-Schalter die Schalter ein, die er geändert hat, und bestätigen Sie sie.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <source>✔ Manual operation complete</source>
+        <translation>✔ Handeingriff erledigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <source>✔ Complete with this answer</source>
+        <translation>✔ Mit dieser Antwort erledigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <source>Manual Operation</source>
+        <translation>Handeingriff</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <source>Answer (optional)</source>
+        <translation>Antwort (freiwillig)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <source>Confirm that it is done. The run continues.</source>
+        <translation>Bestätigen, dass es erledigt ist. Der Lauf geht weiter.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <source>Manual operation complete …</source>
+        <translation>Handeingriff erledigt …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <source>Manual operation complete</source>
+        <translation>Handeingriff erledigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>Used in HOMF only, from the robot&apos;s first goal.</source>
+        <translation>Nur in HOMF benutzt, ab dem ersten Ziel des Roboters.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>The robot has not finished. Confirm when it has.</source>
+        <translation>Der Roboter ist noch nicht fertig. Bestätigen Sie, sobald er es ist.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>OMF Switches</source>
+        <translation>OMF-Schalter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>✔ Confirm switches</source>
+        <translation>✔ Schalter bestätigen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>Confirm that the entries are correct</source>
+        <translation>Bestätigen, dass die Eingaben stimmen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>The robot pressed switch {number}</source>
+        <translation>Der Roboter hat Schalter {number} gedrückt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>Damaged switches</source>
+        <translation>Beschädigte Schalter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>One fewer damaged switch</source>
+        <translation>Ein beschädigter Schalter weniger</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>One more damaged switch</source>
+        <translation>Ein beschädigter Schalter mehr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>No switch is damaged</source>
+        <translation>Kein Schalter ist beschädigt</translation>
+    </message>
+    <message numerus="yes">
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>{n} damaged</source>
+        <translation>
+            <numerusform>{n} beschädigt</numerusform>
+            <numerusform>{n} beschädigt</numerusform>
+        </translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>Switches confirmed</source>
+        <translation>Schalter bestätigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/online_data.py"/>
+        <source>Online Data</source>
+        <translation>Online-Daten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/online_data.py"/>
+        <source>No online data from the robot yet</source>
+        <translation>Noch keine Online-Daten vom Roboter</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
         <source>☛ DO NOW: </source>
         <translation>☛ JETZT: </translation>
@@ -942,6 +1255,534 @@
         <translation>Der Name des Schiedsrichters. Er wird bei allem vermerkt, was Sie hier tun. Zum Abschließen einer Wertung ist er nötig.</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>This zone has no run yet.</source>
+        <translation>Diese Zone hat noch keinen Lauf.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Choose a run above</source>
+        <translation>Wählen Sie oben einen Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Fetching the score sheet …</source>
+        <translation>Der Wertungsbogen wird geholt …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Sign off …</source>
+        <translation>Abschließen …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Results</source>
+        <translation>Ergebnisse</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Run</source>
+        <translation>Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>End</source>
+        <translation>Ende</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Score</source>
+        <translation>Wertung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Sheet</source>
+        <translation>Bogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Group</source>
+        <translation>Gruppe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Value</source>
+        <translation>Wert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Reason</source>
+        <translation>Grund</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Change …</source>
+        <translation>Ändern …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Reason …</source>
+        <translation>Grund …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Score sheet</source>
+        <translation>Wertungsbogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>History</source>
+        <translation>Verlauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Ends</source>
+        <translation>Enden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>{time} min</source>
+        <translation>{time} min</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Choose an item above</source>
+        <translation>Wählen Sie oben ein Kriterium</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>The run has not been stopped yet</source>
+        <translation>Der Lauf wurde noch nicht gestoppt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>The run is still connected. Disconnect it first.</source>
+        <translation>Der Lauf ist noch verbunden. Trennen Sie ihn zuerst.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Enter your name at the bottom left</source>
+        <translation>Geben Sie unten links Ihren Namen ein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Correct …</source>
+        <translation>Korrigieren …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Save</source>
+        <translation>Speichern</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Reason of end {number}</source>
+        <translation>Grund von Ende {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Sign off {run}?</source>
+        <translation>Wertung abschließen: {run}?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>{score}
+
+Signed by {name}. The sheet cannot be corrected afterwards.</source>
+        <translation>{score}
+
+Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>no score</source>
+        <translation>ohne Wertung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Sign off</source>
+        <translation>Wertung abschließen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>now</source>
+        <translation>jetzt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
+        <source>Module: {name}</source>
+        <translation>Modul: {name}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>No event fits these filters.</source>
+        <translation>Kein Termin passt zu diesen Filtern.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>Choose this event</source>
+        <translation>Diesen Termin wählen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>Select an event above first.</source>
+        <translation>Markieren Sie zuerst oben einen Termin.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>The core is silent: no event can be chosen now</source>
+        <translation>Der Core ist stumm: Jetzt kann kein Termin gewählt werden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>Begins</source>
+        <translation>Beginn</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>Late</source>
+        <translation>Verzug</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>State</source>
+        <translation>Stand</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>Zone</source>
+        <translation>Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>Event</source>
+        <translation>Termin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>Schedule</source>
+        <translation>Zeitplan</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>All teams</source>
+        <translation>Alle Teams</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>All days</source>
+        <translation>Alle Tage</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>All events</source>
+        <translation>Alle Termine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>Make it the current event of {zone}</source>
+        <translation>Zum aktuellen Termin von {zone} machen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>Leave {run} in {zone} without a sign-off?</source>
+        <translation>{run} in {zone} ohne Abschluss verlassen?</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>{score}
+
+The score sheet stays in Results and can be signed off later. {zone} goes to {run}.</source>
+        <translation>{score}
+
+Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werden. {zone} geht zu {run}.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
+        <source>No score</source>
+        <translation>Ohne Wertung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>Scoring begins when a robot is connected.</source>
+        <translation>Die Wertung beginnt, sobald ein Roboter verbunden ist.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>This benchmark has nothing for the referee to score.</source>
+        <translation>In diesem Benchmark hat der Schiedsrichter nichts zu werten.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>The core is silent: nothing can be scored now</source>
+        <translation>Der Core ist stumm: Jetzt kann nichts gewertet werden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>✔ Yes</source>
+        <translation>✔ Ja</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>No</source>
+        <translation>Nein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>Not attempted</source>
+        <translation>Nicht versucht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>With a note …</source>
+        <translation>Mit Notiz …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>n/a</source>
+        <translation>n. v.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>Not attempted; add a note</source>
+        <translation>Nicht versucht; Notiz hinzufügen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>Scoring</source>
+        <translation>Wertung</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>History …</source>
+        <translation>Verlauf …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>Not saved: {item}. The score sheet of another run is shown now.</source>
+        <translation>Nicht gespeichert: {item}. Jetzt wird der Wertungsbogen eines anderen Laufs gezeigt.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>Score of the benchmarking module</source>
+        <translation>Wertung des Benchmark-Moduls</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/shortcuts.py"/>
+        <source>just pressed</source>
+        <translation>gerade gedrückt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/shortcuts.py"/>
+        <source>{command}?  Press {key} again within {time:.0f} s</source>
+        <translation>{command}?  Drücken Sie innerhalb von {time:.0f} s noch einmal {key}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
+        <source>Display</source>
+        <translation>Anzeige</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
+        <source>Last call</source>
+        <translation>Letzter Ruf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
+        <source>Position</source>
+        <translation>Position</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
+        <source>Position of</source>
+        <translation>Position gesetzt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
+        <source>Tablet Status</source>
+        <translation>Tablet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
+        <source>⚠ silent</source>
+        <translation>⚠ stumm</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
+        <source>Map</source>
+        <translation>Karte</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
+        <source>Call button</source>
+        <translation>Ruftaste</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
+        <source>none</source>
+        <translation>keine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/text_panel.py"/>
+        <source>Follow the end</source>
+        <translation>Dem Ende folgen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>Waiting for the referee box</source>
+        <translation>Warte auf die Referee-Box</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>Monday</source>
+        <translation>Montag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>Tuesday</source>
+        <translation>Dienstag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>Wednesday</source>
+        <translation>Mittwoch</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>Thursday</source>
+        <translation>Donnerstag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>Friday</source>
+        <translation>Freitag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>Saturday</source>
+        <translation>Samstag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>Sunday</source>
+        <translation>Sonntag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>January</source>
+        <translation>Januar</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>February</source>
+        <translation>Februar</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>March</source>
+        <translation>März</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>April</source>
+        <translation>April</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>June</source>
+        <translation>Juni</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>July</source>
+        <translation>Juli</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>August</source>
+        <translation>August</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>September</source>
+        <translation>September</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>October</source>
+        <translation>Oktober</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>November</source>
+        <translation>November</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>December</source>
+        <translation>Dezember</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>No signal since {time}: this is the last known state</source>
+        <translation>Kein Signal seit {time}: Dies ist der letzte bekannte Zustand</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>getting ready</source>
+        <translation>macht sich bereit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>paused</source>
+        <translation>pausiert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>ended</source>
+        <translation>beendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
+        <source>{weekday}, {day} {month} {year}</source>
+        <translation>{weekday}, {day}. {month} {year}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
+        <source>RoAH RSBB – public display</source>
+        <translation>RoAH RSBB – Publikumsanzeige</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
+        <source>Runs</source>
+        <translation>Läufe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
+        <source>Nothing is running at the moment</source>
+        <translation>Im Moment läuft nichts</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
+        <source>The schedule is done</source>
+        <translation>Der Zeitplan ist abgearbeitet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
+        <source>Next</source>
+        <translation>Als Nächstes</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
+        <source>Standing: {benchmark}</source>
+        <translation>Rangliste: {benchmark}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
+        <source>Provisional results</source>
+        <translation>Vorläufige Ergebnisse</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/basic.py"/>
         <source>Not possible now</source>
         <translation>Jetzt nicht möglich</translation>
@@ -989,7 +1830,7 @@
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
         <source>score the item with this number: count one more, or yes</source>
-        <translation>den Punkt mit dieser Nummer werten: eins mehr oder ja</translation>
+        <translation>das Kriterium mit dieser Nummer werten: eins mehr oder ja</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
@@ -999,7 +1840,7 @@
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
         <source>take it back: count one less, or no</source>
-        <translation>das zurücknehmen: eins weniger oder nein</translation>
+        <translation>zurücknehmen: eins weniger oder nein</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
@@ -1047,34 +1888,14 @@
         <translation>‼ LETZTE SEKUNDEN ‼ {label}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/run_times.py"/>
-        <source>Time</source>
-        <translation>Zeit</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
         <source>Note</source>
         <translation>Notiz</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
-        <source>Save</source>
-        <translation>Speichern</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
-        <source>Not attempted</source>
-        <translation>Nicht versucht</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
         <source>Yes</source>
         <translation>Ja</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
-        <source>Value</source>
-        <translation>Wert</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
@@ -1115,11 +1936,6 @@
         <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
         <source>Next match (F3, Enter)</source>
         <translation>Nächste Stelle (F3, Enter)</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
-        <source>none</source>
-        <translation>keine</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>

@@ -82,9 +82,12 @@ class Catalogue(QTranslator):
 
 def install() -> None:
     """Show the windows of this process in the language that the environment asks for. Call it once Qt has started."""
-    if _installed:
+    if _installed or not wanted(os.environ):
         return
-    folder = pathlib.Path(rospkg.RosPack().get_path("roah_rsbb"), "resource", "languages")
+    try:
+        folder = pathlib.Path(rospkg.RosPack().get_path("roah_rsbb"), "resource", "languages")
+    except rospkg.ResourceNotFound:  # without the package's environment there are no files: English
+        return
     language = chosen(folder, os.environ)
     if language == SOURCE:
         return

@@ -7,7 +7,7 @@ import enum
 import time
 from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence
 
-from roah_rsbb.wording import sheets
+from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.language import tr, tr_later
 
 MINUTE_S, HOUR_S, DAY_S = 60, 3600, 86400
@@ -157,6 +157,14 @@ def moment(utc_s: float, pattern: str, in_utc: bool = False) -> str:
         return time.strftime(pattern, time.gmtime(utc_s) if in_utc else time.localtime(utc_s))
     except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop a panel
         return "?"
+
+
+def moment_text(utc_s: float, with_day: bool, in_utc: bool = False) -> str:
+    """Returns a local or UTC moment as HH:MM, or as ``Thu 31 HH:MM``."""
+    number = moment(utc_s, "%u", in_utc)
+    if not with_day or not number.isdigit():
+        return moment(utc_s, "%H:%M", in_utc)
+    return f"{tr(times.DAYS[int(number) - 1])} {moment(utc_s, '%d %H:%M', in_utc)}"
 
 
 # -- choosing ---------------------------------------------------------------------------------------

@@ -24,7 +24,8 @@ _SENTENCE = re.compile(r"[^\W\d_]{2,}\W* \W*[^\W\d_]|^[^\w]*[A-Z][a-z]+[^\w]*$|[
 _WORD = re.compile(r"[^\W\d_]{2,}")
 # Names of classes, topics, files, style sheets and HTML.
 _NAME = re.compile(r"^([A-Z][a-z0-9]+){2,}$|^[\w.]*/[\w./{}]*$|^#[0-9a-f]{6}$|^~?[a-z_]+\.?$|^\W*$")
-_MARKUP = re.compile(r"<(p|br|b|table|tr|td)\b|\b(background|color|border|padding)[-a-z]*: |\bsolid palette\b")
+_MARKUP = re.compile(
+    r"<(p|br|b|table|tr|td)\b|\b(background|color|border|padding)[-a-z]*: |\bsolid palette\b|\bQ[A-Z]\w+ {")
 
 
 class Text(NamedTuple):

@@ -26,6 +26,7 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import Bool, Percentage
+from roah_rsbb.wording.language import tr, tr_later
 
 # Marks a value that the devices node has not confirmed.
 WAITING = " …"
@@ -173,12 +174,12 @@ class PercentageRow(DeviceRow):
         self.change(value)
 
 
-SWITCHES = {"switch_1": "Switch 1", "switch_2": "Switch 2", "switch_3": "Switch 3"}
-PERCENTAGES = {"dimmer": "Dimmer", "blinds": "Blinds"}
+SWITCHES = {"switch_1": 1, "switch_2": 2, "switch_3": 3}
+PERCENTAGES = {"dimmer": tr_later("Dimmer"), "blinds": tr_later("Blinds")}
 DOOR = "door_win_detect"
 
-NO_NODE = "The devices node is not running. Was roah_rsbb.launch started with devices:=true?"
-AWAY = "What you set here takes effect when the controller is connected again."
+NO_NODE = tr_later("The devices node is not running. Was roah_rsbb.launch started with devices:=true?")
+AWAY = tr_later("What you set here takes effect when the controller is connected again.")
 # States carry no time: an older one may still arrive for this long after the answer to a change.
 LATE_S = 1.0
 # How long a ring is highlighted.
@@ -188,7 +189,7 @@ RINGS_S = 5.0
 class DevicesPanel(Panel):
     """A row for each device; above them, whether they can be reached."""
 
-    TITLE = "Devices"
+    TITLE = tr_later("Devices")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
@@ -201,13 +202,14 @@ class DevicesPanel(Panel):
         inside = QWidget()
         self._lines = QVBoxLayout(inside)
         self._lines.setContentsMargins(0, 0, 0, 0)
-        for device, name in SWITCHES.items():
+        for device, number in SWITCHES.items():
             change = self._changer(device, f"{device}/set", Bool)
-            self._add(device, TwoStateRow(name, change, ("off", "ON"), ("Turn off", "Turn on")))
+            self._add(device, TwoStateRow(
+                tr("Switch {number}", number=number), change, (tr("off"), tr("ON")), (tr("Turn off"), tr("Turn on"))))
         for device, name in PERCENTAGES.items():
-            self._add(device, PercentageRow(name, self._changer(device, f"{device}/set", Percentage)))
+            self._add(device, PercentageRow(tr(name), self._changer(device, f"{device}/set", Percentage)))
         change = self._changer(DOOR, f"{DOOR}/mock", Bool)
-        self._add(DOOR, TwoStateRow("Door", change, ("closed", "OPEN"), ("Close", "Open")))
+        self._add(DOOR, TwoStateRow(tr("Door"), change, (tr("closed"), tr("OPEN")), (tr("Close"), tr("Open"))))
         self._lines.addLayout(self._bell_line())
         self._lines.addStretch(1)
         area = QScrollArea(widgetResizable=True)
@@ -226,10 +228,10 @@ class DevicesPanel(Panel):
 
     def _bell_line(self) -> QHBoxLayout:
         line = QHBoxLayout()
-        title = basic.enlarged(QLabel("Bell"), 1.3, bold=True)
+        title = basic.enlarged(QLabel(tr("Bell")), 1.3, bold=True)
         title.setMinimumWidth(self.rows[DOOR].line.itemAt(0).widget().minimumWidth())
         self.bell = basic.Badge(1.3)
-        self.ring = basic.CommandButton("♪ Ring", "Ring the bell", 1.2)
+        self.ring = basic.CommandButton(tr("♪ Ring"), tr("Ring the bell"), 1.2)
         self.ring.clicked.connect(self._ring)
         line.addWidget(title)
         line.addWidget(self.bell, 1)
@@ -239,11 +241,11 @@ class DevicesPanel(Panel):
     # -- showing ------------------------------------------------------------------------------------
 
     def where(self) -> str:
-        return "Home devices"
+        return tr("Home devices")
 
     def show_model(self) -> None:
         state, there = self.model.devices, self.model.has_devices
-        off = [] if there else [NO_NODE]
+        off = [] if there else [tr(NO_NODE)]
         self._show_connection(there)
         now = time.monotonic()
         for device, row in self.rows.items():
@@ -255,21 +257,21 @@ class DevicesPanel(Panel):
     def _show_connection(self, there: bool) -> None:
         status = self.model.devices_status
         if not there:
-            self.connection.show_text("✘ NO DEVICES NODE", basic.ALARM)
-            self.reason.setText(NO_NODE)
+            self.connection.show_text(tr("✘ NO DEVICES NODE"), basic.ALARM)
+            self.reason.setText(tr(NO_NODE))
         elif status is None or not status.connected:
-            self.connection.show_text("⚠ NOT CONNECTED", basic.OLD)
-            self.reason.setText(f"{'' if status is None else status.text}\n{AWAY}".strip())
+            self.connection.show_text(tr("⚠ NOT CONNECTED"), basic.OLD)
+            self.reason.setText(f"{'' if status is None else status.text}\n{tr(AWAY)}".strip())
         else:
-            self.connection.show_text("● connected", basic.RUNNING)
+            self.connection.show_text(tr("● connected"), basic.RUNNING)
             self.reason.setText(status.text)
 
     def _show_bell(self, rang_s: float) -> None:
         now = self.model.box_time() or time.time()
         rings = rang_s and now - rang_s < RINGS_S
-        text = f"Last ring: {self.client.moments.and_age(rang_s, now)}"
+        text = tr("Last ring: {time}", time=self.client.moments.and_age(rang_s, now))
         self.bell.setToolTip(self.client.moments.tip(rang_s) if rang_s else "")
-        self.bell.show_text(f"♪ RINGS  ·  {text}" if rings else text, basic.OLD if rings else basic.OFF)
+        self.bell.show_text(f"{tr('♪ RINGS')}  ·  {text}" if rings else text, basic.OLD if rings else basic.OFF)
 
     # -- operating ----------------------------------------------------------------------------------
 
@@ -297,5 +299,5 @@ class DevicesPanel(Panel):
     def _ring(self) -> None:
         self.ring.hold()
         self.client.calls.service(
-            self, "/devices/bell/mock", Empty, (), lambda outcome: self._answer.show_outcome("Bell", outcome)
+            self, "/devices/bell/mock", Empty, (), lambda outcome: self._answer.show_outcome(tr("Bell"), outcome)
         )

@@ -13,6 +13,7 @@ from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog
 from roah_rsbb.srv import GetRunSheet, ScoreWithdraw
 from roah_rsbb.wording import sheets
+from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import Moments
 
 # After a failure a sheet is requested again after this long.
@@ -62,14 +63,14 @@ class RunSheets:
 
 
 WIDE_EMS, HIGH_EMS = 56, 24
-SILENT = "The core is silent: nothing can be changed now"
+SILENT = tr_later("The core is silent: nothing can be changed now")
 
 
 def why_fixed(summary: Optional[RunSummary], is_old: bool) -> str:
     """Returns why a run's sheet cannot be changed now; empty: it can. `is_old`: the core is silent."""
     if summary is not None and summary.signed.to_sec():
-        return f"Final: signed off by {summary.signed_by}"
-    return SILENT if is_old else ""
+        return tr("Final: signed off by {name}", name=summary.signed_by)
+    return tr(SILENT) if is_old else ""
 
 
 class History(QWidget):
@@ -84,8 +85,8 @@ class History(QWidget):
         self._summary: Optional[RunSummary] = None
         self._sheet: Optional[RunSheet] = None
         self._why_off = ""
-        self.rows = Rows(("#", "Time", "Who", "Item", "Change", "Notes"), stretched=(3, 5))
-        self.withdraw = basic.enlarged(QPushButton("Withdraw entry …"), 1.1, bold=True)
+        self.rows = Rows(("#", tr("Time"), tr("Who"), tr("Item"), tr("Change"), tr("Notes")), stretched=(3, 5))
+        self.withdraw = basic.enlarged(QPushButton(tr("Withdraw entry …")), 1.1, bold=True)
         self.withdraw.setFocusPolicy(Qt.TabFocus)
         self.withdraw.clicked.connect(self._ask)
         self.rows.itemSelectionChanged.connect(self._show_button)
@@ -108,9 +109,9 @@ class History(QWidget):
     def _show_button(self) -> None:
         entry, why_off = self._chosen(), self._why_off
         if not why_off and entry is None:
-            why_off = "Choose an entry above"
+            why_off = tr("Choose an entry above")
         elif not why_off and entry.withdrawn.to_sec():
-            why_off = "Already withdrawn"
+            why_off = tr("Already withdrawn")
         self.withdraw.setEnabled(not why_off)
         self.withdraw.setToolTip(basic.tip(why_off))
 
@@ -118,7 +119,7 @@ class History(QWidget):
         summary, entry = self._summary, self._chosen()
         if summary is None or entry is None:
             return
-        what = f"Withdraw entry {entry.number}"
+        what = tr("Withdraw entry {number}", number=entry.number)
         text = f"{entry.desc}\n{sheets.person(entry.who)}, {self._client.moments.time_of_day(entry.time.to_sec())}"
 
         def send(note: str) -> None:
@@ -131,7 +132,7 @@ class History(QWidget):
         def done(outcome: CallOutcome) -> None:
             self._answer.show_outcome(what, outcome)
 
-        basic.show_dialog(NoteDialog(self, f"{what}?", text, "Why", "Withdraw", send))
+        basic.show_dialog(NoteDialog(self, f"{what}?", text, tr("Why"), tr("Withdraw"), send))
 
 
 def history_of(sheet: RunSheet) -> List[sheets.HistoryEntry]:
@@ -145,7 +146,7 @@ def _history_rows(sheet: RunSheet, unsaved: Collection[int], moments: Moments) -
     for entry in reversed(history_of(sheet)):
         words = sheets.entry_texts(entry, moments.time_of_day)
         notes = "; ".join(mark + text for mark, text in (
-            ("⚠ ", sheets.NOT_SAVED if entry.number in unsaved else ""), ("✎ ", words.correction), ("", words.note),
+            ("⚠ ", tr(sheets.NOT_SAVED) if entry.number in unsaved else ""), ("✎ ", words.correction), ("", words.note),
             ("✘ ", words.withdrawn)) if text)
         rows.append(Row(
             entry.number, (words.number, words.when, words.who, words.item, words.change, notes),
@@ -161,7 +162,7 @@ class HistoryDialog(QDialog):
     def __init__(self, parent: QWidget, client: Client, zone: str, identity: str) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WA_DeleteOnClose)
-        self.setWindowTitle(f"History of the score sheet – {zone}")
+        self.setWindowTitle(tr("History of the score sheet – {zone}", zone=zone))
         self.resize(round(WIDE_EMS * basic.em()), round(HIGH_EMS * basic.em()))
         self._client = client
         self._zone = zone
@@ -173,7 +174,7 @@ class HistoryDialog(QDialog):
         column.addWidget(self.history, 1)
         last = QHBoxLayout()
         last.addWidget(answer, 1)
-        self.close_button = QPushButton("Close")
+        self.close_button = QPushButton(tr("Close"))
         self.close_button.setFocusPolicy(Qt.TabFocus)
         self.close_button.setAutoDefault(False)
         self.close_button.clicked.connect(self.close)

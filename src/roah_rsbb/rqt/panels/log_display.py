@@ -6,6 +6,7 @@ from roah_rsbb.msg import ZoneState
 from roah_rsbb.rqt.panels.text_panel import TextPanel
 from roah_rsbb.rqt.qt import QColor, QSyntaxHighlighter, QTextCharFormat, QTextDocument
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.wording.language import tr_later
 
 # The core writes the level of warnings and errors after the time.
 LINE = re.compile(r"^\S+ (WARNING|ERROR): ")
@@ -36,8 +37,8 @@ def _look(tone: basic.Tone) -> QTextCharFormat:
 class LogDisplayPanel(TextPanel):
     """The run's log, with warnings and errors highlighted."""
 
-    TITLE = "Log Display"
-    NOTHING = "Nothing has been logged yet"
+    TITLE = tr_later("Log Display")
+    NOTHING = tr_later("Nothing has been logged yet")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)

@@ -8,12 +8,14 @@ from roah_rsbb.rqt.panels.panel import Answer, Panel
 from roah_rsbb.rqt.qt import QApplication, QHBoxLayout, QLabel, QLineEdit, QScrollArea, Qt, QTimer, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import ManualOperationAnswer
+from roah_rsbb.wording.language import tr, tr_later
 
-NOTHING = "No manual operation now."
-SWITCHES = "The robot has finished. Enter and confirm the switches that it changed in the panel OMF Switches."
-COMPLETE = "✔ Manual operation complete"
-COMPLETE_WITH = "✔ Complete with this answer"
-SILENT = "The core is silent: this is its last known state"
+NOTHING = tr_later("No manual operation now.")
+SWITCHES = tr_later(
+    "The robot has finished. Enter and confirm the switches that it changed in the panel OMF Switches.")
+COMPLETE = tr_later("✔ Manual operation complete")
+COMPLETE_WITH = tr_later("✔ Complete with this answer")
+SILENT = tr_later("The core is silent: this is its last known state")
 # How many times a new request flashes, and for how long each time.
 FLASHES = 8
 FLASH_MS = 350
@@ -32,7 +34,7 @@ def to_front(panel: QWidget) -> None:
 class ManualOperationPanel(Panel):
     """The request in large letters, and its answers. A new request flashes and beeps."""
 
-    TITLE = "Manual Operation"
+    TITLE = tr_later("Manual Operation")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
@@ -48,7 +50,7 @@ class ManualOperationPanel(Panel):
         area = QScrollArea(widgetResizable=True)
         area.setWidget(self.text)
         self.body.addWidget(area, 1)
-        self.typed = basic.enlarged(QLineEdit(placeholderText="Answer (optional)"), 1.3)
+        self.typed = basic.enlarged(QLineEdit(placeholderText=tr("Answer (optional)")), 1.3)
         self.typed.setMaxLength(1000)
         self.typed.returnPressed.connect(self._on_return)
         self.typed.hide()
@@ -70,13 +72,13 @@ class ManualOperationPanel(Panel):
         if request != self._request:
             self._show_another(request, details)
         waits_for_switches = zone is not None and zone.omf_complete
-        self.text.setText(zone.manual_operation if request else SWITCHES if waits_for_switches else NOTHING)
+        self.text.setText(zone.manual_operation if request else tr(SWITCHES if waits_for_switches else NOTHING))
         self.text.setEnabled(not self.model.is_old and (request is not None or waits_for_switches))
         self._show_tone()
         can_answer = request is not None and not self.model.is_old
         self.typed.setEnabled(can_answer)
         for number, button in enumerate(self.buttons):
-            off = SILENT if self.model.is_old else NOTHING
+            off = tr(SILENT if self.model.is_old else NOTHING)
             button.allow(can_answer, [off], basic.READY if number == 0 else None)
 
     def _show_another(self, request: Optional[OperationKey], details: Optional[ZoneDetails]) -> None:
@@ -112,7 +114,8 @@ class ManualOperationPanel(Panel):
             button.deleteLater()
         self.buttons = []
         for choice in choices or ("",):
-            button = basic.CommandButton(choice or COMPLETE, "Confirm that it is done. The run continues.", 1.5)
+            button = basic.CommandButton(
+                choice or tr(COMPLETE), tr("Confirm that it is done. The run continues."), 1.5)
             button.clicked.connect(lambda _=False, choice=choice: self._complete(choice))
             self._line.addWidget(button)
             self.buttons.append(button)
@@ -120,7 +123,7 @@ class ManualOperationPanel(Panel):
 
     def _name_button(self) -> None:
         if not self._choices:
-            self.buttons[0].setText(COMPLETE_WITH if self.typed.isVisibleTo(self) else COMPLETE)
+            self.buttons[0].setText(tr(COMPLETE_WITH if self.typed.isVisibleTo(self) else COMPLETE))
 
     def _on_flash(self) -> None:
         self._flashes_left = max(0, self._flashes_left - 1)
@@ -150,7 +153,7 @@ class ManualOperationPanel(Panel):
         answer = choice or self.typed.text().strip()
         for button in self.buttons:
             button.hold()
-        self._answer.say("Manual operation complete …")
+        self._answer.say(tr("Manual operation complete …"))
         request = self._request
         self.client.calls.service(
             self, "/core/manual_operation_answer", ManualOperationAnswer, (zone, operation, answer),
@@ -159,7 +162,7 @@ class ManualOperationPanel(Panel):
 
     def _answered(self, request: OperationKey, outcome) -> None:
         if request == self._request or outcome.error:
-            self._answer.show_outcome("Manual operation complete", outcome)
+            self._answer.show_outcome(tr("Manual operation complete"), outcome)
         if outcome.error:
             for button in self.buttons:
                 button.let_go()

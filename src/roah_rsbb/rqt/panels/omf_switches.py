@@ -7,10 +7,11 @@ from roah_rsbb.rqt.panels.panel import Answer, Panel
 from roah_rsbb.rqt.qt import QGridLayout, QHBoxLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import Zone, ZoneUInt8
+from roah_rsbb.wording.language import tr, tr_later
 
-NO_SWITCHES = "Used in HOMF only, from the robot's first goal."
-EXECUTING = "The robot has not finished. Confirm when it has."
-SILENT = "The core is silent: this is its last known state"
+NO_SWITCHES = tr_later("Used in HOMF only, from the robot's first goal.")
+EXECUTING = tr_later("The robot has not finished. Confirm when it has.")
+SILENT = tr_later("The core is silent: this is its last known state")
 # The test bed's panel has ten switches.
 COUNT = 10
 COLUMNS = 5
@@ -20,7 +21,7 @@ MAX_DAMAGED = 255
 class OmfSwitchesPanel(Panel):
     """A button for each switch, the number of damaged switches, and a button to confirm."""
 
-    TITLE = "OMF Switches"
+    TITLE = tr_later("OMF Switches")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
@@ -34,23 +35,24 @@ class OmfSwitchesPanel(Panel):
         self.body.addLayout(self._damaged_line())
         self._answer = Answer()
         self.body.addWidget(self._answer)
-        self.complete = basic.CommandButton("✔ Confirm switches", "Confirm that the entries are correct", 1.5)
+        self.complete = basic.CommandButton(
+            tr("✔ Confirm switches"), tr("Confirm that the entries are correct"), 1.5)
         self.complete.clicked.connect(self._confirm)
         self.body.addWidget(self.complete)
         self.body.addStretch(1)
 
     def _switch(self, number: int) -> basic.CommandButton:
-        button = basic.CommandButton(str(number), f"The robot pressed switch {number}", 1.4)
+        button = basic.CommandButton(str(number), tr("The robot pressed switch {number}", number=number), 1.4)
         button.clicked.connect(lambda: self._press(number))
         return button
 
     def _damaged_line(self) -> QHBoxLayout:
         line = QHBoxLayout()
-        line.addWidget(basic.enlarged(QLabel("Damaged switches"), 1.2), 1)
-        self.less = basic.CommandButton("−", "One fewer damaged switch", 1.3)
+        line.addWidget(basic.enlarged(QLabel(tr("Damaged switches")), 1.2), 1)
+        self.less = basic.CommandButton("−", tr("One fewer damaged switch"), 1.3)
         self.damaged = basic.enlarged(QLabel("0", alignment=Qt.AlignCenter), 1.6, bold=True)
         self.damaged.setMinimumWidth(round(3 * basic.em()))
-        self.more = basic.CommandButton("+", "One more damaged switch", 1.3)
+        self.more = basic.CommandButton("+", tr("One more damaged switch"), 1.3)
         self.less.clicked.connect(lambda: self._damage(-1))
         self.more.clicked.connect(lambda: self._damage(1))
         for widget in (self.less, self.damaged, self.more):
@@ -63,33 +65,34 @@ class OmfSwitchesPanel(Panel):
         zone = self.model.zone
         there = zone is not None and zone.omf
         can = there and not self.model.is_old
-        off = [SILENT] if self.model.is_old else [NO_SWITCHES]
-        self.hint.setText("" if there else NO_SWITCHES)
+        off = [tr(SILENT if self.model.is_old else NO_SWITCHES)]
+        self.hint.setText("" if there else tr(NO_SWITCHES))
         self.hint.setVisible(not there)
         on = set(_numbers(zone)) if there else set()
         for number, button in enumerate(self.switches, 1):
-            button.setText(f"{number}\n{'ON' if number in on else 'off'}")
+            button.setText(f"{number}\n{tr('ON') if number in on else tr('off')}")
             button.allow(can, off, basic.RUNNING if number in on else None)
         self.damaged.setText(str(zone.omf_damaged) if there else "0")
-        self.less.allow(can and zone.omf_damaged > 0, off if not can else ["No switch is damaged"])
+        self.less.allow(can and zone.omf_damaged > 0, off if not can else [tr("No switch is damaged")])
         self.more.allow(can and zone.omf_damaged < MAX_DAMAGED, off)
         waits = can and zone.omf_complete
-        self.complete.allow(waits, off if not can else [EXECUTING], basic.READY)
+        self.complete.allow(waits, off if not can else [tr(EXECUTING)], basic.READY)
 
     # -- entering -----------------------------------------------------------------------------------
 
     def _press(self, number: int) -> None:
-        self._call("button", ZoneUInt8, (self.model.zone_name, number), f"Switch {number}", self.switches[number - 1])
+        what = tr("Switch {number}", number=number)
+        self._call("button", ZoneUInt8, (self.model.zone_name, number), what, self.switches[number - 1])
 
     def _damage(self, by: int) -> None:
         zone = self.model.zone
         if zone is not None:
             damaged = min(MAX_DAMAGED, max(0, zone.omf_damaged + by))
             button = self.more if by > 0 else self.less
-            self._call("damaged", ZoneUInt8, (zone.zone, damaged), f"{damaged} damaged", button)
+            self._call("damaged", ZoneUInt8, (zone.zone, damaged), tr("{n} damaged", n=damaged), button)
 
     def _confirm(self) -> None:
-        self._call("complete", Zone, (self.model.zone_name,), "Switches confirmed", self.complete)
+        self._call("complete", Zone, (self.model.zone_name,), tr("Switches confirmed"), self.complete)
 
     def _call(self, name: str, kind: type, request: tuple, what: str, button: basic.CommandButton) -> None:
         button.hold()

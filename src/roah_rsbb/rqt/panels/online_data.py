@@ -2,13 +2,14 @@
 
 from roah_rsbb.msg import ZoneState
 from roah_rsbb.rqt.panels.text_panel import TextPanel
+from roah_rsbb.wording.language import tr_later
 
 
 class OnlineDataPanel(TextPanel):
     """Notifications, activation events, visitors and commands of the zone's robot."""
 
-    TITLE = "Online Data"
-    NOTHING = "No online data from the robot yet"
+    TITLE = tr_later("Online Data")
+    NOTHING = tr_later("No online data from the robot yet")
 
     def text_of(self, zone: ZoneState) -> str:
         return zone.online_data

@@ -11,34 +11,36 @@ from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog
 from roah_rsbb.srv import ScoreMark, SignOff, StopReason
 from roah_rsbb.wording import sheets, times
+from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.times import Moments
 
-NO_RUNS = "This zone has no run yet."
-CHOOSE = "Choose a run above"
-FETCHING = "Fetching the score sheet …"
-SIGN_OFF = "Sign off …"
+NO_RUNS = tr_later("This zone has no run yet.")
+CHOOSE = tr_later("Choose a run above")
+FETCHING = tr_later("Fetching the score sheet …")
+SIGN_OFF = tr_later("Sign off …")
 
 
 class ResultsPanel(RefereePanel):
     """A list of the zone's runs; below it, the chosen run."""
 
-    TITLE = "Results"
+    TITLE = tr_later("Results")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
         self._sheets = RunSheets(self, client.calls, self._on_update)
         self._zone = ""
-        self.runs = Rows(("Time", "Team", "Run", "End", "Score", "Sheet"), stretched=(4,), wrapped=False)
-        self.items = Rows(("Group", "Item", "Value", ""), stretched=(1,))
-        self.stops = Rows(("#", "Time", "Who", "End", "Reason"), stretched=(3, 4))
+        self.runs = Rows(
+            (tr("Time"), tr("Team"), tr("Run"), tr("End"), tr("Score"), tr("Sheet")), stretched=(4,), wrapped=False)
+        self.items = Rows((tr("Group"), tr("Item"), tr("Value"), ""), stretched=(1,))
+        self.stops = Rows(("#", tr("Time"), tr("Who"), tr("End"), tr("Reason")), stretched=(3, 4))
         self.what = basic.enlarged(QLabel(wordWrap=True), 1.2, bold=True)
         self.what.setTextFormat(Qt.PlainText)
         # Two lines are reserved: a run that is listed must not push other panels away, under the mouse.
         self.what.setMinimumHeight(2 * self.what.fontMetrics().lineSpacing())
-        self.correct = self._button("Change …", self._ask_score)
-        self.give_reason = self._button("Reason …", self._ask_reason)
-        self.sign = self._button(SIGN_OFF, self._ask_sign_off)
+        self.correct = self._button(tr("Change …"), self._ask_score)
+        self.give_reason = self._button(tr("Reason …"), self._ask_reason)
+        self.sign = self._button(tr(SIGN_OFF), self._ask_sign_off)
         self._answer = Answer()
         self.history = History(client, self, self._answer)
         self._lay_out()
@@ -49,9 +51,9 @@ class ResultsPanel(RefereePanel):
     def _lay_out(self) -> None:
         self.tabs = QTabWidget()
         self.tabs.setFocusPolicy(Qt.TabFocus)
-        self.tabs.addTab(_page(self.items, self.correct), "Score sheet")
-        self.tabs.addTab(self.history, "History")
-        self.tabs.addTab(_page(self.stops, self.give_reason), "Ends")
+        self.tabs.addTab(_page(self.items, self.correct), tr("Score sheet"))
+        self.tabs.addTab(self.history, tr("History"))
+        self.tabs.addTab(_page(self.stops, self.give_reason), tr("Ends"))
         below = QWidget()
         column = QVBoxLayout(below)
         column.setContentsMargins(0, 0, 0, 0)
@@ -85,7 +87,7 @@ class ResultsPanel(RefereePanel):
             self._zone = zone
             self._answer.clear_answer()
         rows = [_run_row(run, self.client.moments) for run in runs]
-        self.runs.show_rows(rows or [Row(None, ("", NO_RUNS, "", "", "", ""))])
+        self.runs.show_rows(rows or [Row(None, ("", tr(NO_RUNS), "", "", "", ""))])
         if self.runs.chosen is None and runs:
             self.runs.blockSignals(True)
             self.runs.choose(runs[0].identity)
@@ -118,18 +120,19 @@ class ResultsPanel(RefereePanel):
             ), tips=("", moments.tip(stop.time.to_sec()), sheets.node_of(stop.who), "", sheets.node_of(stop.reason_by)))
             for number, stop in enumerate(sheet.stops, 1)
         ])
-        for index, (name, rows) in enumerate((("History", self.history.rows), ("Ends", self.stops)), 1):
+        for index, (name, rows) in enumerate(((tr("History"), self.history.rows), (tr("Ends"), self.stops)), 1):
             self.tabs.setTabText(index, f"{name} ({len(rows.texts())})")
 
     def _what(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> str:
         if summary is None:
-            return CHOOSE if self.model.runs_of(self._zone) else ""
+            return tr(CHOOSE) if self.model.runs_of(self._zone) else ""
         if sheet is None:
-            return self._sheets.error or FETCHING
-        took = f"  ·  {times.elapsed(sheet.elapsed.to_sec())} min" if summary.end_reason else ""
-        return (f"{_name(summary)}  ·  {_state(summary)}{took}  ·  {', '.join(sheet.robots)}\n"
-                f"{_sheet_state(summary, self.client.moments.with_zone)}"
-                + (f"  ·  ⚠ {sheets.NOT_SAVED}" if self.model.unsaved_of(summary.identity).sign_off else ""))
+            return self._sheets.error or tr(FETCHING)
+        took = [tr("{time} min", time=times.elapsed(sheet.elapsed.to_sec()))] if summary.end_reason else []
+        unsaved = [f"⚠ {tr(sheets.NOT_SAVED)}"] if self.model.unsaved_of(summary.identity).sign_off else []
+        lines = ([_name(summary), _state(summary), *took, ", ".join(sheet.robots)],
+                 [_sheet_state(summary, self.client.moments.with_zone), *unsaved])
+        return "\n".join("  ·  ".join(parts) for parts in lines)
 
     # -- what may be done ---------------------------------------------------------------------------
 
@@ -137,15 +140,15 @@ class ResultsPanel(RefereePanel):
         general = self._why_off(summary, sheet)
         item = self._chosen_item(sheet)
         over = summary is not None and summary.closed.to_sec()
-        _allow(self.correct, general or ("" if item is not None else "Choose an item above"))
-        _allow(self.give_reason, general or ("" if sheet and sheet.stops else "The run has not been stopped yet"))
-        _allow(self.sign, general or ("" if over else "The run is still connected. Disconnect it first.")
-               or ("" if self.client.referee.name else "Enter your name at the bottom left"))
-        self.correct.setText("Correct …" if over else "Change …")
+        _allow(self.correct, general or ("" if item is not None else tr("Choose an item above")))
+        _allow(self.give_reason, general or ("" if sheet and sheet.stops else tr("The run has not been stopped yet")))
+        _allow(self.sign, general or ("" if over else tr("The run is still connected. Disconnect it first."))
+               or ("" if self.client.referee.name else tr("Enter your name at the bottom left")))
+        self.correct.setText(tr("Correct …") if over else tr("Change …"))
 
     def _why_off(self, summary: Optional[RunSummary], sheet: Optional[RunSheet]) -> str:
         if summary is None or sheet is None:
-            return CHOOSE
+            return tr(CHOOSE)
         return why_fixed(summary, self.model.is_old)
 
     def _chosen_item(self, sheet: Optional[RunSheet]) -> Optional[ScoreItem]:
@@ -173,9 +176,10 @@ class ResultsPanel(RefereePanel):
         number = self.stops.chosen or len(sheet.stops)
         stop = sheet.stops[number - 1]
         dialog = NoteDialog(
-            self, "Reason", f"{self.client.moments.time_of_day(stop.time.to_sec())}: {stop.desc}", "Why", "Save",
+            self, tr("Reason"), f"{self.client.moments.time_of_day(stop.time.to_sec())}: {stop.desc}", tr("Why"),
+            tr("Save"),
             lambda reason: self._send(
-                summary, f"Reason of end {number}", "stop_reason", StopReason, (number, reason)
+                summary, tr("Reason of end {number}", number=number), "stop_reason", StopReason, (number, reason)
             ),
         )
         dialog.note.setText(stop.reason)
@@ -187,9 +191,10 @@ class ResultsPanel(RefereePanel):
             return
         name = self.client.referee.name
         ask(
-            self, f"Sign off {_name(summary)}?",
-            f"{summary.score or 'no score'}\n\nSigned by {name}. The sheet cannot be corrected afterwards.", "Sign off",
-            lambda: self._send(summary, "Sign off", "sign_off", SignOff, ()),
+            self, tr("Sign off {run}?", run=_name(summary)),
+            tr("{score}\n\nSigned by {name}. The sheet cannot be corrected afterwards.",
+               score=summary.score or tr("no score"), name=name),
+            tr("Sign off"), lambda: self._send(summary, tr("Sign off"), "sign_off", SignOff, ()),
         )
 
     def _send(self, summary: RunSummary, what: str, service: str, kind: type, request: Tuple) -> None:
@@ -229,13 +234,13 @@ def _sheet_state(run: RunSummary, when: Optional[sheets.When] = None) -> str:
     state = sheets.sheet_state(run.closed.to_sec(), signed)
     if signed:
         state = f"✔ {sheets.signature(signed, run.signed_by, when) if when else state}"
-    return f"✎ {sheets.CORRECTED}, {state}" if run.corrected else state
+    return f"✎ {tr(sheets.CORRECTED)}, {state}" if run.corrected else state
 
 
 def _run_row(run: RunSummary, moments: Moments) -> Row:
     closed = run.closed.to_sec()
     return Row(run.identity, (
-        moments.short(closed) if closed else "now", run.team,
+        moments.short(closed) if closed else tr("now"), run.team,
         f"{run.code}, {sheets.turn(run.round, run.run)}", _state(run), run.score, _sheet_state(run),
     ), bold=not run.signed.to_sec(), tips=(
         moments.tip(closed) if closed else "", "", "", "", "", sheets.node_of(run.signed_by),
@@ -250,11 +255,11 @@ def _item_rows(sheet: RunSheet) -> List[Row]:
         name, group = ("" if item.group == group else item.group), item.group
         value = sheets.item_value(item.type == ZoneScoreGroup.SCORING_BOOL, item.value, item.not_attempted)
         rows.append(Row((item.group, item.desc), (
-            name, item.desc, value, f"✎ {sheets.CORRECTED}" if item.corrected else ""
+            name, item.desc, value, f"✎ {tr(sheets.CORRECTED)}" if item.corrected else ""
         ), bold=bool(item.value or item.not_attempted or item.corrected)))
     for name, lines in by_group(sheet.module_scores):
         rows += [
-            Row(None, (f"Module: {name}" if index == 0 else "", line.name, line.value, ""))
+            Row(None, (tr("Module: {name}", name=name) if index == 0 else "", line.name, line.value, ""))
             for index, line in enumerate(lines)
         ]
     return rows

@@ -1,6 +1,6 @@
 """Schedule: all events of all zones, with results, sign-offs and estimated times (docs/referee.md, "Schedule")."""
 
-from typing import List, Optional, Tuple
+from typing import Callable, List, Optional, Tuple
 
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.qt import QAbstractItemView, QComboBox, QHBoxLayout, QPushButton, Qt, QTimer
@@ -8,15 +8,19 @@ from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.srv import ChooseEvent
 from roah_rsbb.wording import schedule, sheets
+from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.schedule import Event, EventFilter, Show
 from roah_rsbb.wording.times import Moments
 
-WAITING = "Waiting for the core"
-NO_EVENTS = "No event fits these filters."
-CHOOSE = "Choose this event"
-CHOOSE_FIRST = "Select an event above first."
-OLD = "The core is silent: no event can be chosen now"
-COLUMNS = ("Time", "Begins", "Late", "State", "Zone", "Team", "Event", "Score", "Sheet")
+WAITING = tr_later("Waiting for the core")
+NO_EVENTS = tr_later("No event fits these filters.")
+CHOOSE = tr_later("Choose this event")
+CHOOSE_FIRST = tr_later("Select an event above first.")
+OLD = tr_later("The core is silent: no event can be chosen now")
+COLUMNS = (
+    tr_later("Time"), tr_later("Begins"), tr_later("Late"), tr_later("State"), tr_later("Zone"), tr_later("Team"),
+    tr_later("Event"), tr_later("Score"), tr_later("Sheet"),
+)
 # The widest column of names, in units of the desktop's font.
 WIDEST_EMS = 11.0
 Key = Tuple[str, int]  # zone and number of an event
@@ -39,15 +43,15 @@ class FilterBox(QComboBox):
         """The chosen text; empty: all."""
         return self.currentData() or ""
 
-    def offer(self, names: List[str]) -> None:
-        """Offer these texts. The choice stays, as long as it is offered."""
+    def offer(self, names: List[str], show: Callable[[str], str] = str) -> None:
+        """Offer these texts, as `show` shows them. The choice stays, as long as it is offered."""
         if names == self._names:
             return
         chosen, self._names = self.chosen, names
         self.blockSignals(True)
         self.clear()
         for name in ["", *names]:
-            self.addItem(name or self._everything, name)
+            self.addItem(show(name) if name else self._everything, name)
         self.setCurrentIndex(max(0, self.findData(chosen)))
         self.blockSignals(False)
 
@@ -55,7 +59,7 @@ class FilterBox(QComboBox):
 class SchedulePanel(Panel):
     """A list of the events, filters above it, and a button that chooses the selected event."""
 
-    TITLE = "Schedule"
+    TITLE = tr_later("Schedule")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
@@ -63,12 +67,12 @@ class SchedulePanel(Panel):
         self._shown: Optional[EventFilter] = None
         self._scroll = QTimer(self, singleShot=True, interval=0)
         self._scroll.timeout.connect(self._scroll_to_current)
-        self.zones, self.teams = FilterBox("All zones"), FilterBox("All teams")
-        self.days, self.shows = FilterBox("All days"), FilterBox("All events")
-        self.shows.offer([show.value for show in Show if show is not Show.ALL])
-        self.rows = Rows(COLUMNS, stretched=(7,), wrapped=False)
+        self.zones, self.teams = FilterBox(tr("All zones")), FilterBox(tr("All teams"))
+        self.days, self.shows = FilterBox(tr("All days")), FilterBox(tr("All events"))
+        self.shows.offer([show.value for show in Show if show is not Show.ALL], tr)
+        self.rows = Rows([tr(column) for column in COLUMNS], stretched=(7,), wrapped=False)
         self.rows.horizontalHeader().setMaximumSectionSize(round(WIDEST_EMS * basic.em()))
-        self.choose = basic.enlarged(QPushButton(CHOOSE), 1.1, bold=True)
+        self.choose = basic.enlarged(QPushButton(tr(CHOOSE)), 1.1, bold=True)
         self.choose.setFocusPolicy(Qt.TabFocus)
         self._answer = Answer()
         self._lay_out()
@@ -92,7 +96,7 @@ class SchedulePanel(Panel):
     # -- showing ------------------------------------------------------------------------------------
 
     def where(self) -> str:
-        return schedule.summary(self._events) if self._events else WAITING
+        return schedule.summary(self._events) if self._events else tr(WAITING)
 
     def show_model(self) -> None:
         self._events = [] if self.model.schedule is None else schedule.events_of(self.model.schedule)
@@ -106,7 +110,8 @@ class SchedulePanel(Panel):
         events = [event for event in self._events if shown.shows(event, in_utc)]
         several_days = len({schedule.day_of(event, in_utc) for event in events}) > 1
         rows = [_row(event, several_days, self.client.moments) for event in events]
-        self.rows.show_rows(rows or [Row(None, ("", "", "", NO_EVENTS if self._events else "", "", "", "", "", ""))])
+        nothing = tr(NO_EVENTS) if self._events else ""
+        self.rows.show_rows(rows or [Row(None, ("", "", "", nothing, "", "", "", "", ""))])
         if rows and shown != self._shown:
             self._shown = shown
             self._scroll.start()  # once the rows have their heights
@@ -119,9 +124,12 @@ class SchedulePanel(Panel):
 
     def _show_button(self) -> None:
         event = self._chosen()
-        why = OLD if self.model.is_old else CHOOSE_FIRST if event is None else schedule.why_not(self._events, event)
+        if self.model.is_old or event is None:
+            why = tr(OLD if self.model.is_old else CHOOSE_FIRST)
+        else:
+            why = schedule.why_not(self._events, event)
         self.choose.setEnabled(not why)
-        self.choose.setToolTip(basic.tip(why or f"Make it the current event of {event.zone}"))
+        self.choose.setToolTip(basic.tip(why or tr("Make it the current event of {zone}", zone=event.zone)))
 
     def _chosen(self) -> Optional[Event]:
         return next((event for event in self._events if _key(event) == self.rows.chosen), None)
@@ -137,9 +145,10 @@ class SchedulePanel(Panel):
             self._send(event, unsigned=left is not None)
             return
         ask(
-            self, f"Leave {_name(left)} in {event.zone} without a sign-off?",
-            f"{left.score or 'No score'}\n\nThe score sheet stays in Results and can be signed off later. "
-            f"{event.zone} goes to {_name(event)}.", CHOOSE, lambda: self._send(event, unsigned=True),
+            self, tr("Leave {run} in {zone} without a sign-off?", run=_name(left), zone=event.zone),
+            tr("{score}\n\nThe score sheet stays in Results and can be signed off later. {zone} goes to {run}.",
+               score=left.score or tr("No score"), zone=event.zone, run=_name(event)),
+            tr(CHOOSE), lambda: self._send(event, unsigned=True),
         )
 
     def _send(self, event: Event, unsigned: bool) -> None:
@@ -168,16 +177,15 @@ def _name(event: Event) -> str:
 
 def _row(event: Event, several_days: bool, moments: Moments) -> Row:
     """Returns the row of an event. Estimated times have a mark that distinguishes them from facts."""
-    pattern = "%a %d %H:%M" if several_days else "%H:%M"
     has_begun = event.state in ("done", "running", "ended")
-    begins = "" if event.state == "skipped" else schedule.moment(event.begins_utc_s, pattern, moments.in_utc)
-    sheet = schedule.sheet_text(event)
+    begins = "" if event.state == "skipped" else schedule.moment_text(event.begins_utc_s, several_days, moments.in_utc)
+    is_signed = bool(event.identity) and not event.unsigned
     return Row(_key(event), (
-        schedule.moment(event.scheduled_utc_s, pattern, moments.in_utc),
+        schedule.moment_text(event.scheduled_utc_s, several_days, moments.in_utc),
         begins if has_begun or not begins else f"~ {begins}",
         schedule.delay_text(event.late_s), schedule.state_text(event), event.zone, event.team,
         f"{event.code}, {sheets.turn(event.round, event.run)}", event.score,
-        f"✔ {sheet}" if sheet == sheets.SIGNED_OFF else sheet,
+        f"✔ {schedule.sheet_text(event)}" if is_signed else schedule.sheet_text(event),
     ), bold=event.current, tips=(
         moments.tip(event.scheduled_utc_s), moments.tip(event.begins_utc_s) if begins else ""
     ))

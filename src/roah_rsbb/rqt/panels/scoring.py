@@ -26,15 +26,16 @@ from roah_rsbb.rqt.qt import (
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
 from roah_rsbb.rqt.widgets.sheet_view import SheetView
-from roah_rsbb.rqt.widgets.undo import PLACES, UndoRow
+from roah_rsbb.rqt.widgets.undo import PLACES, UNDO, UndoRow
 from roah_rsbb.srv import ScoreMark, ScoreWithdraw
 from roah_rsbb.wording import sheets
+from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.sheets import HistoryEntry
 
-NO_RUN = "Scoring begins when a robot is connected."
-NO_ITEMS = "This benchmark has nothing for the referee to score."
-SILENT = "The core is silent: nothing can be scored now"
+NO_RUN = tr_later("Scoring begins when a robot is connected.")
+NO_ITEMS = tr_later("This benchmark has nothing for the referee to score.")
+SILENT = tr_later("The core is silent: nothing can be scored now")
 # The value of an item that the robot did not attempt.
 NOT_ATTEMPTED = -1
 
@@ -49,7 +50,8 @@ class ItemShape(NamedTuple):
     kind: int
 
 
-_BOOL_TEXTS = {0: "No", NOT_ATTEMPTED: "Not attempted"}
+_YES = tr_later("✔ Yes")
+_BOOL_TEXTS = {0: tr_later("No"), NOT_ATTEMPTED: tr_later("Not attempted")}
 # The items with these numbers have keys.
 LAST_KEY = 9
 
@@ -96,10 +98,10 @@ class ScoreRow(QWidget):
         for widget in self._buttons if self._is_bool else (self.less, self.number, self.more):
             line.addWidget(widget)
         self.more_menu = QMenu(self)
-        self.not_attempted = self.more_menu.addAction("Not attempted")
+        self.not_attempted = self.more_menu.addAction(tr("Not attempted"))
         self.not_attempted.setCheckable(True)
         self.not_attempted.triggered.connect(lambda on: self._change(NOT_ATTEMPTED if on else 0))
-        self.with_note = self.more_menu.addAction("With a note …", ask)
+        self.with_note = self.more_menu.addAction(tr("With a note …"), ask)
         self.menu_button = QToolButton()
         self.menu_button.setText("⋯")
         self.menu_button.setFocusPolicy(Qt.TabFocus)
@@ -147,19 +149,19 @@ class ScoreRow(QWidget):
         self.not_attempted.setChecked(value == NOT_ATTEMPTED)
         if self._is_bool:
             self.toggle.setChecked(value == 1)
-            self.toggle.setText(f"{_BOOL_TEXTS.get(value, '✔ Yes')}{mark}")
+            self.toggle.setText(f"{tr(_BOOL_TEXTS.get(value, _YES))}{mark}")
             self.toggle.setAccessibleName(f"{self.text.text()}: {self.toggle.text()}")
             tone = basic.RUNNING
             style = f"background: {tone.background}; color: {tone.text};" if value > 0 and enabled else ""
             basic.set_style(self.toggle, f"QPushButton {{ {style} }}" if style else "")
         else:
-            self.number.setText(f"{'n/a' if value == NOT_ATTEMPTED else value}{mark}")
-            self.number.setToolTip("Not attempted" if value == NOT_ATTEMPTED else "")
+            self.number.setText(f"{tr('n/a') if value == NOT_ATTEMPTED else value}{mark}")
+            self.number.setToolTip(tr("Not attempted") if value == NOT_ATTEMPTED else "")
         for button in self._buttons:
             button.setEnabled(enabled)
-            button.setToolTip("" if enabled else SILENT)
+            button.setToolTip("" if enabled else tr(SILENT))
         if enabled:
-            self.menu_button.setToolTip("Not attempted; add a note")
+            self.menu_button.setToolTip(tr("Not attempted; add a note"))
         if not self._is_bool:
             self.less.setEnabled(enabled and value > 0)
 
@@ -195,7 +197,7 @@ class ModuleScores(QScrollArea):
 class ScoringPanel(RefereePanel):
     """All items of the run, in their groups."""
 
-    TITLE = "Scoring"
+    TITLE = tr_later("Scoring")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)
@@ -212,7 +214,7 @@ class ScoringPanel(RefereePanel):
         self.module_scores = ModuleScores()
         self.body.addWidget(self.module_scores, 1)
         self._answer = Answer()
-        self.history = QPushButton("History …")
+        self.history = QPushButton(tr("History …"))
         self.history.setFocusPolicy(Qt.TabFocus)
         self.history.clicked.connect(self._show_history)
         last = QHBoxLayout()
@@ -251,7 +253,7 @@ class ScoringPanel(RefereePanel):
         self.module_scores.show_scores(() if details is None else details.module_scores, self.model.is_old)
         if not shapes:
             connected = details is not None and details.robot != ""
-            self._nothing.setText(NO_ITEMS if connected else NO_RUN)
+            self._nothing.setText(tr(NO_ITEMS if connected else NO_RUN))
         elif zone is not None:
             self._show_values(zone, details)
         self.history.setEnabled(bool(shapes) and details is not None and bool(details.identity))
@@ -263,7 +265,7 @@ class ScoringPanel(RefereePanel):
             if self._sheet and identity else None
         sheet = None if summary is None else self._sheets.sheet(summary)
         entries = [] if sheet is None else sheets.to_undo(history_of(sheet), PLACES)
-        self.undo.show_entries(entries, self.model.clock_s, SILENT if self.model.is_old else "")
+        self.undo.show_entries(entries, self.model.clock_s, tr(SILENT) if self.model.is_old else "")
 
     def _show_values(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
         marks = iter(() if details is None else details.not_attempted)
@@ -301,7 +303,7 @@ class ScoringPanel(RefereePanel):
         details = self.model.zone_details
         if details is None or not details.identity:
             return
-        what = f"Undo: {sheets.mark_text(entry)}"
+        what = tr(UNDO, mark=sheets.mark_text(entry))
         self._answer.say(f"{what} …")
         self.client.calls.service(
             self, "/core/score/withdraw", ScoreWithdraw,
@@ -335,7 +337,8 @@ class ScoringPanel(RefereePanel):
             if sheet == self._sheet:
                 self._send(item, NOT_ATTEMPTED if not_attempted else value, note)
             else:
-                self._answer.warn(f"Not saved: {shape.desc}. The score sheet of another run is shown now.")
+                self._answer.warn(tr(
+                    "Not saved: {item}. The score sheet of another run is shown now.", item=shape.desc))
 
         basic.show_dialog(ScoreDialog(
             self, self.where(), shape.desc, shape.kind, max(0, shown), shown == NOT_ATTEMPTED, then
@@ -348,7 +351,7 @@ class ScoringPanel(RefereePanel):
             HistoryDialog(self, self.client, details.zone, details.identity).show()
 
     def _answered(self, sheet: tuple, item: ItemName, value: int, outcome: CallOutcome) -> None:
-        what = f"{sheet[0]}: {item[1]} = {'not attempted' if value == NOT_ATTEMPTED else value}"
+        what = f"{sheet[0]}: {item[1]} = {tr(sheets.NOT_ATTEMPTED) if value == NOT_ATTEMPTED else value}"
         if outcome.error:
             self._answer.show_outcome(what, outcome)
         if sheet != self._sheet:
@@ -371,7 +374,8 @@ def _scores_html(scores: Sequence[ModuleScore]) -> str:
             f"<tr><td>{html.escape(line.name)}&nbsp;&nbsp;</td><td><b>{html.escape(line.value)}</b></td></tr>"
             for line in lines
         ]
-    return f"<p>Score of the benchmarking module</p><table>{''.join(rows)}</table>" if rows else ""
+    title = html.escape(tr("Score of the benchmarking module"))
+    return f"<p>{title}</p><table>{''.join(rows)}</table>" if rows else ""
 
 
 def _shapes(zone: ZoneState) -> List[ItemShape]:

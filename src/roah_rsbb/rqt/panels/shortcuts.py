@@ -7,6 +7,7 @@ from roah_rsbb.rqt.model import presses
 from roah_rsbb.rqt.panels.panel import Answer, Panel
 from roah_rsbb.rqt.qt import QKeySequence, QShortcut, Qt
 from roah_rsbb.rqt.widgets.basic import CommandButton
+from roah_rsbb.wording.language import tr
 
 
 class TwiceKey:
@@ -40,9 +41,10 @@ class TwiceKey:
     def _press(self) -> None:
         now, (what, label) = time.monotonic(), self._what()
         if not self._button.is_on():
-            self._answer.warn(f"{label}: {self._button.why_off or 'just pressed'}")
+            self._answer.warn(f"{label}: {self._button.why_off or tr('just pressed')}")
         elif self._presses.press(now, what):
             self._act()
         elif self._presses.armed(now) == what:
-            self._answer.warn(f"{label}?  Press {self._key} again within {presses.WITHIN_S:.0f} s")
+            self._answer.warn(tr("{command}?  Press {key} again within {time:.0f} s",
+                                 command=label, key=self._key, time=presses.WITHIN_S))
             self._asked = True

@@ -5,6 +5,7 @@ from roah_rsbb.ros.tail import added
 from roah_rsbb.rqt.panels.collapsing import CollapsingPanel
 from roah_rsbb.rqt.qt import QCheckBox, QFontDatabase, QPlainTextEdit, QTextCursor
 from roah_rsbb.rqt.widgets.text_search import TextSearch
+from roah_rsbb.wording.language import tr
 
 # The core publishes only the end of the text; the panel keeps what it received since it was opened.
 MAX_LINES = 5000
@@ -20,11 +21,11 @@ class TextPanel(CollapsingPanel):
         self._source: tuple = ()
         self._published = ""
         self.view = QPlainTextEdit(readOnly=True)
-        self.view.setPlaceholderText(self.NOTHING)
+        self.view.setPlaceholderText(tr(self.NOTHING))
         self.view.setMaximumBlockCount(MAX_LINES)
         font = QFontDatabase.systemFont(QFontDatabase.FixedFont)
         self.view.setFont(font)
-        self.follow = QCheckBox("Follow the end")
+        self.follow = QCheckBox(tr("Follow the end"))
         self.follow.setChecked(True)
         self.follow.toggled.connect(self._to_end)
         self.search = TextSearch(self.view, self)
@@ -40,7 +41,7 @@ class TextPanel(CollapsingPanel):
 
     def where(self) -> str:
         last = self._published.rstrip("\n").rpartition("\n")[2]
-        return f"{self.TITLE}: {last}" if self.is_collapsed and last else super().where()
+        return f"{tr(self.TITLE)}: {last}" if self.is_collapsed and last else super().where()
 
     def show_model(self) -> None:
         zone = self.model.zone

@@ -8,9 +8,19 @@ import time
 from typing import NamedTuple, Optional, Tuple
 
 from roah_rsbb.wording import module_scores, sheets, times
+from roah_rsbb.wording.language import tr, tr_later
 
 ALL_TEAMS = "ALL"
-WAITING = "Waiting for the referee box"
+WAITING = tr_later("Waiting for the referee box")
+DAYS = (
+    tr_later("Monday"), tr_later("Tuesday"), tr_later("Wednesday"), tr_later("Thursday"), tr_later("Friday"),
+    tr_later("Saturday"), tr_later("Sunday"),
+)
+MONTHS = (
+    tr_later("January"), tr_later("February"), tr_later("March"), tr_later("April"), tr_later("May"), tr_later("June"),
+    tr_later("July"), tr_later("August"), tr_later("September"), tr_later("October"), tr_later("November"),
+    tr_later("December"),
+)
 
 
 class RunCard(NamedTuple):
@@ -70,9 +80,9 @@ def content(details: Optional[object], utc_s: float, is_old: bool, board: Option
     many_zones = len({event.zone for event in _events(details)}) > 1
     clock = _local("%H:%M:%S", utc_s)
     return PublicContent(
-        date=_local("%A, %d %B %Y", utc_s).replace(", 0", ", "),
+        date=_date(utc_s),
         clock=clock,
-        trouble=f"No signal since {clock}: this is the last known state" if is_old else "",
+        trouble=tr("No signal since {time}: this is the last known state", time=clock) if is_old else "",
         cards=tuple(_card(run, utc_s, many_zones) for run in details.runs),
         following=tuple(_following(event, utc_s, many_zones) for event in details.following),
         results=_results(details.finished if board is None else board.results, utc_s),
@@ -91,11 +101,11 @@ def _card(run, utc_s: float, many_zones: bool) -> RunCard:
     if event.team == ALL_TEAMS:
         parts.append(", ".join(run.teams))
     left = run.ends.to_sec() - utc_s if run.counting else run.left.to_sec()
-    big, word = times.countdown(left), "getting ready"
+    big, word = times.countdown(left), tr("getting ready")
     if run.phase == "running":
-        big, word = (f"▶ {big}", "running") if run.counting else (f"‖ {big}", "paused")
+        big, word = (f"▶ {big}", tr("running")) if run.counting else (f"‖ {big}", tr("paused"))
     elif run.phase == "ended":
-        big, word = "ended", _end(run.end_reason)
+        big, word = tr("ended"), _end(run.end_reason)
     return RunCard(run.phase, _team(event.team), event.benchmark, " · ".join(parts), big, word)
 
 
@@ -133,7 +143,7 @@ def _result(result, utc_s: float) -> ListLine:
 
 
 def _team(team: str) -> str:
-    return "All teams" if team == ALL_TEAMS else team
+    return tr("All teams") if team == ALL_TEAMS else team
 
 
 def _end(end_reason: str) -> str:
@@ -146,6 +156,16 @@ def _end(end_reason: str) -> str:
 def _when(moment, utc_s: float) -> str:
     pattern = "%Y-%m-%d %H:%M:%S"
     return times.short_time(_local(pattern, moment.to_sec()), _local(pattern, utc_s))
+
+
+def _date(utc_s: float) -> str:
+    """Returns such as "Thursday, 3 December 2026"."""
+    numbers = _local("%u %d %m %Y", utc_s).split()
+    if len(numbers) < 4:
+        return "?"
+    weekday, day, month, year = map(int, numbers)
+    return tr("{weekday}, {day} {month} {year}",
+              weekday=tr(DAYS[weekday - 1]), day=day, month=tr(MONTHS[month - 1]), year=year)
 
 
 def _local(pattern: str, utc_s: float) -> str:

@@ -11,6 +11,7 @@ from roah_rsbb.rqt.public import content, layout
 from roah_rsbb.rqt.public.content import ListLine, PublicContent, RunCard
 from roah_rsbb.rqt.public.layout import Rect, Screen
 from roah_rsbb.rqt.qt import QColor, QFont, QFontMetricsF, QPainter, QPixmap, QRectF, QSizeF, Qt, QWidget
+from roah_rsbb.wording.language import tr
 
 # A long text shrinks to at most this share of its size. If it is still too long, it is shortened: it must stay legible.
 SMALLEST = 0.7
@@ -123,7 +124,7 @@ class PublicDisplay(QWidget):
     ) -> None:
         """`page_s`: how long each page is shown if there are several, seconds. `title`, `logo`: of the competition."""
         super().__init__(parent)
-        self.setWindowTitle("RoAH RSBB – public display")
+        self.setWindowTitle(tr("RoAH RSBB – public display"))
         self.setCursor(Qt.BlankCursor)
         self.setFocusPolicy(Qt.NoFocus)
         self.written: List[Written] = []  # everything on the screen
@@ -171,18 +172,18 @@ class PublicDisplay(QWidget):
             self._paint_all(painter, writer, screen)
         else:
             middle = Rect(screen.edge, 0.4 * screen.height, screen.width - 2 * screen.edge, 0.2 * screen.height)
-            writer.write(middle, content.WAITING, FAINT, 0.4, Qt.AlignHCenter)
+            writer.write(middle, tr(content.WAITING), FAINT, 0.4, Qt.AlignHCenter)
         self.written = writer.written
 
     def _paint_all(self, painter: QPainter, writer: Writer, screen: Screen) -> None:
         shown = layout.pages(self.content.cards, layout.CARDS_ON_A_PAGE)
         number = self._page % len(shown)
-        self._paint_head(painter, writer, screen, _page_mark("Runs", number, len(shown)))
+        self._paint_head(painter, writer, screen, _page_mark(tr("Runs"), number, len(shown)))
         places = screen.cards(len(shown[number]))
         for card, place in zip(shown[number], places):
             self._paint_card(painter, writer, card, place)
         if not self.content.cards:
-            writer.write(places[0], "Nothing is running at the moment", TEXT)
+            writer.write(places[0], tr("Nothing is running at the moment"), TEXT)
         self._paint_below(writer, screen, screen.below(places))
 
     def _paint_head(self, painter: QPainter, writer: Writer, screen: Screen, page: str) -> None:
@@ -242,14 +243,17 @@ class PublicDisplay(QWidget):
         if blocks:
             self._paint_lines(writer, lines, blocks, rest, unit, fill)
         else:
-            writer.write(rest._replace(h=layout.ROW * unit), "The schedule is done", TEXT, fill)
+            writer.write(rest._replace(h=layout.ROW * unit), tr("The schedule is done"), TEXT, fill)
 
     def _pages(self, area: Rect, rest: Rect, unit: float) -> List[_Page]:
         shown = self.content
         following = shown.following[:layout.rows_that_fit(area, unit)]
-        found: List[_Page] = [("Next", following, tuple(layout.Block(row, ()) for row in range(len(following))))]
-        lists = [(f"Standing: {standing.title}", standing.lines) for standing in shown.standings]
-        for title, lines in (*lists, ("Results", shown.results), ("Provisional results", shown.provisional)):
+        found: List[_Page] = [(tr("Next"), following, tuple(layout.Block(row, ()) for row in range(len(following))))]
+        lists = [
+            *((tr("Standing: {benchmark}", benchmark=standing.title), standing.lines) for standing in shown.standings),
+            (tr("Results"), shown.results), (tr("Provisional results"), shown.provisional),
+        ]
+        for title, lines in lists:
             if not lines:
                 continue
             parts = layout.filled(self._blocks(lines, rest, unit), rest.h / unit)
