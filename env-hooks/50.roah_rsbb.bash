@@ -7,10 +7,22 @@ _roah_rsbb_programs="capture_comm check_ground_truth demo dummy_robot dummy_tabl
 
 _roah_rsbb_folder() {  # the folder with the programs
   local prefix folder IFS=:
-  for prefix in $CMAKE_PREFIX_PATH /usr; do
+  for prefix in ${CMAKE_PREFIX_PATH-} /usr; do
     folder=$prefix/lib/roah_rsbb
     [ ! -x "$folder/referee" ] || { echo "$folder"; return; }
   done
+}
+
+# Without the package's command of this name: start a program at once. rosrun takes longer to find most programs than
+# they take to do their work.
+type -P roah-rsbb >/dev/null || roah-rsbb() {
+  local folder
+  folder=$(_roah_rsbb_folder)
+  [ -n "$folder" ] && [ -x "$folder/${1-}" ] && [ ! -d "$folder/${1-}" ] || {
+    echo "usage: roah-rsbb PROGRAM [ARGUMENT...]; the programs: ${_roah_rsbb_programs//[[:space:]]/ }" >&2
+    return 2
+  }
+  "$folder/$1" "${@:2}"
 }
 
 _roah_rsbb_complete() {  # index of the word that is the program

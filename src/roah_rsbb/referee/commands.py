@@ -274,7 +274,7 @@ COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
 
 def carry_out(options: Any, output: Output) -> Exit:
     """Connect to the core and carry out the command."""
-    link = Link()
+    link = Link(options.ros_arguments)
     try:
         link.open(options.wait if options.command == "run" else 0.0)
         return COMMANDS[options.command](link, options, output)

@@ -1,25 +1,22 @@
 """The terminal referee's connection to the core: receives what the core publishes, and sends commands.
 
-rospy waits forever for a master, a service or a core that does not answer. Here, every call that may wait runs in its
-own thread with a time limit, and the error names what does not answer, with the remedy.
+A master, a core or a service that does not answer must not stop the referee. Every connection has a time limit, and
+the error names what does not answer, with the remedy.
 """
 
-import queue
-import threading
+import os
 import time
-from typing import Any, Callable, List, Optional
-
-import rosgraph
-import rospy
+from typing import Any, Dict, List, Optional, Sequence
 
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunSheet, Schedule, ScheduleEvent, Score
+from roah_rsbb.referee import ros_client
 from roah_rsbb.referee.changes import SILENT_S
 from roah_rsbb.referee.exits import NoCore
+from roah_rsbb.referee.ros_client import Client, Late, RosError, ServiceError, Subscription
 from roah_rsbb.referee.sheets import RunLine, run_of
 from roah_rsbb.referee.state import BoxSnapshot, SheetItem, box_of
-from roah_rsbb.ros import connections, refusals
-from roah_rsbb.ros.feed import Feed
+from roah_rsbb.ros import refusals
 from roah_rsbb.srv import (
     ChooseEvent,
     GetClock,
@@ -38,18 +35,15 @@ from roah_rsbb.srv import (
 
 GUI_TOPIC, DETAILS_TOPIC, RESULTS_TOPIC = "/core/to_gui", "/core/details", "/core/results"
 SCHEDULE_TOPIC = "/core/schedule"
+_FOLLOWED = {GUI_TOPIC: CoreToGui, DETAILS_TOPIC: CoreDetails}
 
-# Interval of polling for messages. The core publishes every 100 ms.
-POLL_S = 0.02
-
-
-# Time limits: for the master, for the core's first messages, for a service, for closing.
-MASTER_S, CORE_S, ANSWER_S, CLOSE_S = 2.0, 2.0, 6.0, 1.5
-# A missing master is tried again after this time.
+# Time limits: for the master, for the core's first messages, for a service.
+MASTER_S, CORE_S, ANSWER_S = 2.0, 2.0, 6.0
+# A missing master or core is tried again after this time.
 AGAIN_S = 0.2
 # An older first message may be the latched one of a core that hangs: wait for a second one.
 FRESH_S = 1.0
-# Subscribe again to a silent core at this interval. After a restart of the master, nothing else finds the core.
+# Connect again to a silent core at this interval. After a power failure of its computer, nothing else finds it.
 RENEW_S = 5.0
 # The core publishes details at least every second. After this long without newer ones, something is wrong.
 DETAILS_S = 10.0
@@ -61,11 +55,15 @@ START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
 class Link:
     """One connection. Use it from the main thread. Call `open` first and `close` at the end."""
 
-    def __init__(self) -> None:
-        self._feed: Optional[Feed] = None
+    def __init__(self, ros_arguments: Sequence[str] = ()) -> None:
+        """`ros_arguments`: words such as /from:=/to."""
+        self._ros = Client(os.environ.get("ROS_MASTER_URI", ""), ros_client.caller_name("referee"),
+                           ros_client.remapped(ros_arguments))
+        self._feeds: Dict[str, Subscription] = {}
         self._gui: Optional[CoreToGui] = None
         self._details: Optional[CoreDetails] = None
-        self._heard = self._renewed = time.monotonic()
+        self._heard = time.monotonic()
+        self._tried = float("-inf")  # when connecting was last tried
         self._count = 0  # CoreToGui messages so far
         self.box: Optional[BoxSnapshot] = None
 
@@ -73,19 +71,13 @@ class Link:
         """Connect; raises `NoCore` in 2 to 3 s, or after `wait_s` if master and core may still be starting."""
         deadline = self.now() + wait_s
         while True:
-            problem = _master_problem() or _core_problem()
+            problem = self._problem()
             if not problem:
                 break
             if self.now() + AGAIN_S > deadline:
                 raise NoCore(problem)
             time.sleep(AGAIN_S)  # there is no event for the start of a master
         deadline = max(deadline, self.now() + CORE_S)
-        try:
-            _limited(MASTER_S, _init_node)
-        except _Late:
-            raise NoCore(f"the ROS master at {_master_uri()} no longer answers") from None
-        self._feed = Feed({GUI_TOPIC: CoreToGui, DETAILS_TOPIC: CoreDetails})
-        self._feed.start()
         while not self._is_current():
             left = deadline - self.now()
             if left <= 0:
@@ -95,14 +87,10 @@ class Link:
         return self.box
 
     def close(self) -> None:
-        """Leave the ROS network. Does not wait for a master that does not answer."""
-        if self._feed is None:
-            return
-        # This hook runs last: everything is unregistered then, and only threads remain.
-        unregistered = threading.Event()
-        rospy.core.add_shutdown_hook(lambda _reason: unregistered.set())
-        threading.Thread(target=rospy.signal_shutdown, args=["the referee leaves"], daemon=True).start()
-        unregistered.wait(CLOSE_S)
+        """End all connections."""
+        for feed in self._feeds.values():
+            feed.close()
+        self._feeds = {}
 
     # -- listening ----------------------------------------------------------------------------------
 
@@ -120,12 +108,45 @@ class Link:
         """Return the next snapshot; None if nothing came for `limit_s`."""
         deadline = self.now() + limit_s
         while True:
+            self._connect()
             if self._take():
                 return self.box
             left = deadline - self.now()
             if left <= 0:
                 return None
-            time.sleep(min(POLL_S, left))
+            is_whole = len(self._feeds) == len(_FOLLOWED)
+            ros_client.wait(list(self._feeds.values()), left if is_whole else min(left, AGAIN_S))
+
+    def _connect(self) -> None:
+        """Connect to the topics that are not connected. If the core is silent, connect to all of them again."""
+        is_silent = self.silence_s > RENEW_S
+        if ((len(self._feeds) == len(_FOLLOWED) and not is_silent)
+                or self.now() - self._tried < (RENEW_S if is_silent else AGAIN_S)):
+            return
+        for topic, kind in _FOLLOWED.items():
+            if topic in self._feeds and not is_silent:
+                continue
+            try:
+                feed = self._ros.follow(topic, kind, CORE_S)
+            except RosError:
+                break  # the silence is reported; it is tried again
+            self._drop(topic)
+            self._feeds[topic] = feed
+        self._tried = self.now()
+
+    def _drop(self, topic: str) -> None:
+        if topic in self._feeds:
+            self._feeds.pop(topic).close()
+
+    def _newest(self, topic: str) -> Any:
+        """Return the newest message of a topic, or None."""
+        if topic not in self._feeds:
+            return None
+        try:
+            return self._feeds[topic].take()
+        except RosError:
+            self._drop(topic)
+            return None
 
     def settle(self) -> BoxSnapshot:
         """A snapshot that shows the effect of every command so far; raises `NoCore` if none comes.
@@ -143,17 +164,13 @@ class Link:
 
     def _take(self) -> bool:
         """Take new messages. Returns whether they gave a new snapshot."""
-        now = self.now()
-        gui, details = self._feed.take(GUI_TOPIC), self._feed.take(DETAILS_TOPIC)
-        # The same clock again is the latched message, which a core that may hang sends to each new subscription.
-        is_news = gui is not None and (self._gui is None or gui.message.clock != self._gui.clock)
+        gui, details = self._newest(GUI_TOPIC), self._newest(DETAILS_TOPIC)
+        # The same clock again is the latched message, which a core that may hang sends to each new connection.
+        is_news = gui is not None and (self._gui is None or gui.clock != self._gui.clock)
         if is_news:
-            self._gui, self._heard, self._count = gui.message, gui.mono, self._count + 1
-        elif self.silence_s > RENEW_S and now - self._renewed > RENEW_S:
-            self._renewed = now
-            self._feed.renew()
+            self._gui, self._heard, self._count = gui, self.now(), self._count + 1
         if details is not None:
-            self._details = details.message
+            self._details = details
         if self._gui is None or self._details is None or not (is_news or details):
             return False
         if self._gui.clock < self._details.clock:
@@ -168,7 +185,7 @@ class Link:
         return self._count > 1 or abs(time.time() - self.box.clock_utc_s) < FRESH_S
 
     def _why_silent(self) -> str:
-        problem = _core_problem()
+        problem = self._problem()
         if problem:
             return problem
         if self._gui is not None and self._details is None:
@@ -232,9 +249,21 @@ class Link:
                    event.schedule, unsigned)
 
     def _latched(self, topic: str, kind: type) -> Any:
+        """Return the latched message of a topic; raises `NoCore`."""
+        deadline = self.now() + CORE_S
         try:
-            return rospy.wait_for_message(topic, kind, CORE_S)
-        except rospy.ROSException as error:
+            feed = self._ros.follow(topic, kind, CORE_S)
+            try:
+                while True:
+                    message = feed.take()
+                    if message is not None:
+                        return message
+                    if self.now() >= deadline:
+                        raise Late("nothing is published")
+                    ros_client.wait([feed], deadline - self.now())
+            finally:
+                feed.close()
+        except RosError as error:
             raise NoCore(f"{topic} was not heard ({error}): {self._why_silent()}") from None
 
     def complete_operation(self, zone: str, operation: int, answer: str) -> None:
@@ -255,71 +284,20 @@ class Link:
 
     def _call(self, name: str, kind: type, *request: object) -> Any:
         try:
-            return _limited(ANSWER_S, lambda: rospy.ServiceProxy(name, kind)(*request))
-        except _Late:
+            return self._ros.call(name, kind, *request, limit_s=ANSWER_S)
+        except Late:
             raise NoCore(f"{name} did not answer within {ANSWER_S:.0f} s: the core hangs, restart it") from None
-        except rospy.ServiceException as error:
-            if refusals.was_answered(str(error)):
-                raise Refused(refusals.reasons(str(error))) from None
-            raise NoCore(f"{name} could not be called ({error}): {self._why_silent()}") from None
-        except (rospy.ROSException, OSError) as error:
+        except ServiceError as error:
+            raise Refused(refusals.answered_reasons(str(error))) from None
+        except RosError as error:
             raise NoCore(f"{name} could not be called ({error}): {self._why_silent()}") from None
 
-
-# -- limits ---------------------------------------------------------------------------------------
-
-
-class _Late(Exception):
-    """A job took too long."""
-
-
-def _limited(limit_s: float, job: Callable[[], Any]) -> Any:
-    """Return or raise what `job` does, or raise `_Late` after `limit_s`. A late job continues in its thread."""
-    done: queue.Queue = queue.Queue()
-
-    def work() -> None:
+    def _problem(self) -> str:
+        """Return why there is no core; empty: the master knows one."""
+        uri = self._ros.master_uri or "(ROS_MASTER_URI is not set)"
         try:
-            done.put((job(), None))
-        except Exception as error:
-            done.put((None, error))
-
-    threading.Thread(target=work, daemon=True).start()
-    try:
-        result, error = done.get(timeout=limit_s)
-    except queue.Empty:
-        raise _Late from None
-    if error is not None:
-        raise error
-    return result
-
-
-def _master_uri() -> str:
-    return rosgraph.rosenv.get_master_uri() or "(ROS_MASTER_URI is not set)"
-
-
-def _master_problem() -> str:
-    """Return why the ROS master cannot be used; empty: it can."""
-    try:
-        _limited(MASTER_S, rosgraph.Master("/referee").getPid)
-    except _Late:
-        why = "does not answer"
-    except Exception as error:  # a wrong URI raises in many ways
-        why = f"cannot be reached ({error})"
-    else:
-        return ""
-    return f"ROS master at {_master_uri()} {why}: {START}, or set ROS_MASTER_URI to the box's computer"
-
-
-def _core_problem() -> str:
-    """Return why there is no core; empty: the master knows one."""
-    uri = _master_uri()
-    try:
-        publishers = dict(_limited(MASTER_S, rosgraph.Master("/referee").getSystemState)[0])
-    except Exception:  # any error means that the master cannot say more
-        return f"the ROS master at {uri} no longer answers: {START}"
-    return "" if GUI_TOPIC in publishers else f"no core at the ROS master {uri}: {START}"
-
-
-def _init_node() -> None:
-    """Start without signal handlers (Ctrl-C stops a run first), /rosout and simulated time."""
-    connections.init_node("referee", anonymous=True, disable_rosout=True, disable_rostime=True, disable_signals=True)
+            is_there = GUI_TOPIC in self._ros.published(MASTER_S)
+        except RosError as error:
+            why = str(error) if isinstance(error, Late) else f"cannot be reached ({error})"
+            return f"ROS master at {uri} {why}: {START}, or set ROS_MASTER_URI to the box's computer"
+        return "" if is_there else f"no core at the ROS master {uri}: {START}"

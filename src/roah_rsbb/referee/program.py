@@ -26,7 +26,8 @@ def _hang_up(_number: int, _frame: object) -> None:
 def options_of(words: List[str]) -> argparse.Namespace:
     """Read a command line. Raises SystemExit after help and for wrong options."""
     top = parser()
-    options = top.parse_args([word for word in words if ":=" not in word])  # ROS takes name:=value for itself
+    options = top.parse_args([word for word in words if ":=" not in word])
+    options.ros_arguments = [word for word in words if ":=" in word]  # for ROS, as of every program of ROS
     if options.command is None:
         top.print_help(sys.stderr)
         sys.exit(int(Exit.USAGE))
@@ -36,7 +37,7 @@ def options_of(words: List[str]) -> argparse.Namespace:
 def carry_out(options: argparse.Namespace) -> int:
     """Carry out the command and return the exit status."""
     try:
-        # Imported late: rospy and the messages take most of the time to start, and help or a wrong option need none.
+        # Imported late: the messages take most of the time to start, and help or a wrong option need none.
         from roah_rsbb.referee import commands
         from roah_rsbb.referee.output import Output
 
@@ -49,6 +50,8 @@ def carry_out(options: argparse.Namespace) -> int:
 
 def main() -> None:
     """Entry point of `rosrun roah_rsbb referee`."""
+    # genpy imports numpy for arrays that our messages do not have. That takes longer than a whole command.
+    sys.modules.setdefault("numpy", None)  # type: ignore[arg-type]
     options = options_of(sys.argv[1:])
     signal.signal(signal.SIGTERM, _interrupt)
     if signal.getsignal(signal.SIGHUP) is signal.SIG_DFL:  # not under nohup
@@ -56,5 +59,5 @@ def main() -> None:
     status = carry_out(options)
     sys.stdout.flush()
     sys.stderr.flush()  # Python 3.8 buffers it, too, unless it is a terminal
-    # Threads that still wait for a silent master or core would delay the end.
+    # A thread that still looks for the name of a computer would delay the end.
     os._exit(status)

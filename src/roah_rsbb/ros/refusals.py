@@ -23,7 +23,15 @@ def error_text(reasons: Sequence[str]) -> str:
 
 def reasons(raised: str) -> List[str]:
     """The reasons in the text of a ServiceException; the whole text if the service did not answer."""
-    text = _server_text(raised)
+    return _listed(_server_text(raised))
+
+
+def answered_reasons(answered: str) -> List[str]:
+    """The reasons in the text of a service's answer that is an error, as it is in the connection."""
+    return _listed(_without_prefix(answered))
+
+
+def _listed(text: str) -> List[str]:
     found = _list_in(text)
     return [text] if found is None else found
 
@@ -48,6 +56,10 @@ def _server_text(raised: str) -> str:
             text = ast.literal_eval(text).decode("utf-8", errors="replace")
         except (SyntaxError, ValueError):
             return text
+    return _without_prefix(text)
+
+
+def _without_prefix(text: str) -> str:
     for prefix in _PREFIXES:
         if text.startswith(prefix):
             return text[len(prefix):]

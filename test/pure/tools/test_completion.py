@@ -69,3 +69,22 @@ def test_every_program_that_is_offered_exists(tab) -> None:
 ])
 def test_tab(tab, line: str, offered: List[str]) -> None:
     assert tab(line) == offered
+
+
+def test_the_short_name_starts_a_program_without_rosrun(tmp_path: pathlib.Path) -> None:
+    programs = tmp_path / "lib" / "roah_rsbb"
+    programs.mkdir(parents=True)
+    (programs / "referee").write_text("#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 4\n")
+    (programs / "referee").chmod(0o755)
+
+    def short(*words: str) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run(
+            ["bash", "--norc", "-c", '. "$0" && roah-rsbb "$@"', str(HOOK), *words], text=True, check=False,
+            env={"PATH": "/usr/bin:/bin", "CMAKE_PREFIX_PATH": str(tmp_path)}, capture_output=True,
+        )
+
+    started = short("referee", "status", "Home A")
+    assert (started.stdout, started.returncode) == ("<status><Home A>", 4)
+    for unknown in (["no_such_program"], []):
+        refused = short(*unknown)
+        assert (refused.returncode, refused.stderr.count("usage: roah-rsbb PROGRAM")) == (2, 1)

@@ -9,7 +9,7 @@ import sys
 from typing import Callable
 from unittest import mock
 
-from roah_rsbb.referee import link, program
+from roah_rsbb.referee import program
 from support.programs import Program, own, run
 from support.waiting import wait_until
 
@@ -27,15 +27,11 @@ class _Terminal(io.TextIOWrapper):
 
 
 def called(*words: str, on_terminal: bool = False, **environment: str) -> "subprocess.CompletedProcess[str]":
-    """The referee's program, called in this process: a process of its own costs a quarter of a second of CPU.
-
-    It uses the test's ROS node and leaves it as it was.
-    """
+    """The referee's program, called in this process: a process of its own takes longer."""
     printed = (_Terminal if on_terminal else io.TextIOWrapper)(io.BytesIO(), encoding="utf-8")
     errors = io.StringIO()
     with open(os.devnull) as nothing, mock.patch.object(sys, "stdin", nothing), \
-            mock.patch.dict(os.environ, environment), mock.patch.object(link, "_init_node"), \
-            mock.patch.object(link.Link, "close", _close), \
+            mock.patch.dict(os.environ, environment), \
             contextlib.redirect_stdout(printed), contextlib.redirect_stderr(errors):
         try:
             status = program.carry_out(program.options_of(list(words)))
@@ -43,12 +39,6 @@ def called(*words: str, on_terminal: bool = False, **environment: str) -> "subpr
             status = refused.code
     printed.flush()
     return subprocess.CompletedProcess(words, status, printed.buffer.getvalue().decode("utf-8"), errors.getvalue())
-
-
-def _close(opened: link.Link) -> None:
-    """Unsubscribe, but keep the node."""
-    if opened._feed is not None:
-        opened._feed.stop()
 
 
 class Referee(Program):
