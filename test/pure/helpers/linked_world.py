@@ -81,7 +81,7 @@ class RadioRobot:
         self.states = [RobotState.STOP]
         self.tasks = 0  # how many were begun
         self.troubles = []
-        self._next = None  # (time, method of the session)
+        self._next = None  # (time, what the robot does then)
         self.crash()
 
     def crash(self):
@@ -99,11 +99,15 @@ class RadioRobot:
     def deadline(self):
         return min(self.session.deadline(), self._next[0] if self._next else float("inf"))
 
+    def _end_of(self, mono, execute):
+        """When the robot ends a goal, and how; None: it does not end it."""
+        return mono + self.execute_s, self.session.end_execute
+
     def poll(self):
         mono = self.world.mono
         if self._next and self._next[0] <= mono:
-            method, self._next = self._next[1], None
-            getattr(self.session, method)()
+            act, self._next = self._next[1], None
+            act()
         for effect in self.session.poll(mono, self.world.utc + self.skew):
             self._carry_out(mono, effect)
 
@@ -119,10 +123,10 @@ class RadioRobot:
         elif isinstance(effect, fx.StateIs):
             self.states.append(effect.state)
         elif isinstance(effect, fx.Prepare):
-            self._next = (mono + self.prepare_s, "end_prepare")
+            self._next = (mono + self.prepare_s, self.session.end_prepare)
         elif isinstance(effect, fx.Execute):
             self.tasks += 1
-            self._next = (mono + self.execute_s, "end_execute")
+            self._next = self._end_of(mono, effect)
         elif isinstance(effect, fx.Stop):
             self._next = None
         elif isinstance(effect, fx.Report):
