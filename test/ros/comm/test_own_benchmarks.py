@@ -54,6 +54,20 @@ class TestDummyRobots(OwnBenchmarks):
 
 
 class TestClientWithoutRos(OwnBenchmarks):
+    def test_a_task(self) -> None:
+        robot = self.robot("Epsilon", prepares=False)
+        self.begin("SetTable Epsilon")
+        robot.wait_did("prepare SetTable")
+        robot.let("prepare")
+        robot.wait_did("execute SetTable")
+        self.assertIsNone(robot.goals[-1])
+        robot.request("notify", "the table is set")
+        robot.wait_said()
+        robot.let("execute")
+        log = self.mark_and_leave("SetTable Epsilon")
+        self.assertEqual(log.values("/notification"), ["the table is set"])
+        robot.wait_did("stop")
+
     def test_a_goal_and_its_result_are_json(self) -> None:
         robot = self.robot("Gamma", messages_saved=0)  # this benchmark needs no offline data
         self.begin("FetchMug Gamma")
