@@ -6,11 +6,14 @@
     assert rehearsal.score["A", "time"] == 4.0
 """
 
+import os
 from types import SimpleNamespace
 from typing import Any, Dict, Optional, Type
 
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, NoPose, Pose3
 from roah_rsbb.bmbox.framework.module import Module
+from roah_rsbb.bmbox.framework.own_rules import load_rules
+from roah_rsbb.bmbox.framework.parameters import read_parameters
 from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.core.modules.messages import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step
 
@@ -146,3 +149,10 @@ class Rehearsal:
             self.run = self.run._replace(steps=steps, kept=progress.kept)
             self.runner.on_run(self.run)
             progress = self.runner.progress()
+
+
+def rehearse(rules: str, truth: Optional[GroundTruth] = None, **run: Any) -> Rehearsal:
+    """Rehearse a competition's own rules with the parameters in the YAML file beside them; raises ConfigErrors."""
+    kind = load_rules(rules)
+    parameters = read_parameters(os.path.splitext(rules)[0] + ".yaml", kind.CODE, kind.PARAMETERS)
+    return Rehearsal(kind, vars(parameters), truth, **run)
