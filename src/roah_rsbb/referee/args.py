@@ -53,6 +53,7 @@ def parser() -> argparse.ArgumentParser:
                         "Colour is used on a terminal only, and never where NO_COLOR is set.",
     )
     top.add_argument("--json", action="store_true", help="print JSON; watch and run: one object a line")
+    top.add_argument("--utc", action="store_true", help="show times in UTC (default: the local time of this computer)")
     commands = top.add_subparsers(dest="command", metavar="COMMAND")
     _status(commands)
     _watch(commands)
@@ -76,6 +77,7 @@ def _add(commands, name: str, text: str, examples: List[str]) -> argparse.Argume
     )
     # SUPPRESS: without the option here, an option before the command stays in force.
     one.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print JSON")
+    one.add_argument("--utc", action="store_true", default=argparse.SUPPRESS, help="show times in UTC")
     return one
 
 
@@ -90,7 +92,7 @@ def _status(commands) -> None:
 
 def _watch(commands) -> None:
     one = _add(
-        commands, "watch", "print what happens, one line each with its UTC time, until Ctrl-C",
+        commands, "watch", "print what happens, one line each with its time, until Ctrl-C",
         [f"{PROG} watch", f"{PROG} watch --zone 'Home A'", f"{PROG} watch --json >> competition.jsonl"],
     )
     one.add_argument("--zone", metavar="ZONE",
@@ -157,12 +159,12 @@ def _sheets(commands) -> None:
 
 
 def _schedule(commands) -> None:
-    one = _add(commands, "schedule", "list all events with results, sign-offs and estimated times (UTC)",
+    one = _add(commands, "schedule", "list all events with results, sign-offs and estimated times",
                [f"{PROG} schedule", f"{PROG} schedule 'Home A' --day 2026-11-28", f"{PROG} schedule --team Beta",
                 f"{PROG} schedule --show missing    (what is not run or not signed off)"])
     one.add_argument("zone", metavar="ZONE", nargs="?", help="only the events of this zone; " + _ZONE)
     one.add_argument("--team", metavar="TEAM", default="", help="only the events of this team")
-    one.add_argument("--day", metavar="YYYY-MM-DD", default="", help="only the events of this day (UTC)")
+    one.add_argument("--day", metavar="YYYY-MM-DD", default="", help="only the events of this day")
     one.add_argument("--show", choices=[show.name.lower().replace("_", "-") for show in Show], default="all",
                      help="all events (default), to-come, unsigned (not signed off), or missing (without a result that "
                           "is signed off)")

@@ -25,10 +25,10 @@ NOT_ATTEMPTED = ("not-attempted", "n/a")
 def _status(link: Link, options, output: Output) -> Exit:
     box = link.box
     if options.zone is None:
-        output.object(box) if output.json else output.lines(view.status(box, output.paint))
+        output.object(box) if output.json else output.lines(view.status(box, output.style))
         return Exit.OK
     zone = box.zone(_zone_name(link, options.zone))
-    output.object(zone) if output.json else output.lines(view.zone_report(zone, box.clock_utc_s, output.paint))
+    output.object(zone) if output.json else output.lines(view.zone_report(zone, box.clock_utc_s, output.style))
     return Exit.OK
 
 
@@ -38,7 +38,7 @@ def _watch(link: Link, options, output: Output) -> Exit:
         output.object({"utc_s": link.box.clock_utc_s, "kind": "start", "zone": zone or "", "box": link.box})
     else:
         box = link.box if zone is None else link.box._replace(zones=(link.box.zone(zone),))
-        output.lines([*view.status(box, output.paint), ""])
+        output.lines([*view.status(box, output.style), ""])
     follower = Follower(link, zone)
     while not output.closed:
         for change in follower.step(WATCH_STEP_S):
@@ -59,7 +59,7 @@ def _say_done(link: Link, name: str, output: Output, command: str) -> Exit:
     if output.json:
         output.object({"ok": True, "command": command, "zone": name, "state": zone})
     else:
-        output.lines([f"{command}: done", *view.zone_lines(zone, box.clock_utc_s, output.paint)])
+        output.lines([f"{command}: done", *view.zone_lines(zone, box.clock_utc_s, output.style)])
     return Exit.OK
 
 
@@ -77,7 +77,7 @@ def _score(link: Link, options, output: Output) -> Exit:
         raise Refused(["No run is connected: the score sheet starts with connect"])
     if options.item is None:
         output.object({"zone": name, "event": zone.event, "score": zone.score}) if output.json else output.lines(
-            view.score_sheet(zone, output.paint))
+            view.score_sheet(zone, output.style))
         return Exit.OK
     item = pick_item(options.item, zone.score)
     link.set_score(name, item.group, item.item, value_of(options.value, item))
@@ -132,10 +132,10 @@ def _show_outcome(name: str, outcome: ScriptOutcome, output: Output) -> None:
         return
     if zone is not None and zone.phase != CONNECTED:
         log = [f"Log: {escaped(zone.log_file)}"] if zone.log_file else []
-        output.lines(["", *view.score_sheet(zone, output.paint), *log])
+        output.lines(["", *view.score_sheet(zone, output.style), *log])
     colour = view.GREEN if outcome.status is Exit.OK else view.RED
     lines = [escaped(line) for line in f"{name}: {outcome.text}".split("\n")]
-    output.lines([output.paint(colour, lines[0]), *lines[1:]])
+    output.lines([output.style(colour, lines[0]), *lines[1:]])
 
 
 def _zone_name(link: Link, word: str) -> str:
@@ -153,7 +153,7 @@ def _runs(link: Link, options: Any, output: Any) -> Exit:
         output.object({"runs": found})
         return Exit.OK
     for name in [z.zone for z in link.box.zones if zone in (None, z.zone)]:
-        lines = sheets.run_lines([run for run in found if run.zone == name], output.paint)
+        lines = sheets.run_lines([run for run in found if run.zone == name], output.style)
         output.lines(lines if zone else [f"{name}:", *(f"    {line}" for line in lines)])
     return Exit.OK
 
@@ -199,7 +199,7 @@ def _sign_off(link: Link, options: Any, output: Any) -> Exit:
     if not options.yes:
         if output.json or not sys.stdin.isatty():
             raise BadWord("the sheet becomes final: give --yes, or use a terminal, where you are asked")
-        output.lines(sheets.sheet_lines(_fetched(link, zone, run), output.paint))
+        output.lines(sheets.sheet_lines(_fetched(link, zone, run), output.style))
         answered = input(f"Sign off as {options.referee}? The sheet becomes final. [y/N] ")
         if answered.strip().lower() not in ("y", "yes"):
             raise Refused(["not signed off: the question was not answered with yes"])
@@ -212,7 +212,7 @@ def _show(link: Link, zone: str, run: Optional[RunLine], command: str, output: A
     if output.json:
         output.object({"ok": True, "command": command, "zone": zone, "sheet": shown})
     else:
-        output.lines(sheets.sheet_lines(shown, output.paint))
+        output.lines(sheets.sheet_lines(shown, output.style))
     return Exit.OK
 
 
@@ -243,11 +243,11 @@ def _schedule(link: Link, options: Any, output: Any) -> Exit:
     events = schedule.events_of(link.schedule())
     zone = "" if options.zone is None else _zone_name(link, options.zone)
     shown = schedule.EventFilter(zone, options.team, options.day, schedule.Show[options.show.upper().replace("-", "_")])
-    found = [event for event in events if shown.shows(event, in_utc=True)]
+    found = [event for event in events if shown.shows(event, options.utc)]
     if output.json:
         output.object({"events": [{**event._asdict(), "late_s": event.late_s} for event in found]})
     else:
-        output.lines([*view.schedule_lines(found, output.paint), "", schedule.summary(found)])
+        output.lines([*view.schedule_lines(found, output.style), "", schedule.summary(found)])
     return Exit.OK
 
 

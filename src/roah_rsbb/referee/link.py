@@ -9,7 +9,7 @@ import time
 from typing import Any, Dict, List, Optional, Sequence
 
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunSheet, Schedule, ScheduleEvent, Score
+from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunClocks, RunSheet, Schedule, ScheduleEvent, Score
 from roah_rsbb.referee import ros_client
 from roah_rsbb.referee.changes import SILENT_S
 from roah_rsbb.referee.exits import NoCore
@@ -34,8 +34,8 @@ from roah_rsbb.srv import (
 )
 
 GUI_TOPIC, DETAILS_TOPIC, RESULTS_TOPIC = "/core/to_gui", "/core/details", "/core/results"
-SCHEDULE_TOPIC = "/core/schedule"
-_FOLLOWED = {GUI_TOPIC: CoreToGui, DETAILS_TOPIC: CoreDetails}
+CLOCKS_TOPIC, SCHEDULE_TOPIC = "/core/clocks", "/core/schedule"
+_FOLLOWED = {GUI_TOPIC: CoreToGui, DETAILS_TOPIC: CoreDetails, CLOCKS_TOPIC: RunClocks}
 
 # Time limits: for the master, for the core's first messages, for a service.
 MASTER_S, CORE_S, ANSWER_S = 2.0, 2.0, 6.0
@@ -48,7 +48,7 @@ RENEW_S = 5.0
 # The core publishes details at least every second. After this long without newer ones, something is wrong.
 DETAILS_S = 10.0
 
-NO_DETAILS = f"the core publishes {GUI_TOPIC}, but {DETAILS_TOPIC} does not arrive: check the network"
+NO_DETAILS = f"the core publishes {GUI_TOPIC}, but {DETAILS_TOPIC} or {CLOCKS_TOPIC} does not arrive: check the network"
 START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
 
 
@@ -62,6 +62,7 @@ class Link:
         self._feeds: Dict[str, Subscription] = {}
         self._gui: Optional[CoreToGui] = None
         self._details: Optional[CoreDetails] = None
+        self._clocks: Optional[RunClocks] = None
         self._heard = time.monotonic()
         self._tried = float("-inf")  # when connecting was last tried
         self._count = 0  # CoreToGui messages so far
@@ -164,18 +165,20 @@ class Link:
 
     def _take(self) -> bool:
         """Take new messages. Returns whether they gave a new snapshot."""
-        gui, details = self._newest(GUI_TOPIC), self._newest(DETAILS_TOPIC)
+        gui, details, clocks = (self._newest(topic) for topic in (GUI_TOPIC, DETAILS_TOPIC, CLOCKS_TOPIC))
         # The same clock again is the latched message, which a core that may hang sends to each new connection.
         is_news = gui is not None and (self._gui is None or gui.clock != self._gui.clock)
         if is_news:
             self._gui, self._heard, self._count = gui, self.now(), self._count + 1
         if details is not None:
             self._details = details
-        if self._gui is None or self._details is None or not (is_news or details):
+        if clocks is not None:
+            self._clocks = clocks
+        if None in (self._gui, self._details, self._clocks) or not (is_news or details or clocks):
             return False
         if self._gui.clock < self._details.clock:
             return False  # the other topic's message of the same moment has not arrived yet
-        box = box_of(self._gui, self._details)
+        box = box_of(self._gui, self._details, self._clocks)
         self.box = box or self.box
         return box is not None
 
@@ -188,7 +191,7 @@ class Link:
         problem = self._problem()
         if problem:
             return problem
-        if self._gui is not None and self._details is None:
+        if self._gui is not None and None in (self._details, self._clocks):
             return NO_DETAILS
         return ("the core is known to the ROS master, but silent: it hangs or has died (restart it), or its "
                 "computer cannot be reached by its name (set ROS_IP on both computers)")

@@ -11,17 +11,18 @@ from roah_rsbb.referee.changes import Change
 from roah_rsbb.referee.exits import Exit
 from roah_rsbb.referee.state import as_json
 from roah_rsbb.wording.texts import escaped
+from roah_rsbb.wording.times import Moments
 
 
 class Output:
     """Standard output, as text or JSON. If its reader goes away, `closed` is set; this is not an error."""
 
-    def __init__(self, as_json_lines: bool) -> None:
+    def __init__(self, as_json_lines: bool, in_utc: bool) -> None:
         self.json = as_json_lines
         self.closed = False
         sys.stdout.reconfigure(errors="backslashreplace")  # a terminal without UTF-8 still shows the rest
         fancy = sys.stdout.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
-        self.paint = view.colour if fancy else view.no_colour
+        self.style = view.Style(fancy, Moments(in_utc))
 
     def lines(self, lines: List[str]) -> None:
         """Write lines of text."""
@@ -42,7 +43,7 @@ class Output:
         if self.json:
             self.object({"utc_s": change.utc_s, "kind": change.kind, "zone": change.zone, **change.facts})
         else:
-            line = view.change_line(change, self.paint)
+            line = view.change_line(change, self.style)
             self.lines([line] if line else [])
 
     def failure(self, status: Exit, text: str, reasons: List[str]) -> Exit:

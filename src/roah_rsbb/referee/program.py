@@ -41,7 +41,7 @@ def carry_out(options: argparse.Namespace) -> int:
         from roah_rsbb.referee import commands
         from roah_rsbb.referee.output import Output
 
-        return int(commands.carry_out(options, Output(options.json)))
+        return int(commands.carry_out(options, Output(options.json, options.utc)))
     except KeyboardInterrupt:
         return int(Exit.INTERRUPTED)
     except SystemExit as hung_up:

@@ -8,7 +8,7 @@ from functools import partial
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.referee.state import ITEM_TYPES, SheetItem
-from roah_rsbb.referee.view import BOLD, YELLOW, Paint, item_text
+from roah_rsbb.referee.view import BOLD, YELLOW, Style, item_text
 from roah_rsbb.referee.words import BadWord
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.sheets import HistoryEntry, history_entry
@@ -114,30 +114,30 @@ def _moment(time) -> Optional[float]:
 # -- lines ----------------------------------------------------------------------------------------
 
 
-def run_lines(runs: Sequence[RunLine], paint: Paint) -> List[str]:
+def run_lines(runs: Sequence[RunLine], style: Style) -> List[str]:
     """Return a line for each run of a zone."""
-    return [_run_line(run, paint) for run in runs] or ["no run is connected or over"]
+    return [_run_line(run, style) for run in runs] or ["no run is connected or over"]
 
 
-def _run_line(run: RunLine, paint: Paint) -> str:
-    when = "now      " if run.closed_utc_s is None else times.time_with_zone(run.closed_utc_s)
+def _run_line(run: RunLine, style: Style) -> str:
+    when = "now      " if run.closed_utc_s is None else style.moments.stamp(run.closed_utc_s)
     which = sheets.run_name(escaped(run.code), escaped(run.team), run.round, run.run)
     score = f"  {escaped(run.score)}" if run.score else ""
-    return f"{when}  {escaped(run.identity)}  {which}: {_state(run, paint)}{score}"
+    return f"{when}  {escaped(run.identity)}  {which}: {_state(run, style)}{score}"
 
 
-def _state(run: RunLine, paint: Paint) -> str:
+def _state(run: RunLine, style: Style) -> str:
     parts = [escaped(sheets.run_state(run.started_utc_s, run.closed_utc_s, run.end_reason))]
     if run.corrected:
-        parts.append(paint(YELLOW, sheets.CORRECTED))
+        parts.append(style(YELLOW, sheets.CORRECTED))
     if run.closed_utc_s is not None:
-        parts.append(sheets.signature(run.signed_utc_s, escaped(run.signed_by), times.time_with_zone))
+        parts.append(sheets.signature(run.signed_utc_s, escaped(run.signed_by), style.moments.stamp))
     return ", ".join(parts)
 
 
-def sheet_lines(sheet: Sheet, paint: Paint) -> List[str]:
+def sheet_lines(sheet: Sheet, style: Style) -> List[str]:
     """Return the lines of a score sheet, its history and the run's ends."""
-    lines = [_run_line(sheet.run, paint)]
+    lines = [_run_line(sheet.run, style)]
     if sheet.run.end_reason:
         lines.append(f"{_IN}time {times.elapsed(sheet.elapsed_s)}")
     group = None
@@ -145,20 +145,20 @@ def sheet_lines(sheet: Sheet, paint: Paint) -> List[str]:
         if item.group != group:
             group = item.group
             lines.append(f"{_IN}{escaped(group)}")
-        mark = f"  {paint(YELLOW, f'({sheets.CORRECTED})')}" if item.number in sheet.corrected else ""
+        mark = f"  {style(YELLOW, f'({sheets.CORRECTED})')}" if item.number in sheet.corrected else ""
         value = f"{item_text(item):>5}"
-        shown = paint(BOLD, value) if item.value or item.not_attempted else value
+        shown = style(BOLD, value) if item.value or item.not_attempted else value
         lines.append(f"{_IN}{item.number:4}  {shown}  {escaped(item.item)}{mark}")
     if sheet.history:
         lines.append("History")
     for entry in sheet.history:
-        words = sheets.EntryTexts(*map(escaped, sheets.entry_texts(entry, times.time_with_zone)))
-        lines.append(f"{_IN}{words.number:>4}  {sheets.entry_line(words, partial(paint, YELLOW))}")
+        words = sheets.EntryTexts(*map(escaped, sheets.entry_texts(entry, style.moments.stamp)))
+        lines.append(f"{_IN}{words.number:>4}  {sheets.entry_line(words, partial(style, YELLOW))}")
     if sheet.ends:
         lines.append("Ends")
     for end in sheet.ends:
         who = f" ({escaped(sheets.person(end.who))})" if end.who else ""
         reason = escaped(sheets.stop_reason(end.reason, end.reason_by, end.who))
-        lines.append(f"{_IN}{end.number:4}  {times.time_with_zone(end.utc_s)} {escaped(end.desc)}{who}"
-                     + (f": {paint(BOLD, reason)}" if reason else ""))
+        lines.append(f"{_IN}{end.number:4}  {style.moments.stamp(end.utc_s)} {escaped(end.desc)}{who}"
+                     + (f": {style(BOLD, reason)}" if reason else ""))
     return lines

@@ -7,6 +7,8 @@ The names of the fields are the names in the JSON output (docs/referee.md) and n
 import json
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.wording.clock import clock_of, lines
+
 # The commands of the referee, and how the ROS interface spells their fields.
 COMMANDS = {
     "connect": "connect_off", "start": "start_off", "stop": "stop_off", "disconnect": "disconnect_off",
@@ -77,6 +79,21 @@ class EventSnapshot(NamedTuple):
     timeout_s: float
 
 
+class RunTimes(NamedTuple):
+    """The times of a run, or the limits of the next one. They do not count pauses."""
+
+    text: Tuple[str, ...]  # each time with its label, as the panels show them
+    pause: str  # that the run is paused, and why; empty: it is not
+    limit_s: float
+    elapsed_s: float  # after the end: the final time of the run
+    counting: bool
+    goal: int  # number of the current goal; 0: there is none with a timeout
+    goal_limit_s: float
+    goal_elapsed_s: float
+    goal_counting: bool
+    after_stop_s: float  # after the end: time left
+
+
 class ZoneSnapshot(NamedTuple):
     """A zone, its event and its run. Unknown values are None or empty."""
 
@@ -107,6 +124,7 @@ class ZoneSnapshot(NamedTuple):
     module_status: str = ""
     module_score: Tuple[ModuleScoreLine, ...] = ()
     all_robots: Optional[AllRobotsSnapshot] = None
+    times: Optional[RunTimes] = None
 
 
 class RobotSnapshot(NamedTuple):
@@ -136,11 +154,13 @@ class BoxSnapshot(NamedTuple):
         return next((zone for zone in self.zones if zone.zone == name), None)
 
 
-def box_of(gui, details) -> Optional[BoxSnapshot]:
-    """Combine a CoreToGui and a CoreDetails; None: their zones differ."""
+def box_of(gui, details, clocks) -> Optional[BoxSnapshot]:
+    """Combine a CoreToGui, a CoreDetails and RunClocks; None: their zones or runs differ."""
     details_of = {zone.zone: zone for zone in details.zones}
-    if [zone.zone for zone in gui.zones] != list(details_of):
+    times_of = {zone.zone: zone for zone in clocks.zones}
+    if [zone.zone for zone in gui.zones] != list(details_of) or _runs(details_of) != _runs(times_of):
         return None
+    passed_s = max(0.0, (gui.clock - clocks.clock).to_sec())
     clock = gui.clock.to_sec()
     robots = [
         RobotSnapshot(r.team, r.robot, r.skew.to_sec(), r.beacon.to_sec(), max(0.0, clock - r.beacon.to_sec()))
@@ -154,7 +174,27 @@ def box_of(gui, details) -> Optional[BoxSnapshot]:
         box_uuid=details.box_uuid,
         warnings=tuple(details.warnings),
         robots=tuple(robots),
-        zones=tuple(_zone(zone, details_of[zone.zone]) for zone in gui.zones),
+        zones=tuple(_zone(zone, details_of[zone.zone], _times(times_of[zone.zone], passed_s)) for zone in gui.zones),
+    )
+
+
+def _runs(zones: Dict[str, Any]) -> Dict[str, Tuple[str, str]]:
+    return {name: (zone.identity, zone.phase) for name, zone in zones.items()}
+
+
+def _times(message, passed_s: float) -> RunTimes:
+    shown = clock_of(message, passed_s)
+    return RunTimes(
+        text=tuple(lines(shown._replace(pause=""))),
+        pause=shown.pause,
+        limit_s=message.limit.to_sec(),
+        elapsed_s=message.elapsed.to_sec() + message.counting * passed_s,
+        counting=message.counting,
+        goal=message.goal,
+        goal_limit_s=message.goal_limit.to_sec(),
+        goal_elapsed_s=message.goal_elapsed.to_sec() + message.goal_counting * passed_s,
+        goal_counting=message.goal_counting,
+        after_stop_s=max(0.0, message.after_stop.to_sec() - passed_s) if message.phase == ENDED else 0.0,
     )
 
 
@@ -174,7 +214,7 @@ def as_json(value: Any) -> Any:
     return round(value, 6) if isinstance(value, float) else value
 
 
-def _zone(zone, details) -> ZoneSnapshot:
+def _zone(zone, details, run_times: RunTimes) -> ZoneSnapshot:
     heard = details.last_message.to_sec()
     return ZoneSnapshot(
         zone=zone.zone,
@@ -204,6 +244,7 @@ def _zone(zone, details) -> ZoneSnapshot:
         operation=_operation(zone, details),
         switches=SwitchesSnapshot(tuple(zone.omf_switches), zone.omf_damaged, zone.omf_complete) if zone.omf else None,
         all_robots=_all_robots(details),
+        times=run_times,
         held=details.held,
         module_status=details.module_status,
         module_score=tuple(

@@ -6,13 +6,12 @@ that it cannot send commands to the terminal.
 
 import json
 import re
-from typing import Callable, Dict, List, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 from roah_rsbb.referee.changes import Change
 from roah_rsbb.referee.state import (
     CONNECTED,
     ENDED,
-    IDLE,
     RUNNING,
     BoxSnapshot,
     EventSnapshot,
@@ -36,90 +35,91 @@ _WIDEST = 20
 # Indentation below a title.
 _IN = "    "
 
-Paint = Callable[[str, str], str]
 
+class Style(NamedTuple):
+    """How things are shown: in colour or not, in local time or UTC."""
 
-def no_colour(_code: str, text: str) -> str:
-    """Return text without colour."""
-    return text
+    in_colour: bool = False
+    moments: times.Moments = times.Moments()
 
-
-def colour(code: str, text: str) -> str:
-    """Return text in a colour of the terminal."""
-    return f"\x1b[{code}m{text}\x1b[0m"
+    def __call__(self, code: str, text: str) -> str:
+        """Return text in a colour of the terminal, if there are colours."""
+        return f"\x1b[{code}m{text}\x1b[0m" if self.in_colour else text
 
 
 # -- snapshots ------------------------------------------------------------------------------------
 
 
-def status(box: BoxSnapshot, paint: Paint) -> List[str]:
+def status(box: BoxSnapshot, style: Style) -> List[str]:
     """Return all zones at a glance, the active robots and the box's warnings."""
     lines = [
-        f"{paint(BOLD, 'RSBB')} at {escaped(box.host)}:{escaped(box.port)}, {times.time_with_zone(box.clock_utc_s)}: "
-        + escaped(box.status)
+        f"{style(BOLD, 'RSBB')} at {escaped(box.host)}:{escaped(box.port)}, "
+        f"{style.moments.with_zone(box.clock_utc_s)}: {escaped(box.status)}"
     ]
-    lines += [paint(RED, f"WARNING: {escaped(text)}") for text in box.warnings]
+    lines += [style(RED, f"WARNING: {escaped(text)}") for text in box.warnings]
     lines += ["", "Active robots:" if box.robots else "Active robots: none"]
     lines += [
         f"{_IN}{escaped(r.team)} {escaped(r.robot)}: skew {times.skew(r.skew_s)}, heard {times.ago(r.age_s)}"
         for r in box.robots
     ]
     for zone in box.zones:
-        lines += ["", *zone_lines(zone, box.clock_utc_s, paint)]
+        lines += ["", *zone_lines(zone, box.clock_utc_s, style)]
     return lines
 
 
 _STATE_COLOURS = {"running": GREEN, "connected": CYAN, "ended": YELLOW, "next": BOLD}
 
 
-def schedule_lines(events: Sequence[schedule.Event], paint: Paint) -> List[str]:
-    """Return a table of events, with the numbers that they have in their zones. Times are UTC."""
+def schedule_lines(events: Sequence[schedule.Event], style: Style) -> List[str]:
+    """Return a table of events, with the numbers that they have in their zones."""
     rows = [("Zone", "No.", "Scheduled", "Begins", "Late", "Event", "State", "Score", "Sheet")]
-    rows += [_event_row(event) for event in events]
+    rows += [_event_row(event, style.moments.in_utc) for event in events]
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows]
     return lines[:1] + [
-        paint(_STATE_COLOURS[event.state], line) if event.state in _STATE_COLOURS else line
+        style(_STATE_COLOURS[event.state], line) if event.state in _STATE_COLOURS else line
         for event, line in zip(events, lines[1:])
     ]
 
 
-def _event_row(event: schedule.Event) -> Tuple[str, ...]:
-    begins = "" if event.state == "skipped" else schedule.moment(event.begins_utc_s, "%H:%M", in_utc=True)
+def _event_row(event: schedule.Event, in_utc: bool) -> Tuple[str, ...]:
+    begins = "" if event.state == "skipped" else schedule.moment(event.begins_utc_s, "%H:%M", in_utc)
     estimate = "~" if event.state in ("next", "later", "connected") else ""
     return (
         escaped(event.zone), f"{event.number}{'*' if event.current else ''}",
-        schedule.moment(event.scheduled_utc_s, "%Y-%m-%d %H:%M", in_utc=True), estimate + begins,
+        schedule.moment(event.scheduled_utc_s, "%Y-%m-%d %H:%M", in_utc), estimate + begins,
         schedule.delay_text(event.late_s),
         escaped(sheets.run_name(event.code, event.team, event.round, event.run)), schedule.state_text(event),
         escaped(event.score), schedule.sheet_text(event),
     )
 
 
-def zone_lines(zone: ZoneSnapshot, clock_utc_s: float, paint: Paint) -> List[str]:
+def zone_lines(zone: ZoneSnapshot, clock_utc_s: float, style: Style) -> List[str]:
     """Return a zone in a few lines."""
     event = zone.event
     lines = [
-        f"{paint(BOLD, escaped(zone.zone))}: {_phase(zone, paint)}",
+        f"{style(BOLD, escaped(zone.zone))}: {_phase(zone, style)}",
+        *(_IN + line for line in _times(zone, style)),
         f"{_IN}{escaped(event.name)}: {escaped(event.desc)}",
-        f"{_IN}{_which(event)}, scheduled {times.scheduled(event.scheduled_utc_s, clock_utc_s)} UTC",
+        f"{_IN}{_which(event)}, scheduled "
+        + style.moments.scheduled(event.scheduled_utc_s, clock_utc_s) + (" UTC" if style.moments.in_utc else ""),
     ]
     lines += [
-        _IN + (paint(RED, escaped(text)) if text.startswith("WARNING") else escaped(text)) for text in zone.state
+        _IN + (style(RED, escaped(text)) if text.startswith("WARNING") else escaped(text)) for text in zone.state
     ]
     if zone.robot and zone.all_robots is None:
         lines.append(_IN + _robot(zone, clock_utc_s))
     if zone.operation is not None:
-        lines.append(_IN + paint(YELLOW, to_do(zone.operation)))
+        lines.append(_IN + style(YELLOW, to_do(zone.operation)))
     if zone.switches is not None:
-        lines.append(_IN + switches_line(zone.switches, paint))
+        lines.append(_IN + switches_line(zone.switches, style))
     allowed = [command for command, reasons in zone.off.items() if not reasons]
     return [*lines, f"{_IN}allowed now: {', '.join(allowed) or 'nothing'}"]
 
 
-def zone_report(zone: ZoneSnapshot, clock_utc_s: float, paint: Paint) -> List[str]:
+def zone_report(zone: ZoneSnapshot, clock_utc_s: float, style: Style) -> List[str]:
     """Return a zone in full: also why each command is refused, its score sheet and its online data."""
-    lines = zone_lines(zone, clock_utc_s, paint)
+    lines = zone_lines(zone, clock_utc_s, style)
     for command, reasons in zone.off.items():
         lines += [f"{_IN}no {command}: {escaped(reason)}" for reason in reasons]
     if zone.all_robots is not None:
@@ -127,9 +127,10 @@ def zone_report(zone: ZoneSnapshot, clock_utc_s: float, paint: Paint) -> List[st
     if zone.log_file:
         lines.append(f"{_IN}log: {escaped(zone.log_file)}")
     if zone.score or zone.module_score:
-        lines += ["", *score_sheet(zone, paint)]
+        lines += ["", *score_sheet(zone, style)]
     if zone.online_data:
-        lines += ["", "Online data:", *(_IN + escaped(line) for line in lines_of(zone.online_data))]
+        online_data = style.moments.lines(zone.online_data, clock_utc_s)
+        lines += ["", "Online data:", *(_IN + escaped(line) for line in lines_of(online_data))]
     return lines
 
 
@@ -141,15 +142,15 @@ def to_do(operation: ManualOperation) -> str:
     return f"{text} (an answer may be typed)" if operation.asks_text else text
 
 
-def switches_line(switches: SwitchesSnapshot, paint: Paint) -> str:
+def switches_line(switches: SwitchesSnapshot, style: Style) -> str:
     """HOMF: return what was entered, and whether the referee must confirm it."""
     on = ", ".join(map(str, switches.on)) or "none"
     text = f"switches that are on: {on}; damaged: {switches.damaged}"
-    return f"{text}; {paint(YELLOW, 'TO DO by the referee: enter what changed, and confirm')}" if switches.to_confirm \
+    return f"{text}; {style(YELLOW, 'TO DO by the referee: enter what changed, and confirm')}" if switches.to_confirm \
         else text
 
 
-def score_sheet(zone: ZoneSnapshot, paint: Paint) -> List[str]:
+def score_sheet(zone: ZoneSnapshot, style: Style) -> List[str]:
     """Return all scoring items with their numbers and values by group, then the benchmarking module's score."""
     lines = [f"Score sheet: {_which(zone.event)}"]
     group = None
@@ -158,19 +159,19 @@ def score_sheet(zone: ZoneSnapshot, paint: Paint) -> List[str]:
             group = item.group
             lines.append(f"{_IN}{escaped(group)}")
         value = f"{item_text(item):>5}"
-        shown = paint(BOLD, value) if item.value or item.not_attempted else value
+        shown = style(BOLD, value) if item.value or item.not_attempted else value
         lines.append(f"{_IN}{item.number:4}  {shown}  {escaped(item.item)}")
     if not zone.score:
         lines.append(f"{_IN}no scoring items for the referee")
-    return lines + _module_sheet(zone, paint)
+    return lines + _module_sheet(zone, style)
 
 
-def _module_sheet(zone: ZoneSnapshot, paint: Paint) -> List[str]:
+def _module_sheet(zone: ZoneSnapshot, style: Style) -> List[str]:
     lines = ["Score of the benchmarking module"] if zone.module_score else []
     for title, group in module_scores.by_group(map(_score_in_json, zone.module_score)):
         lines.append(f"{_IN}{escaped(title)}")
         width = min(max(len(escaped(line.value)) for line in group), _WIDEST)
-        lines += [f"{_IN}{_IN}{paint(BOLD, escaped(line.value).rjust(width))}  {escaped(line.name)}" for line in group]
+        lines += [f"{_IN}{_IN}{style(BOLD, escaped(line.value).rjust(width))}  {escaped(line.name)}" for line in group]
     return lines
 
 
@@ -193,11 +194,17 @@ def _which(event: EventSnapshot) -> str:
     return sheets.run_name(escaped(event.code), escaped(event.team), event.round, event.run)
 
 
-def _phase(zone: ZoneSnapshot, paint: Paint) -> str:
+def _phase(zone: ZoneSnapshot, style: Style) -> str:
     word = escaped(sheets.phase(zone.phase, zone.end_reason))
-    left = times.countdown(zone.timer_s)
-    after = {IDLE: f"{left} to run", RUNNING: f"{left} left", ENDED: f"{left} left after the end"}
-    return f"{paint(_PHASE_COLOURS.get(zone.phase, BOLD), word)}, {after.get(zone.phase, f'{left} to run')}"
+    return style(_PHASE_COLOURS.get(zone.phase, BOLD), word)
+
+
+def _times(zone: ZoneSnapshot, style: Style) -> List[str]:
+    """Return the times of the run as the panels show them, and whether it is paused."""
+    if zone.times is None:
+        return []
+    pause = [style(YELLOW, escaped(zone.times.pause))] if zone.times.pause else []
+    return [*pause, escaped(", ".join(zone.times.text))]
 
 
 def _robot(zone: ZoneSnapshot, clock_utc_s: float) -> str:
@@ -212,81 +219,82 @@ def _robot(zone: ZoneSnapshot, clock_utc_s: float) -> str:
 # -- changes --------------------------------------------------------------------------------------
 
 
-def change_line(change: Change, paint: Paint) -> str:
+def change_line(change: Change, style: Style) -> str:
     """Return a change in one line with its time; empty if the core's log has it already."""
-    text = _WRITERS[change.kind](change.facts, paint)
+    text = _WRITERS[change.kind](change.facts, style)
     if not text:
         return ""
     clock, text = _CLOCK.match(text).groups()
     where = f"{escaped(change.zone)}: " if change.zone else ""
-    return f"{clock or times.time_with_zone(change.utc_s) + ' '}{where}{text}"
+    shown = style.moments.lines(clock, change.utc_s) if clock else style.moments.stamp(change.utc_s) + " "
+    return f"{shown}{where}{text}"
 
 
-def _core(facts: Dict, paint: Paint) -> str:
+def _core(facts: Dict, style: Style) -> str:
     return {
-        "silent": paint(RED, "core SILENT: the state above is old; waiting for the core"),
-        "back": paint(GREEN, "core is back"),
-        "restarted": paint(YELLOW, "core was RESTARTED"),
+        "silent": style(RED, "core SILENT: the state above is old; waiting for the core"),
+        "back": style(GREEN, "core is back"),
+        "restarted": style(YELLOW, "core was RESTARTED"),
     }[facts["what"]]
 
 
-def _warning(facts: Dict, paint: Paint) -> str:
+def _warning(facts: Dict, style: Style) -> str:
     text = escaped(facts["text"])
-    return f"over: {text}" if facts["over"] else paint(RED, f"WARNING: {text}")
+    return f"over: {text}" if facts["over"] else style(RED, f"WARNING: {text}")
 
 
-def _robot_change(facts: Dict, paint: Paint) -> str:
+def _robot_change(facts: Dict, style: Style) -> str:
     name = f"robot {escaped(facts['team'])} {escaped(facts['robot'])}"
     if facts["what"] == "came":
         return f"{name} is active, skew {times.skew(facts['skew_s'])}"
-    return paint(YELLOW, f"{name} is GONE: no longer heard")
+    return style(YELLOW, f"{name} is GONE: no longer heard")
 
 
-def _event(facts: Dict, paint: Paint) -> str:
+def _event(facts: Dict, style: Style) -> str:
     return f"now at {_which(EventSnapshot(**facts))}"
 
 
-def _state(facts: Dict, paint: Paint) -> str:
+def _state(facts: Dict, style: Style) -> str:
     parts = []
     if "phase" in facts["changed"]:
         phase = facts["phase"]
         whom = f" to {escaped(facts['robot'])} on UDP port {facts['port']}" if phase == CONNECTED else ""
-        parts.append(paint(_PHASE_COLOURS.get(phase, BOLD), escaped(sheets.phase(phase, facts["end_reason"]))) + whom)
+        parts.append(style(_PHASE_COLOURS.get(phase, BOLD), escaped(sheets.phase(phase, facts["end_reason"]))) + whom)
     if "robot_state" in facts["changed"] and facts["robot_state"]:
         parts.append(f"robot is in {escaped(facts['robot_state'])}")
     return ", ".join(parts)
 
 
-def _score(facts: Dict, paint: Paint) -> str:
+def _score(facts: Dict, style: Style) -> str:
     is_bool = facts["type"] == "bool"
     old = sheets.item_value(is_bool, facts["old"], facts["old_not_attempted"])
     new = sheets.item_value(is_bool, facts["value"], facts["not_attempted"])
-    return f"score: {escaped(facts['group'])}: {escaped(facts['item'])}: {old} → {paint(BOLD, new)}"
+    return f"score: {escaped(facts['group'])}: {escaped(facts['item'])}: {old} → {style(BOLD, new)}"
 
 
-def _online_data(facts: Dict, paint: Paint) -> str:
+def _online_data(facts: Dict, style: Style) -> str:
     clock, text = _CLOCK.match(facts["text"]).groups()
-    return f"{clock or ''}{paint(CYAN, 'online data')}: {escaped(text)}"
+    return f"{clock or ''}{style(CYAN, 'online data')}: {escaped(text)}"
 
 
-def _manual_operation(facts: Dict, paint: Paint) -> str:
+def _manual_operation(facts: Dict, style: Style) -> str:
     if not facts["operation"]:
         return "manual operation over"
     asked = ManualOperation(facts["operation"], facts["text"], facts["choices"], facts["asks_text"])
-    return paint(YELLOW, to_do(asked))
+    return style(YELLOW, to_do(asked))
 
 
-def _module_score(facts: Dict, paint: Paint) -> str:
+def _module_score(facts: Dict, style: Style) -> str:
     """Only the first value gets a line: some change twice a second, and the sheet has the last one."""
     if facts["value"] is None or not (facts["old"] is None or isinstance(facts["old"], (bool, str))):
         return ""
     score = ModuleScoreLine(*(facts[name] for name in ModuleScoreLine._fields))
     line = module_scores.readable(_score_in_json(score))
     where = f"{escaped(score.group)}: " if score.group else ""
-    return f"module's score: {where}{escaped(line.name)}: {paint(BOLD, escaped(line.value))}"
+    return f"module's score: {where}{escaped(line.name)}: {style(BOLD, escaped(line.value))}"
 
 
-_WRITERS: Dict[str, Callable[[Dict, Paint], str]] = {
+_WRITERS: Dict[str, Callable[[Dict, Style], str]] = {
     "core": _core,
     "warning": _warning,
     "robot": _robot_change,
@@ -294,10 +302,10 @@ _WRITERS: Dict[str, Callable[[Dict, Paint], str]] = {
     "state": _state,
     "score": _score,
     "manual_operation": _manual_operation,
-    "switches": lambda facts, paint: switches_line(SwitchesSnapshot(**facts), paint),
+    "switches": lambda facts, style: switches_line(SwitchesSnapshot(**facts), style),
     "module_score": _module_score,
-    "module_status": lambda facts, paint: f"module: {escaped(facts['text'])}",
-    "log": lambda facts, paint: escaped(facts["text"]),
+    "module_status": lambda facts, style: f"module: {escaped(facts['text'])}",
+    "log": lambda facts, style: escaped(facts["text"]),
     "online_data": _online_data,
-    "note": lambda facts, paint: escaped(facts["text"]),
+    "note": lambda facts, style: escaped(facts["text"]),
 }

@@ -73,11 +73,6 @@ def time_with_zone(utc_s: float) -> str:
     return f"{time_of_day(utc_s)}Z"
 
 
-def scheduled(utc_s: float, today_utc_s: float) -> str:
-    """Returns HH:MM of an event (UTC), after its date if it is not today."""
-    return Moments(in_utc=True).scheduled(utc_s, today_utc_s)
-
-
 def _format(pattern: str, utc_s: float, in_utc: bool = True) -> str:
     try:
         return time.strftime(pattern, time.gmtime(utc_s) if in_utc else time.localtime(utc_s))
@@ -108,6 +103,10 @@ class Moments(NamedTuple):
     def with_zone(self, utc_s: float) -> str:
         """Returns the time of day with the time zone, such as ``14:03:59 CET``."""
         return f"{self.time_of_day(utc_s)} {'UTC' if self.in_utc else _format('%Z', utc_s, in_utc=False)}"
+
+    def stamp(self, utc_s: float) -> str:
+        """Returns the time of day at the beginning of a line, such as ``14:03:59``, or ``14:03:59Z`` in UTC."""
+        return self.time_of_day(utc_s) + ("Z" if self.in_utc else "")
 
     def scheduled(self, utc_s: float, today_utc_s: float) -> str:
         """Returns HH:MM of an event, after its date if it is not today."""

@@ -13,6 +13,7 @@ from roah_rsbb.referee.state import (
     BoxSnapshot,
     EventSnapshot,
     RobotSnapshot,
+    RunTimes,
     SheetItem,
     ZoneSnapshot,
 )
@@ -31,6 +32,12 @@ EVENTS = tuple(
 )
 
 
+RUN_TIMES = RunTimes(
+    ("Run: time left 8:33", "Goal: time left 0:45", "Used: 1:27 of 10:00"), "", 600.0, 87.7, True, 2, 60.0, 15.0, True,
+    0.0,
+)
+
+
 def zone(**fields) -> ZoneSnapshot:
     """A zone without a run."""
     default = ZoneSnapshot(
@@ -38,6 +45,7 @@ def zone(**fields) -> ZoneSnapshot:
         state=("Robot ready",), robot="", port=0, box_state="", robot_state="", skew_s=None,
         last_message_utc_s=None, messages_saved=0, manual_operation="", warnings=(),
         off={command: [] for command in COMMANDS}, score=(), log_file="", log="", online_data="",
+        times=RunTimes(("Time limit of the run 10:00",), "", 600.0, 0.0, False, 0, 60.0, 0.0, False, 0.0),
     )
     return default._replace(**fields)
 
@@ -48,7 +56,7 @@ def running_zone(**fields) -> ZoneSnapshot:
         "phase": RUNNING, "identity": "HGTKMH-6667-1", "robot": "mbot", "port": 6667,
         "box_state": "PREPARE", "robot_state": "PREPARING", "skew_s": 0.0123,
         "last_message_utc_s": UTC0 - 0.5, "score": ITEMS, "log_file": "/logs/run.bag",
-        "timer_s": 512.3, **fields,
+        "timer_s": 512.3, "times": RUN_TIMES, **fields,
     })
 
 

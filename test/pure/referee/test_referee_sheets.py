@@ -3,10 +3,13 @@
 import pytest
 
 from helpers.referee_box import ITEMS, UTC0
-from roah_rsbb.referee import view as view
+from roah_rsbb.referee import view
 from roah_rsbb.referee.sheets import LAST, RunEnd, RunLine, Sheet, pick_run, run_lines, sheet_lines
 from roah_rsbb.referee.words import BadWord
 from roah_rsbb.wording.sheets import HistoryEntry
+from roah_rsbb.wording.times import Moments
+
+UTC = view.Style(moments=Moments(in_utc=True))
 
 
 def _run(number=1, **fields):
@@ -38,14 +41,14 @@ def test_an_unknown_run_lists_the_known_ones(word, runs, hint):
 
 def test_runs_are_listed_with_what_became_of_them():
     runs = (NOW, _run(2, corrected=True), _run(1, end_reason="no_messages_saved", signed_utc_s=UTC0, signed_by="C\x1b"))
-    assert run_lines(runs, view.no_colour) == [
+    assert run_lines(runs, UTC) == [
         "now        HWV-6669-1447.5  HWV, team TestingTeam, round 1, run 3: connected  Good 3",
         "16:46:40Z  HWV-6668-1447.5  HWV, team TestingTeam, round 1, run 2: stopped, corrected, "
         "not signed off  Good 3",
         "16:36:40Z  HWV-6667-1447.5  HWV, team TestingTeam, round 1, run 1: no data saved, signed off by C\\x1b at "
         "16:26:40Z  Good 3",
     ]
-    assert run_lines((), view.no_colour) == ["no run is connected or over"]
+    assert run_lines((), UTC) == ["no run is connected or over"]
 
 
 def test_a_sheet_has_history_and_ends():
@@ -55,7 +58,7 @@ def test_a_sheet_has_history_and_ends():
     sheet = Sheet(_run(1, corrected=True), ("mbot",), 12.0, (ITEMS[0]._replace(value=1), ITEMS[2]), (1,),
                   (entry, withdrawn), (RunEnd(1, UTC0, "Anna", "stopped", "Stopped by the referee", "fire", "Ben"),
                                        RunEnd(2, UTC0, "", "timeout", "Time is up", "")))
-    assert sheet_lines(sheet, view.no_colour)[1:] == [
+    assert sheet_lines(sheet, UTC)[1:] == [
         "    time 0:12.0",
         "    Achievements",
         "       1    yes  Detects the door  (corrected)",

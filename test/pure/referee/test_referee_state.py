@@ -19,9 +19,16 @@ class Seconds(float):
         return float(self)
 
 
+class Clock(Seconds):
+    """A moment; the difference of two is a duration."""
+
+    def __sub__(self, other: float) -> Seconds:
+        return Seconds(float(self) - float(other))
+
+
 def _gui(*zones):
     robots = [SimpleNamespace(team="T", robot="mbot", skew=Seconds(-0.15), beacon=Seconds(UTC0 - 2))]
-    return SimpleNamespace(clock=Seconds(UTC0), status="OK", addr="127.255.255.255", port="6666", active_robots=robots,
+    return SimpleNamespace(clock=Clock(UTC0), status="OK", addr="127.255.255.255", port="6666", active_robots=robots,
                            zones=zones)
 
 
@@ -50,8 +57,17 @@ def _details(**fields):
     return SimpleNamespace(box_uuid="u", warnings=["box"], zones=[SimpleNamespace(**{**default, **fields})])
 
 
-def test_both_messages_make_one_snapshot():
-    seen = box_of(_gui(_zone_state()), _details())
+def _clocks(zone="Home A", **fields):
+    default = {
+        "zone": zone, "identity": "HWV-1", "phase": "running", "limit": Seconds(600), "elapsed": Seconds(100),
+        "counting": True, "paused": "", "goal_limit": Seconds(60), "goal": 2, "goal_elapsed": Seconds(20),
+        "goal_counting": True, "after_stop": Seconds(0),
+    }
+    return SimpleNamespace(clock=Clock(UTC0 - 0.5), zones=[SimpleNamespace(**{**default, **fields})])
+
+
+def test_the_messages_make_one_snapshot():
+    seen = box_of(_gui(_zone_state()), _details(), _clocks())
     zone = seen.zone("Home A")
     assert (seen.clock_utc_s, seen.box_uuid, seen.warnings) == (UTC0, "u", ("box",))
     assert seen.robots[0] == ("T", "mbot", -0.15, UTC0 - 2, 2.0)
@@ -67,12 +83,12 @@ def test_both_messages_make_one_snapshot():
 
 
 def test_not_attempted_items_are_marked():
-    zone = box_of(_gui(_zone_state()), _details(not_attempted=[False, False, True])).zones[0]
+    zone = box_of(_gui(_zone_state()), _details(not_attempted=[False, False, True]), _clocks()).zones[0]
     assert [item.not_attempted for item in zone.score] == [False, False, True]
 
 
 def test_unknown_values_are_none():
-    zone = box_of(_gui(_zone_state()), _details(skew_known=False, last_message=Seconds(0))).zones[0]
+    zone = box_of(_gui(_zone_state()), _details(skew_known=False, last_message=Seconds(0)), _clocks()).zones[0]
     assert (zone.skew_s, zone.last_message_utc_s) == (None, None)
 
 
@@ -84,7 +100,7 @@ def test_what_a_benchmarking_module_asks_and_says():
     zone = box_of(_gui(state), _details(
         operation=4, operation_choices=["again", "skip"], operation_asks_text=True, held=True, module_status="Goal 1",
         module_scores=scores,
-    )).zones[0]
+    ), _clocks()).zones[0]
     assert zone.operation == (4, "Place it", ("again", "skip"), True)
     assert zone.switches == ((1, 3), 2, False)
     assert (zone.held, zone.module_status) == (True, "Goal 1")
@@ -94,27 +110,44 @@ def test_what_a_benchmarking_module_asks_and_says():
 def test_all_robots_at_once():
     zone = box_of(_gui(_zone_state()), _details(
         robot="2 robots", robots_preparing=1, robots_stopped=1, robots=["a of team T: preparing", "b of team T: ready"],
-    )).zones[0]
+    ), _clocks()).zones[0]
     assert zone.all_robots == (1, 0, 1, ("a of team T: preparing", "b of team T: ready"))
-    assert box_of(_gui(_zone_state()), _details()).zones[0].all_robots is None
+    assert box_of(_gui(_zone_state()), _details(), _clocks()).zones[0].all_robots is None
 
 
 @pytest.mark.parametrize(("text", "number"), [("Place it", 0), ("", 4)])
 def test_half_a_manual_operation_is_ignored(text, number):
     state = _zone_state()
     state.manual_operation = text
-    assert box_of(_gui(state), _details(operation=number)).zones[0].operation is None
+    assert box_of(_gui(state), _details(operation=number), _clocks()).zones[0].operation is None
+
+
+def test_the_times_of_a_run_are_those_of_the_panels():
+    times = box_of(_gui(_zone_state()), _details(), _clocks()).zones[0].times
+    text = ("Run: time left 8:20", "Goal: time left 0:40", "Used: 1:40 of 10:00")
+    assert times == (text, "", 600.0, 100.5, True, 2, 60.0, 20.5, True, 0.0)
+    times = box_of(_gui(_zone_state()), _details(), _clocks(counting=False, paused="the mug")).zones[0].times
+    assert (times.pause, times.elapsed_s, times.text[0]) == ("PAUSED: the mug", 100.0, "Run: time left 8:20")
+    stopped = _clocks(phase="ended", counting=False, goal_counting=False, after_stop=Seconds(30))
+    times = box_of(_gui(_zone_state()), _details(phase="ended"), stopped).zones[0].times
+    assert (times.after_stop_s, times.text[0]) == (29.5, "Final time of the run 1:40.0")
+    assert times.text[1:] == ("Time left after the stop: 0:30",)
+
+
+def test_times_of_another_run_are_waited_for():
+    for other in ({"phase": "connected"}, {"identity": "HWV-2"}, {"zone": "Home B"}):
+        assert box_of(_gui(_zone_state()), _details(), _clocks(**other)) is None
 
 
 def test_messages_of_two_schedules_do_not_go_together():
-    assert box_of(_gui(_zone_state()), _details(zone="Home B")) is None
-    assert box_of(_gui(), _details()) is None
+    assert box_of(_gui(_zone_state()), _details(zone="Home B"), _clocks()) is None
+    assert box_of(_gui(), _details(), _clocks()) is None
 
 
 def test_a_robot_is_never_heard_in_the_future():
     gui = _gui(_zone_state())
     gui.active_robots[0].beacon = Seconds(UTC0 + 1)
-    assert box_of(gui, _details()).robots[0].age_s == 0.0
+    assert box_of(gui, _details(), _clocks()).robots[0].age_s == 0.0
 
 
 def test_json_has_the_names_of_the_fields_all_the_way_down():
@@ -132,7 +165,8 @@ def test_the_documentation_names_every_field():
     kinds = (
         referee_state.BoxSnapshot, referee_state.RobotSnapshot, referee_state.ZoneSnapshot, referee_state.EventSnapshot,
         referee_state.SheetItem, referee_state.ManualOperation, referee_state.SwitchesSnapshot,
-        referee_state.ModuleScoreLine, sheets.RunLine, sheets.Sheet, sheets.HistoryEntry, sheets.RunEnd,
+        referee_state.ModuleScoreLine, referee_state.RunTimes, sheets.RunLine, sheets.Sheet, sheets.HistoryEntry,
+        sheets.RunEnd,
     )
     missing = [f"{kind.__name__}.{field}" for kind in kinds for field in kind._fields if f"`{field}`" not in text]
     assert not missing

@@ -1,30 +1,34 @@
 """The terminal's output."""
 
 import re
+import time
 
 import pytest
 
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
-from roah_rsbb.referee import view as view
+from roah_rsbb.referee import view
 from roah_rsbb.referee.changes import Change, changes
 from roah_rsbb.referee.state import AllRobotsSnapshot, ManualOperation, ModuleScoreLine, SwitchesSnapshot
 from roah_rsbb.wording import schedule
+from roah_rsbb.wording.times import Moments
+
+UTC, COLOUR = (view.Style(in_colour, Moments(in_utc=True)) for in_colour in (False, True))
 
 
 def _status(*zones, **fields):
-    return "\n".join(view.status(box(*zones, **fields), view.no_colour))
+    return "\n".join(view.status(box(*zones, **fields), UTC))
 
 
 def _lines(old, new):
-    return [view.change_line(change, view.no_colour) for change in changes(old, new)]
+    return [view.change_line(change, UTC) for change in changes(old, new)]
 
 
 def test_all_zones_at_a_glance():
     text = _status(running_zone(), zone(zone="Home B", off={"connect": ["a reason"], "next": []}))
-    assert "RSBB at 127.255.255.255:6666, 16:26:40Z: OK" in text
-    assert "Home A: RUNNING, 8:33 left" in text
+    assert "RSBB at 127.255.255.255:6666, 16:26:40 UTC: OK" in text
+    assert "Home A: RUNNING\n    Run: time left 8:33, Goal: time left 0:45, Used: 1:27 of 10:00\n    Name of" in text
     assert "robot mbot: PREPARING, skew +0.012 s, heard just now (UDP port 6667)" in text
-    assert "Home B: NOT CONNECTED, 10:00 to run" in text
+    assert "Home B: NOT CONNECTED\n    Time limit of the run 10:00\n" in text
     assert "HGTKMH, team TestingTeam, round 1, run 1, scheduled 16:36 UTC" in text
     assert "allowed now: next" in text
 
@@ -50,15 +54,37 @@ def test_all_robots_at_once_are_listed_in_the_zones_report():
     robots = AllRobotsSnapshot(1, 0, 1, ("a of team T: preparing", "b\n of team T: ready"))
     of_all = running_zone(robot="2 robots", all_robots=robots)
     assert "2 robots" not in _status(of_all)  # its state counts them
-    report = view.zone_report(of_all, UTC0, view.no_colour)
+    report = view.zone_report(of_all, UTC0, UTC)
     assert [line.strip() for line in report if "of team" in line] == [
         "robot a of team T: preparing", "robot b\\n of team T: ready"
     ]
 
 
 def test_the_end_of_a_run_says_why():
-    assert "ENDED: no data saved, 8:33 left after the end" in _status(
-        running_zone(phase="ended", end_reason="no_messages_saved"))
+    assert "ENDED: no data saved\n" in _status(running_zone(phase="ended", end_reason="no_messages_saved"))
+
+
+def test_a_pause_comes_before_the_times():
+    paused = running_zone(times=running_zone().times._replace(pause="PAUSED: place the \x1b mug"))
+    assert "Home A: RUNNING\n    PAUSED: place the \\x1b mug\n    Run: time left 8:33" in _status(paused)
+
+
+def test_times_are_local_unless_utc_is_asked_for(monkeypatch):
+    monkeypatch.setenv("TZ", "Brest-02:30")
+    time.tzset()
+    try:
+        old, new = box(running_zone()), box(running_zone(log="16:26:38Z PREPARE: x\n", online_data="23:59:59Z y\n"))
+        local = view.Style()
+        assert view.status(new, local)[0] == "RSBB at 127.255.255.255:6666, 18:56:40 Brest: OK"
+        assert "    HGTKMH, team TestingTeam, round 1, run 1, scheduled 19:06" in view.status(new, local)
+        assert view.zone_report(new.zones[0], UTC0, local)[-1] == "    02:29:59 y"
+        shown = [view.change_line(change, local) for change in changes(old, new)]
+        assert shown == ["18:56:38 Home A: PREPARE: x", "02:29:59 Home A: online data: y"]
+        assert view.change_line(Change(UTC0, "core", "", {"what": "back"}), local) == "18:56:40 core is back"
+        assert view.schedule_lines([_event(1)], local)[1].startswith("Home A  1    2015-11-08 18:56  ~19:08  +12 min")
+    finally:
+        monkeypatch.undo()
+        time.tzset()
 
 
 def test_what_the_referee_has_to_do():
@@ -80,7 +106,7 @@ SCORES = (
 
 
 def test_what_a_module_scored_is_behind_the_score_sheet():
-    shown = "\n".join(view.score_sheet(running_zone(score=(), module_score=SCORES), view.no_colour))
+    shown = "\n".join(view.score_sheet(running_zone(score=(), module_score=SCORES), UTC))
     assert shown.endswith("""    no scoring items for the referee
 Score of the benchmarking module
     Whole run
@@ -112,7 +138,7 @@ def test_what_happens_by_hand():
 
 def test_a_zone_in_full_has_every_reason_scores_and_online_data():
     full = running_zone(off={"connect": ["one", "two"]}, online_data="a\nb\n")
-    text = "\n".join(view.zone_report(full, UTC0, view.no_colour))
+    text = "\n".join(view.zone_report(full, UTC0, UTC))
     assert "no connect: one" in text
     assert "no connect: two" in text
     assert "log: /logs/run.bag" in text
@@ -122,7 +148,7 @@ def test_a_zone_in_full_has_every_reason_scores_and_online_data():
 
 def test_the_score_sheet_has_numbers_values_and_groups():
     scores = (ITEMS[0]._replace(value=1), ITEMS[1]._replace(value=12), ITEMS[2])
-    assert view.score_sheet(running_zone(score=scores), view.no_colour) == [
+    assert view.score_sheet(running_zone(score=scores), UTC) == [
         "Score sheet: HGTKMH, team TestingTeam, round 1, run 1",
         "    Achievements",
         "       1    yes  Detects the door",
@@ -134,7 +160,7 @@ def test_the_score_sheet_has_numbers_values_and_groups():
 
 def test_not_attempted_is_not_shown_as_0():
     marked = ITEMS[1]._replace(not_attempted=True)
-    sheet = view.score_sheet(running_zone(score=(ITEMS[0], marked)), view.no_colour)
+    sheet = view.score_sheet(running_zone(score=(ITEMS[0], marked)), UTC)
     assert sheet[2:] == ["       1     no  Detects the door", "       2  not attempted  Moved furniture"]
     assert _lines(box(running_zone(score=(marked,))), box(running_zone(score=(ITEMS[1]._replace(value=2),)))) == [
         "16:26:40Z Home A: score: Achievements: Moved furniture: not attempted → 2"
@@ -142,12 +168,12 @@ def test_not_attempted_is_not_shown_as_0():
 
 
 def test_values_that_were_set_are_highlighted():
-    sheet = view.score_sheet(running_zone(score=(ITEMS[0]._replace(value=1), ITEMS[1])), view.colour)
+    sheet = view.score_sheet(running_zone(score=(ITEMS[0]._replace(value=1), ITEMS[1])), COLOUR)
     assert ["\x1b" in line for line in sheet] == [False, False, True, False]
 
 
 def test_a_benchmark_without_items_says_so():
-    assert "no scoring items" in view.score_sheet(running_zone(score=()), view.no_colour)[-1]
+    assert "no scoring items" in view.score_sheet(running_zone(score=()), UTC)[-1]
 
 
 def test_changes_are_one_line_each_with_the_time():
@@ -182,12 +208,12 @@ def test_a_state_that_the_core_logs_itself_is_not_reported_twice():
 ])
 def test_phases(facts, text):
     change = Change(UTC0, "state", "Home A", {**facts, "changed": ["phase"]})
-    assert view.change_line(change, view.no_colour) == f"16:26:40Z Home A: {text}"
+    assert view.change_line(change, UTC) == f"16:26:40Z Home A: {text}"
 
 
 @pytest.mark.parametrize("what, word", [("silent", "SILENT"), ("back", "back"), ("restarted", "RESTARTED")])
 def test_the_core_disappears_and_returns(what, word):
-    assert word in view.change_line(Change(UTC0, "core", "", {"what": what}), view.no_colour)
+    assert word in view.change_line(Change(UTC0, "core", "", {"what": what}), UTC)
 
 
 def test_warnings_say_so_and_say_when_they_are_over():
@@ -197,12 +223,12 @@ def test_warnings_say_so_and_say_when_they_are_over():
 
 def test_colour_only_adds_to_the_words():
     old, new = box(zone(), robots=()), box(running_zone(warnings=("w",)), warnings=("x",))
-    coloured = "\n".join(view.status(new, view.colour))
+    coloured = "\n".join(view.status(new, COLOUR))
     assert "\x1b[" in coloured
-    assert re.sub(r"\x1b\[[\d;]*m", "", coloured) == "\n".join(view.status(new, view.no_colour))
+    assert re.sub(r"\x1b\[[\d;]*m", "", coloured) == "\n".join(view.status(new, UTC))
     for change in changes(old, new):
-        line = view.change_line(change, view.colour)
-        assert re.sub(r"\x1b\[[\d;]*m", "", line) == view.change_line(change, view.no_colour)
+        line = view.change_line(change, COLOUR)
+        assert re.sub(r"\x1b\[[\d;]*m", "", line) == view.change_line(change, UTC)
 
 
 def test_what_robots_say_cannot_command_the_terminal():
@@ -217,7 +243,7 @@ def test_what_robots_say_cannot_command_the_terminal():
     quiet = loud._replace(online_data="", log="", phase="connected", operation=None, warnings=(), robot_state="",
                           module_score=(), module_status="", score=(loud.score[0]._replace(value=1),), event=EVENTS[0])
     new = box(loud, robots=(robot(evil, evil),), status=evil, host=evil, warnings=(evil,))
-    shown = view.status(new, view.no_colour) + view.zone_report(loud, UTC0, view.no_colour) + _lines(box(quiet), new)
+    shown = view.status(new, UTC) + view.zone_report(loud, UTC0, UTC) + _lines(box(quiet), new)
     assert [line for line in shown if not line.isprintable()] == []
     assert "\\x1b[2Jgone" in "".join(shown)
 
@@ -237,7 +263,7 @@ def test_the_schedule_is_a_table():
         _event(2, state="next", current=True),
         _event(3, state="skipped", begins_utc_s=UTC0, team="Evil\x1b[31m"),
     ]
-    assert view.schedule_lines(events, view.no_colour) == [
+    assert view.schedule_lines(events, UTC) == [
         "Zone    No.  Scheduled         Begins  Late     Event                                   State            "
         "Score   Sheet",
         "Home A  1    2015-11-08 16:26  16:38   +12 min  HWV, team Beta, round 1, run 1          ✓ done: stopped  "
@@ -245,6 +271,6 @@ def test_the_schedule_is_a_table():
         "Home A  2*   2015-11-08 16:26  ~16:38  +12 min  HWV, team Beta, round 1, run 2          → next",
         "Home A  3    2015-11-08 16:26                   HWV, team Evil\\x1b[31m, round 1, run 3  – skipped",
     ]
-    assert view.schedule_lines(events, view.colour)[2].startswith("\x1b[1m")
-    assert view.schedule_lines([], view.no_colour) == [
+    assert view.schedule_lines(events, COLOUR)[2].startswith("\x1b[1m")
+    assert view.schedule_lines([], UTC) == [
         "Zone  No.  Scheduled  Begins  Late  Event  State  Score  Sheet"]

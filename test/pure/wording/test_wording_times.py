@@ -26,8 +26,8 @@ def test_an_elapsed_time_has_tenths(seconds, shown):
 
 
 def test_an_event_of_today_has_no_date():
-    assert times.scheduled(NOON, NOON - 3600) == "12:00"
-    assert times.scheduled(NOON + 86400, NOON) == "2015-11-02 12:00"
+    assert times.Moments(in_utc=True).scheduled(NOON, NOON - 3600) == "12:00"
+    assert times.Moments(in_utc=True).scheduled(NOON + 86400, NOON) == "2015-11-02 12:00"
 
 
 @pytest.mark.parametrize(("moment", "clock", "shown"), [

@@ -92,7 +92,7 @@ class TestCommands(WithCore):
                                            ("connect", "start", "stop", "disconnect", "next", "previous")])
 
     def test_the_schedule_and_the_choice_of_an_event(self) -> None:
-        lines = self.called("schedule", "home a").stdout.splitlines()
+        lines = self.called("schedule", "home a", "--utc").stdout.splitlines()
         self.assertEqual(len(lines), 1 + len(EVENTS) + 2)
         self.assertIn("Home A  1*   2015-11-01 08:00  ~08:12  +12 min  HGTKMH, team TestingTeam", lines[1])
         events = json.loads(self.called("schedule", "--team", "AnotherTeam", "--json").stdout)["events"]
@@ -259,7 +259,7 @@ class TestNoCore(unittest.TestCase):
 
 class TestWatch(WithCore):
     def test_what_happens_is_reported_in_lines_with_their_time(self) -> None:
-        watch = self.start("watch", "--zone", "Home A")
+        watch = self.start("watch", "--utc", "--zone", "Home A")
         watch.line(lambda line: "allowed now" in line, "the status")
         self.zone.command("connect")
         connected = watch.line(lambda line: "CONNECTED" in line, "connected")
