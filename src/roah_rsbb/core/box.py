@@ -144,7 +144,8 @@ class Box:
     def warnings_of(self, now: Now, zone_name: str) -> List[str]:
         """Return the current warnings for the referee of a zone."""
         zone = self.zones[zone_name]
-        of_run = [] if zone.run is None else self._restart.warnings(now, zone.run) + zone.run.warnings(now)
+        of_run = [] if zone.run is None else (
+            self._restart.warnings(now, zone.run) + zone.run.times.warnings() + zone.run.warnings(now))
         return of_run + self.commands.outsiders(now, zone)
 
     def link_samples(self, now: Now, unreadable: Mapping[int, int]) -> Tuple[Tuple[int, LinkSample], ...]:
@@ -177,6 +178,11 @@ class Box:
         """Carry out one of `commands.COMMANDS`; raises `Refused`. `reason`: why the referee stops the run, if given."""
         self.tick(now)
         self.commands.give(now, zone_name, command, who, reason)
+
+    def connect_robot(self, now: Now, zone_name: str, robot: str, who: str = "") -> None:
+        """Connect this robot of the event's team; raises `Refused`."""
+        self.tick(now)
+        self.commands.connect_robot(now, zone_name, robot, who)
 
     def leave_run(self, now: Now, name: RunName, who: str = "") -> None:
         """Disconnect the named run unless it is running; raises `Refused`."""

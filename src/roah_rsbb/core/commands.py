@@ -20,12 +20,18 @@ from roah_rsbb.core.scoring.records import By, EndReason, Phase
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.watches import Watches
 from roah_rsbb.core.zones import NO_RUN, EventKey, Zone, Zones
+from roah_rsbb.rulebook.benchmarks import Restarts
 from roah_rsbb.rulebook.registry import BenchmarkKind
+from roah_rsbb.wording.suggestions import did_you_mean
 
 DISCONNECT_FIRST = "A run is connected: disconnect it first"
+NOT_RUNNING = "No run is running"
 
 # All commands, in the order in which panels have them.
-COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next")
+COMMANDS = (
+    "connect", "disconnect", "start", "stop", "previous", "next", "pause", "resume", "next_phase", "previous_phase",
+    "open_sheet", "no_show", "withdrawn",
+)
 
 
 class CommandRecord:
@@ -100,6 +106,10 @@ class Commands:
         self._reasons_off: Dict[str, Callable[[Now, Zone], List[str]]] = {
             "connect": self._connect_off, "disconnect": self._disconnect_off, "start": self._start_off,
             "stop": self._stop_off, "previous": self._previous_off, "next": self._next_off,
+            "pause": self._pause_off, "resume": self._resume_off,
+            "next_phase": lambda now, zone: self._phase_off(zone, 1),
+            "previous_phase": lambda now, zone: self._phase_off(zone, -1),
+            "open_sheet": self._open_sheet_off, "no_show": self._no_show_off, "withdrawn": self._withdrawn_off,
         }
         self._execute: Dict[str, Callable[[Now, Zone, By], None]] = {
             "connect": lambda now, zone, by: connections.connect(now, zone, self.robots_to_connect(now, zone)),
@@ -108,6 +118,13 @@ class Commands:
             "stop": lambda now, zone, by: zone.run.stop(now, by),
             "previous": lambda now, zone, by: zone.move(-1),
             "next": lambda now, zone, by: zone.move(1),
+            "pause": lambda now, zone, by: zone.run.pause(now, True),
+            "resume": lambda now, zone, by: zone.run.pause(now, False),
+            "next_phase": lambda now, zone, by: zone.run.go_to_phase(now, zone.run.times.state.phase + 1),
+            "previous_phase": lambda now, zone, by: zone.run.go_to_phase(now, zone.run.times.state.phase - 1),
+            "open_sheet": lambda now, zone, by: connections.open_sheet(now, zone),
+            "no_show": lambda now, zone, by: self._give_up(now, zone, EndReason.NO_SHOW, by),
+            "withdrawn": lambda now, zone, by: self._give_up(now, zone, EndReason.WITHDRAWN, by),
         }
 
     def give(self, now: Now, zone_name: str, command: str, who: str = "", reason: str = "") -> None:
@@ -122,6 +139,24 @@ class Commands:
             by = By(checked_who(who), cut_note(reason))  # an overlong reason must not prevent a stop
             self._outbox.mark_changed(zone.name)
             self._execute[command](now, zone, by)
+
+    def connect_robot(self, now: Now, zone_name: str, robot: str, who: str = "") -> None:
+        """Connect this robot of the event's team; raises `Refused`."""
+        with self._record.of(RunName(zone_name), who, "connect", robot=robot):
+            zone = self._zones.named(zone_name)
+            if zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
+                raise Refused([f"{zone.event.benchmark.code} is for all robots at once: connect without a robot"])
+            reasons = self._connect_off(now, zone, robot)
+            if reasons:
+                raise Refused(reasons)
+            self._outbox.mark_changed(zone.name)
+            self._connections.connect(now, zone, self.robots_to_connect(now, zone, robot))
+
+    def _give_up(self, now: Now, zone: Zone, reason: EndReason, by: By) -> None:
+        """End the zone's event without a score, and leave it."""
+        run = zone.run or self._connections.open_sheet(now, zone)
+        run.give_up(now, reason, by)
+        self._connections.leave(now, zone, by)
 
     def leave_run(self, now: Now, name: RunName, who: str = "") -> None:
         """Disconnect the named run. Raises `Refused` if it is running or no longer connected."""
@@ -181,13 +216,26 @@ class Commands:
 
     # -- connect ------------------------------------------------------------------------------------
 
-    def robots_to_connect(self, now: Now, zone: Zone) -> Sequence[ActiveRobot]:
+    def robots_to_connect(self, now: Now, zone: Zone, name: str = "") -> Sequence[ActiveRobot]:
         """Return the robots that *connect* would take: all that can take part, or one robot of the team that is in no
-        run. Of several, it is one that was heard recently, and of these the one known longest."""
+        run. Of several, it is the one of that name; without a name, one that was heard recently, and of these the one
+        known longest."""
         if zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
             return self._candidates(now, zone).fit
+        return [robot for robot in self._idle(now, zone) if name in ("", robot.id.robot)][:1]
+
+    def robots_to_choose(self, now: Now, zone: Zone) -> Tuple[str, ...]:
+        """Return the names of the team's robots if the referee must choose one of several, in the order of preference;
+        else none."""
+        if zone.run is not None or zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
+            return ()
+        names = tuple(robot.id.robot for robot in self._idle(now, zone))
+        return names if len(names) > 1 else ()
+
+    def _idle(self, now: Now, zone: Zone) -> List[ActiveRobot]:
+        """Return the robots of the event's team that are in no run, in the order of preference."""
         of_team = self._robots.of_team(now, zone.event.team)
-        return [robot for robot in of_team if self._zones.run_of(robot.id) is None][:1]
+        return [robot for robot in of_team if self._zones.run_of(robot.id) is None]
 
     def outsiders(self, now: Now, zone: Zone) -> List[str]:
         """Warn of robots that are not in the run of all robots, as long as that can be changed.
@@ -205,22 +253,37 @@ class Commands:
         again = "is active, but not in this run: disconnect and connect again to include it"
         return [f"{robot.id} {again}" for robot in candidates.fit] + list(candidates.unfit)
 
-    def _connect_off(self, now: Now, zone: Zone) -> List[str]:
+    def _connect_off(self, now: Now, zone: Zone, name: str = "") -> List[str]:
         if zone.run is not None:
             return ["Already connected"]
-        reasons: List[str] = []
+        reasons = self._attempts_off(zone)
         listening = self._watches.listening_left(now)
         if listening > 0:
             reasons.append(f"The box is still listening for another box, for {listening:.0f} s")
-        robots = self.robots_to_connect(now, zone)
+        robots = self.robots_to_connect(now, zone, name)
         if zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
             reasons += self._nobody_off(now, zone)
         else:
-            reasons += self._robot_off(now, zone, robots)
+            reasons += self._robot_off(now, zone, robots, name)
         return reasons + self._connections.capacity().off([robot.id for robot in robots])
 
-    def _robot_off(self, now: Now, zone: Zone, robots: Sequence[ActiveRobot]) -> List[str]:
+    def attempt(self, zone: Zone) -> int:
+        """Return the number of the attempt that the zone's run is, or that the next one will be."""
+        return self._finished.attempts(zone.name, zone.event) + 1
+
+    def _attempts_off(self, zone: Zone) -> List[str]:
+        most = zone.event.benchmark.rules.attempts
+        if not most or self.attempt(zone) <= most:
+            return []
+        made = "The only attempt" if most == 1 else f"The last of {most} attempts"
+        return [f"{made} at this event was made: go to the next event. To allow more, raise 'attempts' in "
+                "benchmarks.yaml"]
+
+    def _robot_off(self, now: Now, zone: Zone, robots: Sequence[ActiveRobot], name: str) -> List[str]:
         team = zone.event.team
+        if not robots and name:
+            names = [robot.id.robot for robot in self._idle(now, zone)]
+            return [f"No robot '{cut_note(name)}' of team {team} is ready to connect{did_you_mean(name, names)}"]
         if not robots:
             busy = [(r, self._zones.run_of(r.id)) for r in self._robots.of_team(now, team)]
             if not busy:
@@ -273,6 +336,8 @@ class Commands:
         if run.phase is Phase.RUNNING:
             return ["Already started"]
         reasons: List[str] = []
+        if run.phase is Phase.ENDED and run.times.rules.restarts is Restarts.NOT_ALLOWED:
+            return ["The rules of this benchmark do not allow a restart: disconnect, and connect for a new run"]
         if run.end_reason is EndReason.TIMEOUT:
             reasons.append("The run ended by timeout: disconnect, and connect for a new run")
         elif run.clock.is_over(now):
@@ -290,6 +355,46 @@ class Commands:
 
     def _disconnect_off(self, _now: Now, zone: Zone) -> List[str]:
         return [] if zone.run is not None else ["No run is connected"]
+
+    # -- pause, phases ------------------------------------------------------------------------------
+
+    def _pause_off(self, _now: Now, zone: Zone) -> List[str]:
+        if not zone.event.benchmark.rules.pause:
+            return ["The rules of this benchmark do not allow a pause"]
+        if zone.run is None or zone.run.phase is not Phase.RUNNING:
+            return [NOT_RUNNING]
+        return ["The clock is paused"] if zone.run.times.state.paused else []
+
+    def _resume_off(self, _now: Now, zone: Zone) -> List[str]:
+        return [] if zone.run is not None and zone.run.times.state.paused else ["The clock is not paused"]
+
+    def _phase_off(self, zone: Zone, by: int) -> List[str]:
+        """Return why the run cannot move by so many phases."""
+        phases = zone.event.benchmark.rules.phases
+        if not phases:
+            return ["This benchmark has no phases"]
+        if zone.run is None or zone.run.phase is not Phase.RUNNING:
+            return [NOT_RUNNING]
+        if 1 <= zone.run.times.state.phase + by <= len(phases):
+            return []
+        return ["This is the last phase"] if by > 0 else ["This is the first phase"]
+
+    # -- without a robot ----------------------------------------------------------------------------
+
+    def _open_sheet_off(self, _now: Now, zone: Zone) -> List[str]:
+        if zone.run is not None:
+            return [DISCONNECT_FIRST]
+        return self._attempts_off(zone) + self._connections.capacity().off([])
+
+    def _no_show_off(self, _now: Now, zone: Zone) -> List[str]:
+        if zone.run is not None and zone.run.phase is not Phase.CONNECTED:
+            return ["The run was started, so its team appeared"]
+        return self._connections.capacity().off([]) if zone.run is None else []
+
+    def _withdrawn_off(self, _now: Now, zone: Zone) -> List[str]:
+        if zone.run is not None and zone.run.phase is Phase.RUNNING:
+            return ["A run is running: stop it first"]
+        return self._connections.capacity().off([]) if zone.run is None else []
 
     # -- previous, next -----------------------------------------------------------------------------
 

@@ -15,6 +15,7 @@ from roah_rsbb.core.messages import Beacon, BenchmarkingRobot
 from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
+from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState
 from roah_rsbb.core.scoring.book import FinishedRuns
@@ -88,6 +89,14 @@ class Connections:
         for robot in robots:
             self._open_run(now, zone, robot)
 
+    def open_sheet(self, now: Now, zone: Zone) -> HandRun:
+        """Begin a run without a robot in a zone. It takes the next port as its number, and opens no channel."""
+        self._last_port += 1
+        self._outbox.emit(effects.PortTaken(self._last_port))
+        zone.run = run = HandRun(now, zone.name, zone.event, self._context(zone.name), self._last_port)
+        run.open(now)
+        return run
+
     def leave(self, now: Now, zone: Zone, by: By = NOBODY) -> None:
         """Disconnect the run in a zone."""
         run = zone.run
@@ -156,6 +165,9 @@ class Connections:
 
     def reopen(self, now: Now, zone: Zone, state: ZoneState) -> None:
         """Continue the run in a zone's saved state, if any. Raises ValueError if it cannot have its channels."""
+        if state.by_hand is not None:
+            zone.run = HandRun(now, zone.name, zone.event, self._context(zone.name), state=state.by_hand)
+            return
         runs = () if state.all_robots is None else state.all_robots.members
         runs = runs if state.run is None else (state.run,)
         if not runs:

@@ -84,6 +84,12 @@ class RunOpened(NamedTuple):
     robot: str = ""  # its name, if the run may include several robots of the team
 
 
+class SheetOpened(NamedTuple):
+    """A run without a robot begins in this zone."""
+
+    zone: str
+
+
 class RunResumed(NamedTuple):
     """A run continues after a restart of the core, and so does its log."""
 
@@ -149,7 +155,7 @@ class GiveUp(NamedTuple):
 
 Effect = Union[
     PortTaken, OpenChannel, AimChannel, CloseChannel, SendState, SendBeacon, TimeoutRung, SetDevice,
-    RunOpened, RunResumed, RunLogged, RunClosed, RecordChanged, Recorded,
+    RunOpened, SheetOpened, RunResumed, RunLogged, RunClosed, RecordChanged, Recorded,
     ModuleRunsChanged, Notice, GiveUp,
 ]
 

@@ -6,8 +6,9 @@ from typing import Dict, Iterable, List, NamedTuple, Optional
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.all_robots import AllRobotsRun
+from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
-from roah_rsbb.core.runs.run import AllRobotsState, Run, RunState, ZoneRun
+from roah_rsbb.core.runs.run import AllRobotsState, Run, RunState, ZoneRun, ZoneRunState
 from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
 from roah_rsbb.wording.suggestions import did_you_mean
@@ -49,6 +50,7 @@ class ZoneState:
     for_module: Optional[FunctionalityState] = None
     all_robots: Optional[AllRobotsState] = None
     last_run: Optional[LastRun] = None
+    by_hand: Optional[ZoneRunState] = None
 
 
 class Zone:
@@ -97,6 +99,7 @@ class Zone:
             for_module=run.of_module if isinstance(run, FunctionalityRun) else None,
             all_robots=run.state if isinstance(run, AllRobotsRun) else None,
             last_run=self.last_run,
+            by_hand=run.state if isinstance(run, HandRun) else None,
         )
 
     def resume_at(self, state: ZoneState) -> bool:

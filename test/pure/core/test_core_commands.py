@@ -41,8 +41,19 @@ NOTHING_CONNECTED = {
 }
 
 
+WITHOUT_RULES = {
+    "pause": ["The rules of this benchmark do not allow a pause"],
+    "resume": ["The clock is not paused"],
+    "next_phase": ["This benchmark has no phases"],
+    "previous_phase": ["This benchmark has no phases"],
+}
+
+
 def test_there_are_exactly_these_commands():
-    assert set(COMMANDS) == {"connect", "disconnect", "start", "stop", "previous", "next"}
+    assert set(COMMANDS) == {
+        "connect", "disconnect", "start", "stop", "previous", "next", "pause", "resume", "next_phase",
+        "previous_phase", "open_sheet", "no_show", "withdrawn",
+    }
 
 
 def test_without_a_robot():
@@ -51,7 +62,8 @@ def test_without_a_robot():
         "connect": ["No robot of team Alpha is active: none of its beacons arrives on UDP port 6666"],
         "previous": ["This is the zone's first event"],
         "next": [],
-        **NOTHING_CONNECTED,
+        "open_sheet": [], "no_show": [], "withdrawn": [],
+        **NOTHING_CONNECTED, **WITHOUT_RULES,
     }
     driver.command("next")
     assert (driver.off("previous"), driver.off("next")) == ([], [])
@@ -68,6 +80,8 @@ def test_connected():
         "disconnect": [], "start": [], "stop": ["The run is not started: disconnect to leave it"],
         "previous": [connected, "This is the zone's first event"],
         "next": [connected, "This is the zone's last event"],
+        "open_sheet": [connected], "no_show": [], "withdrawn": [],
+        **WITHOUT_RULES,
     }
 
 

@@ -36,7 +36,8 @@ def test_only_a_run_that_ran_to_its_end_moves_the_zone_on(auto_next, reason):
     text = "12:00:00Z STOP\n"
     zone.run = SimpleNamespace(end_reason=reason, log=text, online_data=text)
     zone.leave(auto_next)
-    moved = auto_next and reason in (EndReason.COMPLETED, EndReason.GOALS_TIMED_OUT)
+    moved = auto_next and reason in (
+        EndReason.COMPLETED, EndReason.GOALS_TIMED_OUT, EndReason.NO_SHOW, EndReason.WITHDRAWN)
     assert (zone.index, zone.run) == (int(moved), None)
     # The log of the last run stays to be read, until the zone shows another event.
     assert zone.last_run == (None if moved else (reason, text, text))

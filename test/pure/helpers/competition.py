@@ -1,7 +1,15 @@
 """A small competition, made by hand: benchmarks, events and zones for the tests of the core."""
 
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord
-from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ScoreKind, ScoringItem, ZonePlan
+from roah_rsbb.rulebook.benchmarks import (
+    NO_RULES,
+    Benchmark,
+    Config,
+    ScheduledEvent,
+    ScoreKind,
+    ScoringItem,
+    ZonePlan,
+)
 
 UTC0 = 1_800_000_000.0
 TEAMS = ("Alpha", "Beta", "Gamma")
@@ -12,10 +20,10 @@ BUMPS = ScoringItem("Penalized", "bumps", ScoreKind.UINT)
 SCORING = (DOOR, OBJECTS, BUMPS)
 
 
-def benchmark(code, timeout=600.0, total_timeout=None, scoring=SCORING):
+def benchmark(code, timeout=600.0, total_timeout=None, scoring=SCORING, rules=NO_RULES):
     """A benchmark of that code; times in seconds."""
     total = timeout if total_timeout is None else total_timeout
-    return Benchmark(code, f"Benchmark {code}", f"About {code}", timeout, total, scoring)
+    return Benchmark(code, f"Benchmark {code}", f"About {code}", timeout, total, scoring, rules=rules)
 
 
 def event(code="HGTKMH", team="Alpha", round=1, run=1, scheduled=UTC0, **of_benchmark):

@@ -26,6 +26,7 @@ class EffectRules:
         self._opened = set()  # ports of channels
         self._bags = set()  # ports of run logs that are open
         self._resumed = None  # port of a run that is in progress
+        self._ends = set()  # (zone, end reason) on record
         self._last = {}  # (port, topic) -> last value logged
 
     def see(self, effect):
@@ -83,6 +84,8 @@ class EffectRules:
         topic = run_log.device_topic(effect.device)
         assert effect.value in [value for (_, known), value in self._last.items() if known == topic]
 
+    def _RecordChanged(self, effect):
+        self._ends.add((effect.record.zone, effect.record.end_reason))
+
     def _TimeoutRung(self, effect):
-        descs = [value for (_, topic), value in self._last.items() if topic == run_log.STATE_DESC]
-        assert "Stopped due to timeout" in descs, "the timeout rings before it is on record"
+        assert (effect.zone, "timeout") in self._ends, "the timeout rings before it is on record"

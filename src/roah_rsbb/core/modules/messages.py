@@ -86,8 +86,8 @@ class RunForModule(NamedTuple):
     running: bool  # whether the attempt is in progress
     end_reason: str = ""  # why the attempt ended, as in ZoneDetails
     elapsed_s: float = 0.0  # counted seconds of the attempt, when it ended
-    goal_timeout: float = 0.0  # seconds, from the benchmarks file
-    total_timeout: float = 0.0  # seconds, from the benchmarks file
+    goal_timeout: float = 0.0  # seconds, from the benchmarks file; 0: no limit
+    total_timeout: float = 0.0  # seconds, from the benchmarks file; 0: no limit
     told_utc: float = 0.0  # UTC seconds when the robot was first requested to execute the current goal; 0: not yet
     sheet: Tuple[ScoreGroup, ...] = ()  # the referee's scores
     steps: Tuple[Step, ...] = ()

@@ -106,7 +106,7 @@ class Restart:
 
     def _lost(self, now: Now, state: ZoneState, why: str) -> None:
         """Report a run that cannot continue. Its scores are in the journal."""
-        if state.run is None and state.all_robots is None:
+        if state.run is None and state.all_robots is None and state.by_hand is None:
             return
         event = state.event
         text = (f"The run of {event.benchmark}, team {event.team}, that was connected before the restart cannot "

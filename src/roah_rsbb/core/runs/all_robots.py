@@ -17,9 +17,11 @@ from roah_rsbb.core.link.link import SILENT_S
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.runs.clock import CountdownState
 from roah_rsbb.core.runs.run import AllRobotsState, Assignment, Run, RunContext, RunState, ZoneRun
+from roah_rsbb.core.runs.times import RunTimes
 from roah_rsbb.core.scoring.book import BookState
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.protocol import BoxState
+from roah_rsbb.rulebook.benchmarks import NO_RULES
 
 # *Start* waits this long for robots that have not answered or stopped yet.
 SETTLE_S = SILENT_S
@@ -62,6 +64,7 @@ class MemberRun(Run):
         super().__init__(now, assignment, context, state)
         self._whole = whole
         self.clock, self.state.clock = whole.clock, whole.clock.state
+        self.times = RunTimes(NO_RULES, self.state.times)  # the whole run follows the rules
 
     def leave_out(self, now: Now) -> None:
         """Note that the others start without this robot, which is not ready."""
@@ -116,6 +119,8 @@ class AllRobotsRun(ZoneRun):
         self._context = context
         self._settled_mono = now.mono + SETTLE_S
         self._members: List[MemberRun] = []
+        if state is None:
+            self.times.connected(now)
         for of_member in self.state.members:
             assignment = Assignment(self.zone, self.event, of_member.robot, of_member.port)
             self._members.append(MemberRun(now, self, assignment, context, of_member))
@@ -182,11 +187,12 @@ class AllRobotsRun(ZoneRun):
 
     def deadline(self) -> Optional[float]:
         """See `ZoneRun`. Any running member knows when the shared clock is over."""
-        times = [member.deadline() for member in self._members]
-        return min((t for t in times if t is not None), default=None)
+        found = [self.times.deadline(), *(member.deadline() for member in self._members)]
+        return min((t for t in found if t is not None), default=None)
 
     def tick(self, now: Now) -> None:
         """See `ZoneRun`."""
+        self._tick_times(now)
         for member in self._members:
             member.tick(now)
         self._end_with_the_last(now)

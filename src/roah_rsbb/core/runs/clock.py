@@ -11,28 +11,30 @@ from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.restart.saved import Mono
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT
 
 
 @dataclass
 class CountdownState:
     """The state of a countdown."""
 
-    deadline: Optional[Mono] = None  # without further pauses; None: not started
+    deadline: Optional[Mono] = None  # without further pauses; without a limit, the start; None: not started
     paused_at: Optional[Mono] = None
     stopped_at: Optional[Mono] = None  # of a run's clock only
 
 
 class Countdown:
-    """Counts from its start to its end, except while it is paused."""
+    """Counts from its start to its end, except while it is paused. Without a limit (`NO_LIMIT`) it has no end."""
 
     def __init__(self, seconds: float, state: Optional[CountdownState] = None) -> None:
         self._seconds = seconds
+        self._span = 0.0 if seconds == NO_LIMIT else seconds  # from the start to `state.deadline`
         self.state = state or CountdownState()
 
     def start(self, now: Now) -> None:
         """Start counting. Later calls have no effect."""
         if self.state.deadline is None:
-            self.state.deadline = now.mono + self._seconds
+            self.state.deadline = now.mono + self._span
 
     def pause(self, now: Now) -> None:
         """Stop counting until `resume`."""
@@ -65,42 +67,63 @@ class Countdown:
         return self.state.paused_at is not None
 
     def deadline(self) -> Optional[float]:
-        """Monotonic time (s) of the end; None: not started, or paused."""
-        return None if self.paused else self.state.deadline
+        """Monotonic time (s) of the end; None: not started, paused, or without a limit."""
+        return None if self._seconds == NO_LIMIT else self.moment(self._seconds)
+
+    def moment(self, elapsed: float) -> Optional[float]:
+        """Monotonic time (s) at which so many seconds are counted; None: not started, or paused."""
+        if self.state.deadline is None or self.paused:
+            return None
+        return self.state.deadline + (elapsed - self._span)
 
     def is_over(self, now: Now) -> bool:
         """Whether the time is up."""
         deadline = self.deadline()
-        return deadline is not None and now.mono >= deadline
+        return deadline is not None and self._at(now) >= deadline
 
     def left(self, now: Now) -> float:
         """Seconds left, at least 0."""
-        if self.state.deadline is None:
+        if self.state.deadline is None or self._seconds == NO_LIMIT:
             return self._seconds
-        return max(0.0, self.state.deadline - (self.state.paused_at if self.paused else now.mono))
+        return max(0.0, self.state.deadline - self._at(now))
 
     def elapsed(self, now: Now) -> float:
         """Seconds counted so far, at most the whole countdown."""
+        if self._seconds == NO_LIMIT:
+            return 0.0 if self.state.deadline is None else self._at(now) - self.state.deadline
         return self._seconds - self.left(now)
+
+    def _at(self, now: Now) -> float:
+        """Return the monotonic time (s) up to which it has counted."""
+        return self.state.paused_at if self.paused else now.mono
 
 
 class RunClock(Countdown):
     """Counts from the first start to the timeout. It keeps counting after a stop (docs/protocol.md, "State
-    machines")."""
+    machines"), unless the rules say otherwise."""
 
-    def __init__(self, timeout: float, after_stop: float, state: Optional[CountdownState] = None) -> None:
+    def __init__(
+        self, timeout: float, after_stop: float, state: Optional[CountdownState] = None, stops: bool = False
+    ) -> None:
+        """`stops`: it does not count from a stop to the next start."""
         super().__init__(timeout, state)
         self._after_stop = after_stop
+        self._stops = stops
 
     def start(self, now: Now) -> None:
-        """Set the deadline at the first start. Later starts keep it."""
+        """Set the deadline at the first start. Later starts keep it, or move it by the time since the stop."""
         super().start(now)
+        if self._stops and self.state.stopped_at is not None:
+            self.state.deadline += now.mono - self.state.stopped_at
         self.state.stopped_at = None
 
     def stop(self, now: Now) -> None:
         """Note that the run was stopped. The deadline stays, and a pause ends."""
         self.resume(now)
         self.state.stopped_at = now.mono
+
+    def _at(self, now: Now) -> float:
+        return self.state.stopped_at if self._stops and self.state.stopped_at is not None else super()._at(now)
 
     def after_stop(self, now: Now) -> float:
         """Seconds left of the time after the stop, at least 0."""

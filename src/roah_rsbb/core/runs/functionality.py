@@ -31,6 +31,7 @@ from roah_rsbb.core.runs.run import Assignment, Run, RunContext, RunState
 from roah_rsbb.core.scoring.book import Marked
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
 from roah_rsbb.protocol import BoxState
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT
 from roah_rsbb.rulebook.registry import ResultForm
 
 # No benchmark has more steps. A module with more is out of control.
@@ -279,8 +280,8 @@ class FunctionalityRun(Run):
             running=self.phase is Phase.RUNNING,
             end_reason="" if self.end_reason is None else self.end_reason.name.lower(),
             elapsed_s=self.book.state.elapsed_s,
-            goal_timeout=event.benchmark.timeout,
-            total_timeout=event.benchmark.total_timeout,
+            goal_timeout=_or_zero(event.benchmark.timeout),
+            total_timeout=_or_zero(event.benchmark.total_timeout),
             told_utc=0.0 if goal is None or goal.told is None else goal.told.utc,
             sheet=tuple(self.sheet.groups()),
             steps=tuple(self.steps),
@@ -347,10 +348,11 @@ class FunctionalityRun(Run):
     # -- time ---------------------------------------------------------------------------------------
 
     def _set_pauses(self, now: Now) -> None:
-        """Pause the clock and the goal while the referee works or the module is missing."""
-        self.clock.set_paused(now, self.held or self.asked is not None)
+        """Pause the clock while the referee works or the module is missing. The goal continues while the referee works
+        for it."""
+        super()._set_pauses(now)
         if self._goal is not None:
-            self._goal.clock.set_paused(now, self.held)
+            self._goal.clock.set_paused(now, self.held or self.times.state.paused)
 
     def deadline(self) -> Optional[float]:
         """See `Run.deadline`. Includes the goal's timeout."""
@@ -398,9 +400,9 @@ class FunctionalityRun(Run):
     @property
     def why_paused(self) -> str:
         """See `ZoneRun`."""
-        if not self.clock.paused:
-            return ""
-        return "the benchmarking module is missing" if self.held else "manual operation"
+        if self.held:
+            return "the benchmarking module is missing"
+        return "manual operation" if self.asked is not None else super().why_paused
 
     def start_off(self, now: Now) -> List[str]:
         """Return why the run cannot be started. Reasons of the module come first."""
@@ -427,10 +429,16 @@ class FunctionalityRun(Run):
         if self.phase is Phase.RUNNING:
             if self.asked is not None:
                 lines.append(f"Manual operation: {self.asked.text}")
-            minutes, seconds = divmod(int(self.clock.left(now)), 60)
-            paused = " (paused)" if self.clock.paused else ""
-            lines.append(f"Benchmark timeout: {minutes:02d}:{seconds:02d}{paused}")
+            if self.clock.limit != NO_LIMIT:
+                minutes, seconds = divmod(int(self.clock.left(now)), 60)
+                paused = " (paused)" if self.clock.paused else ""
+                lines.append(f"Benchmark timeout: {minutes:02d}:{seconds:02d}{paused}")
         return lines + ([self.module_status] if self.module_status else []) + super().status_lines(now)
+
+
+def _or_zero(limit: float) -> float:
+    """Return a limit as modules know it: 0 means no limit."""
+    return 0.0 if limit == NO_LIMIT else limit
 
 
 def _number(progress: Progress) -> int:

@@ -1,7 +1,7 @@
 """A run: one robot, one event of the schedule, from *connect* to *disconnect*.
 
-`ZoneRun` is the interface of a run for zones, commands and views. `Run` implements it for a single robot, and
-`roah_rsbb.core.runs.all_robots.AllRobotsRun` for many members.
+`ZoneRun` is the interface of a run for zones, commands and views. `Run` implements it for a single robot,
+`roah_rsbb.core.runs.all_robots.AllRobotsRun` for many members, and `roah_rsbb.core.runs.by_hand.HandRun` for none.
 
 A `Run` contains the box's state machine, the run's clock, the score sheet and the robot's messages, and turns events
 into effects. `roah_rsbb.core.commands` decides who may start or stop it, and when.
@@ -22,12 +22,13 @@ from roah_rsbb.core.runs.device_commands import DeviceCommands, DeviceCommandsSt
 from roah_rsbb.core.runs.machine import Reaction, react
 from roah_rsbb.core.runs.online_data import Strings, StringsBudget, receive, with_line
 from roah_rsbb.core.runs.requests import RunningGoal
+from roah_rsbb.core.runs.times import BY_REFEREE, RunTimes, TimesState
 from roah_rsbb.core.scoring.book import BookState, Marked, RunBook
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase, RunRecord, ScoreValue
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, ScheduledEvent
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Restarts, ScheduledEvent
 from roah_rsbb.wording import times
 
 # The least interval between two warnings that messages of a robot were dropped.
@@ -63,7 +64,12 @@ class Assignment(NamedTuple):
 
     def identity(self, now: Now) -> str:
         """Return the identity of the run that begins now. It is unique among all competitions."""
-        return f"{self.event.benchmark.code}-{self.port}-{now.utc:.3f}"
+        return identity_of(self.event, self.port, now)
+
+
+def identity_of(event: ScheduledEvent, port: int, now: Now) -> str:
+    """Return the identity of a run that begins now; `port` is not used by another run of the competition."""
+    return f"{event.benchmark.code}-{port}-{now.utc:.3f}"
 
 
 @dataclass
@@ -85,6 +91,7 @@ class RunState:
     online_data: str = ""
     devices: DeviceCommandsState = field(default_factory=DeviceCommandsState)
     strings: Strings = field(default_factory=dict)
+    times: TimesState = field(default_factory=TimesState)
 
 
 def new_state(now: Now, assignment: Assignment) -> RunState:
@@ -96,8 +103,8 @@ def new_state(now: Now, assignment: Assignment) -> RunState:
 
 
 @dataclass
-class AllRobotsState:
-    """The state of a run of all robots."""
+class ZoneRunState:
+    """The state of a run besides its robots."""
 
     identity: str
     opened_utc: float
@@ -108,6 +115,13 @@ class AllRobotsState:
     book: BookState
     log: str = ""
     online_data: str = ""
+    times: TimesState = field(default_factory=TimesState)
+
+
+@dataclass
+class AllRobotsState(ZoneRunState):
+    """The state of a run of all robots."""
+
     members: List[RunState] = field(default_factory=list)
 
 
@@ -126,13 +140,15 @@ class ZoneRun(abc.ABC):
     scores: Tuple[ScoreValue, ...] = ()  # of a benchmarking module
 
     def __init__(
-        self, zone: str, event: ScheduledEvent, context: RunContext, state: Union[RunState, AllRobotsState]
+        self, zone: str, event: ScheduledEvent, context: RunContext, state: Union[RunState, ZoneRunState]
     ) -> None:
-        settings = context.settings
+        settings, rules = context.settings, event.benchmark.rules
         self.state = state
         self.zone = zone
         self.event = event
-        self.clock = RunClock(event.benchmark.total_timeout, settings.after_stop_duration, state.clock)
+        self.clock = RunClock(event.benchmark.total_timeout, settings.after_stop_duration, state.clock,
+                              stops=rules.restarts is Restarts.CLOCK_STOPS)
+        self.times = RunTimes(rules, state.times)
         self.book = RunBook(event.benchmark.scoring, state.book)
         self._display_size = settings.display_log_size
         self._emit = context.emit
@@ -205,7 +221,10 @@ class ZoneRun(abc.ABC):
         return self.event.benchmark.limit
 
     def timer(self, now: Now) -> float:
-        """Seconds left until the timeout or, once ended, of the time after the stop."""
+        """Seconds left until the timeout; before the start, of the setup time; once ended, of the time after the
+        stop."""
+        if self.times.in_setup:
+            return self.times.setup_left(now)
         return self.clock.shown(now, ended=self.phase is Phase.ENDED)
 
     @property
@@ -216,7 +235,7 @@ class ZoneRun(abc.ABC):
     @property
     def why_paused(self) -> str:
         """Why the time of a run in progress does not count; empty: it counts."""
-        return ""
+        return BY_REFEREE if self.times.state.paused else ""
 
     # -- time ---------------------------------------------------------------------------------------
 
@@ -227,6 +246,11 @@ class ZoneRun(abc.ABC):
     @abc.abstractmethod
     def tick(self, now: Now) -> None:
         """Do what is due by now, in all members."""
+
+    def _tick_times(self, now: Now) -> None:
+        """Warn of the rules' limits that are over."""
+        for text in self.times.tick(now):
+            self.say(now, Level.WARNING, text)
 
     # -- the referee's commands; the caller has checked that they are allowed --------------------------
 
@@ -241,6 +265,38 @@ class ZoneRun(abc.ABC):
     @abc.abstractmethod
     def close(self, now: Now, by: By = NOBODY) -> None:
         """Leave the run. This closes all its channels."""
+
+    def pause(self, now: Now, paused: bool) -> None:
+        """Pause the clock of a run in progress, or resume it. The robot does not notice."""
+        self.times.state.paused = paused
+        self._set_pauses(now)
+        self.say(now, Level.INFO, "Clock paused by the referee" if paused else "Clock resumed by the referee")
+
+    def go_to_phase(self, now: Now, number: int) -> None:
+        """Make a phase of the run in progress the current one."""
+        self.times.go_to(now, number)
+        self._describe(now, "begun by the referee")
+        self._record_changed(now)
+
+    def give_up(self, now: Now, reason: EndReason, by: By) -> None:
+        """End a run that is not in progress because its team did not appear or withdrew."""
+        self.state.phase, self.state.end_reason = Phase.ENDED, reason
+        self.times.ended(now)
+        self.state.desc = reason.value
+        self.book.ended(now, reason.name.lower(), reason.value, by, self.book.state.elapsed_s)
+        self.say(now, Level.INFO, reason.value)
+        self._record_changed(now)
+
+    def _set_pauses(self, now: Now) -> None:
+        """Pause or resume what counts."""
+        paused = bool(self.why_paused)
+        self.clock.set_paused(now, paused)
+        self.times.set_paused(now, paused)
+
+    def _describe(self, now: Now, desc: str) -> None:
+        """Describe the state of the run, and the phase."""
+        self.state.desc = self.times.described(desc)
+        self.say(now, Level.INFO, self.state.desc)
 
     def warn(self, now: Now, text: str) -> None:
         """Log a problem around this run."""
@@ -292,23 +348,26 @@ class ZoneRun(abc.ABC):
             self.identity, self.zone, event.benchmark.code, event.team, event.round, event.run, event.scheduled,
             self.opened_utc, closed_utc=self._closed_utc,
             end_reason="" if self.end_reason is None else self.end_reason.name.lower(),
-            module_scores=self.scores, robots=tuple(self._robot_names()),
+            module_scores=self.scores, robots=tuple(self._robot_names()), phases=self.times.record(now),
         ))
         return record._replace(elapsed_s=self.clock.elapsed(now)) if self.phase is Phase.RUNNING else record
 
     def _note_start(self, now: Now) -> None:
+        self.times.started(now)
         self.book.started(now)
         self._record_changed(now)
 
     def _note_end(self, now: Now, desc: str, by: By) -> None:
         """Record that the run ended just now. `end_reason` is set."""
         assert self.end_reason is not None, "it ended"
+        self.times.ended(now)
         self.book.ended(now, self.end_reason.name.lower(), desc, by, self.clock.elapsed(now))
         self._record_changed(now)
 
     def _note_close(self, now: Now, by: By) -> None:
         """Record that the run is left. This also stops a run in progress."""
         self._closed_utc = now.utc
+        self.times.ended(now)
         if self.phase is Phase.RUNNING:
             self.state.end_reason, self.state.phase = EndReason.STOPPED, Phase.ENDED
             self.book.ended(now, "stopped", EndReason.STOPPED.value, by, self.clock.elapsed(now))
@@ -352,6 +411,7 @@ class Run(ZoneRun):
         # A run of all robots may include several robots of a team.
         name = self.robot.robot if self.event.team == ALL_TEAMS else ""
         self._emit(effects.RunOpened(self.port, self.robot.team, self.event.round, self.event.run, name))
+        self.times.connected(now)
         self._record_changed(now)
         self._set_state(now, BoxState.STOP, "Connected: waiting for the robot's first message")
 
@@ -395,15 +455,16 @@ class Run(ZoneRun):
 
     def deadline(self) -> Optional[float]:
         """The monotonic time (s) at which `tick` has something to do unless an event comes first."""
-        times = [self.link.deadline()]
+        found = [self.link.deadline(), self.times.deadline()]
         if self.phase is Phase.RUNNING:
-            times += [self.clock.deadline(), self.saving.deadline()]
-        return min((t for t in times if t is not None), default=None)
+            found += [self.clock.deadline(), self.saving.deadline()]
+        return min((t for t in found if t is not None), default=None)
 
     def tick(self, now: Now) -> None:
         """End the run if it has timed out or the robot saves nothing. If both are due, the earlier one counts."""
         for notice in self.link.tick(now):
             self.say(now, Level.WARNING, notice)
+        self._tick_times(now)
         if self.phase is not Phase.RUNNING:
             return
         out_of_time, saves_nothing = self.clock.is_over(now), self.saving.is_over(now)
@@ -508,7 +569,7 @@ class Run(ZoneRun):
         self._set_state(now, BoxState.STOP, desc or reason.value)
 
     def _set_state(self, now: Now, state: BoxState, desc: str, goal: GoalMessage = NO_GOAL) -> None:
-        self.state.desc = desc
+        desc = self.state.desc = self.times.described(desc)
         self.state.message = self.message._replace(state=state, goal=goal)
         self._state_mono = now.mono
         for topic, value in (
@@ -519,6 +580,10 @@ class Run(ZoneRun):
         self.say(now, Level.INFO, f"{state.name}: {desc}")
         self.link.record.box_says(now, state)
         self._emit(effects.SendState(self.port, self.message, How.CHANGE))
+
+    def _describe(self, now: Now, desc: str) -> None:
+        """See `ZoneRun._describe`. The robot receives the same state again."""
+        self._set_state(now, self.message.state, desc, self.message.goal)
 
     def _log_report(self, report: RobotReport) -> None:
         """Log a report of the robot if it differs from the last, or if its times become valid or invalid."""

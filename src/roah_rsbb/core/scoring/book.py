@@ -248,6 +248,15 @@ class FinishedRuns:
         wanted = (event.benchmark.code, event.team, event.round, event.run, event.scheduled)
         return next((r for r in found if (r.benchmark, r.team, r.round, r.run, r.scheduled) == wanted), None)
 
+    def attempts(self, zone: str, event: ScheduledEvent) -> int:
+        """Return how many runs of an event were started."""
+        wanted = (zone, event.benchmark.code, event.team, event.round, event.run, event.scheduled)
+        records = (run.record for run in self._runs.values())
+        return sum(
+            bool(r.started_utc) and (r.zone, r.benchmark, r.team, r.round, r.run, r.scheduled) == wanted
+            for r in records
+        )
+
     def newest(self, count: int = MAX_KEPT) -> Tuple[FinishedResult, ...]:
         """The newest results first. Of a repeated run only the last one."""
         results: Dict[Tuple[object, ...], FinishedResult] = {}

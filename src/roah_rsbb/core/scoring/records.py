@@ -24,10 +24,14 @@ class EndReason(enum.Enum):
     GOALS_TIMED_OUT = "Benchmark over: every goal timed out"
     NO_MESSAGES_SAVED = "Stopped: the robot saves no offline data (messages saved stays 0)"
     MODULE_FAILED = "Stopped: the benchmarking module cannot continue"
+    NO_SHOW = "No-show: the team did not appear"
+    WITHDRAWN = "The team withdrew"
 
 
-# With these ends, the benchmark ran to completion, so the zone moves to its next event.
-RAN_TO_THE_END = (EndReason.COMPLETED, EndReason.GOALS_TIMED_OUT)
+# With these ends, the team had no score to earn.
+NOT_RUN = (EndReason.NO_SHOW, EndReason.WITHDRAWN)
+# With these ends, the event is over, so the zone moves to its next one.
+RAN_TO_THE_END = (EndReason.COMPLETED, EndReason.GOALS_TIMED_OUT, *NOT_RUN)
 
 
 class ScoreValue(NamedTuple):
@@ -90,6 +94,14 @@ class StopRecord(NamedTuple):
     reason_by: str = ""  # who typed it
 
 
+class PhaseTime(NamedTuple):
+    """The time of a phase of a task benchmark."""
+
+    name: str
+    began_utc: float  # UTC seconds
+    elapsed_s: float  # counted seconds
+
+
 class SignOff(NamedTuple):
     """The score sheet was signed off: it is final."""
 
@@ -117,7 +129,8 @@ class RunRecord(NamedTuple):
     module_scores: Tuple[ScoreValue, ...] = ()  # of the benchmarking module
     stops: Tuple[StopRecord, ...] = ()
     sign_off: Optional[SignOff] = None
-    robots: Tuple[str, ...] = ()  # their names, without the team if all are of one team
+    robots: Tuple[str, ...] = ()  # their names, without the team if all are of one team; empty: scored by hand
+    phases: Tuple[PhaseTime, ...] = ()  # those that began after the last start
 
 
 class By(NamedTuple):

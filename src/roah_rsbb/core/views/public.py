@@ -11,7 +11,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.scoring.book import FinishedResult
 from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason, Phase
 from roah_rsbb.core.zones import Zone
-from roah_rsbb.rulebook.benchmarks import ScheduledEvent
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, ScheduledEvent
 
 # No screen has space for more.
 MAX_FOLLOWING = 40
@@ -35,7 +35,9 @@ class PublicRun(NamedTuple):
     end_reason: Optional[EndReason]  # None: it has not ended, or the public may not see this
     teams: Tuple[str, ...]  # the teams of all robots in it
     counting: bool  # its clock is running
-    left: float  # seconds left
+    left: float  # seconds left; without a limit, 0.0
+    elapsed: float = 0.0  # seconds counted, of a run in progress without a limit
+    activity: str = ""  # the current phase of the task; empty: none
 
 
 class Following(NamedTuple):
@@ -56,7 +58,7 @@ class PublicView(NamedTuple):
 
     def without_time(self) -> "PublicView":
         """Return the view without its times. It only changes when something happens."""
-        return self._replace(runs=tuple(run._replace(left=0.0) for run in self.runs))
+        return self._replace(runs=tuple(run._replace(left=0.0, elapsed=0.0) for run in self.runs))
 
 
 def public_view(box: Box, now: Now, results: PublicResults, provisional: bool = False) -> PublicView:
@@ -78,9 +80,11 @@ def _run(zone: Zone, now: Now, results: PublicResults) -> PublicRun:
     return PublicRun(
         zone.name, run.event, run.phase,
         end_reason=None if results is PublicResults.NONE else run.end_reason,
-        teams=tuple(dict.fromkeys(member.robot.team for member in run.members())),
+        teams=tuple(dict.fromkeys(member.robot.team for member in run.members())) or (run.event.team,),
         counting=run.phase is Phase.RUNNING and not run.clock.paused,
-        left=run.clock.left(now),
+        left=0.0 if run.clock.limit == NO_LIMIT else run.clock.left(now),
+        elapsed=run.clock.elapsed(now) if run.clock.limit == NO_LIMIT and run.phase is Phase.RUNNING else 0.0,
+        activity=run.times.phase_name(),
     )
 
 

@@ -2,8 +2,8 @@
 
 Estimated times. No event begins before its scheduled time. An event that is late delays the later events of its zone,
 and gaps in the schedule absorb the delay. An event takes as long as the schedule gives its benchmark: the shortest
-time from an event of this benchmark to the zone's next one, but at most its time limit and `SETUP_S`. A run that
-takes longer is assumed to end now. Zones do not delay each other.
+time from an event of this benchmark to the zone's next one, but at most its time limit and its setup time, which is
+`SETUP_S` unless the rules have one. A run that takes longer is assumed to end now. Zones do not delay each other.
 """
 
 import enum
@@ -14,10 +14,12 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.scoring.records import RAN_TO_THE_END, Phase, RunRecord
 from roah_rsbb.core.zones import EventKey, Zone, key_of
-from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent, ZonePlan
 
 # The longest time in seconds in which the next robot gets ready. A longer gap is a break.
 SETUP_S = 900.0
+# The assumed length of a run without a limit.
+NO_LIMIT_S = 3600.0
 # Estimates are whole minutes: they change once a minute at most.
 MINUTE_S = 60.0
 
@@ -68,11 +70,17 @@ def slot_lengths(plans: Iterable[ZonePlan]) -> Dict[str, float]:
     gaps: Dict[str, List[float]] = {}
     for plan in plans:
         for event in plan.events:
-            longest[event.benchmark.code] = event.benchmark.total_timeout + SETUP_S
+            longest[event.benchmark.code] = _longest(event.benchmark)
         for event, following in zip(plan.events, plan.events[1:]):
             if following.scheduled > event.scheduled:
                 gaps.setdefault(event.benchmark.code, []).append(following.scheduled - event.scheduled)
     return {code: min([limit, *gaps.get(code, ())]) for code, limit in longest.items()}
+
+
+def _longest(benchmark: Benchmark) -> float:
+    """Returns the most seconds that an event may take."""
+    limit = NO_LIMIT_S if benchmark.total_timeout == NO_LIMIT else benchmark.total_timeout
+    return limit + (benchmark.rules.setup_time or SETUP_S)
 
 
 def _zone_lines(
@@ -107,10 +115,11 @@ def _with_times(lines: List[EventLine], zone: Zone, slots: Dict[str, float], now
             begins = _minute(max(begins, free), begins)
             free = begins + slot
         elif line.state in _IN_PROGRESS:
-            begins = zone.run.record(now).started_utc
+            record = zone.run.record(now)
+            begins = record.started_utc or record.opened_utc
             free = max(now.utc, begins + slot)
         elif line.last is not None:
-            begins = line.last.started_utc
+            begins = line.last.started_utc or line.last.opened_utc  # a team that did not appear has no start
         timed.append(line._replace(begins=begins))
     return timed
 

@@ -8,13 +8,14 @@ from roah_rsbb.core.commands import COMMANDS
 from roah_rsbb.core.modules.messages import Request, RequestKind, ScoreValue
 from roah_rsbb.core.robots import ActiveRobot
 from roah_rsbb.core.runs.all_robots import AllRobotsRun, Counts
+from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.requests import Switches
 from roah_rsbb.core.runs.run import Run, ZoneRun
 from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.core.zones import Zone
-from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, Restarts, ScheduledEvent
 
 # The phase of a zone without a run.
 IDLE = "idle"
@@ -46,7 +47,7 @@ NO_MODULE = ModuleView()
 
 
 class ClockView(NamedTuple):
-    """The times of the run in a zone, in seconds. A pause counts in none of them."""
+    """The times of the run in a zone, in seconds. A pause counts in none of them. Limits may be `NO_LIMIT`."""
 
     limit: float  # from the start to the timeout
     elapsed: float = 0.0  # after the end: the final time
@@ -57,12 +58,22 @@ class ClockView(NamedTuple):
     goal_elapsed: float = 0.0
     goal_counting: bool = False
     after_stop: float = 0.0  # after the end: left
+    setup_limit: float = 0.0  # 0.0: the rules have no setup time
+    setup_elapsed: float = 0.0  # also beyond the limit
+    setup_counting: bool = False
+    phases: int = 0  # how many phases the benchmark has
+    phase_number: int = 0  # of the current phase; 0: none
+    phase_name: str = ""
+    phase_limit: float = NO_LIMIT
+    phase_elapsed: float = 0.0  # also beyond the limit; counts with the run's clock
 
     def without_time(self) -> "ClockView":
         """The same, but for the time that passes."""
-        elapsed = 0.0 if self.counting else self.elapsed
+        elapsed, phase_elapsed = (0.0, 0.0) if self.counting else (self.elapsed, self.phase_elapsed)
         goal_elapsed = 0.0 if self.goal_counting else self.goal_elapsed
-        return self._replace(elapsed=elapsed, goal_elapsed=goal_elapsed, after_stop=0.0)
+        setup_elapsed = 0.0 if self.setup_counting else self.setup_elapsed
+        return self._replace(elapsed=elapsed, goal_elapsed=goal_elapsed, after_stop=0.0, setup_elapsed=setup_elapsed,
+                             phase_elapsed=phase_elapsed)
 
 
 class RobotInRunView(NamedTuple):
@@ -96,8 +107,8 @@ class ZoneView(NamedTuple):
 
     zone: str
     event: ScheduledEvent
-    timeout: float  # seconds: of a goal or of the run
-    timer: float  # seconds left
+    timeout: float  # seconds: of a goal or of the run; may be `NO_LIMIT`
+    timer: float  # seconds left; without a limit, seconds counted
     state: str  # for the referee, one or more lines
     off: Tuple[Tuple[str, ...], ...]  # for each of COMMANDS, in their order, the reasons why it is refused
     log: str
@@ -112,6 +123,9 @@ class ZoneView(NamedTuple):
     clock: ClockView
     robot: Optional[RobotInRunView]  # of a run of one robot
     all_robots: Optional[AllRobotsView]  # of a run of all robots
+    by_hand: bool = False  # the run has no robot
+    attempt: int = 0  # number of this or the next run of the event; 0: the rules do not count attempts
+    robots_to_choose: Tuple[str, ...] = ()  # names of the team's robots if the referee must choose one
 
     def reasons_off(self, command: str) -> Tuple[str, ...]:
         """Return why a command would be refused; empty: it is allowed."""
@@ -169,7 +183,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         zone=zone.name,
         event=zone.event,
         timeout=zone.event.benchmark.limit if run is None else run.limit(),
-        timer=zone.event.benchmark.total_timeout if run is None else run.timer(now),
+        timer=_timer(zone, now),
         state="",
         off=off,
         log=log,
@@ -184,8 +198,18 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         clock=_clock(run, zone.event.benchmark, now),
         robot=_robot(run) if isinstance(run, Run) else None,
         all_robots=_all_robots(run, now) if isinstance(run, AllRobotsRun) else None,
+        by_hand=isinstance(run, HandRun),
+        attempt=box.commands.attempt(zone) if zone.event.benchmark.rules.attempts else 0,
+        robots_to_choose=box.commands.robots_to_choose(now, zone),
     )
     return view._replace(state="\n".join(_state_lines(box, zone, view, now)))
+
+
+def _timer(zone: Zone, now: Now) -> float:
+    left = zone.event.benchmark.total_timeout if zone.run is None else zone.run.timer(now)
+    if left != NO_LIMIT:
+        return left
+    return 0.0 if zone.run is None else zone.run.clock.elapsed(now)
 
 
 def _texts(zone: Zone) -> Tuple[str, str]:
@@ -210,14 +234,21 @@ def _module(run: FunctionalityRun) -> ModuleView:
 
 def _clock(run: Optional[ZoneRun], benchmark: Benchmark, now: Now) -> ClockView:
     limits = ClockView(
-        benchmark.total_timeout, goal_limit=0.0 if benchmark.limit == benchmark.total_timeout else benchmark.limit
+        benchmark.total_timeout, goal_limit=0.0 if benchmark.limit == benchmark.total_timeout else benchmark.limit,
+        setup_limit=benchmark.rules.setup_time, phases=len(benchmark.rules.phases),
     )
-    if run is None or run.phase is Phase.CONNECTED:
+    if run is None:
+        return limits
+    limits = limits._replace(setup_elapsed=run.times.setup_elapsed(now), setup_counting=run.times.in_setup)
+    if run.phase is Phase.CONNECTED:
         return limits
     if run.phase is Phase.ENDED:
         return limits._replace(elapsed=run.book.state.elapsed_s, after_stop=run.clock.after_stop(now))
     clock = limits._replace(elapsed=run.clock.elapsed(now), counting=run.clock.counting, paused=run.why_paused)
-    goal = run.goal
+    phase, goal = run.times.phase(now), run.goal
+    if phase is not None:
+        clock = clock._replace(phase_number=phase.number, phase_name=phase.name, phase_limit=phase.limit,
+                               phase_elapsed=phase.elapsed)
     return clock if goal is None else clock._replace(
         goal_limit=goal.clock.limit, goal=goal.request.number, goal_elapsed=goal.clock.elapsed(now),
         goal_counting=goal.clock.counting,
@@ -246,16 +277,27 @@ def _state_lines(box: Box, zone: Zone, view: ZoneView, now: Now) -> List[str]:
     run = zone.run
     if run is None:
         lines = list(view.reasons_off("connect")) or [_ready(box.commands.robots_to_connect(now, zone))]
-        return lines + _warning_lines(view, lines)
+        if view.robots_to_choose:
+            names = ", ".join(view.robots_to_choose)
+            lines.append(f"Several robots of team {zone.event.team} are active ({names}): choose which one connects")
+        return lines + _attempt_lines(view) + _warning_lines(view, lines)
     lines = [] if run.phase is Phase.CONNECTED else [run.desc]
     if run.phase is not Phase.RUNNING:
         reasons = view.reasons_off("start")
         if run.phase is Phase.CONNECTED:
             lines.extend(reasons or ("All OK for start",))
         elif not reasons:
-            lines.append("Can be restarted. The clock kept running")
-    lines.extend(run.status_lines(now))
+            stops = run.times.rules.restarts is Restarts.CLOCK_STOPS
+            lines.append(f"Can be restarted. The clock {'is stopped' if stops else 'kept running'}")
+    elif run.times.state.paused:
+        lines.append("Clock paused by the referee")
+    lines += run.status_lines(now) + _attempt_lines(view)
     return lines + _warning_lines(view, lines)
+
+
+def _attempt_lines(view: ZoneView) -> List[str]:
+    most = view.event.benchmark.rules.attempts
+    return [f"Attempt {view.attempt} of {most}"] if 0 < view.attempt <= most else []
 
 
 def _ready(robots: Sequence[ActiveRobot]) -> str:

@@ -25,11 +25,17 @@ from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.zones import ZoneState
 from roah_rsbb.protocol import RobotState
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, PhaseRule, Restarts, Rules
 
 OLD_STATES = pathlib.Path(__file__).resolve().parents[3] / "data" / "journal_states.json"
 TEAMS = ("Alpha", "Beta", "Gamma", "Delta", "Epsilon")
 # Nothing is dropped from a log by its size, so that the line that a restart adds can be taken away again.
 SETTINGS = Settings(listen_duration=0.0, display_log_size=10**9)
+
+RULES = Rules(
+    setup_time=60.0, attempts=3, restarts=Restarts.CLOCK_STOPS, pause=True,
+    phases=(PhaseRule("Enter", 2.0), PhaseRule("Serve"), PhaseRule("Leave", 60.0)),
+)
 
 # What a restart may lose, by class. Everything else must be the same after it.
 LOST = {
@@ -109,12 +115,12 @@ def without_the_restart(found):
 class Competition:
     """Robots of all zones, a node of modules, and a referee. Each performs randomly chosen actions."""
 
-    def __init__(self):
+    def __init__(self, timeout=300.0):
         config = competition(
-            teams=TEAMS, tbm=[event("HCFGAC", timeout=300.0), event("HWV")],
+            teams=TEAMS, tbm=[event("HCFGAC", timeout=timeout, rules=RULES), event("HWV")],
             fbm=[event("HNF", team="Beta", timeout=60.0, total_timeout=300.0)],
             omf=[event("HOMF", team="Gamma", timeout=60.0, total_timeout=300.0)],
-            all=[event("HSUF", team="ALL", timeout=120.0)],
+            all=[event("HSUF", team="ALL", timeout=120.0, rules=Rules(setup_time=30.0, pause=True))],
         )
         self.driver = BoxDriver(config, SETTINGS)
         self.driver.config = config
@@ -186,7 +192,9 @@ _ASKED = st.sampled_from([
     (RequestKind.NOTE, {"note": "{}"}), (None, {"kept": '{"sum":1}'}), (None, {"failed": "broken"}),
     (None, {"scores": (ScoreValue("", "distance", "0.25", "m"),)}), (None, {"finished": True}),
 ])
-_COMMANDS = st.sampled_from(["connect"] * 4 + ["start"] * 4 + ["stop", "stop", "disconnect", "next", "previous"])
+_COMMANDS = st.sampled_from(
+    ["connect"] * 4 + ["start"] * 4 + ["open_sheet", "stop", "stop", "disconnect", "next", "previous"])
+_RULES_COMMANDS = st.sampled_from(["pause", "resume", "next_phase", "previous_phase", "no_show", "withdrawn"])
 _EVENTS = st.one_of(
     st.builds(lambda zone, item, value, note: (
         "scores.mark", RunName(zone), Mark(item.group, item.desc, value, note=note), "Anna"
@@ -202,6 +210,7 @@ _EVENTS = st.one_of(
 )
 _ACTS = st.one_of(
     st.tuples(st.just("command"), _ZONE, _COMMANDS), st.tuples(st.just("command"), _ZONE, _COMMANDS),
+    st.tuples(st.just("command"), st.sampled_from(["tbm", "tbm", "all"]), _RULES_COMMANDS),
     st.tuples(st.just("obey")), st.tuples(st.just("obey")), st.tuples(st.just("obey")),
     st.builds(lambda zone, asked: ("ask", zone, *asked), st.sampled_from(["fbm", "omf"]), _ASKED),
     st.tuples(st.just("say"), st.integers(0, 4), st.sampled_from(RobotState), _FIELDS, st.sampled_from([0.1, 3.5])),
@@ -231,6 +240,30 @@ def test_a_restart_after_any_event_of_random_competitions_loses_nothing(acts):
         driver.event(driver.box.tick)
         expected = all_facts(driver.box)
         assert without_the_restart(all_facts(restarted(driver))) == expected
+
+
+_BY_HAND = (
+    ("command", "tbm", "open_sheet"), ("run", 70.0), ("command", "tbm", "start"), ("run", 2.5),
+    ("command", "tbm", "next_phase"), ("command", "tbm", "pause"), ("run", 0.5), ("command", "tbm", "next_phase"),
+    ("command", "tbm", "previous_phase"), ("command", "tbm", "resume"), ("run", 2.5), ("command", "tbm", "stop"),
+    ("run", 2.5), ("command", "tbm", "start"), ("command", "tbm", "stop"), ("command", "tbm", "disconnect"),
+    ("command", "tbm", "no_show"),
+)
+
+
+@pytest.mark.parametrize("timeout", [300.0, NO_LIMIT])
+def test_a_restart_in_a_run_by_hand_continues_it(timeout):
+    random = Competition(timeout)
+    driver = random.driver
+    seen = set()
+    for act, *arguments in _BY_HAND:
+        getattr(random, act)(*arguments)
+        expected = all_facts(driver.box)
+        again = restarted(driver)
+        assert without_the_restart(all_facts(again)) == expected
+        run = again.zones["tbm"].run
+        seen.add(None if run is None else (run.phase, run.times.state.phase, run.clock.elapsed(driver.now)))
+    assert len(seen) > 8
 
 
 # -- states of the version before ---------------------------------------------------------------------

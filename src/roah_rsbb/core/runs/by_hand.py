@@ -1,0 +1,98 @@
+"""A run without a robot: the referee scores by hand, and alone starts and stops the clock.
+
+It is for robots that do not speak with the box, and for teams that do not appear. It has no private channel and no run
+log. The journal has its record.
+"""
+
+from typing import List, Optional, Tuple
+
+from roah_rsbb.core import effects
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.runs.clock import CountdownState
+from roah_rsbb.core.runs.run import Run, RunContext, ZoneRun, ZoneRunState, identity_of
+from roah_rsbb.core.scoring.book import BookState
+from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase
+from roah_rsbb.rulebook.benchmarks import ScheduledEvent
+
+
+class HandRun(ZoneRun):
+    """See `ZoneRun`."""
+
+    state: ZoneRunState
+
+    def __init__(
+        self, now: Now, zone: str, event: ScheduledEvent, context: RunContext, port: int = 0,
+        state: Optional[ZoneRunState] = None,
+    ) -> None:
+        """`port`: a port that no run uses, for the identity. `state`: of a run that continues after a restart."""
+        super().__init__(zone, event, context, state or ZoneRunState(
+            identity_of(event, port, now), now.utc, Phase.CONNECTED, None, "", CountdownState(), BookState()))
+
+    def open(self, now: Now) -> None:
+        """Begin a new run."""
+        self._emit(effects.SheetOpened(self.zone))
+        self.times.connected(now)
+        self._describe(now, "Score sheet opened without a robot")
+        self._record_changed(now)
+
+    def members(self) -> Tuple[Run, ...]:
+        """See `ZoneRun`: it has no robots."""
+        return ()
+
+    def without(self, member: Run) -> "HandRun":
+        """See `ZoneRun`."""
+        return self
+
+    # -- the referee's commands -----------------------------------------------------------------------
+
+    def start(self, now: Now) -> None:
+        """See `ZoneRun`."""
+        self.clock.start(now)
+        self.state.phase, self.state.end_reason = Phase.RUNNING, None
+        self._note_start(now)
+        self._describe(now, "Started by the referee")
+
+    def stop(self, now: Now, by: By = NOBODY) -> None:
+        """See `ZoneRun`."""
+        self._end(now, EndReason.STOPPED, by)
+
+    def close(self, now: Now, by: By = NOBODY) -> None:
+        """See `ZoneRun`."""
+        self._note_close(now, by)
+
+    def _end(self, now: Now, reason: EndReason, by: By = NOBODY) -> None:
+        self.state.phase, self.state.end_reason = Phase.ENDED, reason
+        self.clock.stop(now)
+        self._note_end(now, reason.value, by)
+        self._describe(now, reason.value)
+
+    # -- time -----------------------------------------------------------------------------------------
+
+    def deadline(self) -> Optional[float]:
+        """See `ZoneRun`."""
+        found = (self.times.deadline(), self.clock.deadline() if self.phase is Phase.RUNNING else None)
+        return min((t for t in found if t is not None), default=None)
+
+    def tick(self, now: Now) -> None:
+        """See `ZoneRun`."""
+        self._tick_times(now)
+        if self.phase is Phase.RUNNING and self.clock.is_over(now):
+            self._end(now, EndReason.TIMEOUT)
+            self._emit(effects.TimeoutRung(self.zone))
+
+    # -- for the referee ------------------------------------------------------------------------------
+
+    def start_off(self, now: Now) -> List[str]:
+        """See `ZoneRun`."""
+        return []
+
+    def warnings(self, now: Now) -> List[str]:
+        """See `ZoneRun`."""
+        return []
+
+    def status_lines(self, now: Now) -> List[str]:
+        """See `ZoneRun`."""
+        return ["Without a robot: the clock starts and stops by the referee only"]
+
+    def _robot_names(self) -> Tuple[str, ...]:
+        return ()

@@ -1,0 +1,181 @@
+"""What the rules say of a run's time besides its timeout: setup time, pauses, phases (docs/organiser.md, "Time and
+attempts").
+
+Setup time counts from *connect* to the first *start*. A phase counts while the run's clock does, also beyond its limit:
+the referee is warned, and decides when the next phase begins. Each start begins with the first phase.
+"""
+
+from dataclasses import dataclass, field
+from typing import List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.runs.clock import Countdown, CountdownState
+from roah_rsbb.core.scoring.records import PhaseTime
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, PhaseRule, Rules
+from roah_rsbb.wording import times
+
+# Why the clock is paused.
+BY_REFEREE = "by the referee"
+
+
+@dataclass
+class PhaseState:
+    """The state of a phase that has begun."""
+
+    began_utc: float  # UTC seconds
+    clock: CountdownState = field(default_factory=CountdownState)
+    is_over: bool = False  # its limit is over, and the referee was warned
+
+
+@dataclass
+class TimesState:
+    """The state of the rules' times."""
+
+    setup: CountdownState = field(default_factory=CountdownState)
+    setup_is_over: bool = False  # the referee was warned
+    paused: bool = False  # by the referee
+    phase: int = 0  # number of the current phase, from 1; 0: none, or the run is not in progress
+    phases: List[PhaseState] = field(default_factory=list)  # those that have begun since the last start
+
+
+class PhaseView(NamedTuple):
+    """The current phase as the referee sees it."""
+
+    number: int  # from 1
+    name: str
+    limit: float  # seconds; `NO_LIMIT`: none
+    elapsed: float  # counted seconds
+
+
+class RunTimes:
+    """Setup time, pauses and phases of one run."""
+
+    def __init__(self, rules: Rules, state: TimesState) -> None:
+        self.state = state
+        self.rules = rules
+        self._setup = Countdown(NO_LIMIT, state.setup)
+        self._clocks = [Countdown(NO_LIMIT, phase.clock) for phase in state.phases]
+
+    # -- events -------------------------------------------------------------------------------------
+
+    def connected(self, now: Now) -> None:
+        """Begin the setup time, if the rules have one."""
+        if self.rules.setup_time:
+            self._setup.start(now)
+
+    def started(self, now: Now) -> None:
+        """End the setup time, and begin the first phase."""
+        self._setup.pause(now)
+        self.state.paused = False
+        self.state.phase, self.state.phases, self._clocks = 0, [], []
+        if self.rules.phases:
+            self.go_to(now, 1)
+
+    def ended(self, now: Now) -> None:
+        """The run ended: nothing counts any more."""
+        self._setup.pause(now)
+        self.state.paused = False
+        self.set_paused(now, True)
+        self.state.phase = 0
+
+    def set_paused(self, now: Now, paused: bool) -> None:
+        """Pause or resume the current phase, as the run's clock."""
+        if self.state.phase:
+            self._clocks[self.state.phase - 1].set_paused(now, paused)
+
+    def go_to(self, now: Now, number: int) -> None:
+        """Make a phase the current one: the next one, or an earlier one, which continues its time."""
+        is_paused = bool(self.state.phase) and self._clocks[self.state.phase - 1].paused
+        self.set_paused(now, True)
+        self.state.phase = number
+        if number > len(self.state.phases):
+            phase = PhaseState(now.utc)
+            self.state.phases.append(phase)
+            self._clocks.append(Countdown(NO_LIMIT, phase.clock))
+            self._clocks[-1].start(now)
+        self.set_paused(now, is_paused)
+
+    # -- time ---------------------------------------------------------------------------------------
+
+    def deadline(self) -> Optional[float]:
+        """Monotonic time (s) at which the next limit is over; None: no limit is counted."""
+        found = (self._setup_deadline(), self._phase_deadline())
+        return min((t for t in found if t is not None), default=None)
+
+    def tick(self, now: Now) -> List[str]:
+        """Return the warnings about limits that are over since the last call."""
+        found = []
+        deadline = self._setup_deadline()
+        if deadline is not None and now.mono >= deadline:
+            self.state.setup_is_over = True
+            found.append(self._setup_text())
+        deadline = self._phase_deadline()
+        if deadline is not None and now.mono >= deadline:
+            self.state.phases[self.state.phase - 1].is_over = True
+            found.append(self._phase_text())
+        return found
+
+    def _setup_deadline(self) -> Optional[float]:
+        return None if self.state.setup_is_over else self._setup.moment(self.rules.setup_time)
+
+    def _phase_deadline(self) -> Optional[float]:
+        number = self.state.phase
+        if not number or self.state.phases[number - 1].is_over or self._rule.limit == NO_LIMIT:
+            return None
+        return self._clocks[number - 1].moment(self._rule.limit)
+
+    # -- looking ------------------------------------------------------------------------------------
+
+    @property
+    def _rule(self) -> PhaseRule:
+        return self.rules.phases[self.state.phase - 1]
+
+    @property
+    def in_setup(self) -> bool:
+        """Whether the setup time counts."""
+        return self._setup.counting
+
+    def setup_elapsed(self, now: Now) -> float:
+        """Seconds of the setup time so far, also beyond its limit."""
+        return self._setup.elapsed(now)
+
+    def setup_left(self, now: Now) -> float:
+        """Seconds left of the setup time, at least 0."""
+        return max(0.0, self.rules.setup_time - self._setup.elapsed(now))
+
+    def warnings(self) -> List[str]:
+        """Return what the referee should know now: which limits are over."""
+        found = [self._setup_text()] if self.state.setup_is_over and self._setup.counting else []
+        number = self.state.phase
+        is_over = bool(number) and self.state.phases[number - 1].is_over and self._clocks[number - 1].counting
+        return found + ([self._phase_text()] if is_over else [])
+
+    def _setup_text(self) -> str:
+        return f"The setup time of {times.countdown(self.rules.setup_time)} is over"
+
+    def _phase_text(self) -> str:
+        return f"The {times.countdown(self._rule.limit)} of {self.phase_name()} are over"
+
+    def phase_name(self) -> str:
+        """Return the current phase in words; empty: none."""
+        number = self.state.phase
+        return f"phase {number} of {len(self.rules.phases)}, {self._rule.name}" if number else ""
+
+    def described(self, desc: str) -> str:
+        """Return the description of a state, with the current phase."""
+        name = self.phase_name()
+        return f"{name[0].upper()}{name[1:]}: {desc}" if name else desc
+
+    def phase(self, now: Now) -> Optional[PhaseView]:
+        """Return the current phase; None: there is none."""
+        number = self.state.phase
+        if not number:
+            return None
+        return PhaseView(number, self._rule.name, self._rule.limit, self._clocks[number - 1].elapsed(now))
+
+    def record(self, now: Now) -> Tuple[PhaseTime, ...]:
+        """Return the times of the phases so far."""
+        return tuple(
+            PhaseTime(rule.name, phase.began_utc, clock.elapsed(now))
+            for rule, phase, clock in zip(self.rules.phases, self.state.phases, self._clocks)
+        )
