@@ -53,8 +53,18 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/clock.py"/>
+        <source>no limit</source>
+        <translation>kein Limit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/clock.py"/>
         <source>Goal: time left</source>
         <translation>Ziel: Restzeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/clock.py"/>
+        <source>Run: time used</source>
+        <translation>Lauf: benötigte Zeit</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/clock.py"/>
@@ -65,6 +75,36 @@
         <location filename="../../src/roah_rsbb/wording/clock.py"/>
         <source>Run: time left</source>
         <translation>Lauf: Restzeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/clock.py"/>
+        <source>Setup: time left</source>
+        <translation>Aufbau: Restzeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/clock.py"/>
+        <source>Setup: over by</source>
+        <translation>Aufbau: überzogen um</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/clock.py"/>
+        <source>Phase {number} of {count}, {name}</source>
+        <translation>Phase {number} von {count}, {name}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/clock.py"/>
+        <source>{phase}: time used</source>
+        <translation>{phase}: benötigte Zeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/clock.py"/>
+        <source>{phase}: time left</source>
+        <translation>{phase}: Restzeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/clock.py"/>
+        <source>{phase}: over by</source>
+        <translation>{phase}: überzogen um</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/module_scores.py"/>
@@ -263,6 +303,16 @@
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>module failed</source>
         <translation>Modul ausgefallen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>no-show</source>
+        <translation>nicht erschienen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>withdrawn</source>
+        <translation>zurückgezogen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>

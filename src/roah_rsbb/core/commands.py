@@ -27,11 +27,10 @@ from roah_rsbb.wording.suggestions import did_you_mean
 DISCONNECT_FIRST = "A run is connected: disconnect it first"
 NOT_RUNNING = "No run is running"
 
+# Commands that the original box does not have.
+OWN_COMMANDS = ("pause", "resume", "next_phase", "previous_phase", "open_sheet", "no_show", "withdrawn")
 # All commands, in the order in which panels have them.
-COMMANDS = (
-    "connect", "disconnect", "start", "stop", "previous", "next", "pause", "resume", "next_phase", "previous_phase",
-    "open_sheet", "no_show", "withdrawn",
-)
+COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next", *OWN_COMMANDS)
 
 
 class CommandRecord:

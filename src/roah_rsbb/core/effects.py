@@ -85,9 +85,9 @@ class RunOpened(NamedTuple):
 
 
 class SheetOpened(NamedTuple):
-    """A run without a robot begins in this zone."""
+    """A run without a robot begins."""
 
-    zone: str
+    record: RunRecord
 
 
 class RunResumed(NamedTuple):

@@ -29,6 +29,8 @@ END_REASONS = {
     "timeout": tr_later("timeout"),
     "no_messages_saved": tr_later("no data saved"),
     "module_failed": tr_later("module failed"),
+    "no_show": tr_later("no-show"),
+    "withdrawn": tr_later("withdrawn"),
 }
 
 When = Callable[[float], str]

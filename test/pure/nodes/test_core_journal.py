@@ -13,6 +13,7 @@ from roah_rsbb.core.modules.messages import RequestKind, ScoreValue
 from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.protocol import BoxState, RobotState
 
 WAYPOINT = {"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)}
@@ -372,3 +373,25 @@ def test_no_port_is_given_twice(tmp_path):
         driver.command("disconnect", "tbm")
         driver.kill()
     assert len(set(ports)) == 3
+
+
+def test_a_run_by_hand_continues_after_a_kill_and_is_in_the_journal(tmp_path):
+    driver = box(tmp_path)
+    driver.command("open_sheet", "tbm")
+    driver.command("start", "tbm")
+    identity = driver.run_in("tbm").identity
+    driver.run(10.0)
+    driver.kill(20.0)
+    run = driver.run_in("tbm")
+    assert (run.identity, run.phase, run.timer(driver.now)) == (identity, Phase.RUNNING, pytest.approx(270.0))
+    driver.command("stop", "tbm")
+    driver.command("disconnect", "tbm")
+    driver.command("no_show", "tbm")
+    driver.kill(1.0)
+    ends = [(record.end_reason, record.robots) for record in driver.box.finished.records()]
+    assert ends == [("no_show", ()), ("stopped", ())]
+    driver.journal.close()
+    with JournalReader(driver.journal.path) as reader:
+        runs = reader.runs()
+        assert [run.outcome["end_reason"] for run in runs] == ["stopped", "no_show"]
+        assert reader.members(runs[0].identity) == []

@@ -31,15 +31,17 @@ def _event(zone="Home", team="Alpha", after_s=600.0):
     return SimpleNamespace(zone=zone, team=team, benchmark="Visitors", round=2, run=3, scheduled=_Time(NOW + after_s))
 
 
-def _run(phase="running", counting=True, left=90.0, end_reason="", **of_event):
+def _run(phase="running", counting=True, left=90.0, end_reason="", elapsed=None, activity="", **of_event):
+    """A run; with `elapsed` seconds it has no limit."""
     event = _event(**of_event)
     ends = _Time(NOW + left if counting else 0.0)
     return SimpleNamespace(event=event, teams=["Alpha", "Beta"], phase=phase, end_reason=end_reason, counting=counting,
-                           ends=ends, left=_Time(left))
+                           ends=ends, left=_Time(left), unlimited=elapsed is not None,
+                           elapsed=_Time(elapsed or 0.0), activity=activity)
 
 
 def _details(runs=(), following=(), finished=()):
-    return SimpleNamespace(runs=list(runs), following=list(following), finished=list(finished))
+    return SimpleNamespace(clock=_Time(NOW), runs=list(runs), following=list(following), finished=list(finished))
 
 
 def _content(*args, utc_s=NOW, is_old=False, **kwargs):
@@ -64,6 +66,16 @@ def test_a_run(run, big, word):
     assert (card.team, card.benchmark, card.place, card.big, card.word) == (
         "Alpha", "Visitors", "round 2, run 3", big, word
     )
+
+
+def test_a_run_without_a_limit_counts_up():
+    assert [_content([_run(elapsed=700.5)], utc_s=NOW + s).cards[0].big for s in (0.0, 5.0)] == ["▶ 11:40", "▶ 11:45"]
+    paused = _run(counting=False, elapsed=700.5)
+    assert _content([paused], utc_s=NOW + 60.0).cards[0].big == "‖ 11:40"
+
+
+def test_the_phase_of_a_task_is_shown():
+    assert _content([_run(activity="phase 2 of 3, Serve")]).cards[0].place == "round 2, run 3 · phase 2 of 3, Serve"
 
 
 def test_the_countdown_continues_from_one_message_and_ends_at_zero():

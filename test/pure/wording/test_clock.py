@@ -14,7 +14,9 @@ class Seconds(float):
 
 def message(phase, **fields):
     known = {"phase": phase, "limit": 600.0, "elapsed": 0.0, "counting": False, "paused": "",
-             "goal_limit": 0.0, "goal": 0, "goal_elapsed": 0.0, "goal_counting": False, "after_stop": 0.0, **fields}
+             "goal_limit": 0.0, "goal": 0, "goal_elapsed": 0.0, "goal_counting": False, "after_stop": 0.0,
+             "setup_limit": 0.0, "setup_elapsed": 0.0, "setup_counting": False, "phases": 0, "phase_number": 0,
+             "phase_name": "", "phase_limit": 0.0, "phase_elapsed": 0.0, **fields}
     return SimpleNamespace(**{
         name: Seconds(value) if isinstance(value, float) else value for name, value in known.items()
     })
@@ -64,3 +66,32 @@ def test_the_times_in_words():
     goal = {"goal": 1, "goal_limit": 120.0, "goal_elapsed": 20.0}
     assert lines(clock_of(message("running", elapsed=30.0, paused="manual operation", **goal), 0.0)) == [
         "PAUSED: manual operation", "Run: time left 9:30", "Goal: time left 1:40", "Used: 0:30 of 10:00"]
+
+
+def test_a_run_without_a_limit_counts_up():
+    before = clock_of(message("idle", limit=0.0), 0.0)
+    assert before.main == Figure("Time limit of the run", "no limit")
+    shown = clock_of(message("running", limit=0.0, elapsed=700.0, counting=True), 5.9)
+    assert shown == Clock(Figure("Run: time used", "11:45"))
+
+
+def test_the_setup_time_counts_down_and_then_up():
+    setup = {"setup_limit": 120.0, "setup_counting": True}
+    shown = clock_of(message("connected", setup_elapsed=80.0, **setup), 15.0)
+    limit = Figure("Time limit of the run", "10:00")
+    assert shown == Clock(Figure("Setup: time left", "0:25", Hurry.SOON), limit)
+    shown = clock_of(message("connected", setup_elapsed=120.0, **setup), 15.0)
+    assert shown == Clock(Figure("Setup: over by", "0:15", Hurry.LAST), limit)
+
+
+@pytest.mark.parametrize("elapsed, limit, expected", [
+    (10.0, 60.0, Figure("Phase 2 of 3, Serve: time left", "0:48")),
+    (35.0, 60.0, Figure("Phase 2 of 3, Serve: time left", "0:23", Hurry.SOON)),
+    (70.0, 60.0, Figure("Phase 2 of 3, Serve: over by", "0:12", Hurry.LAST)),
+    (70.0, 0.0, Figure("Phase 2 of 3, Serve: time used", "1:12")),
+])
+def test_the_phase_stands_beside_the_run(elapsed, limit, expected):
+    phase = {"phases": 3, "phase_number": 2, "phase_name": "Serve", "phase_limit": limit, "phase_elapsed": elapsed}
+    shown = clock_of(message("running", elapsed=100.0, counting=True, **phase), 2.0)
+    assert (shown.main, shown.goal) == (Figure("Run: time left", "8:18"), expected)
+    assert clock_of(message("running", elapsed=100.0, paused="by the referee", **phase), 2.0).goal.text != expected.text

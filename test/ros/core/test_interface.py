@@ -52,8 +52,10 @@ SERVICES = {
 }
 ZONE_COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next", "manual_operation_complete",
                  "omf_switches/complete")
+# Those of this package, for rules that the original does not know.
+OWN_COMMANDS = ("pause", "resume", "next_phase", "previous_phase", "open_sheet", "no_show", "withdrawn")
 CORE_SERVICES = {
-    **{f"/core/{command}": "roah_rsbb/Zone" for command in ZONE_COMMANDS},
+    **{f"/core/{command}": "roah_rsbb/Zone" for command in (*ZONE_COMMANDS, *OWN_COMMANDS)},
     "/core/set_score": "roah_rsbb/ZoneScore",
     "/core/omf_switches/damaged": "roah_rsbb/ZoneUInt8",
     "/core/omf_switches/button": "roah_rsbb/ZoneUInt8",
@@ -163,7 +165,7 @@ class TestSchedule(BoxCase):
 
 class TestServices(BoxCase):
     def test_names_and_types(self) -> None:
-        for name, kind in CORE_SERVICES.items():
+        for name, kind in (*CORE_SERVICES.items(), ("/core/connect_robot", "roah_rsbb/ConnectRobot")):
             with self.subTest(name):
                 rospy.wait_for_service(name, 30)
                 self.assertEqual(rosservice.get_service_type(name), kind)

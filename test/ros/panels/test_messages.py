@@ -7,8 +7,11 @@ from typing import Optional
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
 from roah_rsbb.core.commands import COMMANDS
-from roah_rsbb.msg import CoreDetails, CoreToGui, RunClocks
+from roah_rsbb.core.views.public import PublicResults, public_view
+from roah_rsbb.msg import CoreDetails, CoreToGui, RunClock, RunClocks, ZoneState
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
+from roah_rsbb.nodes.core.public_convert import public_details
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, PhaseRule, Rules
 
 BUTTONS = dict(zip(COMMANDS, ("connect", "disconnect", "start", "stop", "prev", "next")))
 LOG = "/logs/run.bag"
@@ -151,3 +154,59 @@ class TestPanelMessages(unittest.TestCase):
         self.assertIn("the disk is full: free it", self.tick().status)
         self.assertEqual(self.details().warnings, ["the disk is full: free it"])
         self.assertIsNone(self.details())
+
+
+class TestRules(unittest.TestCase):
+    """What panels receive of the rules about time and attempts."""
+
+    def box_with(self, timeout: float, **rules: object) -> None:
+        self.driver = BoxDriver(competition(tbm=[event(timeout=timeout, rules=Rules(**rules))]))
+        self.messages = PanelMessages(self.driver.box, "uuid", "127.255.255.255")
+
+    def zone(self) -> ZoneState:
+        buff = io.BytesIO()
+        self.messages.to_gui(self.driver.now, {}).serialize(buff)
+        return CoreToGui().deserialize(buff.getvalue()).zones[0]
+
+    def clock(self) -> RunClock:
+        self.zone()
+        return self.messages.clocks(self.driver.now).zones[0]
+
+    def test_a_run_without_a_limit(self) -> None:
+        self.box_with(NO_LIMIT)
+        self.driver.command("open_sheet")
+        self.driver.command("start")
+        self.driver.run(5.0)
+        self.assertEqual((self.zone().timeout.to_sec(), self.zone().timer.to_sec()), (0.0, 5.0))
+        self.assertEqual((self.clock().limit.to_sec(), self.clock().elapsed.to_sec()), (0.0, 5.0))
+        view = public_view(self.driver.box, self.driver.now, PublicResults.NONE)
+        run, = public_details(view, self.driver.now, "").runs
+        self.assertEqual((run.unlimited, run.elapsed.to_sec(), run.left.to_sec(), run.ends.to_sec()), (True, 5.0, 0, 0))
+
+    def test_setup_time_phases_and_attempts(self) -> None:
+        phases = (PhaseRule("Enter", 20.0), PhaseRule("Leave"))
+        self.box_with(60.0, setup_time=30.0, attempts=2, pause=True, phases=phases)
+        self.driver.command("open_sheet")
+        self.driver.run(4.0)
+        clock = self.clock()
+        self.assertEqual((clock.setup_limit.to_sec(), clock.setup_elapsed.to_sec(), clock.setup_counting, clock.phases),
+                         (30.0, 4.0, True, 2))
+        self.assertEqual(self.zone().timer.to_sec(), 26.0)
+        details = self.messages.details(self.driver.now).zones[0]
+        self.assertEqual((details.by_hand, details.pause_allowed), (True, True))
+        self.assertEqual((details.attempt, details.attempts), (1, 2))
+        self.assertEqual((details.no_show_off, details.pause_off), ((), ("No run is running",)))
+        self.driver.command("start")
+        self.driver.run(4.0)
+        clock = self.clock()
+        self.assertEqual((clock.phase_number, clock.phase_name), (1, "Enter"))
+        self.assertEqual((clock.phase_limit.to_sec(), clock.phase_elapsed.to_sec()), (20.0, 4.0))
+        self.driver.command("next_phase")
+        self.assertEqual((self.clock().phase_name, self.clock().phase_limit.to_sec()), ("Leave", 0.0))
+
+    def test_several_robots_of_a_team(self) -> None:
+        self.box_with(60.0)
+        for name in ("r2", "r1"):
+            self.driver.robot(name=name).beacon()
+        self.zone()
+        self.assertEqual(set(self.messages.details(self.driver.now).zones[0].robots_to_choose), {"r1", "r2"})

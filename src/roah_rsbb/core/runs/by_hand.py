@@ -30,7 +30,7 @@ class HandRun(ZoneRun):
 
     def open(self, now: Now) -> None:
         """Begin a new run."""
-        self._emit(effects.SheetOpened(self.zone))
+        self._emit(effects.SheetOpened(self.record(now)))
         self.times.connected(now)
         self._describe(now, "Score sheet opened without a robot")
         self._record_changed(now)

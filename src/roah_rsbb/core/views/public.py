@@ -11,7 +11,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.scoring.book import FinishedResult
 from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason, Phase
 from roah_rsbb.core.zones import Zone
-from roah_rsbb.rulebook.benchmarks import NO_LIMIT, ScheduledEvent
+from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 
 # No screen has space for more.
 MAX_FOLLOWING = 40
@@ -35,8 +35,8 @@ class PublicRun(NamedTuple):
     end_reason: Optional[EndReason]  # None: it has not ended, or the public may not see this
     teams: Tuple[str, ...]  # the teams of all robots in it
     counting: bool  # its clock is running
-    left: float  # seconds left; without a limit, 0.0
-    elapsed: float = 0.0  # seconds counted, of a run in progress without a limit
+    left: float  # seconds left; may be `NO_LIMIT`
+    elapsed: float = 0.0  # seconds counted
     activity: str = ""  # the current phase of the task; empty: none
 
 
@@ -82,8 +82,8 @@ def _run(zone: Zone, now: Now, results: PublicResults) -> PublicRun:
         end_reason=None if results is PublicResults.NONE else run.end_reason,
         teams=tuple(dict.fromkeys(member.robot.team for member in run.members())) or (run.event.team,),
         counting=run.phase is Phase.RUNNING and not run.clock.paused,
-        left=0.0 if run.clock.limit == NO_LIMIT else run.clock.left(now),
-        elapsed=run.clock.elapsed(now) if run.clock.limit == NO_LIMIT and run.phase is Phase.RUNNING else 0.0,
+        left=run.clock.left(now),
+        elapsed=run.clock.elapsed(now),
         activity=run.times.phase_name(),
     )
 

@@ -68,6 +68,7 @@ class CoreDriver:
             effects.TimeoutRung: lambda e: self._ring_timeout(),
             effects.SetDevice: set_device,
             effects.RunOpened: self._run_opened,
+            effects.SheetOpened: lambda e: None,  # the journal records it
             effects.RunResumed: self._run_resumed,
             effects.RecordChanged: lambda e: results_changed(),
             effects.Recorded: lambda e: None,  # the journal records it

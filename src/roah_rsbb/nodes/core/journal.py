@@ -53,6 +53,7 @@ class CoreJournal:
         self._is_lost = False
         self._takers: Dict[type, Callable[[Now, Any], None]] = {
             effects.RunOpened: self._opened,
+            effects.SheetOpened: self._sheet_opened,
             effects.RunResumed: self._resumed,
             effects.RunLogged: self._logged,
             effects.RunClosed: self._closed,
@@ -147,6 +148,11 @@ class CoreJournal:
         whole = self._box.zones[run.zone].run
         self._batch.runs.append(RunRow(whole.identity, run.zone, *key_of(whole.event), whole.opened_utc))
         self._batch.members.append(Member(effect.port, whole.identity, run.robot.team, run.robot.robot))
+
+    def _sheet_opened(self, _now: Now, effect: effects.SheetOpened) -> None:
+        r = effect.record
+        self._batch.runs.append(
+            RunRow(r.identity, r.zone, r.benchmark, r.team, r.round, r.run, r.scheduled, r.opened_utc))
 
     def _resumed(self, _now: Now, effect: effects.RunResumed) -> None:
         self._find_place(effect.port)

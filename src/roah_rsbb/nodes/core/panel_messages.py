@@ -7,11 +7,12 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
+from roah_rsbb.core.commands import OWN_COMMANDS
 from roah_rsbb.core.views import views
 from roah_rsbb.msg import CoreDetails, CoreToGui, RobotInfo, RunClock, RunClocks, ZoneDetails, ZoneState
 from roah_rsbb.nodes.core.score_convert import group_message, score_message
 from roah_rsbb.nodes.core.serialised import SerialisedToGui, SerialisedZone
-from roah_rsbb.ros.times import ros_duration, ros_time, ros_wire_time
+from roah_rsbb.ros.times import ros_duration, ros_limit, ros_time, ros_wire_time
 
 
 class _Zone(NamedTuple):
@@ -115,15 +116,23 @@ def _run_clock(view: views.ZoneView) -> RunClock:
         zone=view.zone,
         identity=view.identity,
         phase=view.phase,
-        limit=ros_duration(clock.limit),
+        limit=ros_limit(clock.limit),
         elapsed=ros_duration(clock.elapsed),
         counting=clock.counting,
         paused=clock.paused,
-        goal_limit=ros_duration(clock.goal_limit),
+        goal_limit=ros_limit(clock.goal_limit),
         goal=clock.goal,
         goal_elapsed=ros_duration(clock.goal_elapsed),
         goal_counting=clock.goal_counting,
         after_stop=ros_duration(clock.after_stop),
+        setup_limit=ros_duration(clock.setup_limit),
+        setup_elapsed=ros_duration(clock.setup_elapsed),
+        setup_counting=clock.setup_counting,
+        phases=clock.phases,
+        phase_number=clock.phase_number,
+        phase_name=clock.phase_name,
+        phase_limit=ros_limit(clock.phase_limit),
+        phase_elapsed=ros_duration(clock.phase_elapsed),
     )
 
 
@@ -134,7 +143,7 @@ def _zone_state(view: views.ZoneView) -> ZoneState:
         name=event.benchmark.name,
         desc=event.benchmark.desc,
         code=event.benchmark.code,
-        timeout=ros_duration(view.timeout),
+        timeout=ros_limit(view.timeout),
         team=event.team,
         round=event.round,
         run=event.run,
@@ -170,6 +179,12 @@ def _zone_details(view: views.ZoneView, log_file: str) -> ZoneDetails:
         stop_off=view.reasons_off("stop"),
         prev_off=view.reasons_off("previous"),
         next_off=view.reasons_off("next"),
+        **{f"{command}_off": view.reasons_off(command) for command in OWN_COMMANDS},
+        pause_allowed=view.event.benchmark.rules.pause,
+        by_hand=view.by_hand,
+        attempt=view.attempt,
+        attempts=view.event.benchmark.rules.attempts,
+        robots_to_choose=view.robots_to_choose,
         warnings=view.warnings,
     )
     if not view.identity:

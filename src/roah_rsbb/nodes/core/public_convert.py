@@ -10,8 +10,8 @@ from roah_rsbb.core.views.public import PublicRun, PublicView
 from roah_rsbb.msg import CoreToPublic, PublicDetails, PublicEvent, PublicResult, ScheduleInfo
 from roah_rsbb.msg import PublicRun as PublicRunMsg
 from roah_rsbb.nodes.core.score_convert import items_message, score_message
-from roah_rsbb.ros.times import ros_duration, ros_time
-from roah_rsbb.rulebook.benchmarks import ScheduledEvent
+from roah_rsbb.ros.times import ros_duration, ros_limit, ros_time
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, ScheduledEvent
 
 
 def to_public(box: Box, now: Now) -> CoreToPublic:
@@ -54,8 +54,11 @@ def _run(run: PublicRun, now: Now) -> PublicRunMsg:
         phase=run.phase.value,
         end_reason="" if run.end_reason is None else run.end_reason.name.lower(),
         counting=run.counting,
-        ends=ros_time(now.utc + run.left if run.counting else 0.0),
-        left=ros_duration(run.left),
+        ends=ros_time(now.utc + run.left if run.counting and run.left != NO_LIMIT else 0.0),
+        left=ros_limit(run.left),
+        unlimited=run.left == NO_LIMIT,
+        elapsed=ros_duration(run.elapsed if run.left == NO_LIMIT else 0.0),
+        activity=run.activity,
     )
 
 

@@ -18,6 +18,7 @@ from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.times import ros_time
 from roah_rsbb.srv import (
     ChooseEvent,
+    ConnectRobot,
     GetClock,
     GetClockResponse,
     GetRunSheet,
@@ -61,6 +62,7 @@ class CoreServices:
         for command in COMMANDS:
             self._serve(command, Zone, lambda r, c=command: (box.command, r.zone, c, who_of(r)))
         self._serve("stop_run", StopRun, lambda r: (box.scores.stop, _run_of(r), who_of(r)))
+        self._serve("connect_robot", ConnectRobot, lambda r: (box.connect_robot, r.zone, r.robot, who_of(r)))
         self._serve("leave_run", LeaveRun, lambda r: (box.leave_run, _run_of(r), who_of(r)))
         self._serve("choose_event", ChooseEvent, lambda r: (
             box.choose_event, r.zone, EventKey(r.code, r.team, r.round, r.run, r.schedule.to_sec()), r.unsigned,

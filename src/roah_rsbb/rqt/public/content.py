@@ -4,6 +4,7 @@ Works on anything with the fields of PublicDetails; neither ROS nor Qt is import
 computer that shows them: the public compares them with the clock on the wall.
 """
 
+import math
 import time
 from typing import NamedTuple, Optional, Tuple
 
@@ -83,7 +84,7 @@ def content(details: Optional[object], utc_s: float, is_old: bool, board: Option
         date=_date(utc_s),
         clock=clock,
         trouble=tr("No signal since {time}: this is the last known state", time=clock) if is_old else "",
-        cards=tuple(_card(run, utc_s, many_zones) for run in details.runs),
+        cards=tuple(_card(run, utc_s, details.clock.to_sec(), many_zones) for run in details.runs),
         following=tuple(_following(event, utc_s, many_zones) for event in details.following),
         results=_results(details.finished if board is None else board.results, utc_s),
         provisional=() if board is None else _results(board.provisional, utc_s),
@@ -95,13 +96,21 @@ def _events(details) -> list:
     return [run.event for run in details.runs] + list(details.following)
 
 
-def _card(run, utc_s: float, many_zones: bool) -> RunCard:
+def _shown_s(run, utc_s: float, clock_s: float) -> float:
+    """Returns the seconds that are left or, without a limit, counted. `clock_s`: the time of the message."""
+    if run.unlimited:
+        return math.floor(run.elapsed.to_sec() + (max(0.0, utc_s - clock_s) if run.counting else 0.0))
+    return run.ends.to_sec() - utc_s if run.counting else run.left.to_sec()
+
+
+def _card(run, utc_s: float, clock_s: float, many_zones: bool) -> RunCard:
     event = run.event
     parts = ([event.zone] if many_zones else []) + [sheets.turn(event.round, event.run)]
     if event.team == ALL_TEAMS:
         parts.append(", ".join(run.teams))
-    left = run.ends.to_sec() - utc_s if run.counting else run.left.to_sec()
-    big, word = times.countdown(left), tr("getting ready")
+    if run.activity:
+        parts.append(run.activity)
+    big, word = times.countdown(_shown_s(run, utc_s, clock_s)), tr("getting ready")
     if run.phase == "running":
         big, word = (f"▶ {big}", tr("running")) if run.counting else (f"‖ {big}", tr("paused"))
     elif run.phase == "ended":
