@@ -673,12 +673,12 @@
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Previous in {zone}</source>
-        <translation>Zurück in {zone}</translation>
+        <translation>Voriger Termin in {zone}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>◀ Previous</source>
-        <translation>◀ Zurück</translation>
+        <translation>◀ Voriger</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -688,12 +688,12 @@
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Next in {zone}</source>
-        <translation>Weiter in {zone}</translation>
+        <translation>Nächster Termin in {zone}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Next ▶</source>
-        <translation>Weiter ▶</translation>
+        <translation>Nächster ▶</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -951,12 +951,12 @@
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>Turn off</source>
-        <translation>Ausschalten</translation>
+        <translation>Aus</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>Turn on</source>
-        <translation>Einschalten</translation>
+        <translation>Ein</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
@@ -1242,7 +1242,7 @@
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
         <source>■ STOP ALL ZONES (hold)</source>
-        <translation>■ ALLE ZONEN STOPPEN (halten)</translation>
+        <translation>■ ALLE STOPPEN (halten)</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/overview.py"/>
@@ -1590,7 +1590,7 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
         <source>n/a</source>
-        <translation>n. v.</translation>
+        <translation>n.v.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
@@ -2010,7 +2010,7 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/undo.py"/>
         <source>Undo: {mark}</source>
-        <translation>Rückgängig: {mark}</translation>
+        <translation>Zurück: {mark}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/undo.py"/>
