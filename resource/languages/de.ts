@@ -25,6 +25,25 @@
     </message>
 </context>
 <context>
+    <name>QDockWidget</name>
+    <message>
+        <source>Close</source>
+        <translation>Schließen</translation>
+    </message>
+    <message>
+        <source>Closes the dock widget</source>
+        <translation>Schließt das Fenster</translation>
+    </message>
+    <message>
+        <source>Float</source>
+        <translation>Lösen</translation>
+    </message>
+    <message>
+        <source>Undocks and re-attaches the dock widget</source>
+        <translation>Löst das Fenster oder hängt es wieder an</translation>
+    </message>
+</context>
+<context>
     <name>roah_rsbb</name>
     <message>
         <location filename="../../src/roah_rsbb/wording/clock.py"/>

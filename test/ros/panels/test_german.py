@@ -1,0 +1,176 @@
+"""The window in German: no text in English, and none that does not fit. in_sight.test starts it in that language."""
+
+import html
+import re
+from typing import Dict, Iterator, List
+
+from support.fakes.core import Asked
+from support.gui_testing import QWidget, wait_until
+from support.panel_case import BUMPS, DOOR
+from support.window_case import WindowCase, wait_still
+
+from helpers import catalogues
+from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.rqt.qt import (
+    QAbstractButton,
+    QDialog,
+    QDockWidget,
+    QLabel,
+    QLineEdit,
+    QMenu,
+    QPlainTextEdit,
+    QPushButton,
+    QScrollArea,
+    QTableWidget,
+    QTabWidget,
+    QToolButton,
+)
+from roah_rsbb.rqt.widgets.basic import FittedText, Notices
+from roah_rsbb.rqt.widgets.undo import UndoRow
+
+LANGUAGE = "de"
+# A shorter word is no sign of English.
+LONG = re.compile(r"[^\W\d_]{3,}")
+
+
+def english() -> Dict[str, "re.Pattern[str]"]:
+    """The texts in English that differ from those in this language; values may be in their places."""
+    entries = catalogues.read(catalogues.FOLDER / f"{LANGUAGE}.ts")[catalogues.CONTEXT]
+    same = {form for entry in entries for form in entry.forms}
+    texts = (entry.text for entry in entries if entry.text not in same)
+    return {
+        text: re.compile(".+".join(map(re.escape, re.split("{[^{}]*}", text))))
+        for text in texts if LONG.search(re.sub("{[^{}]*}", "", text))
+    }
+
+
+def texts_of(widget: QWidget) -> Iterator[str]:
+    """All texts that a widget shows, or shows on request."""
+    yield from (widget.toolTip(), widget.accessibleName())
+    if isinstance(widget, (QLabel, QAbstractButton, FittedText)):
+        yield widget.text()
+    if isinstance(widget, (QLineEdit, QPlainTextEdit)):
+        yield widget.placeholderText()
+    if isinstance(widget, Notices):
+        yield widget.toPlainText()
+    if isinstance(widget, (QDialog, QDockWidget)) or widget.isWindow():
+        yield widget.windowTitle()
+    if isinstance(widget, QMenu):
+        yield from (action.text() for action in widget.actions())
+    if isinstance(widget, QTabWidget):
+        yield from (widget.tabText(index) for index in range(widget.count()))
+    if isinstance(widget, QTableWidget):
+        headers = [widget.horizontalHeaderItem(column) for column in range(widget.columnCount())]
+        items = [widget.item(row, column) for row in range(widget.rowCount()) for column in range(widget.columnCount())]
+        yield from (text for item in headers + items if item is not None for text in (item.text(), item.toolTip()))
+
+
+def parts(text: str) -> List[str]:
+    """The whole text without markup, its lines, and the parts of them."""
+    plain = html.unescape(re.sub("<[^>]*>", "\n", text)).strip()
+    lines = [line.strip() for line in plain.splitlines() if line.strip()]
+    return [plain, *lines, *(part.strip() for line in lines for part in re.split("  ·  | · ", line))]
+
+
+def is_cut(widget: QWidget) -> bool:
+    """Whether a widget needs more space for its text than it has."""
+    if isinstance(widget.parentWidget(), UndoRow):
+        return widget.text().endswith("…")  # its first line may be: the item's text is the organiser's
+    if isinstance(widget, QPushButton):
+        return max(map(widget.fontMetrics().horizontalAdvance, widget.text().split("\n"))) > widget.width()
+    if isinstance(widget, QAbstractButton) and not isinstance(widget, QToolButton):
+        return widget.sizeHint().width() > widget.width()
+    if isinstance(widget, QLabel) and widget.wordWrap():
+        return widget.heightForWidth(widget.width()) > widget.height()
+    if isinstance(widget, QScrollArea):
+        return widget.horizontalScrollBar().isVisible()
+    return False
+
+
+class TestGerman(WindowCase):
+    """Every panel, before, during and after a run."""
+
+    maxDiff = None
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.english = english()
+
+    def assert_german(self, root: QWidget) -> None:
+        found = [
+            (type(widget).__name__, part, source)
+            for widget in [root, *root.findChildren(QWidget)] for text in texts_of(widget) for part in parts(text)
+            for source, pattern in self.english.items() if pattern.fullmatch(part)
+        ]
+        self.assertEqual(found, [])
+
+    def assert_fits(self, root: QWidget) -> None:
+        def cut() -> List[str]:
+            return [f"{type(widget).__name__} {getattr(widget, 'text', str)()!r}"
+                    for widget in root.findChildren(QWidget) if widget.isVisible() and is_cut(widget)]
+
+        wait_until(lambda: not cut(), lambda: f"{root.objectName()}: they fit: {cut()}")
+
+    def look_at_all(self) -> None:
+        """Look at every panel, in front of the others."""
+        for name in self.window.docks:
+            self.bring(name)
+            self.assert_fits(self.panel(name))
+        wait_still(self.window)
+        self.assert_german(self.window)
+
+    def bring(self, name: str) -> None:
+        """Bring a panel to the front."""
+        panel = self.panel(name)
+        self.window.docks[name].raise_()
+        wait_until(lambda: not panel.visibleRegion().isEmpty(), f"{name} is in front")
+        wait_until(lambda: "live" in panel._news.text(), f"{name} shows the core")
+
+    def test_before_a_run(self) -> None:
+        self.look_at_all()
+        self.client.keys_key.open()
+        dialog = self.dialog(QDialog)
+        self.assert_german(dialog)
+        self.assert_fits(dialog)
+
+    def test_during_a_run(self) -> None:
+        self.run_zone()
+        for number in range(3):
+            self.zone.mark(Mark(*BUMPS, number + 1, note=str(number)), "Anna")
+        self.zone.mark(Mark(*DOOR, 1), "Anna")
+        self.zone.asked = Asked(1, "Place the robot", ())
+        self.zone.switches_asked = True
+        wait_until(lambda: len(self.scoring.undo.buttons) == 4, "the marks are shown")
+        self.look_at_all()
+        dialog = self.ask_note()
+        self.assert_german(dialog)
+        self.assert_fits(dialog)
+
+    def test_after_a_run(self) -> None:
+        self.run_zone()
+        self.zone.mark(Mark(*BUMPS, 1, note="the vase"), "Anna")
+        identity = self.zone.identity
+        self.zone.command("stop", "disconnect")
+        self.zone.mark(Mark(*BUMPS, 2), "Ben", identity)
+        results = self.panel("ResultsPanel")
+        self.bring("ResultsPanel")
+        self.client.referee.set("Anna")
+        wait_until(lambda: results.history.rows.texts() and results.sign.isEnabled(), "the sheet is shown")
+        self.look_at_all()
+        self.bring("ResultsPanel")
+        results.sign.click()
+        dialog = self.dialog(QDialog)
+        self.assert_german(dialog)
+        self.assertIn("Abbrechen", [button.text() for button in dialog.findChildren(QPushButton)])
+
+    def test_the_box_receives_what_it_receives_in_english(self) -> None:
+        self.run_zone()
+        self.scoring.rows[BUMPS].score()
+        self.wait_call("score", "Home A", *BUMPS, 1)
+        wait_until(lambda: self.zone.scores.get(BUMPS) == 1, "the core has the score")
+        schedule = self.panel("SchedulePanel")
+        self.bring("SchedulePanel")
+        wait_until(lambda: schedule.rows.keys() != [None], "the events are shown")
+        schedule.shows.setCurrentIndex(schedule.shows.findText("noch offen"))
+        self.assertEqual(schedule.shows.chosen, "to come")
+        self.assertIn(("Home A", 1), schedule.rows.keys())
