@@ -59,10 +59,18 @@ def pytest_collection_modifyitems(config, items):
     items[:] = [item for item in items if item in chosen]
 
 
+def _speak_english():
+    """Windows of tests are in English on any computer (docs/referee.md, "Language")."""
+    for name in ("LC_ALL", "LC_MESSAGES", "LANGUAGE"):
+        os.environ.pop(name, None)
+    os.environ["LANG"] = "C.UTF-8"
+
+
 sys.path.insert(0, str(ROOT / "src"))
 sys.path.insert(0, str(ROOT / "test" / "pure"))
 _generate()
 _own_temporary_folder()
+_speak_english()
 
 import roah_rsbb  # noqa: E402  (only now can it be found)
 
