@@ -1803,11 +1803,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>paused</source>
-        <translation>pausiert</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
         <source>ended</source>
         <translation>beendet</translation>
     </message>

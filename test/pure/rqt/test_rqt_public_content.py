@@ -55,7 +55,7 @@ def test_a_core_that_was_never_heard():
 
 @pytest.mark.parametrize("run, big, word", [
     (_run(), "▶ 1:30", "running"),
-    (_run(counting=False), "‖ 1:30", "paused"),
+    (_run(counting=False), "‖ 1:30", "PAUSED"),
     (_run("connected", counting=False), "1:30", "getting ready"),
     (_run("ended", counting=False), "ended", ""),
     (_run("ended", counting=False, end_reason="completed"), "ended", "✓ completed"),

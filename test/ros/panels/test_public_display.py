@@ -100,10 +100,19 @@ class TestWhatIsShown(DisplayCase):
         self.assertIn("running", self.texts())
         self.assertGreater(self.count(RUNNING), 3)
 
-    def test_a_paused_run_is_shown_as_paused(self) -> None:
-        self.core.runs = [self.core.run(left_s=100.0, counting=False)]
-        self.wait_text("‖ 1:40")
-        self.assertIn("paused", self.texts())
+    def test_a_paused_run_has_a_band_that_says_so(self) -> None:
+        for count in (1, 2, 3, 6):  # every kind of card
+            self.core.runs = [self.core.run(number, left_s=100.0 + count, counting=False) for number in range(count)]
+            self.wait_text(f"‖ 1:{40 + count}")
+            image = self.display.grab().toImage()
+            bands = [one for one in self.display.written if one.text == "PAUSED"]
+            self.assertEqual([one.shown for one in bands], count * ["PAUSED"])
+            for band in bands:
+                self.assertGreater(band.ink.x, band.place.x)
+                self.assertLess(band.ink.right, band.place.right)
+                edges = (band.place.x + 2, band.place.right - 3)
+                colours = [image.pixelColor(int(x), int(band.place.y + band.place.h / 2)) for x in edges]
+                self.assertEqual(colours, [RUNNING, RUNNING])
 
     def test_how_a_run_is_prepared_and_ends(self) -> None:
         self.core.runs = [self.core.run(0, "connected", left_s=600.0)]

@@ -9,6 +9,7 @@ import time
 from typing import NamedTuple, Optional, Tuple
 
 from roah_rsbb.wording import module_scores, sheets, times
+from roah_rsbb.wording.clock import PAUSED
 from roah_rsbb.wording.language import tr, tr_later
 
 ALL_TEAMS = "ALL"
@@ -33,6 +34,7 @@ class RunCard(NamedTuple):
     place: str  # zone, round and run, teams
     big: str  # the largest text: the countdown
     word: str  # the state of the run; colour is never the only sign
+    is_paused: bool = False
 
 
 class ListLine(NamedTuple):
@@ -112,10 +114,11 @@ def _card(run, utc_s: float, clock_s: float, many_zones: bool) -> RunCard:
         parts.append(run.activity)
     big, word = times.countdown(_shown_s(run, utc_s, clock_s)), tr("getting ready")
     if run.phase == "running":
-        big, word = (f"▶ {big}", tr("running")) if run.counting else (f"‖ {big}", tr("paused"))
+        big, word = (f"▶ {big}", tr("running")) if run.counting else (f"‖ {big}", tr(PAUSED))
     elif run.phase == "ended":
         big, word = tr("ended"), _end(run.end_reason)
-    return RunCard(run.phase, _team(event.team), event.benchmark, " · ".join(parts), big, word)
+    return RunCard(run.phase, _team(event.team), event.benchmark, " · ".join(parts), big, word,
+                   is_paused=run.phase == "running" and not run.counting)
 
 
 def _following(event, utc_s: float, many_zones: bool) -> ListLine:

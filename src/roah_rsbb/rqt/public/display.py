@@ -229,7 +229,12 @@ class PublicDisplay(QWidget):
         writer.write(parts.benchmark, card.benchmark, look.team)
         writer.write(parts.place, card.place, FAINT)
         writer.write(parts.big, card.big, look.big, 0.8, Qt.AlignRight, bold=True)
-        writer.write(parts.word, card.word, look.big, side=Qt.AlignRight)
+        if card.is_paused:
+            band = QRectF(*parts.word)
+            painter.fillRect(band, look.big)
+            writer.write(parts.word, card.word, CARD_BACKGROUND, side=Qt.AlignHCenter, bold=True)
+        else:
+            writer.write(parts.word, card.word, look.big, side=Qt.AlignRight)
 
     def _paint_below(self, writer: Writer, screen: Screen, area: Rect) -> None:
         """Paint the next events, standings and pages of results in turns."""
