@@ -16,7 +16,8 @@ from roah_rsbb.core.settings import Settings
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.radio import beacon_size
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ScoreKind, ScoringItem, ZonePlan
+from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
+from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 START = Now(1000.0, 1_800_000_000.0)
 SCORING = tuple(ScoringItem("Achievements", f"Item {i}", ScoreKind.UINT) for i in range(16))

@@ -101,10 +101,10 @@ def _scores(old: ZoneSnapshot, new: ZoneSnapshot) -> Iterator[Dict[str, Any]]:
     before = {(item.group, item.item): item for item in old.score}
     for item in new.score:
         was = before.get((item.group, item.item), item)
-        if (was.value, was.not_attempted) != (item.value, item.not_attempted):
+        if (was.value, was.text, was.not_attempted) != (item.value, item.text, item.not_attempted):
             yield {"number": item.number, "group": item.group, "item": item.item, "type": item.type,
                    "old": was.value, "value": item.value, "old_not_attempted": was.not_attempted,
-                   "not_attempted": item.not_attempted}
+                   "not_attempted": item.not_attempted, "old_text": was.text, "text": item.text}
 
 
 def _module_scores(old: ZoneSnapshot, new: ZoneSnapshot) -> Iterator[Dict[str, Any]]:

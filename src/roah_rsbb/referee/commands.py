@@ -80,7 +80,7 @@ def _score(link: Link, options, output: Output) -> Exit:
             view.score_sheet(zone, output.style))
         return Exit.OK
     item = pick_item(options.item, zone.score)
-    link.set_score(name, item.group, item.item, value_of(options.value, item))
+    link.mark(name, "", item, value_of(options.value, item))
     zone = link.settle().zone(name)
     item = zone.score[item.number - 1]
     output.object({"ok": True, "command": "score", "zone": name, **item._asdict()}) if output.json else output.lines(
@@ -168,9 +168,8 @@ def _score_with_words(link: Link, options: Any, output: Any) -> Exit:
     """Set an item: with a note, as not attempted, or of a run that is over."""
     zone, run = _which(link, options)
     item = pick_item(options.item, _fetched(link, zone, run).items)
-    not_attempted = options.value.lower() in NOT_ATTEMPTED
-    value = 0 if not_attempted else value_of(options.value, item)
-    link.mark(zone, _identity(run), item, value, not_attempted, options.note, options.referee)
+    entered = None if options.value.lower() in NOT_ATTEMPTED else value_of(options.value, item)
+    link.mark(zone, _identity(run), item, entered, options.note, options.referee)
     new: SheetItem = _fetched(link, zone, run).items[item.number - 1]
     if output.json:
         output.object({"ok": True, "command": "score", "zone": zone, **new._asdict()})

@@ -9,13 +9,14 @@ import time
 from typing import Any, Dict, List, Optional, Sequence
 
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunClocks, RunSheet, Schedule, ScheduleEvent, Score
+from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunClocks, RunSheet, Schedule, ScheduleEvent
 from roah_rsbb.referee import ros_client
 from roah_rsbb.referee.changes import SILENT_S
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.ros_client import Client, Late, RosError, ServiceError, Subscription
 from roah_rsbb.referee.sheets import RunLine, run_of
 from roah_rsbb.referee.state import BoxSnapshot, SheetItem, box_of
+from roah_rsbb.referee.words import Entered
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import (
     ChooseEvent,
@@ -29,7 +30,6 @@ from roah_rsbb.srv import (
     StopReason,
     StopRun,
     Zone,
-    ZoneScore,
     ZoneUInt8,
 )
 
@@ -210,16 +210,17 @@ class Link:
         """Disconnect the run of that identity, unless it is running; raises as `command` does."""
         self._call("/core/leave_run", LeaveRun, zone, identity)
 
-    def set_score(self, zone: str, group: str, item: str, value: int) -> None:
-        """Set a scoring item; raises as `command` does."""
-        self._call("/core/set_score", ZoneScore, zone, Score(group, item, value))
-
     def mark(
-        self, zone: str, identity: str, item: SheetItem, value: int, not_attempted: bool, note: str, referee: str
+        self, zone: str, identity: str, item: SheetItem, entered: Optional[Entered], note: str = "", referee: str = ""
     ) -> None:
-        """Set an item with a note, in the run of that identity; empty: the connected one. Raises as `command` does."""
+        """Set an item, in the run of that identity; empty: the connected one. Raises as `command` does.
+
+        `entered`: None if the robot did not try.
+        """
+        value = entered or Entered()
         self._call(
-            "/core/score", ScoreMark, zone, identity, item.group, item.item, value, not_attempted, note, referee
+            "/core/score", ScoreMark, zone, identity, item.group, item.item, value.value, entered is None, value.text,
+            value.judge, note, referee,
         )
 
     def withdraw(self, zone: str, identity: str, entry: int, note: str, referee: str) -> None:

@@ -15,7 +15,7 @@ from roah_rsbb.referee.answers import Automatic, GivenUp, Keyboard, Note, Operat
 from roah_rsbb.referee.changes import Change, Follower, news
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.state import COMPLETED, CONNECTED, ENDED, IDLE, RUNNING, STOPPED, SheetItem, ZoneSnapshot
-from roah_rsbb.referee.words import BadWord, EventWanted, pick_item, value_of
+from roah_rsbb.referee.words import BadWord, Entered, EventWanted, pick_item, value_of
 from roah_rsbb.wording.sheets import END_REASONS
 
 # A core that crashed is restarted within seconds. After this long without it, the script gives up.
@@ -71,7 +71,7 @@ class RunScript:
         self._unanswered = False  # a connect was sent, but the core did not answer it
         self._event = self._zone().event
         self._uuid = link.box.box_uuid  # of the core that has our run
-        self._scores: List[Tuple[SheetItem, int]] = []
+        self._scores: List[Tuple[SheetItem, Entered]] = []
         self._unmarked = ""  # why a score could not be set
 
     def run(self) -> ScriptOutcome:
@@ -156,11 +156,11 @@ class RunScript:
             self._mark(item, value)
         return True
 
-    def _mark(self, item: SheetItem, value: int) -> None:
+    def _mark(self, item: SheetItem, value: Entered) -> None:
         try:
-            self._link.set_score(self._plan.zone, item.group, item.item, value)
+            self._link.mark(self._plan.zone, "", item, value)
         except (Refused, NoCore) as error:
-            self._unmarked = f"; '{item.item}' = {value} failed: {error}"
+            self._unmarked = f"; '{item.item}' = {value.text or value.value} failed: {error}"
             self._note(self._unmarked[2:])
 
     def _attempt(self, command: str, phase: str) -> bool:

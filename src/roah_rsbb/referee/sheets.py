@@ -7,7 +7,7 @@ The names of the fields are the names in the JSON output (docs/referee.md) and n
 from functools import partial
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.referee.state import ITEM_TYPES, SheetItem
+from roah_rsbb.referee.state import SheetItem, items_of
 from roah_rsbb.referee.view import BOLD, YELLOW, Style, item_text
 from roah_rsbb.referee.words import BadWord
 from roah_rsbb.wording import sheets, times
@@ -73,15 +73,13 @@ def run_of(summary) -> RunLine:
 
 def sheet_of(sheet) -> Sheet:
     """Read a RunSheet."""
-    kinds = {(item.group, item.desc): ITEM_TYPES[item.type] for item in sheet.items}
+    items = items_of(sheet.items)
+    kinds = {(item.group, item.item): item.type for item in items}
     return Sheet(
         run_of(sheet.summary), tuple(sheet.robots), sheet.elapsed.to_sec(),
-        tuple(
-            SheetItem(number, item.group, item.desc, ITEM_TYPES[item.type], item.value, item.not_attempted)
-            for number, item in enumerate(sheet.items, 1)
-        ),
+        items,
         tuple(number for number, item in enumerate(sheet.items, 1) if item.corrected),
-        tuple(history_entry(entry, kinds.get((entry.group, entry.desc)) == "bool") for entry in sheet.history),
+        tuple(history_entry(entry, kinds.get((entry.group, entry.desc), "uint")) for entry in sheet.history),
         tuple(
             RunEnd(number, stop.time.to_sec(), stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)
             for number, stop in enumerate(sheet.stops, 1)

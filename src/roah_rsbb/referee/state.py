@@ -7,6 +7,7 @@ The names of the fields are the names in the JSON output (docs/referee.md) and n
 import json
 from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.wording import sheets
 from roah_rsbb.wording.clock import clock_of, lines
 
 # The commands of the referee, and how the ROS interface spells their fields.
@@ -16,7 +17,6 @@ COMMANDS = {
 }
 IDLE, CONNECTED, RUNNING, ENDED = "idle", "connected", "running", "ended"  # ZoneDetails.phase
 COMPLETED, STOPPED = "completed", "stopped"  # ZoneDetails.end_reason
-ITEM_TYPES = ("bool", "uint")  # by the numbers in ZoneScoreGroup
 
 
 class SheetItem(NamedTuple):
@@ -28,6 +28,11 @@ class SheetItem(NamedTuple):
     type: str
     value: int  # 0 where it was not attempted
     not_attempted: bool = False  # the robot did not try
+    text: str = ""  # of a decimal, a choice or a rating
+    points: str = ""  # a decimal number; empty: the item gives none
+    choices: Tuple[str, ...] = ()
+    judges: Tuple[str, ...] = ()
+    ratings: Tuple[str, ...] = ()  # by each judge; an empty text: none yet
 
 
 class ManualOperation(NamedTuple):
@@ -237,7 +242,7 @@ def _zone(zone, details, run_times: RunTimes) -> ZoneSnapshot:
         manual_operation=zone.manual_operation,
         warnings=tuple(details.warnings),
         off={command: list(getattr(details, field)) for command, field in COMMANDS.items()},
-        score=tuple(_items(zone.scoring, details.not_attempted)),
+        score=items_of(details.items),
         log_file=details.log_file,
         log=zone.log,
         online_data=zone.online_data,
@@ -276,10 +281,12 @@ def _json_value(text: str) -> Any:
         return text
 
 
-def _items(groups, not_attempted) -> List[SheetItem]:
-    found: List[SheetItem] = []
-    marks = iter(not_attempted)
-    for group in groups:
-        for kind, desc, value in zip(group.types, group.descriptions, group.current_values):
-            found.append(SheetItem(len(found) + 1, group.group_name, desc, ITEM_TYPES[kind], value, next(marks, False)))
-    return found
+def items_of(messages) -> Tuple[SheetItem, ...]:
+    """Read ScoreItems."""
+    return tuple(
+        SheetItem(
+            number, item.group, item.desc, sheets.type_word(item.type), item.value, item.not_attempted, item.text,
+            item.points, tuple(item.choices), tuple(item.judges), tuple(item.ratings),
+        )
+        for number, item in enumerate(messages, 1)
+    )

@@ -182,7 +182,7 @@ def _score_in_json(score: ModuleScoreLine) -> ModuleScoreLine:
 
 def item_text(item: SheetItem) -> str:
     """The value of a scoring item."""
-    return sheets.item_value(item.type == "bool", item.value, item.not_attempted)
+    return sheets.item_value(item.type, item.value, item.not_attempted, item.text)
 
 
 def item_line(item: SheetItem) -> str:
@@ -266,9 +266,8 @@ def _state(facts: Dict, style: Style) -> str:
 
 
 def _score(facts: Dict, style: Style) -> str:
-    is_bool = facts["type"] == "bool"
-    old = sheets.item_value(is_bool, facts["old"], facts["old_not_attempted"])
-    new = sheets.item_value(is_bool, facts["value"], facts["not_attempted"])
+    old = sheets.item_value(facts["type"], facts["old"], facts["old_not_attempted"], facts["old_text"])
+    new = sheets.item_value(facts["type"], facts["value"], facts["not_attempted"], facts["text"])
     return f"score: {escaped(facts['group'])}: {escaped(facts['item'])}: {old} → {style(BOLD, new)}"
 
 

@@ -3,9 +3,10 @@
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, TypeVar
 
 from roah_rsbb.core.runs.requests import MAX_DAMAGED
-from roah_rsbb.core.scoring.sheet import MAX_VALUE, ScoreSheet
+from roah_rsbb.core.scoring.points import number_of, text_of
+from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
 from roah_rsbb.referee.state import EventSnapshot, ManualOperation, SheetItem
-from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
+from roah_rsbb.rulebook.scoring import MAX_VALUE, ScoreKind, ScoringItem
 from roah_rsbb.wording.suggestions import did_you_mean
 
 T = TypeVar("T")
@@ -70,11 +71,26 @@ def pick_item(word: str, items: Sequence[SheetItem]) -> SheetItem:
     raise BadWord(f"'{word}' is in {len(found)} scoring items: give the number, or more of the text\n{listed}")
 
 
-def value_of(text: str, item: SheetItem) -> int:
-    """Return the value that `text` gives an item: a number, yes or no, or +N and -N from its present value.
+class Entered(NamedTuple):
+    """A value that the referee gives an item."""
 
-    Raises `BadWord`, or `Refused` as the core itself does.
+    value: int = 0
+    text: str = ""  # of a decimal, a choice or a rating
+    judge: str = ""
+
+
+def value_of(text: str, item: SheetItem) -> Entered:
+    """Return the value that `text` gives an item.
+
+    It is a number, yes or no, a choice, or `JUDGE:NUMBER`; +N and -N count from the present value. Raises `BadWord`, or
+    `Refused` as the core itself does.
     """
+    if item.type == "choice":
+        return Entered(text=_choice(text, item))
+    if item.type == "rating":
+        return _rating(text, item)
+    if item.type == "decimal":
+        return Entered(text=_decimal(text, item))
     value = WORDS.get(text.lower()) if item.type == "bool" else None
     if value is None:
         try:
@@ -84,11 +100,36 @@ def value_of(text: str, item: SheetItem) -> int:
             raise BadWord(f"'{text}' is not a value for '{item.item}': give {kind}") from None
         if text.startswith(("+", "-")):
             value += item.value
-    if value > MAX_VALUE:
+    if abs(value) > MAX_VALUE:
         raise BadWord(f"'{text}' is too large for '{item.item}': the maximum is {MAX_VALUE}")
     sheet = ScoreSheet((ScoringItem(item.group, item.item, ScoreKind[item.type.upper()]),))
-    sheet.check(item.group, item.item, value)
-    return value
+    sheet.check(Mark(item.group, item.item, value))
+    return Entered(value)
+
+
+def _choice(text: str, item: SheetItem) -> str:
+    found = _found(text, item.choices, str, str.startswith)
+    if len(found) == 1:
+        return found[0]
+    raise BadWord(f"'{text}' is not a choice of '{item.item}': choose one of {_quoted(item.choices)}")
+
+
+def _rating(text: str, item: SheetItem) -> Entered:
+    judge, colon, number = text.rpartition(":")
+    found = _found(judge.strip(), item.judges, str, str.startswith)
+    if not colon or len(found) != 1:
+        raise BadWord(f"'{text}' is not a rating of '{item.item}': give the judge and a number, such as "
+                      f"'{item.judges[0]}:5'; the judges are {_quoted(item.judges)}")
+    return Entered(text=number.strip(), judge=found[0])
+
+
+def _decimal(text: str, item: SheetItem) -> str:
+    number = number_of(text)
+    if number is None:
+        raise BadWord(f"'{text}' is not a value for '{item.item}': give a number such as 2.5, +0.5 or -1")
+    if text.startswith(("+", "-")):
+        number += number_of(item.text) or 0
+    return text_of(number)
 
 
 def answer_of(text: str, operation: ManualOperation) -> str:

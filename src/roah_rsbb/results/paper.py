@@ -11,7 +11,8 @@ from roah_rsbb.results.page import Child, Markup, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.results.standing_rules import DEFAULT, Rules
 from roah_rsbb.results.standings import DISQUALIFIED, criteria_of, number_text, number_with_unit, standing_of_run
-from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent, ScoreKind
+from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent
+from roah_rsbb.rulebook.scoring import ScoreKind
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.texts import one_line
@@ -148,8 +149,8 @@ def _what(item: ItemRecord) -> str:
 
 
 def _value(item: ItemRecord) -> str:
-    text = sheets.item_value(item.kind == "bool", item.value, item.not_attempted)
-    return text if item.kind == "bool" or item.not_attempted else f"{text} ×"
+    text = sheets.item_value(item.kind, item.value, item.not_attempted, item.text)
+    return f"{text} ×" if item.kind in ("uint", "int") and not item.not_attempted else text
 
 
 def _points(rules: Rules, items: Sequence[ItemRecord]) -> str:

@@ -81,7 +81,7 @@ def _title(record: RunRecord) -> str:
 
 
 def _value(item: ItemRecord) -> str:
-    return sheets.item_value(item.kind == "bool", item.value, item.not_attempted)
+    return sheets.item_value(item.kind, item.value, item.not_attempted, item.text)
 
 
 def _titled(title: str, lines: List[str]) -> Iterator[str]:
@@ -116,7 +116,7 @@ def _entries(record: RunRecord, in_utc: bool) -> Iterator[sheets.EntryTexts]:
         entry = sheets.HistoryEntry(
             e.number, e.utc, e.who, e.group, e.desc, kinds.get((e.group, e.desc), "uint"), e.old, e.old_not_attempted,
             e.value, e.not_attempted, e.note, e.correction, e.withdrawn_utc, e.withdrawn_by, e.withdrawn_note,
-            e.withdrawal_corrects,
+            e.withdrawal_corrects, e.old_text, e.text, e.judge,
         )
         yield sheets.entry_texts(entry, _when(in_utc))
 

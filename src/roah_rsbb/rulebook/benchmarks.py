@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Dict, Optional, Tuple
 
 from roah_rsbb.rulebook.registry import BenchmarkKind, Profile, profile_of
+from roah_rsbb.rulebook.scoring import NO_SHEET_RULES, ScoringItem, SheetForm, SheetRules
 
 # In the schedule this means every active robot. No team may have this name.
 ALL_TEAMS = "ALL"
@@ -13,22 +14,6 @@ ALL_TEAMS = "ALL"
 
 # As a limit of a run, goal or phase: only the robot or the referee ends it.
 NO_LIMIT = math.inf
-
-
-class ScoreKind(enum.IntEnum):
-    """Kind of a scoring item, numbered as in `ZoneScoreGroup` (docs/ros_interface.md, "Topics of the core")."""
-
-    BOOL = 0
-    UINT = 1
-
-
-@dataclass(frozen=True)
-class ScoringItem:
-    """One line of the referee's score sheet; `group` and `desc` together are its identity."""
-
-    group: str
-    desc: str
-    kind: ScoreKind
 
 
 class CountingAttempt(enum.Enum):
@@ -95,6 +80,13 @@ class Benchmark:
     scoring: Tuple[ScoringItem, ...]
     own: Optional[Profile] = None  # None: that of the registry
     rules: Rules = NO_RULES
+    sheet_rules: SheetRules = NO_SHEET_RULES
+
+    @property
+    def form(self) -> SheetForm:
+        """The score sheet before it is filled in."""
+        limit = 0.0 if self.sheet_rules.time_left is None else self.total_timeout
+        return SheetForm(self.scoring, self.sheet_rules, limit)
 
     @property
     def profile(self) -> Profile:

@@ -21,12 +21,11 @@ from roah_rsbb.rulebook.benchmarks import (
     Restarts,
     Rules,
     ScheduledEvent,
-    ScoreKind,
-    ScoringItem,
     ZonePlan,
 )
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors, Place, Report, line_list, quote
 from roah_rsbb.rulebook.registry import CODE, PROFILES, USES, BenchmarkKind, Profile, new_profile
+from roah_rsbb.rulebook.scoring_section import ScoringSection
 from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, integer, number, sequence, text, utc_time
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable, read_yaml
 from roah_rsbb.wording.suggestions import nearest
@@ -85,7 +84,6 @@ _BENCHMARK_OPTIONAL = {
 _PHASE, _PHASE_OPTIONAL = {"name": "Serve the drinks"}, {"limit": "120"}
 _KINDS = {kind.value: kind for kind in BenchmarkKind}
 _OFFLINE_DATA = {"required": True, "optional": False}
-_ITEM = {"type": "bool", "desc": "The robot finds the door"}
 _RULES = {
     "attempt_counts": "which of several attempts at an event counts",
     "restarts": "whether a stopped run may be started again",
@@ -95,9 +93,6 @@ _RULES = {
 _PAUSE = {"allowed": True, "not allowed": False}
 _PHASES_SHAPE = "phases '- {name: ..., limit: 120}'"
 _BENCHMARKS_SHAPE = "benchmarks, '- name: ...' and so on"
-_ITEMS_SHAPE = "items '- {type: bool, desc: ...}'"
-_GROUPS_SHAPE = "groups '- Achievements: [...]', or no key 'scoring'"
-_SCORE_KINDS = {"bool": ScoreKind.BOOL, "uint": ScoreKind.UINT}
 
 
 class BenchmarksFile:
@@ -137,7 +132,7 @@ class BenchmarksFile:
         desc = text(report, got.get("desc"), "desc")
         timeout = _timeout(report, got, "timeout")
         total = _timeout(report, got, "total_timeout") if "total_timeout" in got else timeout
-        scoring = self._scoring(got.get("scoring"))
+        scoring = ScoringSection(report, got.get("scoring"))
         rules = self._rules(got, None if profile is None else profile.kind)
         if code is None:
             return None
@@ -150,8 +145,12 @@ class BenchmarksFile:
                     f"total_timeout {total:g} of {code} is less than its timeout {timeout:g}: "
                     "it ends the run before the first goal's time is over",
                 )
+            if scoring.rules.time_left is not None and total == NO_LIMIT:
+                report.error(got["scoring"].place, f"time_left in {code}, whose run has no time limit",
+                             "a timeout in seconds, or no time_left")
             if name is not None and desc is not None and profile is not None and rules is not None:
-                self.by_code[code] = Benchmark(code, name, desc, timeout, total, scoring, profile, rules)
+                self.by_code[code] = Benchmark(
+                    code, name, desc, timeout, total, scoring.items, profile, rules, scoring.rules)
                 self._warn_of_limits(self.by_code[code], got)
         return code if isinstance(node, Mapping) and node.whole else None
 
@@ -256,37 +255,6 @@ class BenchmarksFile:
             if word is not None:
                 self._report.once(places, word, each.place, f"{quote(word)} again in uses", "each once")
         return None if None in words else frozenset(words)
-
-    def _scoring(self, node: Optional[Node]) -> Tuple[ScoringItem, ...]:
-        """Read the scoring items; those with errors are left out."""
-        items: List[ScoringItem] = []
-        places: Dict[Tuple[str, str], Place] = {}
-        for group in sequence(self._report, node, "scoring", _GROUPS_SHAPE) or ():
-            if not isinstance(group, Mapping):
-                if not isinstance(group, Unusable):
-                    self._report.error(group.place, f"{describe(group)} in scoring", _GROUPS_SHAPE)
-                continue
-            for key, value in group.pairs:
-                name = text(self._report, key, "name of a scoring group")
-                what = f"items of the scoring group {quote(key.text)}"
-                for entry in sequence(self._report, value, what, _ITEMS_SHAPE) or ():
-                    item = self._item(entry, name, places)
-                    items += [item] if item else []
-        return tuple(items)
-
-    def _item(
-        self, node: Node, group: Optional[str], places: Dict[Tuple[str, str], Place]
-    ) -> Optional[ScoringItem]:
-        got = fields(self._report, node, "a scoring item", _ITEM, {})
-        if got is None:
-            return None
-        kind = choice(self._report, got.get("type"), "type", tuple(_SCORE_KINDS), "a scoring type")
-        desc = text(self._report, got.get("desc"), "desc of a scoring item")
-        if group is None or desc is None:
-            return None
-        found = f"the scoring item {quote(desc)} a second time in group {quote(group)}"
-        self._report.once(places, (group, desc), got["desc"].place, found, "each desc of a group once")
-        return None if kind is None else ScoringItem(group, desc, _SCORE_KINDS[kind])
 
 
 def _timeout(report: Report, got: Dict[str, Node], key: str, infinity: str = NO_LIMIT_TEXT) -> Optional[float]:

@@ -9,7 +9,8 @@ import datetime
 import math
 import re
 import unicodedata
-from typing import Dict, Optional, Tuple
+from decimal import Decimal
+from typing import Dict, Optional, Tuple, Union
 
 import yaml
 
@@ -18,6 +19,7 @@ from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusa
 from roah_rsbb.wording.suggestions import did_you_mean, nearest
 
 _DECIMAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+_EXACT = re.compile(r"[+-]?([0-9]{1,12}\.?[0-9]{0,3}|\.[0-9]{1,3})")
 _INTEGER = re.compile(r"[+-]?[0-9]{1,18}")
 _TIME = re.compile(
     r"([0-9]{4})-([0-9]{1,2})-([0-9]{1,2})"
@@ -136,6 +138,21 @@ def number(
     if not (low and (most is None or value <= most) and math.isfinite(value)):
         return _wrong(report, node, what, shape + instead)
     return value
+
+
+def exact(
+    report: Report, node: Optional[Node], what: str, least: Union[int, Decimal], most: Union[int, Decimal]
+) -> Optional[Decimal]:
+    """Read a number with at most three decimals from `least` to `most`, which is used in exact sums."""
+    if node is None:
+        return None
+    shape = f"a number from {least} to {most} with at most 3 decimals"
+    if not isinstance(node, Scalar) or not _EXACT.fullmatch(node.text):
+        return _wrong(report, node, what, shape)
+    if node.quoted:
+        return _wrong(report, node, what, shape + ": remove the quotes")
+    value = Decimal(node.text)
+    return value if least <= value <= most else _wrong(report, node, what, shape)
 
 
 def integer(report: Report, node: Optional[Node], what: str, least: int, most: int) -> Optional[int]:

@@ -8,6 +8,7 @@ import re
 from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence
 
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.times import NOTHING
 
 NOT_ATTEMPTED = tr_later("not attempted")
 CORRECTED = tr_later("corrected")
@@ -101,13 +102,24 @@ def node_of(who: str) -> str:
 # -- items and sums ---------------------------------------------------------------------------------
 
 
-def item_value(is_bool: bool, value: int, not_attempted: bool = False) -> str:
-    """Returns the value of a scoring item."""
+# The types of scoring items, by their numbers in ScoreItem.
+ITEM_TYPES = ("bool", "uint", "int", "decimal", "choice", "rating")
+
+
+def type_word(number: int) -> str:
+    """Returns the type of a scoring item; a type that a newer version wrote is shown as a count."""
+    return ITEM_TYPES[number] if number < len(ITEM_TYPES) else "uint"
+
+
+def item_value(type_: str, value: int, not_attempted: bool = False, text: str = "") -> str:
+    """Returns the value of a scoring item. `text`: of a type that is not a whole number."""
     if not_attempted:
         return tr(NOT_ATTEMPTED)
-    if is_bool:
+    if type_ == "bool":
         return tr("yes") if value else tr("no")
-    return str(value)
+    if text:
+        return text
+    return NOTHING if type_ in ("choice", "rating") else str(value)
 
 
 class GroupOfValues(NamedTuple):
@@ -158,7 +170,7 @@ class HistoryEntry(NamedTuple):
     who: str
     group: str
     item: str
-    type: str  # "bool" or "uint"
+    type: str  # bool, uint, int, decimal, choice or rating
     old: int
     old_not_attempted: bool
     value: int
@@ -169,6 +181,9 @@ class HistoryEntry(NamedTuple):
     withdrawn_by: str = ""
     withdrawn_note: str = ""
     withdrawal_corrects: bool = False  # withdrawn after the run was over
+    old_text: str = ""  # of a type that is not a whole number
+    text: str = ""
+    judge: str = ""
 
 
 def mark_text(entry: HistoryEntry) -> str:
@@ -178,9 +193,14 @@ def mark_text(entry: HistoryEntry) -> str:
 
 def change_text(entry: HistoryEntry) -> str:
     """Returns how an entry changed its item, such as "+1"."""
-    if entry.not_attempted or entry.type == "bool":
-        return item_value(True, entry.value, entry.not_attempted)
+    is_number = entry.type in ("uint", "int") and not (entry.text or entry.old_text)
+    if entry.not_attempted or not is_number:
+        return item_value(entry.type, entry.value, entry.not_attempted, entry.text) + _of_judge(entry)
     return f"{entry.value - entry.old:+d}"
+
+
+def _of_judge(entry: HistoryEntry) -> str:
+    return f" ({entry.judge})" if entry.judge else ""
 
 
 def to_undo(history: Sequence[HistoryEntry], count: int) -> List[HistoryEntry]:
@@ -201,23 +221,23 @@ class EntryTexts(NamedTuple):
     withdrawn: str
 
 
-def history_entry(message, is_bool: bool) -> HistoryEntry:
-    """Makes an entry of a ScoreChange message, or of anything with its fields."""
+def history_entry(message, type_: str) -> HistoryEntry:
+    """Makes an entry of a ScoreChange message, or of anything with its fields. `type_`: of its item."""
     return HistoryEntry(
-        message.number, message.time.to_sec(), message.who, message.group, message.desc, "bool" if is_bool else "uint",
+        message.number, message.time.to_sec(), message.who, message.group, message.desc, type_,
         message.old, message.old_not_attempted, message.value, message.not_attempted, message.note, message.correction,
         message.withdrawn.to_sec() or None, message.withdrawn_by, message.withdrawn_note, message.withdrawal_corrects,
+        message.old_text, message.text, message.judge,
     )
 
 
 def entry_texts(entry: HistoryEntry, when: When) -> EntryTexts:
     """Puts an entry into words."""
-    is_bool = entry.type == "bool"
-    old = item_value(is_bool, entry.old, entry.old_not_attempted)
+    old = item_value(entry.type, entry.old, entry.old_not_attempted, entry.old_text)
+    new = item_value(entry.type, entry.value, entry.not_attempted, entry.text)
     return EntryTexts(
-        str(entry.number), when(entry.utc_s), person(entry.who), f"{entry.group}: {entry.item}",
-        f"{old} → {item_value(is_bool, entry.value, entry.not_attempted)}", entry.note,
-        tr(CORRECTION) if entry.correction else "", _withdrawal(entry, when),
+        str(entry.number), when(entry.utc_s), person(entry.who), f"{entry.group}: {entry.item}{_of_judge(entry)}",
+        f"{old} → {new}", entry.note, tr(CORRECTION) if entry.correction else "", _withdrawal(entry, when),
     )
 
 

@@ -10,8 +10,8 @@ from roah_rsbb.bmbox.framework.score import Value
 from roah_rsbb.bmbox.stb import STB
 from roah_rsbb.core.modules.messages import OutcomeKind, Request, RequestKind, RequestOutcome, RunForModule, Step
 from roah_rsbb.core.scoring.sheet import ScoreGroup
-from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors
+from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 DONE = RequestOutcome(OutcomeKind.DONE)
 

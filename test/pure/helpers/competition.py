@@ -1,15 +1,8 @@
 """A small competition, made by hand: benchmarks, events and zones for the tests of the core."""
 
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord
-from roah_rsbb.rulebook.benchmarks import (
-    NO_RULES,
-    Benchmark,
-    Config,
-    ScheduledEvent,
-    ScoreKind,
-    ScoringItem,
-    ZonePlan,
-)
+from roah_rsbb.rulebook.benchmarks import NO_RULES, Benchmark, Config, ScheduledEvent, ZonePlan
+from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 UTC0 = 1_800_000_000.0
 TEAMS = ("Alpha", "Beta", "Gamma")

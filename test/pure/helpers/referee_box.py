@@ -17,6 +17,7 @@ from roah_rsbb.referee.state import (
     SheetItem,
     ZoneSnapshot,
 )
+from roah_rsbb.referee.words import Entered
 
 UTC0 = 1447000000.0  # 2015-11-08 16:26:40Z
 TICK_S = 0.1
@@ -238,13 +239,14 @@ class FakeLink:
         if answer is not None:
             raise answer
 
-    def set_score(self, name: str, group: str, item: str, value: int) -> None:
+    def mark(self, name: str, identity: str, item: SheetItem, entered: Entered) -> None:
         """Set an item."""
-        answer = (self.answers.get("set_score") or [None]).pop(0)
+        answer = (self.answers.get("mark") or [None]).pop(0)
         if answer is not None:
             raise answer
-        self.scores[item] = value
-        self.change(score=tuple(i._replace(value=value) if i.item == item else i for i in self.zone.score))
+        self.scores[item.item] = entered.value
+        self.change(score=tuple(
+            i._replace(value=entered.value) if i.item == item.item else i for i in self.zone.score))
 
     def complete_operation(self, name: str, operation: int, answer: str) -> None:
         """Answer the current request. As in the core, the number must be right."""

@@ -58,7 +58,8 @@ def test_a_score_is_reported_once_although_the_core_logs_it_too():
     assert _facts(box(old), box(new)) == [
         ("log", "Home A", {"text": "other"}),
         ("score", "Home A", {"number": 1, "group": "Achievements", "item": "Detects the door", "type": "bool",
-                             "old": 0, "value": 1, "old_not_attempted": False, "not_attempted": False}),
+                             "old": 0, "value": 1, "old_not_attempted": False, "not_attempted": False,
+                             "old_text": "", "text": ""}),
     ]
 
 

@@ -155,7 +155,7 @@ def test_a_wrong_score_is_reported_before_the_start(link, score, status):
 
 
 def test_a_score_that_cannot_be_set_does_not_end_the_run(link):
-    link.answers["set_score"] = [Refused(["no such item"])]
+    link.answers["mark"] = [Refused(["no such item"])]
     link.at(5, lambda: link.end("completed"))
     outcome, _ = _run(link, scores=(("door", "1"), ("moved", "2")))
     assert outcome.status is Exit.REFUSED

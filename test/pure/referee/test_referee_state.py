@@ -9,7 +9,7 @@ import pytest
 from helpers.referee_box import UTC0, box, robot, running_zone
 from roah_rsbb.referee import sheets
 from roah_rsbb.referee import state as referee_state
-from roah_rsbb.referee.state import as_json, box_of
+from roah_rsbb.referee.state import SheetItem, as_json, box_of
 
 
 class Seconds(float):
@@ -32,14 +32,18 @@ def _gui(*zones):
                            zones=zones)
 
 
+def _item(group, desc, type_, value, **fields):
+    default = {"not_attempted": False, "text": "", "points": "", "choices": [], "judges": [], "ratings": []}
+    return SimpleNamespace(group=group, desc=desc, type=type_, value=value, **{**default, **fields})
+
+
+ITEMS = [_item("Good", "door", 0, 1), _item("Good", "things", 1, 3), _item("Bad", "bumps", 1, 0)]
+
+
 def _zone_state():
-    scoring = [
-        SimpleNamespace(group_name="Good", types=b"\x00\x01", descriptions=["door", "things"], current_values=[1, 3]),
-        SimpleNamespace(group_name="Bad", types=b"\x01", descriptions=["bumps"], current_values=[0]),
-    ]
     return SimpleNamespace(
         zone="Home A", code="HWV", name="Name", desc="What", team="T", round=2, run=3, schedule=Seconds(UTC0 + 60),
-        timeout=Seconds(600), timer=Seconds(12.5), state="first\nsecond", manual_operation="", scoring=scoring,
+        timeout=Seconds(600), timer=Seconds(12.5), state="first\nsecond", manual_operation="",
         log="log\n", online_data="data\n", omf=False, omf_switches=b"", omf_damaged=0, omf_complete=False,
     )
 
@@ -51,7 +55,7 @@ def _details(**fields):
         "last_message": Seconds(UTC0 - 1), "messages_saved": 7, "log_file": "/x.bag", "warnings": ["w"], "operation": 0,
         "operation_choices": [], "operation_asks_text": False, "held": False, "module_status": "", "module_scores": [],
         "robots_preparing": 0, "robots_executing": 0, "robots_stopped": 0, "robots": [],
-        "not_attempted": [],
+        "items": ITEMS,
         **{field: [f"why no {field}"] for field in referee_state.COMMANDS.values()},
     }
     return SimpleNamespace(box_uuid="u", warnings=["box"], zones=[SimpleNamespace(**{**default, **fields})])
@@ -77,13 +81,27 @@ def test_the_messages_make_one_snapshot():
     assert zone.off["previous"] == ["why no prev_off"]
     assert zone.off["connect"] == ["why no connect_off"]
     assert zone.score == (
-        (1, "Good", "door", "bool", 1, False), (2, "Good", "things", "uint", 3, False),
-        (3, "Bad", "bumps", "uint", 0, False),
+        SheetItem(1, "Good", "door", "bool", 1), SheetItem(2, "Good", "things", "uint", 3),
+        SheetItem(3, "Bad", "bumps", "uint", 0),
+    )
+
+
+def test_items_of_every_type():
+    items = [
+        _item("G", "water", 3, 2, text="2.5", points="-5"), _item("G", "help", 4, 1, text="alone", choices=["alone"]),
+        _item("G", "poster", 5, 7, text="7", judges=["1", "2"], ratings=["7", ""]), _item("G", "of the future", 9, 1),
+    ]
+    assert box_of(_gui(_zone_state()), _details(items=items), _clocks()).zones[0].score == (
+        SheetItem(1, "G", "water", "decimal", 2, text="2.5", points="-5"),
+        SheetItem(2, "G", "help", "choice", 1, text="alone", choices=("alone",)),
+        SheetItem(3, "G", "poster", "rating", 7, text="7", judges=("1", "2"), ratings=("7", "")),
+        SheetItem(4, "G", "of the future", "uint", 1),
     )
 
 
 def test_not_attempted_items_are_marked():
-    zone = box_of(_gui(_zone_state()), _details(not_attempted=[False, False, True]), _clocks()).zones[0]
+    items = [*ITEMS[:2], _item("Bad", "bumps", 1, 0, not_attempted=True)]
+    zone = box_of(_gui(_zone_state()), _details(items=items), _clocks()).zones[0]
     assert [item.not_attempted for item in zone.score] == [False, False, True]
 
 
@@ -155,7 +173,8 @@ def test_json_has_the_names_of_the_fields_all_the_way_down():
     zone = made["zones"][0]
     assert zone["event"]["code"] == "HGTKMH"
     assert zone["score"][0] == {"number": 1, "group": "Achievements", "item": "Detects the door", "type": "bool",
-                                "value": 0, "not_attempted": False}
+                                "value": 0, "not_attempted": False, "text": "", "points": "", "choices": [],
+                                "judges": [], "ratings": []}
     assert zone["off"]["connect"] == []
     assert made["robots"][0]["skew_s"] == 0.0123
 

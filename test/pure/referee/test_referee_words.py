@@ -4,7 +4,7 @@ import pytest
 
 from helpers.referee_box import EVENTS, ITEMS
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.referee.words import BadWord, event_wanted, pick_item, pick_zone, score_wanted, value_of
+from roah_rsbb.referee.words import BadWord, Entered, event_wanted, pick_item, pick_zone, score_wanted, value_of
 
 ZONES = ["Testing TestingTeam", "Testing Other", "Home A", "Home AB"]
 
@@ -82,12 +82,12 @@ def test_a_benchmark_without_items_says_so():
 
 @pytest.mark.parametrize("text, value", [("3", 3), ("+2", 7), ("-1", 4), ("0", 0)])
 def test_counts_are_set_or_counted_on(text, value):
-    assert value_of(text, ITEMS[1]._replace(value=5)) == value
+    assert value_of(text, ITEMS[1]._replace(value=5)) == Entered(value)
 
 
 @pytest.mark.parametrize("text, value", [("yes", 1), ("No", 0), ("TRUE", 1), ("false", 0), ("1", 1), ("+1", 1)])
 def test_yes_or_no_items_take_words(text, value):
-    assert value_of(text, ITEMS[0]) == value
+    assert value_of(text, ITEMS[0]) == Entered(value)
 
 
 @pytest.mark.parametrize("item, text, hint", [

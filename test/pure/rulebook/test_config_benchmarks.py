@@ -3,7 +3,7 @@
 import pytest
 
 from helpers.config_files import TEXTS, changed, line_of
-from roah_rsbb.rulebook.benchmarks import ScoreKind
+from roah_rsbb.rulebook.scoring import ScoreKind
 
 TEXT = TEXTS["benchmarks"]
 SECONDS = "as timeout; expected a number of seconds above 0 and at most 86400"
@@ -47,7 +47,7 @@ MISTAKES = [
     ("desc: Welcoming", "code: Welcoming", ["the key 'code' again", "already in line"]),
     ("code: HWV", "code: HWV\n  code: x", ["the key 'code' again"]),
     ("type: bool", "type: boolean", ["'boolean' as type", "a scoring type: did you mean 'bool'?"]),
-    ("type: bool", "type: int", ["'int' as type", "did you mean 'uint'?"]),
+    ("type: bool", "type: uints", ["'uints' as type", "did you mean 'uint'?"]),
     ("type: bool", "type: true", ["'true'", "a scoring type: there is 'bool', 'uint'"]),
     ("desc: Stops working", 'desc: ""', ["an empty text as desc of a scoring item"]),
     ("desc: Stops working", "desc:", ["found nothing as desc of a scoring item"]),

@@ -22,12 +22,25 @@ def _texts(**fields):
     return sheets.entry_texts(ENTRY._replace(**fields), times.time_with_zone)
 
 
-@pytest.mark.parametrize("is_bool, value, not_attempted, text", [
-    (False, 0, False, "0"), (False, 3, False, "3"), (True, 0, False, "no"), (True, 1, False, "yes"),
-    (False, 0, True, "not attempted"), (True, 0, True, "not attempted"),
+@pytest.mark.parametrize("type_, value, not_attempted, text", [
+    ("uint", 0, False, "0"), ("uint", 3, False, "3"), ("bool", 0, False, "no"), ("bool", 1, False, "yes"),
+    ("uint", 0, True, "not attempted"), ("bool", 0, True, "not attempted"), ("int", -3, False, "-3"),
+    ("choice", 0, False, "–"), ("rating", 0, False, "–"), ("choice", 0, True, "not attempted"),
 ])
-def test_the_value_of_an_item(is_bool, value, not_attempted, text):
-    assert sheets.item_value(is_bool, value, not_attempted) == text
+def test_the_value_of_an_item(type_, value, not_attempted, text):
+    assert sheets.item_value(type_, value, not_attempted) == text
+
+
+@pytest.mark.parametrize("type_, value, text", [("decimal", 2, "2.5"), ("choice", 1, "alone"), ("rating", 7, "7.333")])
+def test_the_value_of_an_item_that_is_not_a_whole_number(type_, value, text):
+    assert sheets.item_value(type_, value, False, text) == text
+    assert sheets.item_value(type_, value, True, text) == "not attempted"
+
+
+def test_a_rating_in_the_history_names_its_judge():
+    texts = _texts(type="rating", judge="Anna", old_text="", text="7.5")
+    assert (texts.item, texts.change) == ("Penalized: Bumps (Anna)", "– → 7.5")
+    assert sheets.mark_text(ENTRY._replace(type="rating", judge="Anna", text="7.5")) == "Bumps 7.5 (Anna)"
 
 
 def test_sums_by_group_and_how_many_items_were_not_attempted():
@@ -93,10 +106,10 @@ def test_an_entry_of_a_message():
     message = SimpleNamespace(
         number=7, time=_Time(3600.0), who="Anna", group="Penalized", desc="Bumps", old=1, old_not_attempted=False,
         value=2, not_attempted=False, note="", correction=False, withdrawn=_Time(0.0), withdrawn_by="",
-        withdrawn_note="", withdrawal_corrects=False)
-    assert sheets.history_entry(message, is_bool=False) == ENTRY
+        withdrawn_note="", withdrawal_corrects=False, old_text="", text="", judge="")
+    assert sheets.history_entry(message, "uint") == ENTRY
     message.withdrawn = _Time(3661.0)
-    assert sheets.history_entry(message, is_bool=True) == ENTRY._replace(type="bool", withdrawn_utc_s=3661.0)
+    assert sheets.history_entry(message, "bool") == ENTRY._replace(type="bool", withdrawn_utc_s=3661.0)
 
 
 @pytest.mark.parametrize("reason, by, stopped_by, text", [

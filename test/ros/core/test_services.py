@@ -123,9 +123,9 @@ class TestServices(unittest.TestCase):
         for name, kind, request, event in (
             ("set_score", ZoneScore, ("Home", Score("G", "d", 2)),
              ("scores.mark", NOW, RunName("Home"), Mark("G", "d", 2), self.node)),
-            ("score", ScoreMark, (*RUN, "G", "d", 2, False, "note", " Anna "),
+            ("score", ScoreMark, (*RUN, "G", "d", 2, False, "", "", "note", " Anna "),
              ("scores.mark", NOW, RUN, Mark("G", "d", 2, False, "note"), named)),
-            ("score", ScoreMark, ("Home", "", "G", "d", 0, True, "", ""),
+            ("score", ScoreMark, ("Home", "", "G", "d", 0, True, "", "", "", ""),
              ("scores.mark", NOW, RunName("Home"), Mark("G", "d", 0, True), self.node)),
             ("score/withdraw", ScoreWithdraw, (*RUN, 7, "why", "Anna"),
              ("scores.withdraw", NOW, RUN, 7, named, "why")),

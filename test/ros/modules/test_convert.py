@@ -22,7 +22,7 @@ from roah_rsbb.msg import ModuleOutcome, ModuleRequest, ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.modules.convert import modules_state_message, modules_state_of, runs_message, runs_of
 from roah_rsbb.nodes.modules.limits import MAX_LIST, MAX_TEXT
-from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
+from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 GOAL = Request(
     2, RequestKind.GOAL, "Waypoint 1", ("again", "skip"), True, "[1, 2, 3]", (1.0, -2.0, 3.0), (True, False), (2, 1),

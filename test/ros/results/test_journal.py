@@ -68,7 +68,7 @@ class TestResults(ResultsCase):
         robot.request("notify", "<b>at the door</b>")
         robot.wait_said()
         self.box.set_score(ZONE, *DOOR, 1)
-        self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 2, False, "the vase", "Anna")
+        self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 2, False, "", "", "the vase", "Anna")
         wait_until(lambda: self.links(port), "the first second of the link record")
         shown = self.results("show", identity, "--utc")
         for expected in ("running", "yes  Detects the door", "2  Bumps into", "(the vase)", "Z Anna: Penalized",

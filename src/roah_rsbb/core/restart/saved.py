@@ -15,6 +15,7 @@ types) would need its own hook, and the library would have to be packaged for ev
 import dataclasses
 import enum
 import functools
+from decimal import Decimal, InvalidOperation
 from typing import Any, Callable, Dict, NamedTuple, NewType, Optional, Tuple, TypeVar, Union, get_type_hints
 
 from roah_rsbb.core.clock import Now
@@ -60,6 +61,8 @@ def freeze(value: Any) -> Any:
         return value
     if isinstance(value, enum.Enum):
         return value.name
+    if isinstance(value, Decimal):
+        return str(value)
     if hasattr(value, "_fields") or dataclasses.is_dataclass(value):
         frozen = {}
         for name, default in _defaults(value.__class__):
@@ -93,7 +96,7 @@ def thaw(cls: Callable[..., T], data: Any, shift: float = 0.0) -> T:
     """
     try:
         return _thaw_of(cls)(data, shift)
-    except (TypeError, ValueError, KeyError, AttributeError) as error:
+    except (TypeError, ValueError, KeyError, AttributeError, InvalidOperation) as error:
         raise BadState(f"{getattr(cls, '__name__', cls)}: {error}") from None
 
 
@@ -116,6 +119,8 @@ def _thaw_of(hint: Any) -> _Thaw:
         return functools.partial(_exactly, hint)
     if hint is float:
         return lambda data, _shift: float(data)
+    if hint is Decimal:
+        return _decimal
     if isinstance(hint, type) and issubclass(hint, enum.Enum):
         return lambda data, _shift: hint[data]
     if hasattr(hint, "_fields") or dataclasses.is_dataclass(hint):
@@ -154,6 +159,13 @@ def _thaw_of_fields(hint: Any) -> _Thaw:
         return hint(**{name: fields[name](item, shift) for name, item in data.items() if name in fields})
 
     return read
+
+
+def _decimal(data: Any, _shift: float) -> Decimal:
+    number = Decimal(_exactly(str, data, 0.0))
+    if not number.is_finite():
+        raise ValueError(f"{data} is not a number")
+    return number
 
 
 def _tuple_of_items(args: Tuple[Any, ...]) -> _Thaw:

@@ -149,7 +149,7 @@ class ZoneRun(abc.ABC):
         self.clock = RunClock(event.benchmark.total_timeout, settings.after_stop_duration, state.clock,
                               stops=rules.restarts is Restarts.CLOCK_STOPS)
         self.times = RunTimes(rules, state.times)
-        self.book = RunBook(event.benchmark.scoring, state.book)
+        self.book = RunBook(event.benchmark.form, state.book)
         self._display_size = settings.display_log_size
         self._emit = context.emit
         self._closed_utc = 0.0

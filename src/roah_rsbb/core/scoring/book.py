@@ -11,17 +11,20 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.scoring.points import Counted, counted
 from roah_rsbb.core.scoring.records import (
     By,
     EndReason,
     ItemRecord,
     RunRecord,
     ScoreValue,
+    SheetPoints,
     SignOff,
     StopRecord,
 )
-from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, standing_text
-from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent, ScoreKind, ScoringItem
+from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, value_text
+from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent
+from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.wording import sheets, times
 
 # No referee stops a run more often. After more stops, the oldest one without a typed reason is dropped.
@@ -29,7 +32,7 @@ MAX_STOPS = 100
 # More than the runs of any competition.
 MAX_KEPT = 400
 
-_KINDS = {kind.name.lower(): kind for kind in ScoreKind}
+_KINDS = {kind.word: kind for kind in ScoreKind}
 
 
 @dataclass
@@ -53,12 +56,14 @@ class RunBook:
     """The book of one run."""
 
     def __init__(
-        self, items: Tuple[ScoringItem, ...], state: Optional[BookState] = None, over: bool = False
+        self, form: SheetForm, state: Optional[BookState] = None, over: bool = False
     ) -> None:
         """`over`: the run is over, so changes are corrections."""
         self.state = state or BookState()
-        self.sheet = ScoreSheet(items, self.state.sheet)
+        self.form = form
+        self.sheet = ScoreSheet(form.items, self.state.sheet)
         self._over = over
+        self._counted: Optional[Tuple[Tuple[ItemRecord, ...], float, str, Counted]] = None
 
     # -- starts and ends ----------------------------------------------------------------------------
 
@@ -108,17 +113,25 @@ class RunBook:
         return self._marked(before, self.sheet.item(entry.group, entry.desc), note)
 
     def _marked(self, before: ItemRecord, after: ItemRecord, note: str) -> Marked:
-        texts = [standing_text(item.value, item.not_attempted) for item in (before, after)]
-        text = score_text(after.group, after.desc, *texts)
+        text = score_text(after.group, after.desc, value_text(before), value_text(after))
         return Marked(after, ("Correction: " if self._over else "") + text + (f" ({note})" if note else ""))
+
+    def counted(self, end_reason: str) -> Counted:
+        """Return the items with their points. `end_reason`: name of why the run ended; empty: it has not."""
+        items, elapsed_s = self.sheet.items(), self.state.elapsed_s if end_reason else 0.0
+        last = self._counted
+        if last is None or last[0] is not items or last[1:3] != (elapsed_s, end_reason):
+            last = self._counted = (items, elapsed_s, end_reason, counted(self.form, items, elapsed_s, end_reason))
+        return last[3]
 
     # -- the record ---------------------------------------------------------------------------------
 
     def into(self, record: RunRecord) -> RunRecord:
         """Return the record with the content of this book."""
+        items, points = self.counted(record.end_reason)
         return record._replace(
-            items=self.sheet.items(), history=self.sheet.history, stops=tuple(self.state.stops),
-            started_utc=self.state.started_utc, elapsed_s=self.state.elapsed_s,
+            items=items, points=points, form=None if self.form.is_plain else self.form, history=self.sheet.history,
+            stops=tuple(self.state.stops), started_utc=self.state.started_utc, elapsed_s=self.state.elapsed_s,
         )
 
 
@@ -132,6 +145,7 @@ class FinishedResult(NamedTuple):
     items: Tuple[ItemRecord, ...]  # the referee's score sheet
     module_scores: Tuple[ScoreValue, ...]  # the scores of the benchmarking module
     signed: bool  # the score sheet is signed off
+    points: Optional[SheetPoints] = None  # None: the sheet gives no points
 
 
 class FinishedRun:
@@ -140,11 +154,11 @@ class FinishedRun:
     def __init__(self, record: RunRecord, benchmark: Benchmark) -> None:
         self.record = record
         self._benchmark = benchmark
-        items = tuple(
-            ScoringItem(item.group, item.desc, _KINDS.get(item.kind, ScoreKind.UINT)) for item in record.items)
+        form = record.form or SheetForm(tuple(
+            ScoringItem(item.group, item.desc, _KINDS.get(item.kind, ScoreKind.UINT)) for item in record.items))
         state = BookState(
             SheetState(list(record.history)), list(record.stops), record.started_utc, record.elapsed_s)
-        self._book = RunBook(items, state, over=True)
+        self._book = RunBook(form, state, over=True)
         self.result = self._result()
 
     def mark(self, now: Now, who: str, mark: Mark) -> str:
@@ -189,7 +203,7 @@ class FinishedRun:
         event = ScheduledEvent(self._benchmark, record.team, record.round, record.run, record.scheduled)
         return FinishedResult(
             record.zone, event, record.end_reason, record.closed_utc, record.items, record.module_scores,
-            record.sign_off is not None,
+            record.sign_off is not None, record.points,
         )
 
 

@@ -52,7 +52,11 @@ class ScoreDesk:
         """Mark a scoring item. In a finished run, this is a correction. Raises `Refused`."""
         self._tick(now)
         asked = {"group": mark.group, "item": mark.desc, "note": mark.note}
-        asked.update({"not_attempted": True} if mark.not_attempted else {"value": mark.value})
+        if mark.not_attempted:
+            asked["not_attempted"] = True
+        else:
+            asked.update({"text": mark.text} if mark.text or mark.judge else {"value": mark.value})
+            asked.update({"judge": mark.judge} if mark.judge else {})
         with self._record.of(name, who, "score", **asked):
             mark = mark._replace(note=checked_note(mark.note))
             run = self._named(name)

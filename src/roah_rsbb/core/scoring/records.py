@@ -6,6 +6,8 @@ The core updates it with every change, and the journal keeps it. Results and exp
 import enum
 from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
+from roah_rsbb.rulebook.scoring import Key, SheetForm
+
 
 class Phase(enum.Enum):
     """The phase of a run, as the referee sees it."""
@@ -44,15 +46,31 @@ class ScoreValue(NamedTuple):
     desc: str = ""  # for the referee
 
 
+class Rating(NamedTuple):
+    """What one judge gave."""
+
+    judge: str
+    text: str  # a decimal number
+
+
 class ItemRecord(NamedTuple):
     """The current state of a scoring item of the referee's sheet."""
 
     group: str
     desc: str
-    kind: str  # "bool" or "uint"
+    kind: str  # name of a `ScoreKind`, in lower case
+    # Of a bool, a uint or an int. Of other types: the nearest whole number, for programs that only know numbers.
     value: int
     not_attempted: bool = False  # the robot did not try, unlike a 0 that it earned
     corrected: bool = False  # its value has changed since the run ended
+    text: str = ""  # of other types: a decimal number, a choice, or the jury's result; empty: none yet
+    ratings: Tuple[Rating, ...] = ()  # in the order of the judges; those who gave one
+    points: str = ""  # a decimal number; empty: the item gives none
+
+    @property
+    def key(self) -> Key:
+        """Its identity."""
+        return self.group, self.desc
 
 
 def grouped(items: Iterable[ItemRecord]) -> Dict[str, List[ItemRecord]]:
@@ -81,6 +99,23 @@ class ScoreEntry(NamedTuple):
     withdrawn_by: str = ""
     withdrawn_note: str = ""
     withdrawal_corrects: bool = False  # withdrawn after the run was over
+    old_text: str = ""  # values of types that have no whole numbers
+    text: str = ""
+    judge: str = ""  # whose rating it is; empty: not a rating
+
+
+class GroupPoints(NamedTuple):
+    """The points of a group of items, or of the time left."""
+
+    name: str
+    points: str  # a decimal number
+
+
+class SheetPoints(NamedTuple):
+    """The points of a score sheet."""
+
+    total: str  # a decimal number
+    groups: Tuple[GroupPoints, ...]  # those with items that give points, in the sheet's order; then the time left
 
 
 class StopRecord(NamedTuple):
@@ -131,6 +166,8 @@ class RunRecord(NamedTuple):
     sign_off: Optional[SignOff] = None
     robots: Tuple[str, ...] = ()  # their names, without the team if all are of one team; empty: scored by hand
     phases: Tuple[PhaseTime, ...] = ()  # those that began after the last start
+    points: Optional[SheetPoints] = None  # None: the sheet gives no points
+    form: Optional[SheetForm] = None  # None: the sheet only has items without rules
 
 
 class By(NamedTuple):

@@ -3,9 +3,9 @@
 Items, their types and groups come from the benchmarks file (docs/benchmarks.md, "Scoring items of the TBMs").
 
 Theory of operation. The sheet is its history. The value of an item is the value of its last entry that is not
-withdrawn, or 0 if there is no such entry. One entry can therefore be withdrawn without changing the others. A saved
-history can be read even if the benchmarks file has changed: entries of items that the file no longer has stay in the
-history.
+withdrawn, or 0 if there is no such entry. One entry can therefore be withdrawn without changing the others. Each judge
+of a rating has a value of their own; an entry without a judge marks the whole item as not attempted. A saved history
+can be read even if the benchmarks file has changed: entries of items that the file no longer has stay in the history.
 
 The history has a maximum length. Changes of an item by one person within a moment become one entry, because a referee
 who counts with the mouse wheel makes ten changes a second. If there are too many entries, the oldest plain one that was
@@ -13,33 +13,32 @@ replaced is dropped, preferably one of the same person. Notes, withdrawals, and 
 therefore never lost. The run log and the journal have each change in any case.
 """
 
+import re
 from dataclasses import dataclass, field
+from decimal import Decimal
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.core.scoring.records import ItemRecord, ScoreEntry
-from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
+from roah_rsbb.core.scoring.points import jury_text, nearest_whole, text_of
+from roah_rsbb.core.scoring.records import ItemRecord, Rating, ScoreEntry
+from roah_rsbb.rulebook.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE, WHOLE, Key, ScoreKind, ScoringItem
+from roah_rsbb.wording.sheets import item_value
 from roah_rsbb.wording.suggestions import did_you_mean
 
-# `int32` on the ROS interface.
-MAX_VALUE = 2**31 - 1
 # Changes of an item by the same person within this time (s) after an entry belong to that entry.
 ONE_ENTRY_S = 1.0
 # Maximum number of entries besides two for each item, and how many of these may have a note or be withdrawn.
 MAX_ENTRIES = 200
 MAX_NOTED = 100
 
-Key = Tuple[str, str]  # group and description of an item
+Place = Tuple[str, str, str]  # group and description of an item, and the judge; no judge: the item itself
 
-
-def standing_text(value: int, not_attempted: bool) -> str:
-    """Return the value of an item as text for the referee."""
-    return "not attempted" if not_attempted else str(value)
+_NUMBER = re.compile(rf"[+-]?([0-9]{{1,7}}\.?[0-9]{{0,{MAX_DECIMALS}}}|\.[0-9]{{1,{MAX_DECIMALS}}})")
 
 
 def score_text(group: str, desc: str, old: str, value: str) -> str:
-    """Describe an item's change to the referee. Both values are texts of `standing_text`."""
+    """Describe an item's change to the referee. Both values are texts."""
     return f"Score: {group}: {desc} {old} -> {value}"
 
 
@@ -65,6 +64,16 @@ class Mark(NamedTuple):
     value: int = 0
     not_attempted: bool = False  # the robot did not try; then the value is ignored
     note: str = ""
+    text: str = ""  # of a decimal, a choice or a rating, instead of `value`
+    judge: str = ""  # who gives a rating
+
+
+class _Standing(NamedTuple):
+    """What counts of an item, or of a judge's rating of it."""
+
+    value: int
+    text: str
+    not_attempted: bool
 
 
 class ScoreSheet:
@@ -73,11 +82,12 @@ class ScoreSheet:
     def __init__(self, items: Tuple[ScoringItem, ...], state: Optional[SheetState] = None) -> None:
         self.state = state or SheetState()
         self._history = self.state.history  # the same list
-        self._items: Dict[Key, ScoringItem] = {(i.group, i.desc): i for i in items}
-        self._standing: Dict[Key, ScoreEntry] = {}  # of each item, the last entry that is not withdrawn
+        self._items: Dict[Key, ScoringItem] = {i.key: i for i in items}
+        self._places = sum(1 + len(item.judges) for item in items)
+        self._standing: Dict[Place, ScoreEntry] = {}  # the last entry that is not withdrawn
         self._begun: Dict[int, float] = {}  # number of an item's newest entry -> monotonic time (s) of its first change
         self._groups: Optional[Tuple[ScoreGroup, ...]] = None  # as `groups` has them, until something changes
-        self._marks: Optional[Tuple[bool, ...]] = None
+        self._records: Optional[Tuple[ItemRecord, ...]] = None
         self._stand()
 
     @property
@@ -87,15 +97,23 @@ class ScoreSheet:
 
     # -- changing -----------------------------------------------------------------------------------
 
-    def check(self, group: str, desc: str, value: int) -> None:
-        """Raise `Refused` with the remedy if the item does not exist or cannot have this value."""
-        item = self._items.get((group, desc))
+    def check(self, mark: Mark) -> Mark:
+        """Return the mark as an entry keeps it. Raises `Refused` with the remedy if it cannot be set."""
+        item = self._items.get((mark.group, mark.desc))
         if item is None:
-            raise Refused([self._unknown(group, desc)])
-        if item.kind is ScoreKind.BOOL and value not in (0, 1):
-            raise Refused([f"'{desc}' is yes or no: its value must be 0 or 1, not {value}"])
-        if not 0 <= value <= MAX_VALUE:
-            raise Refused([f"'{desc}' is a count: its value must be 0 or more, not {value}"])
+            raise Refused([self._unknown(mark.group, mark.desc)])
+        if mark.not_attempted:
+            return mark._replace(value=0, text="", judge="")
+        if mark.judge and item.kind is not ScoreKind.RATING:
+            raise Refused([f"'{item.desc}' is not rated by judges: leave out the judge"])
+        if item.kind in WHOLE:
+            _check_whole(item, mark)
+            return mark
+        if item.kind is ScoreKind.CHOICE:
+            return mark._replace(value=_chosen(item, mark))
+        is_rating = item.kind is ScoreKind.RATING
+        text = _rating(item, mark) if is_rating else _decimal(item, mark.text or str(mark.value))
+        return mark._replace(text=text, value=nearest_whole(text))
 
     def set(self, now: Now, who: str, mark: Mark, correction: bool = False) -> ItemRecord:
         """Set an item, or mark it as not attempted. Returns the item before the change. Raises as `check` does.
@@ -103,17 +121,17 @@ class ScoreSheet:
         A value removes the mark. A call without a change and without a note makes no entry. `correction`: the run is
         over.
         """
-        value = 0 if mark.not_attempted else mark.value
-        self.check(mark.group, mark.desc, value)
+        mark = self.check(mark)
         key = (mark.group, mark.desc)
-        before = self._item(key)
-        if not mark.note and (value, mark.not_attempted) == (before.value, before.not_attempted):
-            return before
+        record, before = self._item(key), self._standing_of(key, mark.judge)
+        if not mark.note and (mark.value, mark.text, mark.not_attempted) == before:
+            return record
         if mark.note:
             self._check_noted("set the value without a note")
         entry = ScoreEntry(
-            self._next_number(), now.utc, who, mark.group, mark.desc, before.value, value,
+            self._next_number(), now.utc, who, mark.group, mark.desc, before.value, mark.value,
             mark.not_attempted, mark.note, before.not_attempted, correction,
+            old_text=before.text, text=mark.text, judge=mark.judge,
         )
         same = self._same_moment(now, entry)
         if same is None:
@@ -123,7 +141,7 @@ class ScoreSheet:
         else:
             self._replace(same, entry)
         self._stand()
-        return before
+        return record
 
     def withdraw(self, now: Now, who: str, number: int, note: str = "", correction: bool = False) -> ScoreEntry:
         """Withdraw an entry. The item gets the value of the entry before, or 0. Returns the withdrawn entry. Raises
@@ -155,24 +173,25 @@ class ScoreSheet:
 
     def _replace(self, index: int, entry: ScoreEntry) -> None:
         first = self._history[index]
-        if (entry.value, entry.not_attempted) == (first.old, first.old_not_attempted):
+        if (entry.value, entry.text, entry.not_attempted) == (first.old, first.old_text, first.old_not_attempted):
             del self._history[index]  # a slip that was undone at once
             del self._begun[first.number]
         else:
             self._history[index] = entry._replace(
-                number=first.number, old=first.old, old_not_attempted=first.old_not_attempted
+                number=first.number, old=first.old, old_text=first.old_text,
+                old_not_attempted=first.old_not_attempted,
             )
 
     def _make_room(self) -> None:
         """Drop one entry if there are too many."""
-        if len(self._history) < MAX_ENTRIES + 2 * len(self._items):
+        if len(self._history) < MAX_ENTRIES + 2 * self._places:
             return
         pairs = self._replaced_pairs()
         alike = [pair for pair in pairs if self._history[pair[0]].who == self._history[pair[1]].who]
         for index, later in (alike or pairs)[-1:]:
             gone = self._history[index]
             self._history[later] = self._history[later]._replace(
-                old=gone.old, old_not_attempted=gone.old_not_attempted
+                old=gone.old, old_text=gone.old_text, old_not_attempted=gone.old_not_attempted
             )
             del self._history[index]
             self._begun.pop(gone.number, None)
@@ -183,11 +202,12 @@ class ScoreSheet:
         If there are too many entries, some are always plain, because the number of others is limited.
         """
         pairs: List[Tuple[int, int]] = []
-        newer: Dict[Key, int] = {}  # index of the next entry of the item
+        newer: Dict[Place, int] = {}  # index of the next entry of the item, by the same judge
         for index in reversed(range(len(self._history))):
             entry = self._history[index]
-            later = newer.get((entry.group, entry.desc))
-            newer[entry.group, entry.desc] = index
+            place = (entry.group, entry.desc, entry.judge)
+            later = newer.get(place)
+            newer[place] = index
             if later is not None and _may_replace(self._history[later], entry):
                 pairs.append((index, later))
         return pairs
@@ -209,51 +229,64 @@ class ScoreSheet:
         """Return all items with their values by group, in the file's order. The same object until one changes."""
         if self._groups is None:
             grouped: Dict[str, List[Tuple[ScoringItem, int]]] = {}
-            for key, item in self._items.items():
-                grouped.setdefault(item.group, []).append((item, self._value(key)))
+            for item, record in zip(self._items.values(), self.items()):
+                grouped.setdefault(item.group, []).append((item, record.value))
             self._groups = tuple(ScoreGroup(name, tuple(items)) for name, items in grouped.items())
         return self._groups
 
-    def not_attempted(self) -> Tuple[bool, ...]:
-        """Return for each item whether it is marked as not attempted, in the order of `groups`."""
-        if self._marks is None:
-            keys = [(item.group, item.desc) for group in self.groups() for item, _ in group.items]
-            self._marks = tuple(key in self._standing and self._standing[key].not_attempted for key in keys)
-        return self._marks
-
     def items(self) -> Tuple[ItemRecord, ...]:
-        """Return all items, in the file's order."""
-        return tuple(self._item(key) for key in self._items)
-
-    def _item(self, key: Key) -> ItemRecord:
-        item, entry = self._items[key], self._standing.get(key)
-        return ItemRecord(
-            item.group, item.desc, item.kind.name.lower(), self._value(key),
-            not_attempted=entry is not None and entry.not_attempted,
-            corrected=self._is_corrected(key, entry),
-        )
+        """Return all items, in the file's order. The same object until one changes."""
+        if self._records is None:
+            self._records = tuple(self._item(key) for key in self._items)
+        return self._records
 
     def item(self, group: str, desc: str) -> ItemRecord:
         """Return an item. Raises `Refused` if it does not exist."""
-        self.check(group, desc, 0)
+        if (group, desc) not in self._items:
+            raise Refused([self._unknown(group, desc)])
         return self._item((group, desc))
 
-    def _value(self, key: Key) -> int:
-        return self._standing[key].value if key in self._standing else 0
+    def _item(self, key: Key) -> ItemRecord:
+        item, own = self._items[key], self._standing_of(key)
+        ratings: List[Rating] = []
+        for judge in item.judges:
+            text = self._standing_of(key, judge).text
+            ratings += [Rating(judge, text)] if text else []
+        text, value = own.text, own.value
+        if item.kind is ScoreKind.RATING:
+            text = "" if own.not_attempted else jury_text(item, [rating.text for rating in ratings])
+            value = nearest_whole(text)
+        return ItemRecord(
+            item.group, item.desc, item.kind.word, value, own.not_attempted,
+            any(self._is_corrected((*key, judge)) for judge in ("", *item.judges)), text, tuple(ratings),
+        )
 
-    def _is_corrected(self, key: Key, standing: Optional[ScoreEntry]) -> bool:
-        """Whether the item's value differs from the value at the end of the run."""
+    def _standing_of(self, key: Key, judge: str = "") -> _Standing:
+        """Return what counts of an item, or of a judge's rating. A rating after the mark "not attempted" ends it."""
+        item, entry = self._items[key], self._standing.get((*key, judge))
+        zero = "0" if item.kind is ScoreKind.DECIMAL else ""
+        whole = self._standing.get((*key, ""))
+        since = max((self._standing[place].number for place in ((*key, each) for each in item.judges)
+                     if place in self._standing), default=0)
+        not_attempted = whole is not None and whole.not_attempted and whole.number > since
+        if entry is None or entry.not_attempted:
+            return _Standing(0, "" if not_attempted else zero, not_attempted)
+        return _Standing(entry.value, entry.text, not_attempted)
+
+    def _is_corrected(self, place: Place) -> bool:
+        """Whether a value differs from the value at the end of the run."""
+        standing = self._standing.get(place)
         if standing is not None and standing.correction:
             return True
         number = 0 if standing is None else standing.number
         return any(
             entry.number > number and entry.withdrawal_corrects and not entry.correction
-            for entry in self._history if (entry.group, entry.desc) == key
+            for entry in self._history if (entry.group, entry.desc, entry.judge) == place
         )
 
     def _stand(self) -> None:
-        self._standing = {(e.group, e.desc): e for e in self._history if not e.withdrawn_utc}
-        self._groups = self._marks = None
+        self._standing = {(e.group, e.desc, e.judge): e for e in self._history if not e.withdrawn_utc}
+        self._groups = self._records = None
 
     def _unknown(self, group: str, desc: str) -> str:
         if not self._items:
@@ -271,9 +304,64 @@ def _is_plain(entry: ScoreEntry) -> bool:
 
 def _is_alike(last: ScoreEntry, entry: ScoreEntry) -> bool:
     """Whether both changes may become one entry. A change to "not attempted" is always an entry of its own."""
-    same = (last.who, last.correction, last.not_attempted) == (entry.who, entry.correction, entry.not_attempted)
+    same = (last.who, last.correction, last.not_attempted, last.judge) == (
+        entry.who, entry.correction, entry.not_attempted, entry.judge)
     return same and not last.note and not entry.note
 
 
 def _may_replace(later: ScoreEntry, entry: ScoreEntry) -> bool:
     return _is_plain(entry) and _is_plain(later) and entry.correction is later.correction
+
+
+# -- values -----------------------------------------------------------------------------------------
+
+
+def value_text(record: ItemRecord) -> str:
+    """Return the value of an item as text for the referee."""
+    type_ = "uint" if record.kind == "bool" else record.kind
+    return item_value(type_, record.value, record.not_attempted, record.text)
+
+
+def _check_whole(item: ScoringItem, mark: Mark) -> None:
+    if mark.text:
+        raise Refused([f"'{item.desc}' takes a whole number, not the text '{mark.text}'"])
+    if item.kind is ScoreKind.BOOL:
+        if mark.value not in (0, 1):
+            raise Refused([f"'{item.desc}' is yes or no: its value must be 0 or 1, not {mark.value}"])
+        return
+    lowest = 0 if item.kind is ScoreKind.UINT else -MAX_VALUE
+    least = lowest if item.least is None else int(item.least)
+    most = MAX_VALUE if item.most is None else int(item.most)
+    if least <= mark.value <= most:
+        return
+    what = "a count" if item.kind is ScoreKind.UINT else "a whole number"
+    limits = "0 or more" if (least, most) == (0, MAX_VALUE) else f"from {least} to {most}"
+    raise Refused([f"'{item.desc}' is {what}: its value must be {limits}, not {mark.value}"])
+
+
+def _chosen(item: ScoringItem, mark: Mark) -> int:
+    """Return the number of a choice, from 1; 0: none."""
+    names = [choice.name for choice in item.choices]
+    if mark.text in names:
+        return names.index(mark.text) + 1
+    if mark.text or mark.value:
+        found = f"'{mark.text}'" if mark.text else f"the number {mark.value}"
+        raise Refused([f"'{item.desc}' does not take {found}: choose one of {', '.join(names)}"])
+    return 0
+
+
+def _rating(item: ScoringItem, mark: Mark) -> str:
+    if mark.judge and mark.judge not in item.judges:
+        raise Refused([f"'{item.desc}' has no judge '{mark.judge}': choose one of {', '.join(item.judges)}"])
+    if not mark.judge and (mark.text or mark.value):
+        raise Refused([f"'{item.desc}' is rated by judges: name one of {', '.join(item.judges)}"])
+    return _decimal(item, mark.text) if mark.text else ""
+
+
+def _decimal(item: ScoringItem, text: str) -> str:
+    least = Decimal(-MAX_NUMBER) if item.least is None else item.least
+    most = Decimal(MAX_NUMBER) if item.most is None else item.most
+    if not _NUMBER.fullmatch(text) or not least <= Decimal(text) <= most:
+        raise Refused([f"'{item.desc}' takes a number from {text_of(least)} to {text_of(most)} with at most "
+                       f"{MAX_DECIMALS} decimals, not '{text}'"])
+    return text_of(Decimal(text))

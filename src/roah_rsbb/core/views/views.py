@@ -12,10 +12,12 @@ from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun
 from roah_rsbb.core.runs.requests import Switches
 from roah_rsbb.core.runs.run import Run, ZoneRun
+from roah_rsbb.core.scoring.points import Counted
 from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.scoring.sheet import ScoreGroup
 from roah_rsbb.core.zones import Zone
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, Restarts, ScheduledEvent
+from roah_rsbb.rulebook.scoring import SheetForm
 
 # The phase of a zone without a run.
 IDLE = "idle"
@@ -44,6 +46,7 @@ class ModuleView(NamedTuple):
 
 
 NO_MODULE = ModuleView()
+NO_FORM, NO_SHEET = SheetForm(), Counted((), None)
 
 
 class ClockView(NamedTuple):
@@ -114,7 +117,8 @@ class ZoneView(NamedTuple):
     log: str
     online_data: str
     scoring: Tuple[ScoreGroup, ...]
-    not_attempted: Tuple[bool, ...]  # for each item of `scoring`
+    form: SheetForm  # of the items that `scoring` has
+    sheet: Counted
     warnings: Tuple[str, ...]
     phase: str
     identity: str  # of the run; empty: no run
@@ -189,11 +193,12 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         log=log,
         online_data=online_data,
         scoring=() if run is None else run.sheet.groups(),
-        not_attempted=() if run is None else run.sheet.not_attempted(),
+        form=NO_FORM if run is None else run.book.form,
+        sheet=NO_SHEET if run is None else run.book.counted(_end(run)),
         warnings=tuple(box.warnings_of(now, zone.name)),
         phase=IDLE if run is None else run.phase.value,
         identity="" if run is None else run.identity,
-        end_reason="" if run is None or run.end_reason is None else run.end_reason.name.lower(),
+        end_reason="" if run is None else _end(run),
         module=_module(run) if isinstance(run, FunctionalityRun) else NO_MODULE,
         clock=_clock(run, zone.event.benchmark, now),
         robot=_robot(run) if isinstance(run, Run) else None,
@@ -203,6 +208,10 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         robots_to_choose=box.commands.robots_to_choose(now, zone),
     )
     return view._replace(state="\n".join(_state_lines(box, zone, view, now)))
+
+
+def _end(run: ZoneRun) -> str:
+    return "" if run.end_reason is None else run.end_reason.name.lower()
 
 
 def _timer(zone: Zone, now: Now) -> float:

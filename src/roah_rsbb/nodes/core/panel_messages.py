@@ -10,7 +10,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.commands import OWN_COMMANDS
 from roah_rsbb.core.views import views
 from roah_rsbb.msg import CoreDetails, CoreToGui, RobotInfo, RunClock, RunClocks, ZoneDetails, ZoneState
-from roah_rsbb.nodes.core.score_convert import group_message, score_message
+from roah_rsbb.nodes.core.score_convert import group_message, has_old_form, points_message, score_message, sheet_items
 from roah_rsbb.nodes.core.serialised import SerialisedToGui, SerialisedZone
 from roah_rsbb.ros.times import ros_duration, ros_limit, ros_time, ros_wire_time
 
@@ -190,7 +190,10 @@ def _zone_details(view: views.ZoneView, log_file: str) -> ZoneDetails:
     if not view.identity:
         return message
     message.identity = view.identity
-    message.not_attempted = list(view.not_attempted)
+    items = view.sheet.items
+    message.not_attempted = [item.not_attempted for item in items if has_old_form(item)]
+    message.items = sheet_items(items, None if view.form.is_plain else view.form)
+    message.points = points_message(view.sheet.points)
     message.end_reason = view.end_reason
     if view.robot is not None:
         _add_robot(message, view.robot, log_file)

@@ -9,7 +9,7 @@ from roah_rsbb.core.views import views
 from roah_rsbb.core.views.public import PublicRun, PublicView
 from roah_rsbb.msg import CoreToPublic, PublicDetails, PublicEvent, PublicResult, ScheduleInfo
 from roah_rsbb.msg import PublicRun as PublicRunMsg
-from roah_rsbb.nodes.core.score_convert import items_message, score_message
+from roah_rsbb.nodes.core.score_convert import items_message, points_message, score_message
 from roah_rsbb.ros.times import ros_duration, ros_limit, ros_time
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, ScheduledEvent
 
@@ -74,6 +74,7 @@ def result_message(run: FinishedResult) -> PublicResult:
             sum(item.not_attempted for item in run.items if item.group == group.group_name) for group in scoring
         ],
         module_scores=[score_message(score) for score in run.module_scores if not score.group],
+        points=points_message(run.points),
     )
 
 

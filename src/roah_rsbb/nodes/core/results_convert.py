@@ -8,8 +8,8 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry, StopRecord, grouped
-from roah_rsbb.msg import Results, RunSheet, RunStop, RunSummary, ScoreChange, ScoreItem
-from roah_rsbb.nodes.core.score_convert import score_message, type_of
+from roah_rsbb.msg import Results, RunSheet, RunStop, RunSummary, ScoreChange
+from roah_rsbb.nodes.core.score_convert import points_message, score_message, sheet_items
 from roah_rsbb.ros.times import ros_duration, ros_time
 from roah_rsbb.wording.sheets import GroupOfValues, sums_text
 
@@ -77,10 +77,11 @@ def sheet_message(record: RunRecord) -> RunSheet:
         summary=summary_message(record),
         elapsed=ros_duration(record.elapsed_s),
         robots=list(record.robots),
-        items=[_item(item) for item in record.items],
+        items=sheet_items(record.items, record.form),
         history=[_change(entry) for entry in record.history],
         module_scores=[score_message(score) for score in record.module_scores],
         stops=[_stop(stop) for stop in record.stops],
+        points=points_message(record.points),
     )
 
 
@@ -100,10 +101,6 @@ def _groups(items: Iterable[ItemRecord]) -> List[GroupOfValues]:
     ]
 
 
-def _item(item: ItemRecord) -> ScoreItem:
-    return ScoreItem(item.group, item.desc, type_of(item), item.value, item.not_attempted, item.corrected)
-
-
 def _change(entry: ScoreEntry) -> ScoreChange:
     return ScoreChange(
         number=entry.number,
@@ -121,6 +118,9 @@ def _change(entry: ScoreEntry) -> ScoreChange:
         withdrawn_by=entry.withdrawn_by,
         withdrawn_note=entry.withdrawn_note,
         withdrawal_corrects=entry.withdrawal_corrects,
+        old_text=entry.old_text,
+        text=entry.text,
+        judge=entry.judge,
     )
 
 

@@ -88,7 +88,8 @@ class CoreServices:
             box.scores.mark, RunName(r.zone), Mark(r.score.group, r.score.desc, r.score.value), who_of(r)
         ), durable=True)
         self._serve("score", ScoreMark, lambda r: (
-            box.scores.mark, _run_of(r), Mark(r.group, r.desc, r.value, r.not_attempted, r.note), who_of(r, r.referee)
+            box.scores.mark, _run_of(r), Mark(r.group, r.desc, r.value, r.not_attempted, r.note, r.text, r.judge),
+            who_of(r, r.referee)
         ), durable=True)
         self._serve("score/withdraw", ScoreWithdraw, lambda r: (
             box.scores.withdraw, _run_of(r), r.number, who_of(r, r.referee), r.note

@@ -3,7 +3,7 @@
 import time
 from typing import Callable, Collection, Dict, List, Optional, Tuple
 
-from roah_rsbb.msg import RunSheet, RunSummary, ScoreChange, ZoneScoreGroup
+from roah_rsbb.msg import RunSheet, RunSummary, ScoreChange
 from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.panel import Answer
@@ -137,8 +137,8 @@ class History(QWidget):
 
 def history_of(sheet: RunSheet) -> List[sheets.HistoryEntry]:
     """Returns all entries of a sheet, the oldest first."""
-    bools = {(item.group, item.desc) for item in sheet.items if item.type == ZoneScoreGroup.SCORING_BOOL}
-    return [sheets.history_entry(change, (change.group, change.desc) in bools) for change in sheet.history]
+    types = {(item.group, item.desc): sheets.type_word(item.type) for item in sheet.items}
+    return [sheets.history_entry(change, types.get((change.group, change.desc), "uint")) for change in sheet.history]
 
 
 def _history_rows(sheet: RunSheet, unsaved: Collection[int], moments: Moments) -> List[Row]:

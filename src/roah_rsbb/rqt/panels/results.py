@@ -2,7 +2,7 @@
 
 from typing import List, Optional, Tuple
 
-from roah_rsbb.msg import RunSheet, RunSummary, ScoreItem, ZoneScoreGroup
+from roah_rsbb.msg import RunSheet, RunSummary, ScoreItem
 from roah_rsbb.rqt.panels.history import History, RunSheets, why_fixed
 from roah_rsbb.rqt.panels.panel import Answer, RefereePanel, ask
 from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QPushButton, QSplitter, Qt, QTabWidget, QVBoxLayout, QWidget
@@ -165,7 +165,7 @@ class ResultsPanel(RefereePanel):
         basic.show_dialog(ScoreDialog(
             self, title, item.desc, item.type, item.value, item.not_attempted,
             lambda value, not_attempted, note: self._send(
-                summary, item.desc, "score", ScoreMark, (item.group, item.desc, value, not_attempted, note)
+                summary, item.desc, "score", ScoreMark, (item.group, item.desc, value, not_attempted, "", "", note)
             ),
         ))
 
@@ -253,7 +253,7 @@ def _item_rows(sheet: RunSheet) -> List[Row]:
     group = None
     for item in sheet.items:
         name, group = ("" if item.group == group else item.group), item.group
-        value = sheets.item_value(item.type == ZoneScoreGroup.SCORING_BOOL, item.value, item.not_attempted)
+        value = sheets.item_value(sheets.type_word(item.type), item.value, item.not_attempted, item.text)
         rows.append(Row((item.group, item.desc), (
             name, item.desc, value, f"✎ {tr(sheets.CORRECTED)}" if item.corrected else ""
         ), bold=bool(item.value or item.not_attempted or item.corrected)))

@@ -322,7 +322,7 @@ class ScoringPanel(RefereePanel):
         sheet, (group, desc) = self._sheet, item
         details = self.model.zone_details
         not_attempted = value == NOT_ATTEMPTED
-        request = (group, desc, 0 if not_attempted else value, not_attempted, note, self.client.referee.name)
+        request = (group, desc, 0 if not_attempted else value, not_attempted, "", "", note, self.client.referee.name)
         self.client.calls.command(
             self, "/core/score", ScoreMark, (sheet[0], "" if details is None else details.identity, *request),
             lambda outcome: self._answered(sheet, item, value, outcome),

@@ -66,8 +66,8 @@ class TestScores(BoxCase):
 
     def marks(self, identity: str) -> None:
         self.box.set_score(ZONE, *DOOR, 1)
-        self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 2, False, "the vase", "Anna")
-        self.box.call("score", ScoreMark, ZONE, "", *FURNITURE, 0, True, "", "")
+        self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 2, False, "", "", "the vase", "Anna")
+        self.box.call("score", ScoreMark, ZONE, "", *FURNITURE, 0, True, "", "", "", "")
         self.assertEqual(self.values(identity), {DOOR[1]: 1, BUMPS[1]: 2, FURNITURE[1]: "-"})
         history = self.sheet().history
         self.assertEqual([(e.number, e.who, e.desc, e.note) for e in history], [
@@ -86,8 +86,8 @@ class TestScores(BoxCase):
     def refusals(self, identity: str) -> None:
         for service, kind, request, why in (
             ("score/withdraw", ScoreWithdraw, (identity, 9, "", ""), "no entry 9: choose from 1, 3"),
-            ("score", ScoreMark, (identity, *DOOR, 2, False, "", ""), "0 or 1"),
-            ("score", ScoreMark, ("HWV-1-2", *DOOR, 1, False, "", ""), "'HWV-1-2' is not one of"),
+            ("score", ScoreMark, (identity, *DOOR, 2, False, "", "", "", ""), "0 or 1"),
+            ("score", ScoreMark, ("HWV-1-2", *DOOR, 1, False, "", "", "", ""), "'HWV-1-2' is not one of"),
             ("stop_reason", StopReason, (identity, 0, "why", ""), "was not stopped yet"),
             ("sign_off", SignOff, (identity, "Anna"), "still connected: disconnect it first"),
         ):
@@ -106,7 +106,7 @@ class TestScores(BoxCase):
 
     def corrections(self, identity: str) -> None:
         wait_until(lambda: self.summary(identity).closed.to_sec(), "the results say that the run is over")
-        self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 4, False, "seen on video", "Anna")
+        self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 4, False, "", "", "seen on video", "Anna")
         wait_until(lambda: self.summary(identity).corrected, "the correction is marked")
         before = self.sheet(identity)
         self.restart_core()
@@ -122,7 +122,7 @@ class TestScores(BoxCase):
         self.restart_core()
         self.assertEqual(self.summary(identity).signed_by, f"Cleo ({self.node})")
         with self.assertRaisesRegex(Refusal, r"signed off by Cleo \(.*\) at .*: it is final"):
-            self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 5, False, "", "Anna")
+            self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 5, False, "", "", "", "Anna")
 
     def test_results_come_on_change_only(self) -> None:
         wait_until(lambda: self.results, "the results are latched")

@@ -31,7 +31,8 @@ from roah_rsbb.nodes.core.results_convert import ResultsBoard
 from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ScoreKind, ScoringItem, ZonePlan
+from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
+from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 from support.fakes.node import Answers, FakeNode
 
 EVENTS = (

@@ -1,0 +1,143 @@
+"""What a score sheet consists of: its items, their types, and the rules by which they give points.
+
+Points are exact decimals, never floats, so that every page shows the same sum (docs/organiser.md, "Points").
+"""
+
+import enum
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import Optional, Tuple
+
+# The largest number of points for one, the largest limit, and the largest value of an item that has a limit.
+MAX_NUMBER = 1_000_000
+# Decimals that a file or a referee can give.
+MAX_DECIMALS = 3
+# `int32` on the ROS interface.
+MAX_VALUE = 2**31 - 1
+# The name under which a sheet lists the bonus for the time left, as if it were a group.
+TIME_LEFT = "Time left"
+
+Number = Optional[Decimal]
+Key = Tuple[str, str]  # group and description, which identify an item
+
+
+class ScoreKind(enum.IntEnum):
+    """Type of a scoring item (docs/ros_interface.md, "Topics of the core"). `ZoneScoreGroup` has the first two."""
+
+    BOOL = 0
+    UINT = 1
+    INT = 2
+    DECIMAL = 3
+    CHOICE = 4
+    RATING = 5
+
+    @property
+    def word(self) -> str:
+        """The type as files write it."""
+        return self.name.lower()
+
+
+# Types whose value is a whole number. Other values are texts, such as "1.5".
+WHOLE = frozenset((ScoreKind.BOOL, ScoreKind.UINT, ScoreKind.INT))
+
+
+class JuryResult(enum.Enum):
+    """How the ratings of several judges become one."""
+
+    MEAN = "mean"
+    MEDIAN = "median"
+    WITHOUT_EXTREMES = "without extremes"  # the mean without the lowest and the highest; of two ratings, of both
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of the answers of an item of type choice."""
+
+    name: str
+    points: Optional[Decimal] = None  # None: the item gives no points
+
+
+@dataclass(frozen=True)
+class ScoringItem:
+    """One line of the referee's score sheet; `group` and `desc` together are its identity."""
+
+    group: str
+    desc: str
+    kind: ScoreKind
+    points: Optional[Decimal] = None  # for a yes, for each one of a number, for each one of a jury's result
+    least: Optional[Decimal] = None  # limits of a value; None: those of its type
+    most: Optional[Decimal] = None
+    choices: Tuple[Choice, ...] = ()
+    judges: Tuple[str, ...] = ()
+    jury: JuryResult = JuryResult.MEAN
+    needs: Tuple[Key, ...] = ()  # the item counts only if all of these are given
+
+    @property
+    def key(self) -> Key:
+        """Its identity."""
+        return self.group, self.desc
+
+    @property
+    def has_points(self) -> bool:
+        """Whether the item can give points."""
+        return self.points is not None or any(choice.points is not None for choice in self.choices)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether it is an item without rules: a yes or a count."""
+        return self.kind in (ScoreKind.BOOL, ScoreKind.UINT) and self == ScoringItem(self.group, self.desc, self.kind)
+
+
+@dataclass(frozen=True)
+class GroupLimits:
+    """The least and most points of a group of items."""
+
+    name: str
+    least: Optional[Decimal] = None
+    most: Optional[Decimal] = None
+
+
+@dataclass(frozen=True)
+class TimeLeft:
+    """The bonus for the time left: `points` for each full `seconds`.
+
+    With `needs`, it counts if all of these items are given, however the run ended. Without, it counts if the robot
+    completed the run.
+    """
+
+    points: Decimal
+    seconds: Decimal = Decimal(1)
+    most: Optional[Decimal] = None  # points
+    needs: Tuple[Key, ...] = ()
+
+
+@dataclass(frozen=True)
+class SheetRules:
+    """The rules of a score sheet that are not those of one item."""
+
+    groups: Tuple[GroupLimits, ...] = ()
+    least: Optional[Decimal] = None  # of the total
+    most: Optional[Decimal] = None
+    time_left: Optional[TimeLeft] = None
+
+
+NO_SHEET_RULES = SheetRules()
+
+
+@dataclass(frozen=True)
+class SheetForm:
+    """A score sheet before it is filled in. `time_limit`: seconds of the run, for the bonus for the time left."""
+
+    items: Tuple[ScoringItem, ...] = ()
+    rules: SheetRules = NO_SHEET_RULES
+    time_limit: float = 0.0
+
+    @property
+    def has_points(self) -> bool:
+        """Whether the sheet gives points."""
+        return self.rules.time_left is not None or any(item.has_points for item in self.items)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether it has only items without rules."""
+        return self.rules == NO_SHEET_RULES and all(item.is_plain for item in self.items)
