@@ -244,6 +244,321 @@
         <translation>{zone} ist bereits bei diesem Termin.</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>All OK for start</source>
+        <translation>Bereit zum Starten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Can be restarted. The clock kept running</source>
+        <translation>Kann wieder gestartet werden. Die Uhr lief weiter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Can be restarted. The clock is stopped</source>
+        <translation>Kann wieder gestartet werden. Die Uhr steht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Clock paused by the referee</source>
+        <translation>Uhr vom Schiedsrichter angehalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Attempt {number} of {all}</source>
+        <translation>Versuch {number} von {all}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Robot ready to accept connection: {robot}</source>
+        <translation>Roboter bereit zum Verbinden: {robot}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>{number} robots ready to accept connection: {robots}</source>
+        <translation>{number} Roboter bereit zum Verbinden: {robots}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Several robots of team {team} are active ({robots}): choose which one connects</source>
+        <translation>Mehrere Roboter von Team {team} sind aktiv ({robots}): Wählen Sie, welcher sich verbindet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Connected: waiting for the robot&apos;s first message</source>
+        <translation>Verbunden: warte auf die erste Nachricht des Roboters</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Requested the robot to prepare for a new goal</source>
+        <translation>Der Roboter soll sich auf ein neues Ziel vorbereiten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Robot preparing for the task</source>
+        <translation>Der Roboter bereitet sich auf die Aufgabe vor</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Robot prepared, executing (no explicit goal)</source>
+        <translation>Der Roboter ist vorbereitet und arbeitet (ohne ausdrückliches Ziel)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Robot prepared, goal sent</source>
+        <translation>Der Roboter ist vorbereitet, das Ziel ist gesendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Robot received the goal, waiting for its result</source>
+        <translation>Der Roboter hat das Ziel, warte auf sein Ergebnis</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Robot fell back to {state}: preparing again</source>
+        <translation>Der Roboter ist auf {state} zurückgefallen: Er bereitet sich neu vor</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Messages saved: {number}</source>
+        <translation>Gespeicherte Nachrichten: {number}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Started: the benchmarking module begins</source>
+        <translation>Gestartet: Das Benchmark-Modul beginnt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Manual operation: {text}</source>
+        <translation>Handeingriff: {text}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Goal completed by the robot</source>
+        <translation>Der Roboter hat das Ziel erledigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Goal timed out</source>
+        <translation>Zeit des Ziels abgelaufen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Benchmark complete</source>
+        <translation>Der Benchmark ist vollständig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Benchmark stopped by the referee</source>
+        <translation>Benchmark vom Schiedsrichter gestoppt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Benchmark completed by the robot</source>
+        <translation>Der Roboter hat den Benchmark erledigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Stopped due to timeout</source>
+        <translation>Gestoppt, weil die Zeit abgelaufen ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Benchmark over: every goal timed out</source>
+        <translation>Benchmark vorbei: Die Zeit aller Ziele ist abgelaufen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Stopped: the robot saves no offline data (messages saved stays 0)</source>
+        <translation>Gestoppt: Der Roboter speichert keine Offline-Daten (gespeicherte Nachrichten: weiter 0)</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Stopped: the benchmarking module cannot continue</source>
+        <translation>Gestoppt: Das Benchmark-Modul kann nicht weitermachen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>No-show: the team did not appear</source>
+        <translation>Nicht angetreten: Das Team ist nicht erschienen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The team withdrew</source>
+        <translation>Das Team hat zurückgezogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>manual operation</source>
+        <translation>Handeingriff</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>the benchmarking module is missing</source>
+        <translation>das Benchmark-Modul fehlt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Already connected</source>
+        <translation>Schon verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Already started</source>
+        <translation>Schon gestartet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>A run is connected: disconnect it first</source>
+        <translation>Ein Lauf ist verbunden: Trennen Sie ihn zuerst</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>A run is running: stop it first</source>
+        <translation>Ein Lauf läuft: Stoppen Sie ihn zuerst</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>No run is running</source>
+        <translation>Es läuft kein Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>No run is connected</source>
+        <translation>Kein Lauf ist verbunden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>No run is connected: press connect first</source>
+        <translation>Kein Lauf ist verbunden: Drücken Sie zuerst Verbinden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>No run is connected, so there is nothing to stop</source>
+        <translation>Kein Lauf ist verbunden, also gibt es nichts zu stoppen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The run is not started: disconnect to leave it</source>
+        <translation>Der Lauf ist nicht gestartet: Verlassen Sie ihn mit Trennen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The run is over: disconnect to leave it</source>
+        <translation>Der Lauf ist vorbei: Verlassen Sie ihn mit Trennen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The run ended by timeout: disconnect, and connect for a new run</source>
+        <translation>Die Zeit des Laufs ist abgelaufen: Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The run&apos;s time is up (the clock kept running after the stop): disconnect, and connect for a new run</source>
+        <translation>Die Zeit des Laufs ist um (die Uhr lief nach dem Stopp weiter): Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The rules of this benchmark do not allow a restart: disconnect, and connect for a new run</source>
+        <translation>Die Regeln dieses Benchmarks erlauben keinen Neustart: Trennen Sie ihn und verbinden Sie sich für einen neuen Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The rules of this benchmark do not allow a pause</source>
+        <translation>Die Regeln dieses Benchmarks erlauben keine Pause</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The clock is paused</source>
+        <translation>Die Uhr ist angehalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The clock is not paused</source>
+        <translation>Die Uhr ist nicht angehalten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>This benchmark has no phases</source>
+        <translation>Dieser Benchmark hat keine Phasen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>This is the first phase</source>
+        <translation>Das ist die erste Phase</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>This is the last phase</source>
+        <translation>Das ist die letzte Phase</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>This is the zone&apos;s first event</source>
+        <translation>Das ist der erste Termin der Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>This is the zone&apos;s last event</source>
+        <translation>Das ist der letzte Termin der Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>No robot of team {team} is active: none of its beacons arrives on UDP port {port}</source>
+        <translation>Kein Roboter von Team {team} ist aktiv: Keines seiner Beacons kommt auf UDP-Port {port} an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>No robot is active: no beacon arrives on UDP port {port}</source>
+        <translation>Kein Roboter ist aktiv: Kein Beacon kommt auf UDP-Port {port} an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Robot {robot} is in a run in zone {zone}</source>
+        <translation>Roboter {robot} ist in einem Lauf in Zone {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The box is still listening for another box, for {time} s</source>
+        <translation>Die Box horcht noch {time} s lang auf eine andere Box</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Listening for another box before transmitting: {time} s</source>
+        <translation>Horche vor dem Senden auf eine andere Box: {time} s</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Robot has not answered on the private channel yet</source>
+        <translation>Der Roboter hat auf dem privaten Kanal noch nicht geantwortet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Robot has not stopped yet: it reports {state}</source>
+        <translation>Der Roboter hat noch nicht gestoppt: Er meldet {state}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>No message from the robot for {time} s</source>
+        <translation>Seit {time} s keine Nachricht vom Roboter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Clock skew of {robot} is {skew}, but must be below {limit} s: synchronise the robot&apos;s clock</source>
+        <translation>Die Uhr von {robot} weicht um {skew} ab, erlaubt sind weniger als {limit} s: Stellen Sie die Uhr des Roboters</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Benchmarking module not connected: the run is paused until it is back</source>
+        <translation>Benchmark-Modul nicht verbunden: Der Lauf ist pausiert, bis es wieder da ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>ANOTHER RSBB is transmitting from {address}: stop it, robots obey both</source>
+        <translation>EINE ANDERE RSBB sendet von {address}: Stoppen Sie sie, die Roboter gehorchen beiden</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>not attempted</source>
         <translation>nicht versucht</translation>

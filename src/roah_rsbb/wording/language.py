@@ -18,6 +18,11 @@ def set_translation(translate: Optional[Translate]) -> None:
     _translate = translate
 
 
+def is_english() -> bool:
+    """Whether all texts of this process are in English."""
+    return _translate is None
+
+
 def tr(text: str, **values: Any) -> str:
     """Returns a text in the language of this process, with the values in its places, such as ``{zone}``.
 

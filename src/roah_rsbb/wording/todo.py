@@ -8,6 +8,7 @@ import enum
 from typing import NamedTuple
 
 from roah_rsbb.wording.language import tr
+from roah_rsbb.wording.sent import tr_sent
 
 # How the core marks a line of a zone's state that is a warning.
 WARNING = "WARNING: "
@@ -39,7 +40,7 @@ def todo(zone, details) -> Todo:
         return Todo(
             Urgency.DO, tr("Enter and confirm the switches that the robot changed (OMF Switches)"), len(found))
     if found:
-        return Todo(Urgency.LOOK, found[0], len(found))
+        return Todo(Urgency.LOOK, tr_sent(found[0]), len(found))
     if details is not None and details.held:
         return Todo(Urgency.LOOK, tr("The benchmarking module is not running: the run is paused"))
     return _step(zone, details)
@@ -56,10 +57,10 @@ def _step(zone, details) -> Todo:
         return Todo(Urgency.POSSIBLE, tr("Score the run, then disconnect"))
     if phase == "idle":
         return _when(zone.connect_enabled, tr("Connect is possible"), details.connect_off)
-    return Todo(Urgency.NONE, zone.state.partition("\n")[0])
+    return Todo(Urgency.NONE, tr_sent(zone.state.partition("\n")[0]))
 
 
 def _when(possible: bool, text: str, reasons) -> Todo:
     if possible:
         return Todo(Urgency.POSSIBLE, text)
-    return Todo(Urgency.NONE, tr("Wait: {reasons}", reasons="; ".join(reasons)))
+    return Todo(Urgency.NONE, tr("Wait: {reasons}", reasons="; ".join(map(tr_sent, reasons))))

@@ -9,7 +9,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 PACKAGE = ROOT / "src" / "roah_rsbb"
 # The folders whose texts windows show.
 FOLDERS = ("wording", "rqt")
-MARKS = ("tr", "tr_later", "tr_sent")
+MARKS = ("tr", "tr_later")
 
 # Calls whose texts no window shows: log lines, errors of programs, command lines, formats.
 NOT_SHOWN = {
@@ -68,6 +68,12 @@ def marked() -> Dict[str, str]:
         for text in find_in(path).marked:
             found.setdefault(text.text, text.place)
     return found
+
+
+def literals(source: str) -> List[str]:
+    """Returns all texts in a file; places for values are written as {}."""
+    found = (_string(node) for node in ast.walk(ast.parse(source)))
+    return [text for text in found if text is not None]
 
 
 def placeholders(text: str) -> List[str]:

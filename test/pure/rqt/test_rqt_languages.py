@@ -1,6 +1,7 @@
 """Texts in other languages: every text is marked for the translators, and every language has all of them."""
 
 import os
+import re
 import subprocess
 import sys
 
@@ -8,6 +9,8 @@ import pytest
 
 from helpers import catalogues, texts_in_code
 from helpers.texts_in_code import find, placeholders
+from roah_rsbb.wording import language
+from roah_rsbb.wording import sent as sent_texts
 
 LANGUAGES = sorted(path.stem for path in catalogues.FOLDER.glob("*.ts"))
 
@@ -105,13 +108,13 @@ def test_a_file_is_as_the_tool_writes_it(language, tmp_path):
 # -- choosing ---------------------------------------------------------------------------------------
 
 
-@pytest.fixture(name="language")
-def _language():
+@pytest.fixture(name="of_windows")
+def _of_windows():
     pytest.importorskip("rospkg")
     pytest.importorskip("PyQt5.QtCore")
-    from roah_rsbb.rqt import language
+    from roah_rsbb.rqt import language as of_windows
 
-    return language
+    return of_windows
 
 
 @pytest.mark.parametrize("environment, expected", [
@@ -130,25 +133,25 @@ def _language():
     ({"LANG": "de_DE.UTF-8", "LANGUAGE": "en_GB:de"}, "en"),
     ({"LANG": "en_US.UTF-8", "LANGUAGE": "tlh:de_CH"}, "de"),
 ])
-def test_the_environment_chooses_the_language(language, environment, expected):
-    assert language.chosen(catalogues.FOLDER, environment) == expected
+def test_the_environment_chooses_the_language(of_windows, environment, expected):
+    assert of_windows.chosen(catalogues.FOLDER, environment) == expected
 
 
-def test_counts_choose_the_form(language):
+def test_counts_choose_the_form(of_windows):
     texts = {("roah_rsbb", "+{n} days"): ("+{n} Tag", "+{n} Tage"), ("QPlatformTheme", "Cancel"): ("Abbrechen",)}
-    catalogue = language.Catalogue("de_AT", texts)
+    catalogue = of_windows.Catalogue("de_AT", texts)
     forms = [catalogue.translate("roah_rsbb", "+{n} days", None, n) for n in (0, 1, 2)]
     assert forms == ["+{n} Tage", "+{n} Tag", "+{n} Tage"]
-    assert language.Catalogue("fr", texts).translate("roah_rsbb", "+{n} days", None, 0) == "+{n} Tag"
+    assert of_windows.Catalogue("fr", texts).translate("roah_rsbb", "+{n} days", None, 0) == "+{n} Tag"
     assert catalogue.translate("QPlatformTheme", "Cancel") == "Abbrechen"
     assert catalogue.translate("roah_rsbb", "Cancel") is None
 
 
-def test_unfinished_translations_are_shown_in_english(language, tmp_path):
+def test_unfinished_translations_are_shown_in_english(of_windows, tmp_path):
     path = tmp_path / "fr.ts"
     entries = [catalogues.Entry("stopped", "", ("",)), catalogues.Entry("no", "", ("non",))]
     catalogues.write(path, {catalogues.CONTEXT: entries})
-    assert language.read(path) == {("roah_rsbb", "no"): ("non",)}
+    assert of_windows.read(path) == {("roah_rsbb", "no"): ("non",)}
 
 
 # Shows a text and a button of Qt in the language of its environment; a German text must not reach what is written.
@@ -166,7 +169,7 @@ print(sheets.phase("running"), "|", times.ago(4), "|", buttons.buttons()[0].text
 @pytest.mark.parametrize("locale, shown", [
     ("de_DE.UTF-8", "LÄUFT | vor 4 s | Schließen"), ("C.UTF-8", "RUNNING | 4 s ago | Close"),
 ])
-def test_a_program_with_windows_shows_it(language, locale, shown):
+def test_a_program_with_windows_shows_it(of_windows, locale, shown):
     root = catalogues.ROOT
     done = subprocess.run(
         [sys.executable, "-c", SHOWING], stdout=subprocess.PIPE, timeout=300, check=True,
@@ -189,3 +192,44 @@ def test_without_windows_all_texts_are_english():
         for path in texts_in_code.PACKAGE.rglob("*.py") if "set_translation" in path.read_text(encoding="utf-8")
     }
     assert users == {"wording/language.py", "rqt/language.py"}
+
+
+# -- sentences of the core --------------------------------------------------------------------------
+
+
+@pytest.fixture(name="german")
+def _german():
+    translations = {
+        "No message from the robot for {time} s": "Seit {time} s keine Nachricht vom Roboter",
+        "manual operation": "Handeingriff",
+    }
+    language.set_translation(lambda text, n: translations.get(text, text))
+    yield
+    language.set_translation(None)
+
+
+@pytest.mark.parametrize("sent, shown", [
+    ("No message from the robot for 4 s", "Seit 4 s keine Nachricht vom Roboter"),
+    ("manual operation", "Handeingriff"),
+    ("No message from the robot for 4 s but old ones", "No message from the robot for 4 s but old ones"),
+    ("Already connected", "Already connected"),
+    ("a sentence {that} is not in the list", "a sentence {that} is not in the list"),
+    ("", ""),
+])
+def test_sentences_of_the_core_are_translated_where_they_are_shown(german, sent, shown):
+    assert sent_texts.tr_sent(sent) == shown
+
+
+def test_sentences_of_the_core_are_english_in_english():
+    assert sent_texts.tr_sent("No message from the robot for 4 s") == "No message from the robot for 4 s"
+
+
+def test_the_core_has_all_these_sentences():
+    """A failure? The core's sentence was changed: change it in wording/sent.py, too."""
+    texts = {text for path in (texts_in_code.PACKAGE / "core").rglob("*.py")
+             for text in texts_in_code.literals(path.read_text(encoding="utf-8"))}
+    patterns = [re.compile("(.+)".join(map(re.escape, text.split("{}")))) for text in texts if len(text) > 15]
+    sentences = [re.sub("{.*?}", "{}", sentence) for sentence in sent_texts.SENTENCES]
+    unknown = [sentence for sentence in sentences
+               if sentence not in texts and not any(pattern.fullmatch(sentence) for pattern in patterns)]
+    assert unknown == []

@@ -11,6 +11,7 @@ from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.srv import GetClock
 from roah_rsbb.wording.language import tr
+from roah_rsbb.wording.sent import tr_sent
 
 # Timeout of a call. A later answer is ignored.
 TIMEOUT_S = 5.0
@@ -129,4 +130,4 @@ def failure_text(raised: str) -> str:
     """Returns the core's reasons, or what to check if there was no answer."""
     if raised.endswith("unavailable") or raised.startswith(("unable to connect to service", "transport error")):
         return tr("no answer: is the core running? Check the state when it is back. ({error})", error=raised)
-    return refusals.reason(raised)
+    return "; ".join(map(tr_sent, refusals.reasons(raised)))

@@ -29,6 +29,7 @@ from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
 from roah_rsbb.srv import StopReason, Zone
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.sent import tr_sent
 from roah_rsbb.wording.todo import WARNING
 
 REASON = tr_later("Reason of the stop")
@@ -299,8 +300,9 @@ class BenchmarkControlPanel(Panel):
         of_box = list(self.model.details.warnings) if self.model.details else []
         lines = [line for line in state.splitlines() if line]
         self.state.show_lines(
-            [(w, True) for w in of_box]
-            + [(line[len(WARNING):] if line.startswith(WARNING) else line, line.startswith(WARNING)) for line in lines]
+            [(tr_sent(w), True) for w in of_box]
+            + [(tr_sent(line[len(WARNING):] if line.startswith(WARNING) else line), line.startswith(WARNING))
+               for line in lines]
         )
 
     def _show_button(self, command: _Command, zone: Optional[ZoneState], details: Optional[ZoneDetails]) -> None:
@@ -316,7 +318,7 @@ class BenchmarkControlPanel(Panel):
             return
         reasons = getattr(details, f"{command.field}_off") if details else ()
         tone = NEXT_STEP.get((details.phase if details else "", command.service))
-        button.allow(allowed, reasons, tone)
+        button.allow(allowed, [tr_sent(reason) for reason in reasons], tone)
 
     # -- commands -----------------------------------------------------------------------------------
 

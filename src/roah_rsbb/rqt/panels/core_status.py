@@ -15,6 +15,7 @@ from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.qt import QGridLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.sent import tr_sent
 
 SHUTDOWN = "roah_rsbb_shutdown"
 ENDS_RSBB = "exit_ends_rsbb"
@@ -64,8 +65,9 @@ class CoreStatusPanel(Panel):
             return
         warnings = list(details.warnings) if details else []
         # The status may only repeat these warnings in one line.
-        status = [] if warnings and gui.status == "; ".join(warnings) else [(gui.status, gui.status != "OK")]
-        self.notices.show_lines(status + [(w, True) for w in warnings])
+        is_repeated = bool(warnings) and gui.status == "; ".join(warnings)
+        status = [] if is_repeated else [(tr_sent(gui.status), gui.status != "OK")]
+        self.notices.show_lines(status + [(tr_sent(w), True) for w in warnings])
         phases = [d.phase for d in details.zones] if details else []
         values = {
             "addr": gui.addr,
