@@ -36,6 +36,13 @@ _COMMANDS = {
     "disconnect": "leave the run; after a completed run the zone moves to its next event",
     "previous": "go to the previous event of the zone's schedule",
     "next": "go to the next event of the zone's schedule",
+    "pause": "pause the clock of the run, if the rules of the benchmark allow it; the robot continues",
+    "resume": "let the clock of the run continue",
+    "next-phase": "move the run to its next phase",
+    "previous-phase": "move the run back to the phase before",
+    "open-sheet": "begin a run without a robot: score by hand, start and stop the clock yourself",
+    "no-show": "record that the team did not appear, and leave the event",
+    "withdrawn": "record that the team withdrew, and leave the event",
 }
 
 
@@ -60,6 +67,8 @@ def parser() -> argparse.ArgumentParser:
     for name, text in _COMMANDS.items():
         one = _add(commands, name, text, [f"{PROG} {name} 'Home A'"])
         one.add_argument("zone", metavar="ZONE", help=_ZONE)
+        if name == "connect":
+            _robot(one)
     _score(commands)
     _sheets(commands)
     _schedule(commands)
@@ -122,6 +131,11 @@ def _say(one: argparse.ArgumentParser, where: str) -> None:
 def _by(one: argparse.ArgumentParser, required: bool = False) -> None:
     one.add_argument("--by", "--referee", metavar="NAME", dest="referee", default="", required=required,
                      help="name of the referee" + ("" if required else " (default: no name)"))
+
+
+def _robot(one: argparse.ArgumentParser) -> None:
+    one.add_argument("--robot", metavar="NAME", default="",
+                     help="connect this robot of the team; default: the core chooses one")
 
 
 def _of_run(one: argparse.ArgumentParser) -> None:
@@ -213,7 +227,7 @@ def _run(commands) -> None:
         commands, "run", "take a robot through a whole run: connect, start, score sheet, disconnect",
         [f"{PROG} run 'Home A'", f"{PROG} run 'Home A' --event HWV/1/2 --wait 300",
          f"{PROG} run 'Home A' --score door=yes --score furniture=2 --keep",
-         f"{PROG} run 'Home A' --event HNF --operations typed"],
+         f"{PROG} run 'Home A' --event HNF --operations typed", f"{PROG} run 'Home A' --team Beta --robot b2"],
     )
     one.add_argument("zone", metavar="ZONE", help=_ZONE)
     one.add_argument(
@@ -225,6 +239,8 @@ def _run(commands) -> None:
         type=_type("CODE, CODE/ROUND or CODE/ROUND/RUN", event_wanted),
         help="move the zone to this event first: the next matching one, else the last matching one before",
     )
+    one.add_argument("--team", metavar="TEAM", default="", help="as --event: move the zone to an event of this team")
+    _robot(one)
     one.add_argument(
         "--score", metavar="ITEM=VALUE", action="append", default=[], type=_type("ITEM=VALUE", score_wanted),
         help="set a scoring item after the start; may be repeated",

@@ -13,7 +13,7 @@ from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.run import RunScript, ScriptOutcome, ScriptPlan
 from roah_rsbb.referee.sheets import RunLine, Sheet, pick_run, sheet_of
 from roah_rsbb.referee.state import CONNECTED, IDLE, SheetItem
-from roah_rsbb.referee.words import BadWord, answer_of, pick_item, pick_zone, value_of
+from roah_rsbb.referee.words import BadWord, EventWanted, answer_of, pick_item, pick_zone, value_of
 from roah_rsbb.wording import schedule
 from roah_rsbb.wording.texts import escaped
 
@@ -48,8 +48,16 @@ def _watch(link: Link, options, output: Output) -> Exit:
 
 def _command(link: Link, options, output: Output) -> Exit:
     name = _zone_name(link, options.zone)
-    link.command(options.command, name)
+    link.command(options.command.replace("-", "_"), name)
     return _say_done(link, name, output, options.command)
+
+
+def _connect(link: Link, options, output: Output) -> Exit:
+    if not options.robot:
+        return _command(link, options, output)
+    name = _zone_name(link, options.zone)
+    link.connect_robot(name, options.robot)
+    return _say_done(link, name, output, "connect")
 
 
 def _say_done(link: Link, name: str, output: Output, command: str) -> Exit:
@@ -111,9 +119,12 @@ def _switches(link: Link, options, output: Output) -> Exit:
 
 
 def _run(link: Link, options, output: Output) -> Exit:
+    event = options.event
+    if options.team:
+        event = (event or EventWanted())._replace(team=options.team)
     plan = ScriptPlan(
-        _zone_name(link, options.zone), options.wait, options.event, tuple(options.score), options.keep,
-        Operations(options.operations),
+        _zone_name(link, options.zone), options.wait, event, tuple(options.score), options.keep,
+        Operations(options.operations), options.robot,
     )
     outcome = RunScript(link, plan, output.change).run()
     _show_outcome(plan.zone, outcome, output)
@@ -264,8 +275,10 @@ def _choose(link: Link, options: Any, output: Any) -> Exit:
 # -- all commands ---------------------------------------------------------------------------------
 
 COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
-    "status": _status, "watch": _watch, "connect": _command, "start": _command, "stop": _command,
-    "disconnect": _command, "previous": _command, "next": _command, "score": _score, "runs": _runs, "sheet": _sheet,
+    "status": _status, "watch": _watch, "connect": _connect, "start": _command, "stop": _command,
+    "disconnect": _command, "previous": _command, "next": _command, "pause": _command, "resume": _command,
+    "next-phase": _command, "previous-phase": _command, "open-sheet": _command, "no-show": _command,
+    "withdrawn": _command, "score": _score, "runs": _runs, "sheet": _sheet,
     "withdraw": _withdraw, "reason": _reason, "sign-off": _sign_off, "schedule": _schedule, "choose": _choose,
     "done": _done, "switches": _switches, "run": _run,
 }

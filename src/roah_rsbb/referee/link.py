@@ -20,6 +20,7 @@ from roah_rsbb.referee.words import Entered
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import (
     ChooseEvent,
+    ConnectRobot,
     GetClock,
     GetRunSheet,
     LeaveRun,
@@ -201,6 +202,10 @@ class Link:
     def command(self, command: str, zone: str) -> None:
         """Give a command to a zone; raises `Refused` with the core's reasons, or `NoCore`."""
         self._call(f"/core/{command}", Zone, zone)
+
+    def connect_robot(self, zone: str, robot: str) -> None:
+        """Connect this robot of the event's team; raises as `command` does."""
+        self._call("/core/connect_robot", ConnectRobot, zone, robot)
 
     def stop_run(self, zone: str, identity: str) -> None:
         """Stop the run of that identity; raises as `command` does."""

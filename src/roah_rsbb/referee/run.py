@@ -39,6 +39,7 @@ class ScriptPlan(NamedTuple):
     scores: Tuple[Tuple[str, str], ...] = ()  # item and value, as typed
     keep: bool = False
     operations: Operations = Operations.OTHERS
+    robot: str = ""  # name of the team's robot to connect; empty: the core chooses one
 
 
 class ScriptOutcome(NamedTuple):
@@ -113,7 +114,8 @@ class RunScript:
         for command in ("next", "previous"):
             while not wanted.fits(self._zone().event):
                 event = self._zone().event
-                seen.append(f"{event.code}/{event.round}/{event.run}")
+                team = event.team if wanted.team else ""
+                seen.append(str(EventWanted(event.code, event.round, event.run, team)))
                 if self._zone().off[command]:
                     break
                 self._move(command)
@@ -175,7 +177,7 @@ class RunScript:
             reasons = tuple(self._zone().off[command])
             if not reasons:
                 try:
-                    self._link.command(command, self._plan.zone)
+                    self._give(command)
                 except Refused as refused:
                     reasons = tuple(refused.reasons)  # the zone changed since the snapshot
                 except NoCore as error:
@@ -203,7 +205,13 @@ class RunScript:
         if self._link.box.box_uuid == self._uuid:
             raise _Failed(Exit.REFUSED, f"another referee moved the zone to {event.code}/{event.round}/{event.run}")
         self._uuid = self._link.box.box_uuid
-        self._go_to(EventWanted(self._event.code, self._event.round, self._event.run))
+        self._go_to(EventWanted(self._event.code, self._event.round, self._event.run, self._event.team))
+
+    def _give(self, command: str) -> None:
+        if command == "connect" and self._plan.robot:
+            self._link.connect_robot(self._plan.zone, self._plan.robot)
+        else:
+            self._link.command(command, self._plan.zone)
 
     def _resolve_scores(self) -> None:
         self._scores = []

@@ -14,6 +14,8 @@ from roah_rsbb.wording.clock import clock_of, lines
 COMMANDS = {
     "connect": "connect_off", "start": "start_off", "stop": "stop_off", "disconnect": "disconnect_off",
     "previous": "prev_off", "next": "next_off",
+    **{name: f"{name}_off" for name in (
+        "pause", "resume", "next_phase", "previous_phase", "open_sheet", "no_show", "withdrawn")},
 }
 IDLE, CONNECTED, RUNNING, ENDED = "idle", "connected", "running", "ended"  # ZoneDetails.phase
 COMPLETED, STOPPED = "completed", "stopped"  # ZoneDetails.end_reason
@@ -89,7 +91,7 @@ class RunTimes(NamedTuple):
 
     text: Tuple[str, ...]  # each time with its label, as the panels show them
     pause: str  # that the run is paused, and why; empty: it is not
-    limit_s: float
+    limit_s: float  # 0: no limit
     elapsed_s: float  # after the end: the final time of the run
     counting: bool
     goal: int  # number of the current goal; 0: there is none with a timeout
@@ -97,6 +99,13 @@ class RunTimes(NamedTuple):
     goal_elapsed_s: float
     goal_counting: bool
     after_stop_s: float  # after the end: time left
+    setup_limit_s: float = 0.0  # 0: the rules have no setup time
+    setup_elapsed_s: float = 0.0
+    setup_counting: bool = False
+    phase: int = 0  # number of the current phase of a task; 0: none
+    phase_name: str = ""
+    phase_limit_s: float = 0.0  # 0: no limit
+    phase_elapsed_s: float = 0.0
 
 
 class ZoneSnapshot(NamedTuple):
@@ -130,6 +139,10 @@ class ZoneSnapshot(NamedTuple):
     module_score: Tuple[ModuleScoreLine, ...] = ()
     all_robots: Optional[AllRobotsSnapshot] = None
     times: Optional[RunTimes] = None
+    by_hand: bool = False  # the run has no robot
+    attempt: int = 0  # number of this or the next run of the event; 0: the rules do not count attempts
+    attempts: int = 0  # how many the rules allow
+    robots_to_choose: Tuple[str, ...] = ()  # the team's robots if there are several
 
 
 class RobotSnapshot(NamedTuple):
@@ -200,6 +213,13 @@ def _times(message, passed_s: float) -> RunTimes:
         goal_elapsed_s=message.goal_elapsed.to_sec() + message.goal_counting * passed_s,
         goal_counting=message.goal_counting,
         after_stop_s=max(0.0, message.after_stop.to_sec() - passed_s) if message.phase == ENDED else 0.0,
+        setup_limit_s=message.setup_limit.to_sec(),
+        setup_elapsed_s=message.setup_elapsed.to_sec() + message.setup_counting * passed_s,
+        setup_counting=message.setup_counting,
+        phase=message.phase_number,
+        phase_name=message.phase_name,
+        phase_limit_s=message.phase_limit.to_sec(),
+        phase_elapsed_s=message.phase_elapsed.to_sec() + message.counting * bool(message.phase_number) * passed_s,
     )
 
 
@@ -250,6 +270,10 @@ def _zone(zone, details, run_times: RunTimes) -> ZoneSnapshot:
         switches=SwitchesSnapshot(tuple(zone.omf_switches), zone.omf_damaged, zone.omf_complete) if zone.omf else None,
         all_robots=_all_robots(details),
         times=run_times,
+        by_hand=details.by_hand,
+        attempt=details.attempt,
+        attempts=details.attempts,
+        robots_to_choose=tuple(details.robots_to_choose),
         held=details.held,
         module_status=details.module_status,
         module_score=tuple(

@@ -113,7 +113,7 @@ def zone_lines(zone: ZoneSnapshot, clock_utc_s: float, style: Style) -> List[str
         lines.append(_IN + style(YELLOW, to_do(zone.operation)))
     if zone.switches is not None:
         lines.append(_IN + switches_line(zone.switches, style))
-    allowed = [command for command, reasons in zone.off.items() if not reasons]
+    allowed = [command.replace("_", "-") for command, reasons in zone.off.items() if not reasons]
     return [*lines, f"{_IN}allowed now: {', '.join(allowed) or 'nothing'}"]
 
 

@@ -28,20 +28,22 @@ class SwitchesEntered(NamedTuple):
 
 
 class EventWanted(NamedTuple):
-    """An event as `run --event` names it; None: any."""
+    """An event as `run --event` and `--team` name it; None or empty: any."""
 
-    code: str
+    code: str = ""
     round: Optional[int] = None
     run: Optional[int] = None
+    team: str = ""
 
     def fits(self, event: EventSnapshot) -> bool:
         """Returns whether this event is meant."""
-        return event.code.lower() == self.code.lower() and all(
+        return self.code.lower() in ("", event.code.lower()) and self.team.lower() in ("", event.team.lower()) and all(
             wanted in (None, number) for wanted, number in ((self.round, event.round), (self.run, event.run))
         )
 
     def __str__(self) -> str:
-        return "/".join(str(part) for part in self if part is not None)
+        event = "/".join(str(part) for part in self[:3] if part not in (None, ""))
+        return " ".join(filter(None, [event, f"of team {self.team}" if self.team else ""]))
 
 
 def pick_zone(word: str, names: Sequence[str]) -> str:

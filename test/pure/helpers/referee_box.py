@@ -215,6 +215,11 @@ class FakeLink:
             "previous": lambda: self._move(-1),
         }[command]()
 
+    def connect_robot(self, name: str, robot: str) -> None:
+        """As the core: this robot, and no other one."""
+        self.command("connect", name)
+        self.change(robot=robot)
+
     def stop_run(self, name: str, identity: str) -> None:
         """As the core: only the run of that identity."""
         self._call("stop_run", name)
@@ -289,4 +294,5 @@ class FakeLink:
             "previous": [] if idle and index > 0 else ["first event"],
             "next": [] if idle and index < len(EVENTS) - 1 else ["last event"],
         }
+        own = {command: own.get(command, ["Not in this test"]) for command in COMMANDS}
         return fresh._replace(off={command: own[command] + extra.get(command, []) for command in COMMANDS})

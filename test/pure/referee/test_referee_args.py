@@ -4,7 +4,8 @@ import pytest
 
 from roah_rsbb.referee.args import parser
 
-COMMANDS = ("status", "watch", "connect", "start", "stop", "disconnect", "previous", "next", "score", "runs",
+COMMANDS = ("status", "watch", "connect", "start", "stop", "disconnect", "previous", "next", "pause", "resume",
+            "next-phase", "previous-phase", "open-sheet", "no-show", "withdrawn", "score", "runs",
             "sheet", "schedule", "choose", "withdraw", "reason", "sign-off", "done", "switches", "run")
 
 
@@ -42,8 +43,9 @@ def test_values_with_a_sign_are_values(value):
 
 def test_a_run_takes_all_its_options():
     options = _parse(["run", "Home A", "--wait", "5", "--benchmark", "HWV/1/2", "--score", "door=1", "--score", "x=+2",
-                      "--keep"])
-    assert (options.wait, options.event, options.keep) == (5.0, ("HWV", 1, 2), True)
+                      "--keep", "--team", "Beta", "--robot", "b2"])
+    assert (options.team, options.robot) == ("Beta", "b2")
+    assert (options.wait, options.event, options.keep) == (5.0, ("HWV", 1, 2, ""), True)
     assert options.score == [("door", "1"), ("x", "+2")]
 
 

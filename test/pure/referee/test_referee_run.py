@@ -4,11 +4,12 @@ import random
 
 import pytest
 
+from helpers import referee_box
 from helpers.referee_box import EVENTS, NO_RUN, FakeLink
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.referee.exits import Exit, NoCore
 from roah_rsbb.referee.run import RunScript, ScriptPlan
-from roah_rsbb.referee.words import event_wanted
+from roah_rsbb.referee.words import EventWanted, event_wanted
 
 
 @pytest.fixture
@@ -460,3 +461,23 @@ def test_the_last_event_of_a_zone(link):
     assert outcome.status is Exit.USAGE
     assert "no event STB" in outcome.text
     assert link.zone.event == EVENTS[0]
+
+
+def test_it_connects_the_chosen_robot(link):
+    link.at(5, lambda: link.end("completed"))
+    outcome, _ = _run(link, robot="b2")
+    assert (outcome.status, outcome.zone.robot) == (Exit.OK, "b2")
+
+
+def test_it_goes_to_an_event_of_a_team(link, monkeypatch):
+    teams = ("TestingTeam", "TestingTeam", "Beta", "TestingTeam")
+    events = tuple(event._replace(team=team) for event, team in zip(EVENTS, teams))
+    monkeypatch.setattr(referee_box, "EVENTS", events)
+    link.change(event=events[0])
+    link.at(5, lambda: link.end("completed"))
+    outcome, _ = _run(link, event=EventWanted(team="beta"))
+    assert (outcome.status, outcome.zone.event) == (Exit.OK, events[2])
+    outcome, _ = _run(link, event=EventWanted("HWV", team="Beta"))
+    assert outcome.status is Exit.USAGE
+    assert "no event HWV of team Beta in zone 'Home A': there are" in outcome.text
+    assert "HGTKMH/1/3 of team Beta" in outcome.text

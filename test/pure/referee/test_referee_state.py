@@ -56,6 +56,7 @@ def _details(**fields):
         "operation_choices": [], "operation_asks_text": False, "held": False, "module_status": "", "module_scores": [],
         "robots_preparing": 0, "robots_executing": 0, "robots_stopped": 0, "robots": [],
         "items": ITEMS,
+        "by_hand": False, "attempt": 0, "attempts": 0, "robots_to_choose": [],
         **{field: [f"why no {field}"] for field in referee_state.COMMANDS.values()},
     }
     return SimpleNamespace(box_uuid="u", warnings=["box"], zones=[SimpleNamespace(**{**default, **fields})])
@@ -65,7 +66,9 @@ def _clocks(zone="Home A", **fields):
     default = {
         "zone": zone, "identity": "HWV-1", "phase": "running", "limit": Seconds(600), "elapsed": Seconds(100),
         "counting": True, "paused": "", "goal_limit": Seconds(60), "goal": 2, "goal_elapsed": Seconds(20),
-        "goal_counting": True, "after_stop": Seconds(0),
+        "goal_counting": True, "after_stop": Seconds(0), "setup_limit": Seconds(0), "setup_elapsed": Seconds(0),
+        "setup_counting": False, "phases": 0, "phase_number": 0, "phase_name": "", "phase_limit": Seconds(0),
+        "phase_elapsed": Seconds(0),
     }
     return SimpleNamespace(clock=Clock(UTC0 - 0.5), zones=[SimpleNamespace(**{**default, **fields})])
 
@@ -143,7 +146,7 @@ def test_half_a_manual_operation_is_ignored(text, number):
 def test_the_times_of_a_run_are_those_of_the_panels():
     times = box_of(_gui(_zone_state()), _details(), _clocks()).zones[0].times
     text = ("Run: time left 8:20", "Goal: time left 0:40", "Used: 1:40 of 10:00")
-    assert times == (text, "", 600.0, 100.5, True, 2, 60.0, 20.5, True, 0.0)
+    assert times[:10] == (text, "", 600.0, 100.5, True, 2, 60.0, 20.5, True, 0.0)
     times = box_of(_gui(_zone_state()), _details(), _clocks(counting=False, paused="the mug")).zones[0].times
     assert (times.pause, times.elapsed_s, times.text[0]) == ("PAUSED: the mug", 100.0, "Run: time left 8:20")
     stopped = _clocks(phase="ended", counting=False, goal_counting=False, after_stop=Seconds(30))
@@ -189,3 +192,18 @@ def test_the_documentation_names_every_field():
     )
     missing = [f"{kind.__name__}.{field}" for kind in kinds for field in kind._fields if f"`{field}`" not in text]
     assert not missing
+
+
+def test_phases_setup_time_and_attempts_are_in_the_snapshot():
+    clocks = _clocks(phases=3, phase_number=2, phase_name="Serve", phase_limit=Seconds(60), phase_elapsed=Seconds(10),
+                     goal=0)
+    details = _details(by_hand=True, attempt=1, attempts=2, robots_to_choose=["a", "b"])
+    zone, = box_of(_gui(_zone_state()), details, clocks).zones
+    assert (zone.by_hand, zone.attempt, zone.attempts, zone.robots_to_choose) == (True, 1, 2, ("a", "b"))
+    assert (zone.times.phase, zone.times.phase_name, zone.times.phase_limit_s) == (2, "Serve", 60.0)
+    assert zone.times.phase_elapsed_s == 10.5  # half a second after the message
+    assert "Phase 2 of 3, Serve: time left 0:50" in zone.times.text
+    setup = _clocks(phase="connected", setup_limit=Seconds(60), setup_elapsed=Seconds(10), setup_counting=True)
+    zone, = box_of(_gui(_zone_state()), _details(phase="connected"), setup).zones
+    assert (zone.times.setup_limit_s, zone.times.setup_elapsed_s, zone.times.setup_counting) == (60.0, 10.5, True)
+    assert zone.off["no_show"] == ["why no no_show_off"]

@@ -162,6 +162,7 @@ class TestRules(unittest.TestCase):
     def box_with(self, timeout: float, **rules: object) -> None:
         self.driver = BoxDriver(competition(tbm=[event(timeout=timeout, rules=Rules(**rules))]))
         self.messages = PanelMessages(self.driver.box, "uuid", "127.255.255.255")
+        self.clocks: Optional[RunClocks] = None  # the last message
 
     def zone(self) -> ZoneState:
         buff = io.BytesIO()
@@ -170,7 +171,8 @@ class TestRules(unittest.TestCase):
 
     def clock(self) -> RunClock:
         self.zone()
-        return self.messages.clocks(self.driver.now).zones[0]
+        self.clocks = self.messages.clocks(self.driver.now) or self.clocks
+        return self.clocks.zones[0]
 
     def test_a_run_without_a_limit(self) -> None:
         self.box_with(NO_LIMIT)

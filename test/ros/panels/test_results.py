@@ -50,7 +50,8 @@ class TestScoringWithWords(WordsCase):
 
     def setUp(self) -> None:
         super().setUp()
-        wait_until(lambda: self.panel.rows and self.client.model.zone_details.identity, "the sheet is shown")
+        model = self.client.model
+        wait_until(lambda: self.panel.rows and model.identity_of(model.zone_name), "the sheet is shown")
         self.bumps, self.door = self.panel.rows[BUMPS], self.panel.rows[DOOR]
 
     def test_not_attempted_and_back(self) -> None:

@@ -91,6 +91,26 @@ class TestCommands(WithCore):
         self.assertEqual(self.core.calls, [(command, "Home A") for command in
                                            ("connect", "start", "stop", "disconnect", "next", "previous")])
 
+    def test_a_run_without_a_robot_and_a_team_that_does_not_appear(self) -> None:
+        for command, shown in (("open-sheet", "Without a robot"), ("start", "RUNNING"), ("stop", "ENDED: stopped"),
+                               ("withdrawn", "NOT CONNECTED"), ("no-show", "NOT CONNECTED")):
+            done = self.called(command, "home a")
+            self.assertEqual((done.returncode, done.stderr), (0, ""))
+            self.assertIn(shown, done.stdout)
+        ends = [record.end_reason for record in self.core.box.finished.records()]
+        self.assertEqual(ends, ["no_show", "withdrawn"])
+        self.assertIn("no-show", self.called("runs", "home a").stdout)
+        refused = referee("pause", "home a")
+        self.assertEqual((refused.returncode, refused.stderr), (
+            1, "referee: pause was refused:\n  The rules of this benchmark do not allow a pause\n"))
+
+    def test_one_of_several_robots_connects(self) -> None:
+        zone = json.loads(self.called("status", "Home A", "--json").stdout)
+        second = zone["robots_to_choose"][1]
+        connected = json.loads(self.called("connect", "Home A", "--robot", second, "--json").stdout)["state"]
+        self.assertEqual((connected["robot"], connected["robots_to_choose"]), (second, []))
+        self.assertIn("No robot 'nobody' of team", referee("connect", "Home B", "--robot", "nobody").stderr)
+
     def test_the_schedule_and_the_choice_of_an_event(self) -> None:
         lines = self.called("schedule", "home a", "--utc").stdout.splitlines()
         self.assertEqual(len(lines), 1 + len(EVENTS) + 2)
