@@ -4,16 +4,18 @@ The pages contain unchecked strings of robots, so `tag` escapes everything that 
 external parts, and its content security policy forbids the browser to load, run or send anything.
 """
 
+import base64
 import html
+import os
 import re
-from typing import Callable, Iterable, Sequence, Union
+from typing import Callable, Iterable, NamedTuple, Sequence, Union
 
 from roah_rsbb.wording.texts import visible
 
-_POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
+_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'"
 
 # Elements without an end tag.
-_VOID = frozenset(("br", "meta", "wbr"))
+_VOID = frozenset(("br", "img", "meta", "wbr"))
 # Elements that contain nothing but text.
 _TEXT_ONLY = frozenset(("title", "text"))
 # No word is broken, except a longer one, which would be wider than its column. Names have signs where they may break.
@@ -54,6 +56,9 @@ td.when { min-width: 23mm; width: 23mm; white-space: normal; font-size: 8.5pt; }
 .scores.two th.title { font-size: 9pt; } .scores.three th.title { font-size: 8pt; }
 .scores.two td.value { width: 19mm; min-width: 19mm; } .scores.three td.value { width: 15mm; min-width: 15mm; }
 .scores.two .number, .scores.three .number { width: 10mm; }
+.competition { display: flex; align-items: center; gap: 5mm; height: 14mm; margin-bottom: 3mm; }
+.competition img { max-height: 14mm; max-width: 50mm; }
+.competition p { font-size: 13pt; font-weight: bold; margin: 0; }
 table.totals { width: 100%; margin-top: 1mm; border-top: .4mm solid #111; }
 table.totals th { font-size: 10pt; color: #111; } table.totals td { font-weight: bold; }
 .line { border-bottom: .2mm solid #888; height: 7mm; margin: 0; }
@@ -120,6 +125,38 @@ def table(headings: Sequence[Child], rows: Iterable[Sequence[Child]], classes: S
 def facts_table(facts: Iterable[Sequence[Child]]) -> Markup:
     """Build a table of names and values."""
     return tag("table", *(tag("tr", tag("th", name), tag("td", value)) for name, value in facts), class_="facts")
+
+
+class Competition(NamedTuple):
+    """What stands at the top of each sheet and standing."""
+
+    title: str = ""
+    logo: str = ""  # a picture as a data: address
+
+    def markup(self) -> Markup:
+        """Build the line; it is empty without title and logo."""
+        parts = [tag("img", src=self.logo, alt="")] if self.logo else []
+        if self.title:
+            parts.append(tag("p", self.title))
+        return tag("div", *parts, class_="competition") if parts else Markup("")
+
+
+NO_COMPETITION = Competition()
+# The pictures that a browser shows, by the ends of their files' names, with their first bytes.
+_PICTURES = {
+    ".png": ("image/png", b"\x89PNG"), ".jpg": ("image/jpeg", b"\xff\xd8"), ".jpeg": ("image/jpeg", b"\xff\xd8"),
+    ".svg": ("image/svg+xml", b"<"),
+}
+
+
+def picture_address(path: str) -> str:
+    """Read a picture as a data: address, which is part of the page. Raises OSError, and ValueError for other files."""
+    kind, begin = _PICTURES.get(os.path.splitext(path)[1].lower(), ("", b""))
+    with open(path, "rb") as file:
+        data = file.read()
+    if not kind or not data.lstrip().startswith(begin):
+        raise ValueError(f"{path} is not a picture: give a PNG, JPEG or SVG file")
+    return f"data:{kind};base64,{base64.b64encode(data).decode()}"
 
 
 def page(title: str, *body: Child) -> str:

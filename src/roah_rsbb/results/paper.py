@@ -7,7 +7,7 @@ two or three columns of smaller letters. Text that is too long for the page is c
 from typing import Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, grouped
-from roah_rsbb.results.page import Child, Markup, tag
+from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.results.standing_rules import DEFAULT, Rules
 from roah_rsbb.results.standings import DISQUALIFIED, criteria_of, number_text, number_with_unit, standing_of_run
@@ -42,6 +42,8 @@ LAYOUTS = (Layout("one", 1, 5.6, 70), Layout("two", 2, 4.6, 33), Layout("three",
 # several lines, and remarks, reduce it.
 SCORES_MM = 135.0
 FACT_MM, FACT_LETTERS = 4.8, 33
+COMPETITION_MM = 17.0
+MAX_COMPETITION = 70  # letters of its title
 REMARK_MM, REMARK_LETTERS = 5.0, 80
 
 
@@ -70,6 +72,7 @@ class Front(NamedTuple):
     totals: Tuple[Tuple[str, str], ...]
     remarks: Tuple[str, ...]
     empty_lines: int
+    competition: Competition = NO_COMPETITION
 
 
 def cut(text: str, letters: int) -> str:
@@ -216,11 +219,12 @@ def layout_of(front: Front) -> Tuple[Layout, Tuple[Group, ...]]:
 
 
 def _other_mm(front: Front) -> float:
-    """Returns the height of the parts that other pages do not have: remarks, and facts of several lines."""
+    """Returns the height of the parts that not all pages have: the competition, remarks, facts of several lines."""
     facts = [wrapped_lines(cut(value, MAX_FACT), FACT_LETTERS) - 1 for _, value in front.facts]
     remarks = [min(2, wrapped_lines(cut(remark, MAX_REMARK), REMARK_LETTERS)) for remark in front.remarks[:MAX_REMARKS]]
     rows = [max(pair) for pair in zip(facts[::2], facts[1::2])]
-    return FACT_MM * sum(rows) + REMARK_MM * sum(remarks)
+    head = COMPETITION_MM if any(front.competition) else 0.0
+    return head + FACT_MM * sum(rows) + REMARK_MM * sum(remarks)
 
 
 def _height(group: Group, layout: Layout) -> int:
@@ -246,8 +250,9 @@ def wrapped_lines(text: str, letters: int) -> int:
 def front_markup(front: Front) -> Markup:
     """Build the page."""
     layout, groups = layout_of(front)
+    competition = front.competition._replace(title=cut(front.competition.title, MAX_COMPETITION))
     parts: List[Child] = [
-        tag("h1", cut(front.title, MAX_FACT)), tag("p", front.state), _facts(front.facts),
+        competition.markup(), tag("h1", cut(front.title, MAX_FACT)), tag("p", front.state), _facts(front.facts),
         tag("div", *(_group(group) for group in groups), class_=f"scores {layout.name}"),
     ]
     if front.totals:

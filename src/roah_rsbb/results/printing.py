@@ -1,14 +1,28 @@
-"""Prints HTML pages as PDF files with a browser of the Chromium family, which need not be installed."""
+"""Prints HTML pages as PDF files with a browser of the Chromium family, which need not be installed.
 
+The browser starts once for all pages. It is controlled through two pipes, by the DevTools protocol: each message is
+JSON and ends with a zero byte.
+"""
+
+import base64
+import json
 import os
-import pathlib
+import select
 import shutil
 import subprocess
 import tempfile
+import time
+from types import TracebackType
+from typing import Any, Dict, List, Optional, Type
 
 # The first one that is installed is used.
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-TIMEOUT_S = 120.0
+TIMEOUT_S = 120.0  # for a page
+CLOSE_S = 5.0  # for the browser to end
+# The browser reads commands from the first of these descriptors, and answers on the second.
+_COMMANDS, _ANSWERS = 3, 4
+_PIECE = 1 << 16
+_IMAGES = "Promise.all([...document.images].map(image => image.decode().catch(() => 0)))"
 
 
 class CannotPrint(Exception):
@@ -27,28 +41,108 @@ def browser() -> str:
 
 
 def print_pdf(html: str, path: str) -> None:
-    """Print a page into a file; raises `CannotPrint` or OSError. An old file is replaced completely, or unchanged."""
-    program = browser()
-    with tempfile.TemporaryDirectory() as folder:
-        page, printed = os.path.join(folder, "page.html"), os.path.join(folder, "page.pdf")
-        pathlib.Path(page).write_text(html, encoding="utf-8", errors="backslashreplace")
+    """Print one page, as `Printer.print` does."""
+    with Printer() as printer:
+        printer.print(html, path)
+
+
+class Printer:
+    """A browser that prints pages until the end of the `with` block."""
+
+    def __init__(self) -> None:
+        self._program = browser()
+        self._number = 0  # of the last command
+        self._unread = b""
+
+    def __enter__(self) -> "Printer":
+        self._folder = tempfile.TemporaryDirectory()
+        self._errors = tempfile.TemporaryFile()
         command = [
-            program, "--headless", "--disable-gpu", "--no-pdf-header-footer", "--print-to-pdf-no-header",
-            f"--user-data-dir={os.path.join(folder, 'profile')}", f"--print-to-pdf={printed}",
-            pathlib.Path(page).as_uri(),
+            self._program, "--headless", "--disable-gpu", "--remote-debugging-pipe",
+            f"--user-data-dir={os.path.join(self._folder.name, 'profile')}", "about:blank",
         ]
         if os.geteuid() == 0:
             command.insert(1, "--no-sandbox")  # the sandbox does not work for root; the page runs no code
+        commands, self._commands = os.pipe()
+        self._answers, answers = os.pipe()
+        # A shell puts the pipes to the two descriptors: subprocess itself cannot.
+        shell = f'exec "$@" {_COMMANDS}<&{commands} {_ANSWERS}>&{answers}'
+        self._process = subprocess.Popen(
+            ["bash", "-c", shell, "bash", *command], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            stderr=self._errors, pass_fds=(commands, answers))
+        os.close(commands)
+        os.close(answers)
+        return self
+
+    def __exit__(
+        self, kind: Optional[Type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
+        os.close(self._commands)  # the browser ends with its pipe
+        os.close(self._answers)
         try:
-            done = subprocess.run(
-                command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, timeout=TIMEOUT_S, check=False)
+            self._process.wait(CLOSE_S)
         except subprocess.TimeoutExpired:
-            raise CannotPrint(f"{program} did not print within {TIMEOUT_S:.0f} s: export with --html instead") from None
-        if not os.path.exists(printed):
-            said = done.stderr.decode("utf-8", "replace").strip().splitlines()[-1:]
-            why = " ".join(said) or f"exit status {done.returncode}"
-            raise CannotPrint(f"{program} printed nothing ({why}): export with --html instead, and print the pages in "
-                              "any browser")
+            self._process.kill()
+            self._process.wait()
+        self._errors.close()
+        self._folder.cleanup()
+
+    def print(self, html: str, path: str) -> None:
+        """Print a page into a file; raises `CannotPrint` or OSError. An old file is replaced completely, or unchanged.
+        """
+        until = time.monotonic() + TIMEOUT_S
+        target = self._ask(until, "Target.createTarget", url="about:blank")["targetId"]
+        session = self._ask(until, "Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        frame = self._ask(until, "Page.getFrameTree", session)["frameTree"]["frame"]["id"]
+        text = html.encode(errors="backslashreplace").decode()
+        self._ask(until, "Page.setDocumentContent", session, frameId=frame, html=text)
+        self._ask(until, "Runtime.evaluate", session, expression=_IMAGES, awaitPromise=True)
+        made = self._ask(until, "Page.printToPDF", session, preferCSSPageSize=True)
+        self._ask(until, "Target.closeTarget", targetId=target)
         draft = f"{path}.draft"
-        shutil.copyfile(printed, draft)
+        with open(draft, "wb") as file:
+            file.write(base64.b64decode(made["data"]))
         os.replace(draft, path)
+
+    def _ask(self, until: float, method: str, session: str = "", **params: Any) -> Dict[str, Any]:
+        """Give a command and return its result."""
+        self._number += 1
+        message: Dict[str, Any] = {"id": self._number, "method": method, "params": params}
+        if session:
+            message["sessionId"] = session
+        try:
+            left = memoryview(json.dumps(message).encode() + b"\0")
+            while left:
+                left = left[os.write(self._commands, left):]
+        except BrokenPipeError:
+            raise self._failed() from None
+        while True:
+            answer = json.loads(self._message(until))
+            if answer.get("id") != self._number:
+                continue  # an event
+            if "error" in answer:
+                raise CannotPrint(f"{self._program} printed nothing ({answer['error'].get('message')}): export with "
+                                  "--html instead, and print the pages in any browser")
+            return dict(answer["result"])
+
+    def _message(self, until: float) -> bytes:
+        parts: List[bytes] = [self._unread]
+        while b"\0" not in parts[-1]:
+            if not select.select([self._answers], (), (), max(0.0, until - time.monotonic()))[0]:
+                raise CannotPrint(f"{self._program} did not print within {TIMEOUT_S:.0f} s: export with --html instead")
+            parts.append(os.read(self._answers, _PIECE))
+            if not parts[-1]:
+                raise self._failed()
+        message, _, self._unread = b"".join(parts).partition(b"\0")
+        return message
+
+    def _failed(self) -> CannotPrint:
+        """Return why the browser has ended."""
+        try:
+            status = f"exit status {self._process.wait(CLOSE_S)}"
+        except subprocess.TimeoutExpired:
+            status = "it closed its pipe"
+        self._errors.seek(0)
+        said = self._errors.read().decode("utf-8", "replace").strip().splitlines()[-1:]
+        return CannotPrint(f"{self._program} printed nothing ({' '.join(said) or status}): export with --html instead, "
+                           "and print the pages in any browser")

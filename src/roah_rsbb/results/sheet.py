@@ -6,7 +6,7 @@ from typing import Iterator, List, Optional, Tuple
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord, grouped
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
-from roah_rsbb.results.page import Child, Markup, facts_table, joined, page, table, tag
+from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, facts_table, joined, page, table, tag
 from roah_rsbb.results.paper import front_markup, front_of
 from roah_rsbb.results.runs import RobotPart, RunResult, run_state_text, signature_of
 from roah_rsbb.results.standing_rules import Rules
@@ -152,12 +152,14 @@ def _reason(stop: StopRecord) -> str:
 
 
 def sheet_page(
-    result: RunResult, in_utc: bool, rules: Optional[Rules] = None, benchmark: str = "", appendix: bool = True
+    result: RunResult, in_utc: bool, rules: Optional[Rules] = None, benchmark: str = "", appendix: bool = True,
+    competition: Competition = NO_COMPETITION,
 ) -> str:
     """Return the page of a run. `rules`: how its benchmark is ranked; `benchmark`: what it is called."""
     record = result.record
     title = _title(record)
-    body: List[Child] = [front_markup(front_of(record, rules, benchmark, in_utc))]
+    front = front_of(record, rules, benchmark, in_utc)._replace(competition=competition)
+    body: List[Child] = [front_markup(front)]
     if appendix:
         annex = [
             tag("h1", "Appendix"), tag("p", title), facts_table(_page_facts(result, in_utc)),

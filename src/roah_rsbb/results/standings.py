@@ -6,7 +6,7 @@ import statistics
 from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.scoring.records import RunRecord, ScoreValue
-from roah_rsbb.results.page import Child, Markup, joined, page, table, tag
+from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, joined, page, table, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.results.standing_rules import DEFAULT, Criterion, OfRuns, Rules, Term
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
@@ -320,17 +320,20 @@ def linked(text: str, identity: str, sheets: Mapping[str, str]) -> Child:
     return tag("a", text, href=sheets[identity]) if identity in sheets else text
 
 
-def standings_page(standings: Sequence[Standing], written_utc: float, in_utc: bool) -> str:
+def standings_page(
+    standings: Sequence[Standing], written_utc: float, in_utc: bool, competition: Competition = NO_COMPETITION
+) -> str:
     """Build a page of standings only."""
     return page(
-        "Standings", tag("h1", "Standings"), tag("p", f"As of {date_time(written_utc, in_utc)}", class_="small"),
+        "Standings", competition.markup(), tag("h1", "Standings"),
+        tag("p", f"As of {date_time(written_utc, in_utc)}", class_="small"),
         *(standing_markup(standing, {}) for standing in standings),
     )
 
 
 def index_page(
     numbered: Sequence[Tuple[int, RunRecord]], sheets: Dict[str, str], standings: Sequence[Standing],
-    written_utc: float, in_utc: bool,
+    written_utc: float, in_utc: bool, competition: Competition = NO_COMPETITION,
 ) -> str:
     """Build the page with the standings and links to all sheets."""
     rows = [
@@ -339,7 +342,8 @@ def index_page(
         for number, r in numbered
     ]
     return page(
-        "Results", tag("h1", "Results"), tag("p", f"As of {date_time(written_utc, in_utc)}", class_="small"),
+        "Results", competition.markup(), tag("h1", "Results"),
+        tag("p", f"As of {date_time(written_utc, in_utc)}", class_="small"),
         *(standing_markup(standing, sheets) for standing in standings),
         tag("h2", "Runs"),
         table(("No.", "Connected", "Zone", "Benchmark", "Team", "Round / run", "State", "Sheet"), rows,

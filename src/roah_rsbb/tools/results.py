@@ -26,9 +26,9 @@ from roah_rsbb.results.export import (
     standing_rows,
     write_table,
 )
-from roah_rsbb.results.page import page
+from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
-from roah_rsbb.results.printing import CannotPrint, browser, print_pdf
+from roah_rsbb.results.printing import CannotPrint, Printer, browser, print_pdf
 from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, find, records, run_result
 from roah_rsbb.results.sheet import list_lines, sheet_lines, sheet_page
 from roah_rsbb.results.standing_rules import OfRuns, Rules, read_rules
@@ -136,6 +136,7 @@ def _add_views(commands: Any) -> None:
     export.add_argument("--pdf", metavar="DIR", help="the same, printed by Chromium if it is installed")
     export.add_argument("--no-appendix", action="store_true",
                         help="only the page that is signed, without the history and the link")
+    _add_competition(export)
     _add_choice(export)
     export.set_defaults(do=_export)
     ranks = commands.add_parser("standings", help="rank the teams", description=_STANDINGS, epilog=_RULES)
@@ -144,12 +145,14 @@ def _add_views(commands: Any) -> None:
     ranks.add_argument("--json", metavar="FILE")
     ranks.add_argument("--html", metavar="FILE", help="a page that can be printed")
     ranks.add_argument("--pdf", metavar="FILE", help="the same, printed by Chromium if it is installed")
+    _add_competition(ranks)
     _add_choice(ranks)
     ranks.set_defaults(do=_standings)
     blank = commands.add_parser("blank", help="write empty score sheets, to be filled in by hand", description=_BLANK)
     blank.add_argument("benchmarks", metavar="CODE", nargs="*", help="only these benchmarks, such as HGTKMH")
     blank.add_argument("--html", metavar="FILE", help="a page that can be printed")
     blank.add_argument("--pdf", metavar="FILE", help="the same, printed by Chromium if it is installed")
+    _add_competition(blank)
     _add_files(blank)
     blank.set_defaults(do=_blank)
     check = commands.add_parser("checklist", help="list what is signed off and what is missing", description=_CHECKLIST)
@@ -191,6 +194,11 @@ def _sub_parser(**options: str) -> Parser:
 def _add_files(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--benchmarks-file", metavar="YAML", help=f"default: {BENCHMARKS_FILE} beside the log_dir")
     parser.add_argument("--schedule-file", metavar="YAML", help=f"default: {SCHEDULE_FILE} beside the log_dir")
+
+
+def _add_competition(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--title", metavar="TEXT", default="", help="competition, at the top of each sheet")
+    parser.add_argument("--logo", metavar="FILE", default="", help="its logo beside the title: a PNG, JPEG or SVG file")
 
 
 def _add_choice(parser: argparse.ArgumentParser) -> None:
@@ -235,6 +243,7 @@ def _export(options: argparse.Namespace) -> int:
         raise _Usage("choose what to write: --csv FILE, --json FILE, --html DIR, --pdf DIR, or several of them")
     if options.pdf:
         browser()  # before anything is written
+    _competition(options)
     now = time.time()
     with _open(options) as reader:
         known = records(reader, _warn)
@@ -251,9 +260,11 @@ def _export(options: argparse.Namespace) -> int:
         if options.json:
             value = exported(list(results()), ranked, reader.path, now)
             _write(options.json, lambda file: _dump(value, file))
-        for folder, suffix, write in ((options.html, "html", _write_html), (options.pdf, "pdf", print_pdf)):
-            if folder:
-                _write_pages(options, folder, suffix, write, results(), chosen, ranked, now)
+        if options.html:
+            _write_pages(options, options.html, "html", _write_html, results(), chosen, ranked, now)
+        if options.pdf:
+            with Printer() as printer:
+                _write_pages(options, options.pdf, "pdf", printer.print, results(), chosen, ranked, now)
     return 0
 
 
@@ -261,17 +272,17 @@ def _write_pages(
     options, folder: str, suffix: str, write: Callable[[str, str], None], results: Iterable[RunResult], chosen,
     ranked: List[Standing], now: float,
 ) -> None:
-    rules, titles = _rules(options), _titles(options)
+    rules, titles, competition = _rules(options), _titles(options), _competition(options)
     sheets: Dict[str, str] = {}
     os.makedirs(folder, exist_ok=True)
     for result in results:
         record = result.record
         sheets[record.identity] = name = f"{_file_name(result)}.{suffix}"
         text = sheet_page(result, options.utc, rules.get(record.benchmark), titles.get(record.benchmark, ""),
-                          not options.no_appendix)
+                          not options.no_appendix, competition)
         write(text, os.path.join(folder, name))
     index = f"index.{suffix}"
-    write(index_page(chosen, sheets, ranked, now, options.utc), os.path.join(folder, index))
+    write(index_page(chosen, sheets, ranked, now, options.utc, competition), os.path.join(folder, index))
     print(f"{len(sheets)} score sheets and {index} are in {folder}")
 
 
@@ -301,7 +312,7 @@ def _standings(options: argparse.Namespace) -> int:
             file, STANDING_COLUMNS, standing_rows(ranked)), "utf-8-sig")
     if options.json:
         _write(options.json, lambda file: _dump(exported_standings(ranked, path, now), file))
-    _write_page(options, standings_page(ranked, now, options.utc))
+    _write_page(options, standings_page(ranked, now, options.utc, _competition(options)))
     if not (options.csv or options.json or options.html or options.pdf):
         for standing in ranked:
             for text in standing_lines(standing):
@@ -325,7 +336,9 @@ def _blank(options: argparse.Namespace) -> int:
               if not options.benchmarks or event.benchmark.code in options.benchmarks]
     sheets += [blank_front(benchmark) for code, benchmark in benchmarks.items()
                if (code in options.benchmarks or not options.benchmarks) and code not in with_event]
-    _write_page(options, page("Score sheets", *map(front_markup, sheets)))
+    competition = _competition(options)
+    _write_page(options, page("Score sheets", *(
+        front_markup(front._replace(competition=competition)) for front in sheets)))
     print(f"{len(sheets)} empty score sheets are in {' and '.join(filter(None, (options.html, options.pdf)))}")
     return 0
 
@@ -442,6 +455,15 @@ def _beside(options: argparse.Namespace, name: str) -> Optional[str]:
 def _titles(options: argparse.Namespace) -> Dict[str, str]:
     benchmarks = config.load_benchmarks(_file(options, BENCHMARKS_FILE))
     return {code: benchmark.desc or benchmark.name for code, benchmark in benchmarks.items()}
+
+
+def _competition(options: argparse.Namespace) -> Competition:
+    try:
+        return Competition(options.title, picture_address(options.logo) if options.logo else "")
+    except ValueError as error:
+        raise _Usage(str(error)) from None
+    except OSError as error:
+        raise _Usage(f"{options.logo}: {error.strerror}: choose another picture with --logo") from None
 
 
 def _write_page(options: argparse.Namespace, text: str) -> None:

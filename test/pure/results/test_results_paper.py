@@ -1,5 +1,6 @@
 """Score sheets on paper: one A4 page each, filled in or blank, and nothing of it cut; printed by a real Chromium."""
 
+import base64
 import html
 import json
 import os
@@ -12,9 +13,9 @@ import pytest
 from helpers.results_of import ACHIEVED, DISQUALIFYING, DOOR, EVIL, PENALIZED, full_record, module_record, task_record
 from roah_rsbb.core.scoring.records import ItemRecord, ScoreEntry, ScoreValue, SignOff, StopRecord
 from roah_rsbb.results import paper, printing
-from roah_rsbb.results.page import LONGEST_WORD, breakable, page, tag
+from roah_rsbb.results.page import LONGEST_WORD, Competition, breakable, page, tag
 from roah_rsbb.results.paper import blank_front, cut, front_markup, front_of, layout_of, wrapped_lines
-from roah_rsbb.results.printing import CannotPrint, print_pdf
+from roah_rsbb.results.printing import CannotPrint, Printer, print_pdf
 from roah_rsbb.results.standing_rules import Criterion, OfRuns, Rules, Term, read_rules
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent
 from roah_rsbb.rulebook.config import load_benchmarks
@@ -180,6 +181,10 @@ FRONTS = [
     *(front(navigation(waypoints), RULES["HNF"]) for waypoints in (0, 3, 5, 8, 10, 12, 14, 16, 18, 25, 60)),
     *(blank_front(benchmark) for benchmark in BENCHMARKS.values()),
 ]
+# A tall logo, which is made smaller, and a title of the greatest width.
+LOGO = '<svg xmlns="http://www.w3.org/2000/svg" width="900" height="2000"><rect width="900" height="2000"/></svg>'
+COMPETITION = Competition("W" * 200, "data:image/svg+xml;base64," + base64.b64encode(LOGO.encode()).decode())
+FRONTS += [front._replace(competition=COMPETITION) for front in FRONTS]
 
 
 @pytest.fixture(scope="module")
@@ -225,6 +230,34 @@ def test_nothing_is_cut_and_the_signatures_are_at_the_bottom(document, chromium,
         assert (cut_off <= 0, too_wide) == (True, 0), (found.title, found.groups[:1], cut_off, layout_of(found)[0])
         assert 980 < height < 1000, "262 mm"
         assert abs(below) < 2
+
+
+def test_many_pages_need_one_browser(chromium, monkeypatch, tmp_path):
+    counting = tmp_path / "bin" / "chromium"
+    counting.parent.mkdir()
+    counting.write_text(f'#!/bin/sh\necho >> {tmp_path}/starts\nexec {chromium} "$@"\n')
+    counting.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{counting.parent}:{os.environ['PATH']}")
+    with Printer() as printer:
+        for number, front in enumerate(FRONTS[:3] + FRONTS[-1:]):
+            printer.print(page("One", front_markup(front)), str(tmp_path / f"{number}.pdf"))
+    assert (tmp_path / "starts").read_text() == "\n"
+    printed = [(tmp_path / f"{number}.pdf").read_bytes() for number in range(4)]
+    assert [len(re.findall(rb"/Type\s*/Page\b(?!s)", data)) for data in printed] == [1, 1, 1, 1]
+    assert len(set(printed)) == 4
+    assert all(re.search(rb"/MediaBox\s*\[0 0 59[45][.\d]* 84[12][.\d]*\]", data) for data in printed), "A4"
+
+
+def test_a_browser_that_hangs(monkeypatch, tmp_path):
+    fake = tmp_path / "chromium"
+    fake.write_text("#!/bin/sh\nexec sleep 1000\n")
+    fake.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
+    monkeypatch.setattr(printing, "TIMEOUT_S", 0.1)
+    monkeypatch.setattr(printing, "CLOSE_S", 0.1)
+    with pytest.raises(CannotPrint, match="did not print within 0 s"):
+        print_pdf("", str(tmp_path / "x.pdf"))
+    assert not (tmp_path / "x.pdf").exists()
 
 
 def test_without_a_browser_the_remedy_is_reported(monkeypatch, tmp_path):

@@ -1,5 +1,6 @@
 """The program: its commands, the files that it writes, and its errors."""
 
+import base64
 import csv
 import io
 import json
@@ -381,13 +382,68 @@ def test_pages_without_the_appendix(run, tmp_path):
 def test_pdf(run, tmp_path, monkeypatch):
     printed = {}
     monkeypatch.setattr(program, "browser", lambda: "chromium")
-    monkeypatch.setattr(program, "print_pdf", lambda text, path: printed.update({os.path.basename(path): text}))
+
+    class Printer:
+        """Notes what is printed."""
+
+        started = 0
+
+        def __enter__(self):
+            Printer.started += 1
+            return self
+
+        def __exit__(self, *_):
+            pass
+
+        @staticmethod
+        def print(text, path):
+            printed[os.path.basename(path)] = text
+
+    monkeypatch.setattr(program, "Printer", Printer)
+    monkeypatch.setattr(program, "print_pdf", Printer.print)
     status, out, _ = run("export", "1", "2", "--pdf", tmp_path / "pdf")
     assert (status, out) == (0, f"2 score sheets and index.pdf are in {tmp_path}/pdf\n")
     assert sorted(printed) == ["001_HGTKMH_Alpha_round1_run1.pdf", "002_HGTKMH_Beta_round1_run2.pdf", "index.pdf"]
     assert 'href="002_HGTKMH_Beta_round1_run2.pdf"' in printed["index.pdf"]
+    assert Printer.started == 1
     assert run("standings", "--pdf", tmp_path / "s.pdf")[0] == 0
     assert "Standings" in printed["s.pdf"]
+
+
+LOGO = base64.b64decode("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAQAAAC1HAwCAAAAC0lEQVR42mNk+A8AAQUBAScY42YAAAAASUVORK5CYII=")
+
+
+def test_title_and_logo_of_the_competition(run, tmp_path):
+    (tmp_path / "logo.PNG").write_bytes(LOGO)
+    brand = ("--title", "Erl <2026> & Co", "--logo", tmp_path / "logo.PNG")
+    assert run("export", "1", "--html", tmp_path / "html", *brand)[0] == 0
+    assert run("standings", "--html", tmp_path / "standings.html", *brand)[0] == 0
+    assert run("blank", "HGTKMH", "--html", tmp_path / "blank.html", *brand)[0] == 0
+    pages = [*(tmp_path / "html").iterdir(), tmp_path / "standings.html", tmp_path / "blank.html"]
+    assert len(pages) == 4
+    head = ('<div class="competition"><img src="data:image/png;base64,' + base64.b64encode(LOGO).decode()
+            + '" alt=""><p>Erl &lt;2026&gt; &amp; Co</p></div>')
+    for path in pages:
+        text = path.read_text()
+        assert head in text and "img-src data:;" in text
+    assert 'class="competition"' not in _html_of(run, tmp_path, "standings")
+
+
+def _html_of(run, tmp_path, command):
+    assert run(command, "--html", tmp_path / "plain.html")[0] == 0
+    return (tmp_path / "plain.html").read_text()
+
+
+@pytest.mark.parametrize("name, content, reason", [
+    ("logo.png", b"no picture", "is not a picture: give a PNG, JPEG or SVG file"),
+    ("logo.gif", b"GIF89a", "is not a picture"), ("missing.svg", None, "No such file or directory: choose another"),
+])
+def test_a_logo_that_is_not_a_picture_is_refused_before_anything_is_written(run, tmp_path, name, content, reason):
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    status, _, err = run("export", "--html", tmp_path / "html", "--csv", tmp_path / "csv", "--logo", tmp_path / name)
+    assert (status, err.count(reason)) == (1, 1)
+    assert not (tmp_path / "html").exists() and not (tmp_path / "csv").exists()
 
 
 def test_without_a_browser_nothing_is_written(run, tmp_path, monkeypatch):
