@@ -7,15 +7,28 @@ PASSWORD_VARIABLE = "ROAH_RSBB_KEY"
 """The environment variable that holds a team's password."""
 
 
+def _as_typed(text: str) -> str:
+    """Decode an argument or a variable as UTF-8, which keys are made of (docs/protocol.md, "Key").
+
+    Python decodes them by the locale, and a terminal may send UTF-8 in a locale that is ASCII or Latin-1.
+    """
+    try:
+        return os.fsencode(text).decode("utf-8")
+    except UnicodeError:
+        return text
+
+
 def own_password(password: Optional[str], file: Optional[str]) -> Optional[str]:
     """Find a team's password: the argument, the first line of `file`, or the environment; None if there is none.
 
     Raises ValueError, which names the file, if it cannot be read.
     """
+    if password is None and file is None:
+        password = os.environ.get(PASSWORD_VARIABLE)
     if password is not None:
-        return password
+        return _as_typed(password)
     if file is None:
-        return os.environ.get(PASSWORD_VARIABLE)
+        return None
     try:
         with open(file, encoding="utf-8") as opened:
             return opened.readline().rstrip("\r\n")

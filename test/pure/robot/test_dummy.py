@@ -4,11 +4,14 @@ import asyncio
 import contextlib
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 
 import pytest
 
+import roah_rsbb
 from helpers.small_box import BROADCAST, NAME, PASSWORD, ROBOT, TEAM, SmallBox, free_ports
 from roah_rsbb.comm.ciphers import Cipher
 from roah_rsbb.comm.sockets import listen
@@ -237,6 +240,43 @@ def test_the_password_is_not_seen_in_the_list_of_processes(source, clients, tmp_
         monkeypatch.setenv(dummy.PASSWORD_VARIABLE, "Käse ohne Löcher")
     dummy.main(arguments)
     assert clients[0][1] == "Käse ohne Löcher"
+
+
+@pytest.mark.parametrize("locale", [
+    {"LANG": "C.UTF-8"}, {"LANG": "C"}, {"LC_ALL": "no_SUCH"},
+    # What Python does in a locale such as Latin-1: it decodes arguments by the locale.
+    {"LANG": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+], ids=["utf8", "c", "missing", "ascii"])
+@pytest.mark.parametrize("source", ["argument", "environment"])
+def test_a_password_in_any_letters_is_the_boxs(source, locale):
+    password = "Käse ß 日本"
+
+    async def body():
+        async with SmallBox(password=password) as box:
+            folders = [*roah_rsbb.__path__]
+            arguments = [
+                sys.executable, "-c", f"import roah_rsbb; roah_rsbb.__path__ = {folders}\n"
+                "from roah_rsbb.robot.dummy import main; main()", "--team", TEAM, "--robot", NAME, "--host", BROADCAST,
+                "--port", str(box.port), "--bind", ROBOT,
+            ]
+            environment = {
+                **os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **locale,
+                **({dummy.PASSWORD_VARIABLE: password} if source == "environment" else {}),
+            }
+            if "LC_ALL" not in locale:
+                environment.pop("LC_ALL", None)
+            arguments += ["--password", password] if source == "argument" else []
+            program = subprocess.Popen(
+                [text.encode() for text in arguments], env={name: text.encode() for name, text in environment.items()}
+            )
+            try:
+                await box.until(lambda: box.received or program.poll() is not None)
+                assert box.received, "the program ended before its first message"
+            finally:
+                program.kill()
+                program.wait()
+
+    asyncio.run(body())
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
