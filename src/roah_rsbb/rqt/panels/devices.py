@@ -201,7 +201,8 @@ class DevicesPanel(Panel):
         self.rows: Dict[str, DeviceRow] = {}
         inside = QWidget()
         self._lines = QVBoxLayout(inside)
-        self._lines.setContentsMargins(0, 0, 0, 0)
+        edge = round(0.3 * basic.em())  # for the frame of the focus
+        self._lines.setContentsMargins(edge, edge, edge, edge)
         for device, number in SWITCHES.items():
             change = self._changer(device, f"{device}/set", Bool)
             self._add(device, TwoStateRow(
