@@ -11,10 +11,13 @@ import socket
 import struct
 import threading
 import time
+import xmlrpc.client
+from http.client import HTTPException
 from io import BytesIO
 from typing import Any, Callable, Dict, List, NoReturn, Optional, Tuple
 from urllib.parse import urlsplit
-from xml.etree import ElementTree
+from xml.parsers.expat import ExpatError
+from xmlrpc.client import ProtocolError, ServerProxy
 
 _SIZE = struct.Struct("<I")
 _PIECE = 1 << 18  # bytes to read at once
@@ -270,6 +273,8 @@ def _addresses(host: str, port: int, until: float) -> List[Any]:
 
     try:
         return limited(_left(until), resolve)
+    except Late:
+        raise Late("has a name that cannot be found") from None
     except (OSError, UnicodeError) as error:
         raise RosError(f"{host}: {error}") from None
 
@@ -288,94 +293,32 @@ def limited(limit_s: float, job: Callable[[], Any]) -> Any:
     try:
         result, error = done.get(timeout=limit_s)
     except queue.Empty:
-        raise Late("has a name that cannot be found") from None
+        raise Late("does not answer") from None
     if error is not None:
         raise error
     return result
 
 
 # -- XML-RPC --------------------------------------------------------------------------------------
-# The standard library's client imports what only HTTPS and mail need, which takes a sixth of a command's time.
 
 
 def _xml_rpc(uri: str, method: str, arguments: List[Any], until: float) -> Any:
     """Call a master or node and return the value of its answer; raises `RosError`."""
     try:
         address = urlsplit(uri)
-        host, port = address.hostname, address.port
+        is_whole = bool(address.hostname and address.port)
     except ValueError as error:
         raise RosError(str(error)) from None
-    if not host or not port:
+    if not is_whole:
         raise RosError(f"'{uri}' is not an address such as http://computer:11311")
-    body = _call_text(method, arguments)
-    head = (f"POST {address.path or '/'} HTTP/1.0\r\nHost: {address.netloc}\r\nContent-Type: text/xml\r\n"
-            f"Content-Length: {len(body)}\r\n\r\n")
-    connection = _Socket(host, port, until)
     try:
-        connection.write(head.encode() + body, until)
-        answer = _http_body(connection, until)
-    finally:
-        connection.close()
-    status, message, value = _answer_of(answer)
-    if status != _SUCCESS:
-        raise RosError(message)
-    return value
-
-
-def _http_body(connection: _Socket, until: float) -> bytes:
-    head, body = connection.read(until), b""
-    while b"\r\n\r\n" not in head:
-        head += connection.read(until)
-    head, _, body = head.partition(b"\r\n\r\n")
-    first, *fields = head.decode(errors="replace").split("\r\n")
-    if first.split(" ")[1:2] != ["200"]:
-        raise RosError(first)
-    named = {name.strip().lower(): value for name, _, value in (field.partition(":") for field in fields)}
-    size = named.get("content-length", "").strip()
-    if not size.isdecimal() or int(size) > _MAX_BYTES:
-        raise RosError("the other side does not speak XML-RPC")
-    return body + connection.read_exactly(max(0, int(size) - len(body)), until)
-
-
-def _call_text(method: str, arguments: List[Any]) -> bytes:
-    call = ElementTree.Element("methodCall")
-    ElementTree.SubElement(call, "methodName").text = method
-    params = ElementTree.SubElement(call, "params")
-    for argument in arguments:
-        _put(ElementTree.SubElement(params, "param"), argument)
-    return b'<?xml version="1.0"?>\n' + ElementTree.tostring(call)
-
-
-def _put(parent: ElementTree.Element, argument: Any) -> None:
-    """Put a text, or a list of texts and lists, below `parent`."""
-    value = ElementTree.SubElement(parent, "value")
-    if isinstance(argument, str):
-        ElementTree.SubElement(value, "string").text = argument
-        return
-    data = ElementTree.SubElement(ElementTree.SubElement(value, "array"), "data")
-    for item in argument:
-        _put(data, item)
-
-
-def _answer_of(body: bytes) -> Tuple[int, str, Any]:
-    """Return status, message and value of an answer of the master or a node."""
-    try:
-        value = ElementTree.fromstring(body).find("params/param/value")
-        if value is None:
-            raise RosError("the other side refused the call")
-        status, message, result = _value(value)
-        return int(status), str(message), result
-    except (ElementTree.ParseError, ValueError, IndexError, TypeError):
+        status, message, value = limited(_left(until), lambda: getattr(ServerProxy(uri), method)(*arguments))
+    except ProtocolError as error:
+        raise RosError(f"the answer is HTTP {error.errcode}") from None
+    except (OSError, HTTPException) as error:
+        raise RosError(str(error)) from None
+    except (xmlrpc.client.Error, ExpatError, ValueError, TypeError):
         raise RosError("the other side does not speak XML-RPC") from None
-
-
-def _value(value: ElementTree.Element) -> Any:
-    """Return a value of XML-RPC, of the types that the API of ROS uses for its answers here."""
-    if len(value) == 0:
-        return value.text or ""
-    typed = value[0]
-    if typed.tag == "array":
-        return [_value(item) for item in typed[0]]
-    if typed.tag in ("int", "i4", "boolean"):
-        return int(typed.text or "")
-    return typed.text or ""
+    if status != _SUCCESS:
+        raise RosError(str(message))
+    return value

@@ -175,7 +175,8 @@ def test_whatever_does_not_serve_is_reported(node: Node, client: Client, talk: A
     (mute, Late, "does not answer"),
     (lambda connection: connection.sendall(b"HTTP/1.0 403 refused\r\n\r\n"), RosError, "403"),
     (lambda connection: connection.sendall(b"HTTP/1.0 200 OK\r\nContent-Length: 3\r\n\r\n<a>"), RosError, "XML-RPC"),
-    (lambda connection: connection.sendall(b"HTTP/1.0 200 OK\r\nContent-Length: 4\r\n\r\n<a/>"), RosError, "refused"),
+    (lambda connection: connection.sendall(b"HTTP/1.0 200 OK\r\nContent-Length: 4\r\n\r\n<a/>"), RosError, "XML-RPC"),
+    (lambda connection: connection.sendall(b"SSH-2.0-OpenSSH_9.2\r\n"), RosError, "SSH"),
 ])
 def test_what_is_not_a_master_is_reported(talk: Any, error: type, reason: str) -> None:
     with server(talk) as port, pytest.raises(error, match=reason):

@@ -2,6 +2,7 @@
 
 import contextlib
 import itertools
+import select
 import threading
 from typing import Any, Dict, Iterator, List, Optional, Set, Tuple
 
@@ -16,6 +17,7 @@ from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
 from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.referee.ros_client import Client
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Override
 from support.box_case import NetworkCase
@@ -110,6 +112,22 @@ class CommCase(NetworkCase):
         heard = Heard(name, kind)
         self.addCleanup(heard.close)
         return heard
+
+    def latched(self, name: str, kind: type) -> Any:
+        """Return what a new listener on a topic receives.
+
+        It needs a connection of its own. A second subscriber of one process of rospy receives the last message from
+        the first one, but not if that one connected in the moment between registration and latching of the publisher.
+        """
+        listener = Client(rosgraph.get_master_uri(), "/late_listener").follow(f"/roah_rsbb/{name}", kind, LIMIT_S)
+        try:
+            while True:
+                message = listener.take()
+                if message is not None:
+                    return message
+                self.assertTrue(select.select([listener], (), (), LIMIT_S)[0], f"{name} sent nothing")
+        finally:
+            listener.close()
 
     def _on_log(self, message: Log) -> None:
         if message.name == NODE:
