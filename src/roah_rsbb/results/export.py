@@ -5,12 +5,15 @@ referees; a spreadsheet program would run those that look like formulas.
 """
 
 import csv
+import dataclasses
 import json
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, TextIO, Tuple, Union
 
+from roah_rsbb.core.restart.saved import freeze
 from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry
 from roah_rsbb.results.runs import RunResult, run_state_text
 from roah_rsbb.results.standings import Standing
+from roah_rsbb.wording.sheets import ratings_text
 from roah_rsbb.wording.texts import value_text, visible
 from roah_rsbb.wording.times import iso
 
@@ -26,7 +29,8 @@ _RUN_COLUMNS = (
 )
 # Columns about the item or value.
 _ROW_COLUMNS = (
-    "kind", "group", "name", "value", "unit", "not_attempted", "corrected", "changed", "changed_by", "note",
+    "kind", "group", "name", "value", "unit", "not_attempted", "corrected", "changed", "changed_by", "note", "points",
+    "ratings",
 )
 RESULT_COLUMNS = _RUN_COLUMNS + _ROW_COLUMNS
 
@@ -60,7 +64,7 @@ def result_rows(records: Iterable[RunRecord], in_utc: bool) -> Iterator[Dict[str
     """Return the rows of all runs. A run without items and values has one row of kind "none"."""
     for record in records:
         of_run = _of_run(record, in_utc)
-        rows = [*_item_rows(record, in_utc), *_module_rows(record)]
+        rows = [*_item_rows(record, in_utc), *_points_rows(record), *_module_rows(record)]
         for row in rows or [{"kind": "none"}]:
             yield {**of_run, **row}
 
@@ -86,12 +90,32 @@ def _item_rows(record: RunRecord, in_utc: bool) -> Iterator[Dict[str, Cell]]:
     for item in record.items:
         entry = last.get((item.group, item.desc))
         row: Dict[str, Cell] = {
-            "kind": "item", "group": item.group, "name": item.desc, "value": item.value,
-            "not_attempted": item.not_attempted, "corrected": item.corrected,
+            "kind": "item", "group": item.group, "name": item.desc,
+            "value": _number(item.text) if item.text else item.value,
+            "not_attempted": item.not_attempted, "corrected": item.corrected, "points": _number(item.points),
+            "ratings": ratings_text(item.ratings),
         }
         if entry is not None:
             row.update(changed=iso(entry.utc, in_utc), changed_by=entry.who, note=entry.note)
         yield row
+
+
+def _number(text: str) -> Cell:
+    """A decimal number as a number of the spreadsheet; other text stays text."""
+    try:
+        number = float(text)
+    except ValueError:
+        return text
+    return int(number) if number.is_integer() else number
+
+
+def _points_rows(record: RunRecord) -> Iterator[Dict[str, Cell]]:
+    """The points of each group, then in total."""
+    if record.points is None:
+        return
+    for name, points in record.points.groups:
+        yield {"kind": "group", "group": name, "points": _number(points)}
+    yield {"kind": "total", "points": _number(record.points.total)}
 
 
 def _module_rows(record: RunRecord) -> Iterator[Dict[str, Cell]]:
@@ -190,6 +214,8 @@ def _plain(value: Any) -> Any:
     """A record with all its fields, including those with default values."""
     if hasattr(value, "_fields"):
         return {name: _plain(field) for name, field in zip(value._fields, value)}
+    if dataclasses.is_dataclass(value):
+        return freeze(value)
     if isinstance(value, (list, tuple)):
         items: List[Any] = [_plain(item) for item in value]
         return items

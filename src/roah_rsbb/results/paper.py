@@ -4,15 +4,16 @@ It has the run, its scores with units, points and totals, remarks, and lines for
 two or three columns of smaller letters. Text that is too long for the page is cut with "…". The appendix has all of it.
 """
 
-from typing import Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from decimal import Decimal
+from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, grouped
+from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, SheetPoints, grouped
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.results.standing_rules import DEFAULT, Rules
 from roah_rsbb.results.standings import DISQUALIFIED, criteria_of, number_text, number_with_unit, standing_of_run
 from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent
-from roah_rsbb.rulebook.scoring import ScoreKind
+from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.texts import one_line
@@ -91,7 +92,6 @@ def benchmark_name(code: str, title: str) -> str:
 
 def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool) -> Front:
     """Returns the texts of a run's front page. `title`: the benchmark's title; empty: not known."""
-    rules = rules or DEFAULT
     ended = run_state_text(record) + (f", after {elapsed(record.elapsed_s)} min" if record.started_utc else "")
     return Front(
         benchmark_name(record.benchmark, title),
@@ -116,8 +116,9 @@ def blank_front(
 ) -> Front:
     """Returns the texts of a sheet to be filled in by hand: of an event, or of any run of a benchmark."""
     known = event is not None
-    items = [ItemRecord(i.group, i.desc, i.kind.name.lower(), 0) for i in benchmark.scoring]
-    is_bool = ScoreKind.BOOL.name.lower()
+    groups: Dict[str, List[ScoringItem]] = {}
+    for item in benchmark.scoring:
+        groups.setdefault(item.group, []).append(item)
     return Front(
         benchmark_name(benchmark.code, benchmark.desc or benchmark.name),
         "Score sheet, to be filled in by hand",
@@ -128,23 +129,52 @@ def blank_front(
             ("Ended", ""), ("Time limit", f"{elapsed(benchmark.total_timeout)} min"),
             ("Time", ""), ("End", "☐ completed  ☐ stopped  ☐ timeout"),
         ),
-        tuple(
-            Group(name, tuple(Line(i.desc, "☐ yes  ☐ no" if i.kind == is_bool else "", "") for i in group))
-            for name, group in grouped(items).items()
-        ),
+        tuple(Group(name, tuple(map(_blank_line, items))) for name, items in groups.items()),
         (("Total", ""),),
         (),
         EMPTY_LINES_BLANK,
     )
 
 
-def _item_groups(record: RunRecord, rules: Rules) -> Iterator[Group]:
+def _blank_line(item: ScoringItem) -> Line:
+    """Returns the line of an item to be filled in by hand, with the points that it gives."""
+    if item.kind is ScoreKind.CHOICE:
+        choices = "  ".join(f"☐ {choice.name}{_in_brackets(choice.points)}" for choice in item.choices)
+        return Line(f"{item.desc}: {choices}", "")
+    if item.kind is ScoreKind.RATING:
+        return Line(f"{item.desc}{_in_brackets(item.points)}", "  ".join(f"{judge}: __" for judge in item.judges))
+    return Line(f"{item.desc}{_in_brackets(item.points)}", "☐ yes  ☐ no" if item.kind is ScoreKind.BOOL else "")
+
+
+def _in_brackets(points: Optional[Decimal]) -> str:
+    return "" if points is None else f" ({number_text(float(points))})"
+
+
+def _item_groups(record: RunRecord, rules: Optional[Rules]) -> Iterator[Group]:
+    if record.points is not None:
+        yield from _groups_with_points(record, record.points)
+        return
+    rules = rules or DEFAULT
     for name, items in grouped(record.items).items():
         lines = [Line(_what(item), _value(item), _points(rules, [item])) for item in items]
         total = _points(rules, items)
         if total and len(items) > 1:
             lines.append(Line(f"Total of {name}", "", total))
         yield Group(name, tuple(lines))
+
+
+def _groups_with_points(record: RunRecord, points: SheetPoints) -> Iterator[Group]:
+    """Yields the groups of a sheet that gives points."""
+    totals = dict(points.groups)
+    groups = grouped(record.items)
+    for name, items in groups.items():
+        lines = [Line(_what(item), _value(item), item.points) for item in items]
+        if name in totals and (len(items) > 1 or totals[name] != items[0].points):
+            lines.append(Line(f"Total of {name}", "", totals[name]))
+        yield Group(name, tuple(lines))
+    for name in totals:
+        if name not in groups:
+            yield Group(name, (Line("Bonus", "", totals[name]),))
 
 
 def _what(item: ItemRecord) -> str:
@@ -170,9 +200,11 @@ def _module_groups(record: RunRecord) -> Iterator[Group]:
         yield Group(f"Module: {name}", tuple(Line(line.name, line.value) for line in lines))
 
 
-def _totals(record: RunRecord, rules: Rules) -> Iterator[Tuple[str, str]]:
-    """Yields the numbers by which the run is ranked."""
-    if not record.started_utc:
+def _totals(record: RunRecord, rules: Optional[Rules]) -> Iterator[Tuple[str, str]]:
+    """Yields the points, and the numbers by which the run is ranked."""
+    if record.points is not None:
+        yield "Points", record.points.total
+    if not record.started_utc or (record.points is not None and rules is None):
         return
     standing = standing_of_run(record, rules)
     (team,) = standing.lines

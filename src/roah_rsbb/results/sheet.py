@@ -99,10 +99,22 @@ def _by(who: str) -> str:
 def _items(record: RunRecord) -> Iterator[str]:
     for group, items in grouped(record.items).items():
         yield from _titled(line(group), [
-            f"{_value(item):>13}  {line(item.desc)}"
+            f"{_value(item):>13}{_points(item)}  {line(item.desc)}{_ratings(item)}"
             + (f"  ({sheets.CORRECTED})" if item.corrected else "")
             for item in items
         ])
+    if record.points is not None:
+        yield ""
+        yield line(sheets.points_text(*record.points))
+
+
+def _points(item: ItemRecord) -> str:
+    return f"{item.points:>10}" if item.points else ""
+
+
+def _ratings(item: ItemRecord) -> str:
+    ratings = sheets.ratings_text(item.ratings)
+    return f" ({line(ratings)})" if ratings else ""
 
 
 def _when(in_utc: bool) -> sheets.When:
@@ -184,15 +196,19 @@ def _items_markup(record: RunRecord) -> Iterator[Markup]:
     if not record.items:
         return
     yield tag("h2", "Scores of the referee")
+    has_points = record.points is not None
+    points = dict(record.points.groups) if record.points is not None else {}
     for group, items in grouped(record.items).items():
-        yield tag("h3", group)
-        yield table(("Value", "Item", ""), [
+        yield tag("h3", f"{group}: {points[group]} points" if group in points else group)
+        yield table(("Value", *(("Points",) if has_points else ()), "Item", ""), [
             (
-                _value(i), i.desc,
+                _value(i), *((i.points,) if has_points else ()), f"{i.desc}{_ratings(i)}",
                 mark(sheets.CORRECTED) if i.corrected else "",
             )
             for i in items
-        ], ("value", "", ""))
+        ], ("value", *(("value",) if has_points else ()), "", ""))
+    if record.points is not None:
+        yield tag("p", sheets.points_text(*record.points))
 
 
 def _modules_markup(record: RunRecord) -> Iterator[Markup]:

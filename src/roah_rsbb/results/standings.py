@@ -3,20 +3,41 @@
 import json
 import math
 import statistics
+from decimal import ROUND_HALF_UP, Decimal
 from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core.scoring.records import RunRecord, ScoreValue
+from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreValue
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, joined, page, table, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
-from roah_rsbb.results.standing_rules import DEFAULT, Criterion, OfRuns, Rules, Term
+from roah_rsbb.results.standing_rules import (
+    BY_POINTS,
+    DEFAULT,
+    TOTAL,
+    Criterion,
+    Normalised,
+    OfRuns,
+    Overall,
+    Part,
+    Rules,
+    StandingRules,
+    Term,
+    day_of,
+)
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.registry import PROFILES
+from roah_rsbb.wording import sheets
 from roah_rsbb.wording.sheets import NOT_SIGNED_OFF, turn
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import NOTHING, date_time
 
 # Sums of weighted values are rounded to this many decimals, so that rounding errors do not decide.
 DIGITS = 9
+# Numbers of overall standings are rounded to this, so that the shown numbers add up.
+_THOUSANDTH = Decimal("0.001")
+WITHOUT_RULES = (
+    "no rules rank this benchmark: all items of its sheet are added up, and penalties raise the sum. Give its items "
+    "points (docs/organiser.md), or write its criteria into the file with the standings' rules (docs/results.md)"
+)
 
 NO_TITLES: Mapping[str, str] = {}
 
@@ -62,43 +83,58 @@ class Standing(NamedTuple):
     remarks: Tuple[str, ...]  # notes for the reader
     units: Tuple[str, ...]  # of each criterion; empty: a plain number
     title: str = ""  # what the benchmark is called; empty: not known
+    counting: str = ""  # of an overall standing, what counts; empty: that of `of_runs`
 
 
 def standings(
     records: Sequence[RunRecord], rules: Dict[str, Rules], choice: Choice, titles: Mapping[str, str] = NO_TITLES
 ) -> List[Standing]:
-    """Return the standings of all benchmarks with runs: in the order of the benchmarks, unknown ones last.
+    """Return the standings of all benchmarks with runs: in the order of the benchmarks, unknown ones last. Overall
+    standings come first.
 
     `titles`: what the benchmarks are called, by their codes.
     """
     codes = {record.benchmark for record in records}
     ordered = [code for code in PROFILES if code in codes] + sorted(codes.difference(PROFILES))
     found = [
-        standing(code, records, rules.get(code, DEFAULT), choice)._replace(title=titles.get(code, ""))
+        standing(code, records, rules.get(code), choice)._replace(title=titles.get(code, ""))
         for code in ordered
     ]
+    overall = rules.overall if isinstance(rules, StandingRules) else ()
+    found = [*(overall_standing(each, records, rules, choice) for each in overall), *found]
     return [s for s in found if s.lines or s.remarks]
 
 
-def standing(code: str, records: Sequence[RunRecord], rules: Rules, choice: Choice) -> Standing:
-    """Return the standing of one benchmark."""
-    of_runs = choice.of_runs or rules.of_runs
+def rules_for(records: Sequence[RunRecord], rules: Optional[Rules]) -> Rules:
+    """Return the rules of a benchmark. None: points count if its sheets give any, else the sum of the sheet."""
+    if rules is not None:
+        return rules
+    return BY_POINTS if any(record.points is not None for record in records) else DEFAULT
+
+
+def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], choice: Choice) -> Standing:
+    """Return the standing of one benchmark. `rules`: None if the rules' file does not name it."""
     remarks: List[str] = []
     records = [record for record in records if record.benchmark == code]
+    rules = rules_for(records, rules)
+    of_runs = choice.of_runs or rules.of_runs
     if any(record.team == ALL_TEAMS and record.started_utc for record in records):
         remarks.append("all robots run at once: there is no score for each team")
     by_team: Dict[str, List[RankedRun]] = {}
     for record in _counting([record for record in records if record.team != ALL_TEAMS], choice, remarks):
         by_team.setdefault(record.team, []).append(_run_line(record, rules, remarks))
     lines = [_team_line(team, runs, of_runs, rules.criteria) for team, runs in by_team.items()]
+    if rules is DEFAULT and any(run.record.items for runs in by_team.values() for run in runs):
+        remarks.append(WITHOUT_RULES)
     units = tuple(_unit(criterion, records) for criterion in rules.criteria)
     return Standing(
         code, of_runs, rules.criteria, _ranked(lines, rules.criteria), tuple(dict.fromkeys(remarks)), units
     )
 
 
-def standing_of_run(record: RunRecord, rules: Rules) -> Standing:
+def standing_of_run(record: RunRecord, rules: Optional[Rules]) -> Standing:
     """Return a standing of one run only, with its numbers."""
+    rules = rules_for([record], rules)
     line = _team_line(record.team, [_run_line(record, rules, [])], OfRuns.BEST, rules.criteria)
     units = tuple(_unit(criterion, [record]) for criterion in rules.criteria)
     return Standing(record.benchmark, OfRuns.BEST, rules.criteria, (line,), (), units)
@@ -137,11 +173,82 @@ def _counting(records: List[RunRecord], choice: Choice, remarks: List[str]) -> L
     return list(newest.values())
 
 
+# -- overall standings ------------------------------------------------------------------------------
+
+
+COUNTING = {
+    Normalised.BEST: "weighted sum of the benchmarks, each relative to its best team",
+    Normalised.MAXIMUM: "weighted sum of the benchmarks, each relative to its maximum",
+    Normalised.NO: "weighted sum of the benchmarks",
+}
+
+
+def overall_standing(
+    overall: Overall, records: Sequence[RunRecord], rules: Mapping[str, Rules], choice: Choice
+) -> Standing:
+    """Return an overall standing. A team that has no run in a benchmark, or is disqualified, gets 0 there."""
+    remarks: List[str] = []
+    columns = [_column(part, overall.normalised, records, rules, choice, remarks) for part in overall.parts]
+    teams = sorted({team for column in columns for team in column})
+    lines: List[TeamLine] = []
+    keys: Dict[str, Tuple[Decimal, ...]] = {}
+    for team in teams:
+        numbers = [column.get(team, Decimal(0)) for column in columns]
+        total = sum(numbers, Decimal(0))
+        ties = [
+            sum((n for n, part in zip(numbers, overall.parts) if part.benchmark == code), Decimal(0))
+            for code in overall.ties
+        ]
+        keys[team] = (-total, *(-number for number in ties))
+        lines.append(TeamLine(0, False, team, tuple(map(float, (total, *numbers))), False, (), None))
+    order = sorted(keys.values())
+    lines = [
+        line._replace(rank=order.index(keys[line.team]) + 1, tied=order.count(keys[line.team]) > 1) for line in lines
+    ]
+    criteria = (Criterion("Total", True, ()), *(Criterion(part.name, True, ()) for part in overall.parts))
+    counting = COUNTING[overall.normalised]
+    if overall.ties:
+        counting += f"; in a tie {', then '.join(overall.ties)}"
+    return Standing(
+        "", OfRuns.BEST, criteria, tuple(sorted(lines, key=lambda line: (line.rank, line.team))), tuple(remarks),
+        tuple("" for _ in criteria), overall.name, counting,
+    )
+
+
+def _column(
+    part: Part, normalised: Normalised, records: Sequence[RunRecord], rules: Mapping[str, Rules], choice: Choice,
+    remarks: List[str],
+) -> Dict[str, Decimal]:
+    """Return what each team gets for one benchmark."""
+    records = [record for record in records if not part.day or day_of(record.scheduled) == part.day]
+    found = standing(part.benchmark, records, rules.get(part.benchmark), choice)
+    numbers = {
+        line.team: Decimal(0) if line.disqualified or line.numbers[0] is None else Decimal(repr(line.numbers[0]))
+        for line in found.lines
+    }
+    if not numbers:
+        remarks.append(f"{part.name} has no runs yet")
+        return {}
+    reference = Decimal(1)
+    if normalised is Normalised.MAXIMUM:
+        reference = part.maximum
+    elif normalised is Normalised.BEST:
+        reference = max(numbers.values())
+        if reference <= 0:
+            remarks.append(f"{part.name} counts 0: no team has more than 0")
+            return dict.fromkeys(numbers, Decimal(0))
+    return {
+        team: (part.weight * number / reference).quantize(_THOUSANDTH, ROUND_HALF_UP)
+        for team, number in numbers.items()
+    }
+
+
 # -- the numbers of a run ---------------------------------------------------------------------------
 
 
 def _run_line(record: RunRecord, rules: Rules, remarks: List[str]) -> RankedRun:
-    disqualified = any(item.value and item.group in rules.disqualified_by for item in record.items)
+    disqualified = any(
+        sheets.is_marked(item.value, item.text) and item.group in rules.disqualified_by for item in record.items)
     missing: Dict[str, None] = {}
     numbers = tuple(_number(record, criterion, missing) for criterion in rules.criteria)
     if missing:
@@ -164,10 +271,29 @@ def _term(record: RunRecord, term: Term, missing: Dict[str, None]) -> Optional[f
             return None
         number = _module_number(value)
         return None if number is None else term.weight * number
+    if term.points:
+        points = points_of(record, term.points)
+        if points is None:
+            missing[term.points] = None
+        return term.weight * float(points or 0)
     items = [item for item in record.items if term.counts(item)]
     if not items and (term.group or term.item):
         missing[term.item or term.group] = None
-    return term.weight * sum(item.value for item in items)
+    return term.weight * float(sum(_amount(item) for item in items))
+
+
+def points_of(record: RunRecord, name: str) -> Optional[Decimal]:
+    """Return the points of a group of the sheet, or `TOTAL`; None if it gives none."""
+    if record.points is None:
+        return None
+    groups = {TOTAL: record.points.total, **dict(record.points.groups)}
+    return Decimal(groups[name]) if name in groups else None
+
+
+def _amount(item: ItemRecord) -> Decimal:
+    """Return the value of an item as a number. A choice counts 0: it has points, but no number."""
+    return Decimal(item.text) if item.text and item.kind in ("decimal", "rating") else \
+        Decimal(0 if item.kind == "choice" else item.value)
 
 
 def _module_number(score: ScoreValue) -> Optional[float]:
@@ -247,7 +373,14 @@ def number_with_unit(number: Optional[float], unit: str) -> str:
 
 def title_of(standing: Standing) -> str:
     """The benchmark's title with its code, or the code alone."""
+    if not standing.benchmark:
+        return standing.title
     return f"{standing.title} ({standing.benchmark})" if standing.title else standing.benchmark
+
+
+def counting_of(standing: Standing) -> str:
+    """What counts in the standing."""
+    return standing.counting or OF_RUNS[standing.of_runs]
 
 
 def rank_text(team: TeamLine) -> str:
@@ -276,7 +409,7 @@ def run_text(run: RankedRun) -> str:
 
 def standing_lines(standing: Standing) -> Iterator[str]:
     """Return the lines for the terminal."""
-    yield f"{one_line(title_of(standing))}: {OF_RUNS[standing.of_runs]}"
+    yield f"{one_line(title_of(standing))}: {counting_of(standing)}"
     rows = [("Rank", "Team", *criteria_of(standing), "Runs")]
     rows += [
         (rank_text(team), one_line(team.team), *map(one_line, number_cells(standing, team)), str(len(team.runs)))
@@ -294,7 +427,7 @@ def standing_markup(standing: Standing, sheets: Mapping[str, str]) -> Markup:
     names = criteria_of(standing)
     parts: List[Child] = [
         tag("h2", title_of(standing)),
-        tag("p", f"Ranked by {'; then '.join(names)}; {OF_RUNS[standing.of_runs]}."),
+        tag("p", f"Ranked by {'; then '.join(names[:1] if standing.counting else names)}; {counting_of(standing)}."),
         table(("Rank", "Team", *names, "Runs"), [
             (rank_text(team), team.team, *number_cells(standing, team), _runs(standing, team, sheets))
             for team in standing.lines

@@ -5,7 +5,7 @@ are shown in the format that the caller passes (`When`): panels and terminal sho
 """
 
 import re
-from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence
+from typing import Callable, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.times import NOTHING
@@ -122,6 +122,16 @@ def item_value(type_: str, value: int, not_attempted: bool = False, text: str = 
     return NOTHING if type_ in ("choice", "rating") else str(value)
 
 
+def ratings_text(ratings: Iterable[Tuple[str, str]]) -> str:
+    """Returns such as "Anna 7, Ben 8.5"; `ratings`: judges and what they gave."""
+    return ", ".join(f"{judge} {text}" for judge, text in ratings if text)
+
+
+def is_marked(value: int, text: str) -> bool:
+    """Returns whether the value of an item is another than at the beginning."""
+    return bool(value) or text not in ("", "0")
+
+
 class GroupOfValues(NamedTuple):
     """The values of a group of scoring items; `not_attempted`: how many items the robot did not try."""
 
@@ -133,6 +143,13 @@ class GroupOfValues(NamedTuple):
 def sums_text(groups: Iterable[GroupOfValues]) -> str:
     """Returns such as "Achievements 5 (1 not attempted) · Penalized 2". A yes counts 1; empty groups are left out."""
     return " · ".join(_sum(group) for group in groups if group.values)
+
+
+def points_text(total: str, groups: Iterable[Tuple[str, str]]) -> str:
+    """Returns such as "85 points: Achievements 100 · Penalized -15"; with one group its points only."""
+    groups = list(groups)
+    more = ": " + " · ".join(f"{name} {points}" for name, points in groups) if len(groups) > 1 else ""
+    return tr("{points} points", points=total) + more
 
 
 def _sum(group: GroupOfValues) -> str:

@@ -1,6 +1,7 @@
 """Standings: which runs count, the order of teams, and ties."""
 
 import pathlib
+from decimal import Decimal
 
 import pytest
 
@@ -14,9 +15,29 @@ from helpers.results_of import (
     module_record,
     task_record,
 )
-from roah_rsbb.core.scoring.records import ScoreValue, SignOff
-from roah_rsbb.results.standing_rules import DEFAULT, Criterion, OfRuns, Rules, Term, read_rules
-from roah_rsbb.results.standings import Choice, run_text, standing, standing_lines, standing_markup, standings
+from roah_rsbb.core.scoring.records import GroupPoints, ScoreValue, SheetPoints, SignOff
+from roah_rsbb.results.standing_rules import (
+    BY_POINTS,
+    DEFAULT,
+    Criterion,
+    Normalised,
+    OfRuns,
+    Overall,
+    Part,
+    Rules,
+    Term,
+    read_rules,
+)
+from roah_rsbb.results.standings import (
+    WITHOUT_RULES,
+    Choice,
+    overall_standing,
+    run_text,
+    standing,
+    standing_lines,
+    standing_markup,
+    standings,
+)
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config" / "standings.yaml"
@@ -240,7 +261,7 @@ HWV:
     ("HGTKMF: {criteria: [{name: x, of: [{group: y}]}]}", 1, "HGTKMH"),
     ("HWV: {runs: worst, criteria: [{name: x, of: [{group: y}]}]}", 1, "'best', 'mean', 'median'"),
     ("HWV:\n  criteria: []", 2, "criteria"),
-    ("HWV:\n  criteria:\n    - {name: x, of: [{}]}", 3, "'group', 'item' or 'score'"),
+    ("HWV:\n  criteria:\n    - {name: x, of: [{}]}", 3, "'group', 'item', 'points' or 'score'"),
     ("HWV:\n  criteria:\n    - {name: x, of: [{score: a, group: b}]}", 3, "either a value"),
     ("HWV:\n  criteria:\n    - {name: x, better: many, of: [{score: a}]}", 3, "more"),
     ("HWV:\n  criteria:\n    - {name: x, of: [{score: a, weight: much}]}", 3, "a number"),
@@ -262,3 +283,132 @@ def test_runs_of_a_benchmark_that_this_version_does_not_know_are_ranked_last():
     found = standings(records, {}, ALL)
     assert [s.benchmark for s in found] == ["STB", "XNEW"]
     assert [line.team for line in found[1].lines] == ["B", "A"]
+
+
+# -- points -----------------------------------------------------------------------------------------
+
+
+def pointed(team, number, total, groups=(), **fields):
+    """A run whose sheet gives points."""
+    record = task_record(team, number, **fields)
+    return record._replace(points=SheetPoints(total, tuple(GroupPoints(*group) for group in groups)))
+
+
+def test_points_rank_where_a_sheet_gives_them():
+    # The sums of the values would be the other way round: B has more penalties.
+    records = [pointed("A", 1, "10.5", bumps=1), pointed("B", 2, "-3", bumps=9)]
+    table = standing("HGTKMH", records, None, ALL)
+    assert [(t.rank, t.team, t.numbers) for t in table.lines] == [(1, "A", (10.5,)), (2, "B", (-3.0,))]
+    assert (table.criteria, WITHOUT_RULES in table.remarks) == (BY_POINTS.criteria, False)
+
+
+def test_a_sheet_without_points_and_rules_is_ranked_with_a_warning():
+    records = [task_record("A", 1, bumps=1), task_record("B", 2, bumps=9)]
+    table = standing("HGTKMH", records, None, ALL)
+    assert [t.team for t in table.lines] == ["B", "A"]
+    assert WITHOUT_RULES in table.remarks
+    assert WITHOUT_RULES in "\n".join(standing_lines(table))
+    assert WITHOUT_RULES not in standing("HGTKMH", records, TASK, ALL).remarks
+
+
+def test_rules_may_name_points(tmp_path):
+    rules = rules_of(tmp_path, "HGTKMH: {criteria: [{name: P, of: [{points: Good}, {points: total, weight: -1}]}]}")
+    records = [pointed("A", 1, "10", [("Good", "12.5"), ("Bad", "-2.5")]), pointed("B", 2, "1", [("Good", "1")])]
+    assert ranks(records, rules["HGTKMH"]) == [(1, "A", (2.5,)), (2, "B", (0.0,))]
+    assert "has no 'Good'" in remarks([task_record("A", 1)], rules=rules["HGTKMH"])
+
+
+# -- overall standings ------------------------------------------------------------------------------
+
+DAY = 86400.0
+TWO_DAYS = [
+    pointed("A", 1, "40"), pointed("B", 2, "50"), pointed("C", 3, "10", hits=1),
+    pointed("A", 4, "3", benchmark="HWV", scheduled=0.0), pointed("B", 5, "6", benchmark="HWV", scheduled=0.0),
+    pointed("A", 6, "9", benchmark="HWV", scheduled=DAY),
+]
+
+
+def overall(*parts, **fields):
+    """(rank, team, numbers) of each line."""
+    table = overall_standing(Overall("All", parts, **fields), TWO_DAYS, {"HGTKMH": HITS_OUT}, ALL)
+    return [(line.rank, line.tied, line.team, line.numbers) for line in table.lines]
+
+
+HITS_OUT = BY_POINTS._replace(disqualified_by=(DISQUALIFYING,))
+TASK_PART = Part("HGTKMH", weight=Decimal(2))
+
+
+def test_an_overall_standing_relative_to_the_best_team():
+    assert overall(TASK_PART, Part("HWV")) == [
+        (1, False, "B", (2.667, 2.0, 0.667)), (2, False, "A", (2.6, 1.6, 1.0)), (3, False, "C", (0.0, 0.0, 0.0)),
+    ]
+
+
+def test_an_overall_standing_relative_to_a_maximum():
+    parts = TASK_PART._replace(maximum=Decimal(100)), Part("HWV", maximum=Decimal(12))
+    assert overall(*parts, normalised=Normalised.MAXIMUM) == [
+        (1, False, "A", (1.55, 0.8, 0.75)), (2, False, "B", (1.5, 1.0, 0.5)), (3, False, "C", (0.0, 0.0, 0.0)),
+    ]
+
+
+def test_an_overall_standing_of_plain_numbers_over_days():
+    parts = Part("HWV", day="1970-01-01"), Part("HWV", Decimal("0.5"), "1970-01-02")
+    assert overall(*parts, normalised=Normalised.NO) == [
+        (1, False, "A", (7.5, 3.0, 4.5)), (2, False, "B", (6.0, 6.0, 0.0))]
+
+
+def test_ties_of_an_overall_standing():
+    parts = Part("HGTKMH"), Part("HWV", Decimal("0.2"), "1970-01-02")  # 0.8 + 0.2 and 1.0 + 0.0
+    assert [line[:3] for line in overall(*parts)] == [(1, True, "A"), (1, True, "B"), (3, False, "C")]
+    assert [line[2] for line in overall(*parts, ties=("HGTKMH",))] == ["B", "A", "C"]
+    assert [line[:3] for line in overall(*parts, ties=("HWV", "HGTKMH"))] == [
+        (1, False, "A"), (2, False, "B"), (3, False, "C")]
+
+
+def test_a_benchmark_without_positive_numbers_counts_nothing():
+    records = [pointed("A", 1, "-1"), pointed("B", 2, "0")]
+    table = overall_standing(Overall("All", (Part("HGTKMH"), Part("HWV"))), records, {}, ALL)
+    assert [line.numbers for line in table.lines] == [(0.0, 0.0, 0.0)] * 2
+    assert table.remarks == ("HGTKMH counts 0: no team has more than 0", "HWV has no runs yet")
+
+
+OVERALL = """
+overall:
+  - name: All days
+    normalised: maximum
+    ties: [HWV]
+    of:
+      - {benchmark: HGTKMH, weight: 2, maximum: 500}
+      - {benchmark: HWV, day: 2026-11-28, maximum: 20.5}
+HGTKMH: {criteria: [{name: x, of: [{points: total}]}]}
+"""
+
+
+def test_an_overall_standing_is_read_and_comes_first(tmp_path):
+    rules = rules_of(tmp_path, OVERALL)
+    assert list(rules) == ["HGTKMH"]
+    assert rules.overall == (Overall("All days", (
+        Part("HGTKMH", Decimal(2), "", Decimal(500)), Part("HWV", Decimal(1), "2026-11-28", Decimal("20.5"))),
+        Normalised.MAXIMUM, ("HWV",)),)
+    first, *others = standings(TWO_DAYS, rules, ALL)
+    lines = list(standing_lines(first))
+    assert lines[0] == ("All days: weighted sum of the benchmarks, each relative to its maximum; in a tie HWV")
+    assert lines[1].split() == ["Rank", "Team", "Total", "HGTKMH", "HWV", "2026-11-28", "Runs"]
+    assert [s.benchmark for s in others] == ["HGTKMH", "HWV"]
+    assert "<h2>All days</h2>" in standing_markup(first, {})
+
+
+@pytest.mark.parametrize(("old", "new", "line", "expected"), [
+    ("name: All days", "title: All days", 3, "unknown key 'title'"), ("maximum\n", "worst\n", 4, "how numbers become"),
+    ("ties: [HWV]", "ties: [HNF]", 5, "a benchmark of this standing"), ("weight: 2", "weight: two", 7, "'two' as"),
+    ("weight: 2", "weight: -1", 7, "'-1' as weight"), (", maximum: 500", "", 7, "'maximum: 500'"),
+    ("2026-11-28", "Sunday", 8, "'Sunday' as day"), ("HWV, day", "HGTKMH, day", 5, "a benchmark of this standing"),
+    ("{name: x,", "{name: x, better: less,", 7, "a first criterion where more is better"),
+    ("{benchmark: HWV, day: 2026-11-28, maximum: 20.5}", "{benchmark: HGTKMH, maximum: 3}", 8, "'HGTKMH' again"),
+    ("    of:", "    of: []\n  - of:", 6, "an empty sequence"),
+])
+def test_errors_in_an_overall_standing(tmp_path, old, new, line, expected):
+    assert old in OVERALL
+    with pytest.raises(ConfigErrors) as caught:
+        rules_of(tmp_path, OVERALL.replace(old, new, 1))
+    assert any(error.line == line and expected in str(error) for error in caught.value.errors), caught.value

@@ -1,7 +1,7 @@
 """The points of a score sheet: of each item, of each group, and in total (docs/organiser.md, "Points").
 
-All sums are exact. A jury's result is the only division; it is rounded to `MAX_DECIMALS` before it is used, so that
-the number on the sheet is the number that counts.
+The points of an item and a jury's result are rounded to `MAX_DECIMALS`, so that the numbers on the sheet are those
+that count. All sums are exact.
 """
 
 from decimal import ROUND_DOWN, ROUND_FLOOR, ROUND_HALF_UP, Context, Decimal, InvalidOperation
@@ -67,7 +67,7 @@ def jury_text(item: ScoringItem, ratings: Sequence[str]) -> str:
     elif item.jury is JuryResult.WITHOUT_EXTREMES and len(numbers) > 2:
         numbers = numbers[1:-1]
     mean = _EXACT.divide(_sum(numbers), Decimal(len(numbers)))
-    return text_of(mean.quantize(_LAST_DECIMAL, ROUND_HALF_UP, _EXACT))
+    return text_of(_rounded(mean))
 
 
 def counted(form: SheetForm, items: Sequence[ItemRecord], elapsed_s: float, end_reason: str) -> Counted:
@@ -101,6 +101,10 @@ def counted(form: SheetForm, items: Sequence[ItemRecord], elapsed_s: float, end_
     )
 
 
+def _rounded(number: Decimal) -> Decimal:
+    return number.quantize(_LAST_DECIMAL, ROUND_HALF_UP, _EXACT)
+
+
 def _sum(numbers: Iterable[Decimal]) -> Decimal:
     total = ZERO
     for number in numbers:
@@ -120,7 +124,7 @@ def _points(item: ScoringItem, record: ItemRecord) -> Decimal:
         return ZERO
     if item.kind is ScoreKind.CHOICE:
         return next((choice.points or ZERO for choice in item.choices if choice.name == record.text), ZERO)
-    return _EXACT.multiply(_amount(item, record), item.points or ZERO)
+    return _rounded(_EXACT.multiply(_amount(item, record), item.points or ZERO))
 
 
 def _amount(item: ScoringItem, record: ItemRecord) -> Decimal:

@@ -11,7 +11,7 @@ from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry, St
 from roah_rsbb.msg import Results, RunSheet, RunStop, RunSummary, ScoreChange
 from roah_rsbb.nodes.core.score_convert import points_message, score_message, sheet_items
 from roah_rsbb.ros.times import ros_duration, ros_time
-from roah_rsbb.wording.sheets import GroupOfValues, sums_text
+from roah_rsbb.wording.sheets import GroupOfValues, points_text, sums_text
 
 
 class ResultsBoard:
@@ -67,8 +67,8 @@ def summary_message(record: RunRecord) -> RunSummary:
 
 
 def sums_of_record(record: RunRecord) -> str:
-    """The sums of the groups of a run's score sheet."""
-    return sums_text(_groups(record.items))
+    """The points of a run's score sheet, or the sums of its groups if it gives none."""
+    return sums_text(_groups(record.items)) if record.points is None else points_text(*record.points)
 
 
 def sheet_message(record: RunRecord) -> RunSheet:
@@ -96,7 +96,7 @@ def _revision(record: RunRecord) -> int:
 
 def _groups(items: Iterable[ItemRecord]) -> List[GroupOfValues]:
     return [
-        GroupOfValues(name, [item.value for item in group], sum(item.not_attempted for item in group))
+        GroupOfValues(name, [item.value for item in group if not item.text], sum(item.not_attempted for item in group))
         for name, group in grouped(items).items()
     ]
 

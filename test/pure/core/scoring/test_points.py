@@ -179,9 +179,10 @@ def test_sums_are_exact():
     for item in items:
         book.set(item, text="0.1")
     assert book.points() == ("0.1", {"G": "0.1"})
+    assert book.set(items[0], text="0.005").item(items[0]).points == "0.001"
     large = ScoringItem("G", "large", ScoreKind.UINT, Decimal("999999.999"))
-    book = Book(SheetForm((large, *items))).set(large, 2**31 - 1).set(items[0], text="0.001")
-    assert book.points()[0] == text_of(Decimal(2**31 - 1) * Decimal("999999.999") + Decimal("0.0001"))
+    book = Book(SheetForm((large, *items))).set(large, 2**31 - 1).set(items[0], text="0.01")
+    assert book.points()[0] == text_of(Decimal(2**31 - 1) * Decimal("999999.999") + Decimal("0.001"))
 
 
 @pytest.mark.parametrize("text, number, whole", [
@@ -213,7 +214,13 @@ def _jury(item, ratings):
         if item.jury is JuryResult.WITHOUT_EXTREMES and len(numbers) >= 3:
             numbers = numbers[1:-1]
         mean = sum(numbers) / len(numbers)
-    return Fraction(int(mean * 1000 + Fraction(1, 2)), 1000)
+    return _rounded(mean)
+
+
+def _rounded(number):
+    """Three decimals, half away from zero."""
+    thousandths = int(abs(number) * 1000 + Fraction(1, 2))
+    return Fraction(thousandths if number >= 0 else -thousandths, 1000)
 
 
 def _amount(item, record):
@@ -249,7 +256,7 @@ def _expected(form, sheet, elapsed_s, reason):
             points = sum(Fraction(c.points) for c in item.choices
                          if c.name == records[key].text and not records[key].not_attempted)
         else:
-            points = _amount(item, records[key]) * Fraction(item.points)
+            points = _rounded(_amount(item, records[key]) * Fraction(item.points))
         counts = all(_is_given(items, records, needed) for needed in item.needs)
         groups[item.group] = groups.get(item.group, Fraction(0)) + (points if counts else 0)
     for limits in form.rules.groups:
