@@ -1,12 +1,13 @@
 """The house of docs/architecture.md: which folder may import what, and how many files a folder holds."""
 
-import ast
 import pathlib
 import re
 import sys
 from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Set, Tuple
 
 import pytest
+
+from helpers.imports import imports_of
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "roah_rsbb"
@@ -58,16 +59,10 @@ MODULES: FrozenSet[str] = frozenset(_module(path) for path in _files())
 
 def _imported(path: pathlib.Path) -> Iterator[str]:
     """All modules that a file imports anywhere in it, by full name; a module's name rather than its package's."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path}: a relative import"
-            for alias in node.names:
-                longer = f"{node.module}.{alias.name}"
-                is_module = longer.startswith("roah_rsbb.") and (
-                    longer[len("roah_rsbb."):] in MODULES or alias.name in GENERATED)
-                yield longer if is_module else node.module
+    for module, name in imports_of(path):
+        longer = f"{module}.{name}"
+        is_module = longer.startswith("roah_rsbb.") and (longer[len("roah_rsbb."):] in MODULES or name in GENERATED)
+        yield longer if is_module else module
 
 
 def _is_in(module: str, folder: str) -> bool:

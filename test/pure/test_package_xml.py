@@ -1,6 +1,5 @@
 """package.xml declares what the code imports (REP 149), so that rosdep and release tools install it."""
 
-import ast
 import pathlib
 import re
 import sys
@@ -8,6 +7,8 @@ import xml.etree.ElementTree as ElementTree
 from typing import Iterator, Set
 
 import pytest
+
+from helpers.imports import imports_of
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # rosdep's names of Python packages that are no ROS packages. Without a name: part of another one.
@@ -27,11 +28,7 @@ def _declared(*kinds: str) -> Set[str]:
 
 def _imported(folder: str) -> Iterator[str]:
     for path in (ROOT / folder).rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                yield from (alias.name.split(".")[0] for alias in node.names)
-            elif isinstance(node, ast.ImportFrom) and node.level == 0:
-                yield node.module.split(".")[0]
+        yield from (each.module.split(".")[0] for each in imports_of(path))
 
 
 def _missing(folder: str, *kinds: str) -> Set[str]:

@@ -45,6 +45,7 @@ def test_hopf(restart_every_s):
     assert score["", "execution_time"] == pytest.approx(10 * 3.0, abs=2.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("restart_every_s", RESTARTS)
 def test_hppf(restart_every_s):
     def result():
@@ -71,6 +72,7 @@ def test_hpff(restart_every_s):
     assert 30.0 < score["", "distance_covered"] < 160.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("restart_every_s", RESTARTS)
 def test_hgmf(restart_every_s):
     set_up = DummySetUp("HGMF")

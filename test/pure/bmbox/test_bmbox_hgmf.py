@@ -107,6 +107,7 @@ def test_places_are_in_the_tables_frame():
     assert r.score["distance_error"] == pytest.approx(0.1)
 
 
+@pytest.mark.long
 def test_a_target_keeps_away_from_the_object_in_the_tables_frame():
     # The same table; the object is in the middle of a small one, at about (0.25, 0.25).
     for n in range(200):

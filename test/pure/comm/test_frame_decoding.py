@@ -125,6 +125,7 @@ def test_any_cipher_of_the_right_password(cipher):
     assert refused(datagram, "private", Key("wrong")).reason is Reason.UNDECRYPTABLE
 
 
+@pytest.mark.long
 def test_a_wrong_password_has_one_reason_whatever_the_padding():
     message = pb.RobotState(time=pb.Time(sec=1, nsec=2), messages_saved=0, robot_state=pb.RobotState.STOP)
     wrong = Key("wrong")

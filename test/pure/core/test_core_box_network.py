@@ -236,6 +236,7 @@ def test_a_robot_whose_messages_are_not_read_is_reported():
     assert first.startswith("Robot sends too much: 0 new strings were not logged, 100 messages were not read")
 
 
+@pytest.mark.long
 def test_a_robot_that_always_says_something_new_is_logged_as_far_as_its_budget_goes():
     driver = BoxDriver(competition(a=["HWV"], b=["HGTKMH"]))
     robot = driver.executing("a")

@@ -137,6 +137,7 @@ def test_invalid_commands(command):
         Sound("the bell", command, lambda text: None)
 
 
+@pytest.mark.long
 def test_the_files_are_what_the_script_makes(tmp_path):
     subprocess.run([sys.executable, str(ROOT / "tools" / "make_sounds"), str(tmp_path)], check=True)
     made = sorted(path.name for path in tmp_path.iterdir())

@@ -393,6 +393,7 @@ class OnADisk:
 WRITES = 'from roah_rsbb.journal.batch import Batch; journal.write(Batch(states={"zone:Home": "{}"}))'
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kill", [False, True])
 @pytest.mark.parametrize("how", ["full", "read-only"])
 def test_what_was_before_is_read_on_a_disk_that_cannot_be_written(tmp_path, kill, how):

@@ -200,6 +200,7 @@ def chromium():
         pytest.skip(str(missing))
 
 
+@pytest.mark.long
 def test_each_sheet_is_one_page(document, chromium, tmp_path):
     path = tmp_path / "all.pdf"
     print_pdf(document, str(path))
@@ -215,6 +216,7 @@ _MEASURE = """<script>document.title = JSON.stringify([...document.querySelector
           sign.getBoundingClientRect().bottom - front.getBoundingClientRect().bottom]; }))</script>"""
 
 
+@pytest.mark.long
 def test_nothing_is_cut_and_the_signatures_are_at_the_bottom(document, chromium, tmp_path):
     """As on paper: the width of the page, and the rules for print."""
     style = "<style>body { width: 184mm !important; padding: 0 !important }</style>"

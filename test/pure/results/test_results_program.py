@@ -102,6 +102,7 @@ def test_every_command_has_help(run):
         assert "--journal" in out
 
 
+@pytest.mark.long
 def test_a_reader_that_closes_early_is_not_an_error(journal):
     script = "import sys; from roah_rsbb.tools.results import main; main(sys.argv[1], sys.argv[2:])"
     command = [sys.executable, "-c", script, str(ROOT / "config"), "--journal", journal, "export", "--json", "-"]
@@ -356,6 +357,7 @@ def folder(tmp_path):
     return tmp_path
 
 
+@pytest.mark.long
 def test_titles_come_from_the_competitions_folder(run, folder):
     text = (folder / "benchmarks.yaml").read_text().replace("desc: Getting to know my home", "desc: Our own title")
     (folder / "benchmarks.yaml").write_text(text)
@@ -371,6 +373,7 @@ def test_titles_come_from_the_competitions_folder(run, folder):
     assert f"{folder}/benchmarks.yaml:1" in err
 
 
+@pytest.mark.long
 def test_pages_without_the_appendix(run, tmp_path):
     assert run("export", "1", "--html", tmp_path, "--no-appendix")[0] == 0
     (name,) = [name for name in os.listdir(tmp_path) if name.startswith("001")]
@@ -453,6 +456,7 @@ def test_without_a_browser_nothing_is_written(run, tmp_path, monkeypatch):
     assert "install it (sudo apt install chromium)" in err
 
 
+@pytest.mark.long
 def test_blank_sheets(run, folder):
     source = ("--log-dir", folder / "log")
     assert "choose what to write" in run("blank", source=source)[2]
@@ -472,6 +476,7 @@ def test_blank_sheets(run, folder):
     assert out.startswith("11 empty"), "one event, and each other benchmark"
 
 
+@pytest.mark.long
 def test_the_checklist(run, folder):
     source = ("--log-dir", folder / "log")
     status, out, _ = run("checklist", "--utc", source=source)

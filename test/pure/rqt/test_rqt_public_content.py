@@ -168,6 +168,7 @@ def test_scores_take_as_many_lines_as_they_need(parts, lines):
     assert layout.wrapped(parts, _fits(10)) == lines
 
 
+@pytest.mark.long
 def test_hostile_scores_end():
     lines = layout.wrapped(["=cmd" * 500, "\u202e" * 99], _fits(0))
     assert "".join(lines) == "=cmd" * 500 + "\u202e" * 99, "also where not a single letter fits"

@@ -150,6 +150,7 @@ def start(box):
         program.process.stdout.close()
 
 
+@pytest.mark.long
 def test_dummy_calls_and_places_once(running, box, start):
     box.answers = True
     program = start("--call", "--position=-1.5,2", "--once", "__name:=x")

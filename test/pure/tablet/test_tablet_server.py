@@ -176,6 +176,7 @@ def test_pages_of_other_sites_may_not_call(served):
     assert served.touches == []
 
 
+@pytest.mark.long
 def test_there_is_room_for_so_many_pages(served):
     pages = [served.page() for _ in range(MAX_PAGES)]
     assert all(served.read(page) for page in pages)
@@ -246,6 +247,7 @@ def _ended(sock, received):
     return received[-1] == b"" or b"too many pages" in received[-1]
 
 
+@pytest.mark.long
 def test_a_page_that_is_refused_touches_nothing(served):
     pages = [served.page() for _ in range(MAX_PAGES)]
     assert all(served.read(page) for page in pages)
@@ -265,6 +267,7 @@ def test_a_page_that_is_refused_touches_nothing(served):
     assert len(served.touches) == 1
 
 
+@pytest.mark.long
 def test_too_many_slow_connections_do_not_keep_others_out(served, monkeypatch):
     monkeypatch.setattr(server_module, "MAX_CONNECTIONS", 20)
     page = served.page()

@@ -330,6 +330,7 @@ def test_strings_dropped_with_a_change_of_state_are_not_an_answer(line):
     assert line.sample().answers == 0
 
 
+@pytest.mark.long
 def test_a_robot_that_repeats_for_ever_grows_nothing(line):
     for i in range(3000):
         line.sends(0.001, notifications=("a", str(i)))

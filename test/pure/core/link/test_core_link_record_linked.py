@@ -59,6 +59,7 @@ class CountingWorld(World):
         return sum(getattr(sample, field) for sample in self.samples)
 
 
+@pytest.mark.long
 def test_an_undisturbed_link_has_no_losses():
     world = CountingWorld(FakeLink(random.Random(1), jitter=False)).runs(5)
     for field in ("lost", "unanswered", "stale", "duplicates", "skipped_states"):

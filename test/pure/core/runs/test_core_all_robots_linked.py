@@ -32,6 +32,7 @@ def _started(world):
     return world.box.run_in()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(4))
 def test_all_complete_on_a_bad_link(seed):
     world = _world(seed, TEAMS, BAD)
@@ -83,6 +84,7 @@ def test_stop_reaches_all_and_all_start_again(seed):
     assert run.end_reason is EndReason.COMPLETED
 
 
+@pytest.mark.long
 def test_a_robot_that_leaves_before_the_start_does_not_block_it():
     world = _world(1, TEAMS)
     gone = world.robots.pop(0)

@@ -307,6 +307,7 @@ def test_a_module_that_cannot_continue_ends_the_run_with_what_was_scored():
     assert "its rules changed" in run.desc
 
 
+@pytest.mark.long
 def test_a_module_that_asks_without_end_is_stopped():
     driver, modules, _ = started()
     for _ in range(2000):
