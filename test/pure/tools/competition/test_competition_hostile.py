@@ -5,6 +5,7 @@ import os
 import pathlib
 import shutil
 import tempfile
+from unittest import mock
 
 import pytest
 from hypothesis import given
@@ -63,11 +64,9 @@ def folder():
         os.chdir(path)
         pathlib.Path("plan.csv").write_text("zone,benchmark,team,date,time\nX,HNF,A,2026-11-28,09:00\n")
         pathlib.Path("file").write_text("")
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("sys.stdout", Screen())
-            with pytest.raises(SystemExit):
-                program.main(str(SHIPPED), ["there", *typed_options({name: GOOD[name] for name in (
-                    "teams", "benchmarks", "days")})])
+        with mock.patch("sys.stdout", Screen()), pytest.raises(SystemExit):
+            program.main(str(SHIPPED), ["there", *typed_options({name: GOOD[name] for name in (
+                "teams", "benchmarks", "days")})])
         yield pathlib.Path(path)
         os.chdir(before)
 
@@ -80,12 +79,10 @@ def ended(arguments, typed=None):
     """Exit status and output of the program. Any other exception would fail the test."""
     screen, errors = Screen(), Screen()
     errors.reconfigure(errors="backslashreplace")  # as Python's standard error
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sys.stdout", screen)
-        patch.setattr("sys.stderr", errors)
-        patch.setattr("sys.stdin", io.StringIO() if typed is None else Terminal(typed))
-        with pytest.raises(SystemExit) as end:
-            program.main(str(SHIPPED), arguments)
+    typed_input = io.StringIO() if typed is None else Terminal(typed)
+    with mock.patch("sys.stdout", screen), mock.patch("sys.stderr", errors), mock.patch("sys.stdin", typed_input), \
+            pytest.raises(SystemExit) as end:
+        program.main(str(SHIPPED), arguments)
     return end.value.code, screen.text(), errors.text()
 
 
@@ -143,12 +140,9 @@ def test_the_package_lacks_a_file(folder, tmp_path):
     shutil.copytree(str(SHIPPED), str(tmp_path / "config"))
     (tmp_path / "config" / "schedule.yaml").unlink()
     errors = Screen()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sys.stdout", Screen())
-        patch.setattr("sys.stderr", errors)
-        with pytest.raises(SystemExit) as end:
-            program.main(str(tmp_path / "config"), ["new", *typed_options(
-                {name: GOOD[name] for name in ("teams", "benchmarks", "days")})])
+    with mock.patch("sys.stdout", Screen()), mock.patch("sys.stderr", errors), pytest.raises(SystemExit) as end:
+        program.main(str(tmp_path / "config"), ["new", *typed_options(
+            {name: GOOD[name] for name in ("teams", "benchmarks", "days")})])
     assert end.value.code == 1
     assert f"{tmp_path}/config/schedule.yaml cannot be read: No such file or directory." in errors.text()
 
