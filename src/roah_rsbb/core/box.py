@@ -5,7 +5,7 @@ referee that is not possible now raises `Refused` and changes nothing.
 """
 
 import math
-from typing import Callable, List, Mapping, Optional, Set, Tuple
+from typing import Callable, List, Mapping, Optional, Sequence, Set, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.clock import ClockWatch, Now
@@ -17,6 +17,7 @@ from roah_rsbb.core.messages import Beacon, DevicesState, RobotReport, TabletSta
 from roah_rsbb.core.modules.desk import ModuleDesk
 from roah_rsbb.core.modules.presence import Modules
 from roah_rsbb.core.referee import RunName, cut_note
+from roah_rsbb.core.reload import Reload
 from roah_rsbb.core.restart.restart import BoxSaved, Restart, Saved
 from roah_rsbb.core.robots import ActiveRobots, RobotId
 from roah_rsbb.core.runs.run import Run
@@ -40,9 +41,10 @@ class Box:
         settings: Settings,
         beacon_size: Callable[[Beacon], int],
         last_port: Optional[int] = None,
+        version: int = 0,
     ) -> None:
         """`beacon_size`: bytes of the datagram that carries a beacon. `last_port`: the highest private port that this
-        competition has used, from the journal; None: no port was used yet."""
+        competition has used, from the journal; None: no port was used yet. `version`: of the configuration."""
         self.settings = settings
         self._outbox = outbox = Outbox()
         # Runs: in zones, and finished.
@@ -60,6 +62,8 @@ class Box:
             settings, zones, self.robots, self._modules, self.tablet, self.watches, self.finished, outbox,
             beacon_size, last_port,
         )
+        self._connections.version = version
+        self._reload = Reload(zones, self.robots, self.finished, self._connections, outbox)
         self._restart = Restart(zones, self.finished, self._connections, self.watches, outbox)
         record = CommandRecord(zones, outbox)
         self.commands = Commands(
@@ -171,6 +175,17 @@ class Box:
         self.tablet.restore(saved.box.tablet)
         self._restart.resume(now, saved)
         self.tick(now)
+
+    # -- the organiser ------------------------------------------------------------------------------
+
+    def reload_off(self, config: Config) -> List[str]:
+        """Return why a configuration cannot be taken now; empty: it can."""
+        return self._reload.off(config)
+
+    def reload(self, now: Now, config: Config, version: int, changes: Sequence[str], who: str = "") -> None:
+        """Put another configuration into force; raises `Refused`. `changes` lists what it changes."""
+        self.tick(now)
+        self._reload.take(config, version, changes, who)
 
     # -- the referee --------------------------------------------------------------------------------
 

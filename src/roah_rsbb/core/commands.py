@@ -16,10 +16,10 @@ from roah_rsbb.core.referee import MAX_NOTE, Refused, RunName, checked_who, cut_
 from roah_rsbb.core.robots import ActiveRobot, ActiveRobots
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRuns
-from roah_rsbb.core.scoring.records import By, EndReason, Phase
+from roah_rsbb.core.scoring.records import By, EndReason, Phase, RunRecord
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.watches import Watches
-from roah_rsbb.core.zones import NO_RUN, EventKey, Zone, Zones
+from roah_rsbb.core.zones import NO_RUN, EventKey, Zone, Zones, key_of_record
 from roah_rsbb.rulebook.benchmarks import Restarts
 from roah_rsbb.rulebook.registry import BenchmarkKind
 from roah_rsbb.wording.suggestions import did_you_mean
@@ -206,7 +206,7 @@ class Commands:
         """Whether the run that a zone shows, or showed last, is over and not signed off."""
         if zone.run is not None:
             return True
-        last = self._finished.last_of(zone.name, zone.event)
+        last = next(self._runs_of(zone), None)
         return last is not None and last.sign_off is None
 
     def reasons_off(self, now: Now, zone: Zone, command: str) -> List[str]:
@@ -268,7 +268,12 @@ class Commands:
 
     def attempt(self, zone: Zone) -> int:
         """Return the number of the attempt that the zone's run is, or that the next one will be."""
-        return self._finished.attempts(zone.name, zone.event) + 1
+        return sum(bool(record.started_utc) for record in self._runs_of(zone)) + 1
+
+    def _runs_of(self, zone: Zone) -> Iterator[RunRecord]:
+        """Return the runs of the zone's event that are over, the newest first."""
+        records = (record for record in self._finished.records() if record.zone == zone.name)
+        return (record for record in records if zone.place_of(key_of_record(record)) == zone.index)
 
     def _attempts_off(self, zone: Zone) -> List[str]:
         most = zone.event.benchmark.rules.attempts

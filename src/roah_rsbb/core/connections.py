@@ -5,7 +5,7 @@ one is tried. A run that continues after a restart keeps its port, because its r
 opened, it is tried again.
 """
 
-from typing import Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Callable, Container, Dict, List, Optional, Sequence, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.capacity import LAST_PORT, Capacity, ports_warning
@@ -59,6 +59,7 @@ class Connections:
         self._outbox = outbox
         self._beacon_size = beacon_size
         self._last_port = max(settings.rsbb_port, last_port or 0)
+        self.version = 0  # of the configuration with which runs are connected
         self._failures_left: Dict[str, int] = {}  # by zone, of channels of the run being connected
         self._reopen_at: Dict[int, float] = {}  # port -> monotonic time (s)
 
@@ -93,6 +94,7 @@ class Connections:
         """Begin a run without a robot in a zone. It takes the next port as its number, and opens no channel."""
         self._last_port += 1
         self._outbox.emit(effects.PortTaken(self._last_port))
+        zone.version = self.version
         zone.run = run = HandRun(now, zone.name, zone.event, self._context(zone.name), self._last_port)
         run.open(now)
         return run
@@ -131,9 +133,10 @@ class Connections:
     def _open_run(self, now: Now, zone: Zone, robot: ActiveRobot) -> None:
         self._last_port += 1
         port, context = self._last_port, self._context(zone.name)
+        zone.version = self.version
         assignment = Assignment(zone.name, zone.event, robot.id, port)
         self._outbox.emit(effects.PortTaken(port))
-        self._outbox.emit(effects.OpenChannel(port, robot.id.team, robot.id.robot, robot.host))
+        self._outbox.emit(effects.OpenChannel(port, robot.id.team, robot.id.robot, robot.host, zone.version))
         if zone.event.benchmark.kind is BenchmarkKind.ALL_ROBOTS:
             zone.run = zone.run or AllRobotsRun(now, assignment, context)
             zone.run.add(now, assignment)
@@ -163,8 +166,12 @@ class Connections:
 
     # -- after a restart ----------------------------------------------------------------------------
 
-    def reopen(self, now: Now, zone: Zone, state: ZoneState) -> None:
-        """Continue the run in a zone's saved state, if any. Raises ValueError if it cannot have its channels."""
+    def reopen(self, now: Now, zone: Zone, state: ZoneState, teams: Optional[Container[str]] = None) -> None:
+        """Continue the run in a zone's saved state, if any. Raises ValueError if it cannot have its channels.
+
+        `teams`: those of the earlier configuration with which the run was connected; None: the present one.
+        """
+        zone.version = self.version if teams is None else state.version
         if state.by_hand is not None:
             zone.run = HandRun(now, zone.name, zone.event, self._context(zone.name), state=state.by_hand)
             return
@@ -172,11 +179,12 @@ class Connections:
         runs = runs if state.run is None else (state.run,)
         if not runs:
             return
-        self._check_channels(runs)
+        self._check_channels(runs, teams)
         for run in runs:
             self._last_port = max(self._last_port, run.port)
             self._outbox.emit(effects.PortTaken(run.port))
-            self._outbox.emit(effects.OpenChannel(run.port, run.robot.team, run.robot.robot, run.link.host))
+            self._outbox.emit(effects.OpenChannel(
+                run.port, run.robot.team, run.robot.robot, run.link.host, zone.version))
         first = Assignment(zone.name, zone.event, runs[0].robot, runs[0].port)
         context = self._context(zone.name)
         if state.run is not None:
@@ -185,11 +193,11 @@ class Connections:
             zone.run = AllRobotsRun(now, first, context, state.all_robots)
         zone.run.resume()
 
-    def _check_channels(self, runs: Sequence[RunState]) -> None:
+    def _check_channels(self, runs: Sequence[RunState], teams: Optional[Container[str]]) -> None:
         """Raise ValueError if these runs cannot have private channels."""
         ports = [run.port for run in runs]
         for run in runs:
-            if not self._robots.has_password(run.robot.team):
+            if not (self._robots.has_password(run.robot.team) if teams is None else run.robot.team in teams):
                 raise ValueError(f"team {run.robot.team} has no password any more")
             if not 0 < run.port <= LAST_PORT or ports.count(run.port) > 1 or self._zones.run_at(run.port) is not None:
                 raise ValueError(f"its port {run.port} cannot be used")
@@ -209,5 +217,7 @@ class Connections:
             del self._reopen_at[port]
             run = self._zones.run_at(port)
             if run is not None:
-                self._outbox.emit(effects.OpenChannel(port, run.robot.team, run.robot.robot, run.link.host))
+                version = self._zones[run.zone].version
+                self._outbox.emit(effects.OpenChannel(
+                    port, run.robot.team, run.robot.robot, run.link.host, version))
                 self._outbox.emit(effects.SendState(port, run.message, How.CHANGE))

@@ -33,6 +33,7 @@ class OpenChannel(NamedTuple):
     team: str
     robot: str
     host: Optional[str]  # the sender of the robot's beacon
+    version: int = 0  # of the configuration with the team's password
 
 
 class AimChannel(NamedTuple):
@@ -117,12 +118,12 @@ class RecordChanged(NamedTuple):
 
 
 class Recorded(NamedTuple):
-    """A referee gave a command to a zone: record it, even if it was refused."""
+    """A referee gave a command, to a zone or to the box: record it, even if it was refused."""
 
-    zone: str
+    zone: str  # empty: none
     identity: str  # of the run; empty: none
     port: Optional[int]  # of the run, if it has exactly one
-    kind: str  # "command"
+    kind: str  # "command" or "reload"
     value: Dict[str, Any]  # JSON; a command: its name ("command"), its arguments, the reasons of a refusal
     who: str
 

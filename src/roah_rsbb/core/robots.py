@@ -188,6 +188,10 @@ class ActiveRobots:
         for robot_id in gone:
             del self._robots[robot_id]
 
+    def use_teams(self, teams: Container[str]) -> None:
+        """Take other teams. The robots that were heard stay."""
+        self._teams = teams
+
     def has_password(self, team: str) -> bool:
         """Whether a team takes part in the competition: only those teams have passwords."""
         return team in self._teams

@@ -1,7 +1,7 @@
 """Zones: their scheduled events, the current event, and the run in it (docs/organiser.md, "schedule.yaml")."""
 
 from dataclasses import dataclass
-from typing import Dict, Iterable, List, NamedTuple, Optional
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.robots import RobotId
@@ -9,7 +9,7 @@ from roah_rsbb.core.runs.all_robots import AllRobotsRun
 from roah_rsbb.core.runs.by_hand import HandRun
 from roah_rsbb.core.runs.functionality import FunctionalityRun, FunctionalityState
 from roah_rsbb.core.runs.run import AllRobotsState, Run, RunState, ZoneRun, ZoneRunState
-from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason
+from roah_rsbb.core.scoring.records import RAN_TO_THE_END, EndReason, RunRecord
 from roah_rsbb.rulebook.benchmarks import ScheduledEvent, ZonePlan
 from roah_rsbb.wording.suggestions import did_you_mean
 
@@ -41,6 +41,11 @@ def key_of(event: ScheduledEvent) -> EventKey:
     return EventKey(event.benchmark.code, event.team, event.round, event.run, event.scheduled)
 
 
+def key_of_record(record: RunRecord) -> EventKey:
+    """Return the key of the event of a run."""
+    return EventKey(record.benchmark, record.team, record.round, record.run, record.scheduled)
+
+
 @dataclass
 class ZoneState:
     """The state of a zone. It has the state of at most one run, and `for_module` only if it has `run`."""
@@ -51,16 +56,28 @@ class ZoneState:
     all_robots: Optional[AllRobotsState] = None
     last_run: Optional[LastRun] = None
     by_hand: Optional[ZoneRunState] = None
+    version: int = 0  # of the configuration with which the run was connected
+
+    @property
+    def has_run(self) -> bool:
+        """Whether the zone has a run."""
+        return self.run is not None or self.all_robots is not None or self.by_hand is not None
 
 
 class Zone:
-    """One zone. Its schedule is in the order of the scheduled times."""
+    """One zone. Its schedule is in the order of the scheduled times.
+
+    If the configuration is changed, a connected run keeps its event. It then stands in `events` instead of the one in
+    `planned`, until the run is left (`roah_rsbb.core.reload`).
+    """
 
     def __init__(self, plan: ZonePlan) -> None:
         self.name = plan.name
-        self.events = plan.events
+        self.planned = plan.events
         self.index = 0
         self.run: Optional[ZoneRun] = None
+        self.version = 0  # of the configuration with which the run was connected
+        self._set_events(plan.events)
         self.last_run: Optional[LastRun] = None  # until the zone shows another event
 
     @property
@@ -85,6 +102,11 @@ class Zone:
                 return index
         return None
 
+    def place_of(self, key: EventKey) -> Optional[int]:
+        """Return the place of an event in the schedule, even if its time was changed; None: it was removed."""
+        place = self._places.get(key)
+        return self._places_by_run.get(key[:-1]) if place is None else place
+
     def move(self, by: int) -> None:
         """Go to another event of the schedule. Drop the last run's log, which belongs to the event before."""
         self.index += by
@@ -100,26 +122,64 @@ class Zone:
             all_robots=run.state if isinstance(run, AllRobotsRun) else None,
             last_run=self.last_run,
             by_hand=run.state if isinstance(run, HandRun) else None,
+            version=0 if run is None else self.version,
         )
 
     def resume_at(self, state: ZoneState) -> bool:
         """Go to the event at which the zone was before a restart. Return False if the schedule no longer has it; the
         zone is then at the event that follows it."""
-        keys = [key_of(event) for event in self.events]
-        same = [i for i, key in enumerate(keys) if key == state.event]
-        moved_in_time = [i for i, key in enumerate(keys) if key[:-1] == state.event[:-1]]
-        later = [i for i, key in enumerate(keys) if key.scheduled >= state.event.scheduled]
-        found = (same or moved_in_time)[:1]
-        self.index = (found or later or [len(keys) - 1])[0]
-        if found:
+        is_there = self._use_plan(state.event)
+        if is_there:
             self.last_run = state.last_run
-        return bool(found)
+        return is_there
+
+    # -- another schedule ---------------------------------------------------------------------------
+
+    def reschedule(self, plan: ZonePlan) -> None:
+        """Take another schedule, and stay at the current event, or go to the event that follows it."""
+        self.planned = plan.events
+        if self.run is not None:
+            self.hold(self.run.event)
+        elif not self._use_plan(key_of(self.event)):
+            self.last_run = None
+
+    def hold(self, event: ScheduledEvent) -> None:
+        """Go to the event of a run, and keep it as it is until the run is left."""
+        events = list(self.planned)
+        self._set_events(self.planned)
+        place = self.place_of(key_of(event))
+        if place is None:
+            events.append(event)
+        else:
+            events[place] = event
+        self._set_events(tuple(sorted(events, key=lambda each: each.scheduled)))
+        self.index = next(index for index, each in enumerate(self.events) if each is event)
+
+    def _use_plan(self, current: EventKey) -> bool:
+        """Go to an event of the planned schedule. Return False if it is not there; the zone is then at the event that
+        follows it."""
+        self._set_events(self.planned)
+        place = self.place_of(current)
+        later = (i for i, event in enumerate(self.events) if event.scheduled >= current.scheduled)
+        self.index = next(later, len(self.events) - 1) if place is None else place
+        return place is not None
+
+    def _set_events(self, events: Tuple[ScheduledEvent, ...]) -> None:
+        self.events = events
+        numbered = list(enumerate(events))
+        self._places = {key_of(event): index for index, event in reversed(numbered)}
+        self._places_by_run = {key_of(event)[:-1]: index for index, event in reversed(numbered)}
+
+    # -- the run ------------------------------------------------------------------------------------
 
     def leave(self, auto_next: bool) -> None:
         """Remove the closed run. After a run that was completed, the zone moves to the next event."""
         run, self.run = self.run, None
         assert run is not None, "there is a run to leave"
         self.last_run = LastRun(run.end_reason, run.log, run.online_data)
+        if self.events is not self.planned and not self._use_plan(key_of(run.event)):
+            self.last_run = None
+            return
         if auto_next and run.end_reason in RAN_TO_THE_END and not self.at_last:
             self.move(1)
 
@@ -130,6 +190,14 @@ class Zones(Dict[str, Zone]):
     def __init__(self, plans: Iterable[ZonePlan]) -> None:
         super().__init__((plan.name, Zone(plan)) for plan in plans)
         self._run_at: Dict[int, Run] = {}  # see `run_at`
+
+    def reschedule(self, plans: Sequence[ZonePlan]) -> None:
+        """Take another schedule. No zone with a run may be missing in it."""
+        before = dict(self)
+        self.clear()
+        for plan in plans:
+            self[plan.name] = before.get(plan.name) or Zone(plan)
+            self[plan.name].reschedule(plan)
 
     def named(self, name: str) -> Zone:
         """Return the zone of that name. Raises `Refused` with the existing names if there is none."""

@@ -8,7 +8,8 @@ notice a gap of a few seconds.
 Active robots and nodes of benchmarking modules are not saved. Both repeat everything important each second.
 """
 
-from typing import Dict, List, NamedTuple, Optional, Tuple
+from types import MappingProxyType
+from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
@@ -19,7 +20,8 @@ from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRuns, left_behind
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.watches import Watches
-from roah_rsbb.core.zones import Zone, Zones, ZoneState
+from roah_rsbb.core.zones import Zone, Zones, ZoneState, key_of
+from roah_rsbb.rulebook.benchmarks import Config, ScheduledEvent
 from roah_rsbb.wording import times
 
 # After a restart, a continued run shows this for so long.
@@ -40,6 +42,7 @@ class Saved(NamedTuple):
     box: BoxSaved
     zones: Dict[str, ZoneState]
     records: Tuple[RunRecord, ...] = ()  # of runs that are over, or were in progress
+    earlier: Mapping[int, Config] = MappingProxyType({})  # configurations with which runs were connected, by version
 
 
 class Restart:
@@ -63,7 +66,7 @@ class Restart:
             if zone is None:
                 self._lost(now, state, f"zone '{name}' is no longer in the schedule")
             else:
-                self._try_to_resume(now, zone, state)
+                self._try_to_resume(now, zone, state, saved.earlier.get(state.version))
         runs = self._zones.runs()
         continuing = {run.identity for run in runs}
         for record in saved.records:
@@ -91,10 +94,17 @@ class Restart:
         self._finished.add(record)
         self._outbox.emit(effects.RecordChanged(record))
 
-    def _try_to_resume(self, now: Now, zone: Zone, state: ZoneState) -> None:
+    def _try_to_resume(self, now: Now, zone: Zone, state: ZoneState, earlier: Optional[Config]) -> None:
+        """`earlier`: the configuration with which the zone's run was connected, if it is no longer in force."""
         place = self._outbox.place()
         try:
-            if zone.resume_at(state):
+            is_there = zone.resume_at(state)
+            event = None if earlier is None else _event_of(earlier, zone.name, state)
+            if earlier is not None and event is not None:
+                zone.hold(event)
+                zone.last_run = state.last_run
+                self._connections.reopen(now, zone, state, earlier.passwords)
+            elif is_there:
                 self._connections.reopen(now, zone, state)
             else:
                 self._lost(now, state, f"its event is no longer in the schedule of zone '{zone.name}'")
@@ -106,10 +116,18 @@ class Restart:
 
     def _lost(self, now: Now, state: ZoneState, why: str) -> None:
         """Report a run that cannot continue. Its scores are in the journal."""
-        if state.run is None and state.all_robots is None and state.by_hand is None:
+        if not state.has_run:
             return
         event = state.event
         text = (f"The run of {event.benchmark}, team {event.team}, that was connected before the restart cannot "
                 f"continue: {why}. Its scores are in the journal: see 'rosrun roah_rsbb results'")
         if self._watches.trouble(now, text):
             self._outbox.notice(Level.ERROR, text)
+
+
+def _event_of(config: Config, zone: str, state: ZoneState) -> Optional[ScheduledEvent]:
+    """Return the event of a zone's run in an earlier configuration; None: there is no run, or no such event."""
+    if not state.has_run:
+        return None
+    events = (event for plan in config.zones if plan.name == zone for event in plan.events)
+    return next((event for event in events if key_of(event) == state.event), None)

@@ -224,6 +224,10 @@ class FinishedRuns:
         self._benchmarks = benchmarks
         self._runs: Dict[str, FinishedRun] = {}  # by identity, the oldest first
 
+    def use(self, benchmarks: Dict[str, Benchmark]) -> None:
+        """Take other benchmarks. The runs that are over keep theirs."""
+        self._benchmarks = benchmarks
+
     def add(self, record: RunRecord) -> None:
         """Keep a run that was just left, unless it was never started. Drop the oldest one if there are too many."""
         if not record.end_reason:
@@ -255,21 +259,6 @@ class FinishedRuns:
     def records(self, count: int = MAX_KEPT) -> List[RunRecord]:
         """Return the records of the newest runs, the most recently left first."""
         return [run.record for run in itertools.islice(reversed(self._runs.values()), count)]
-
-    def last_of(self, zone: str, event: ScheduledEvent) -> Optional[RunRecord]:
-        """Return the record of the last run of an event; None: it has none."""
-        found = (run.record for run in reversed(self._runs.values()) if run.result.zone == zone)
-        wanted = (event.benchmark.code, event.team, event.round, event.run, event.scheduled)
-        return next((r for r in found if (r.benchmark, r.team, r.round, r.run, r.scheduled) == wanted), None)
-
-    def attempts(self, zone: str, event: ScheduledEvent) -> int:
-        """Return how many runs of an event were started."""
-        wanted = (zone, event.benchmark.code, event.team, event.round, event.run, event.scheduled)
-        records = (run.record for run in self._runs.values())
-        return sum(
-            bool(r.started_utc) and (r.zone, r.benchmark, r.team, r.round, r.run, r.scheduled) == wanted
-            for r in records
-        )
 
     def newest(self, count: int = MAX_KEPT) -> Tuple[FinishedResult, ...]:
         """The newest results first. Of a repeated run only the last one."""

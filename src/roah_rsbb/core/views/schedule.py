@@ -13,7 +13,7 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.scoring.records import RAN_TO_THE_END, Phase, RunRecord
-from roah_rsbb.core.zones import EventKey, Zone, key_of
+from roah_rsbb.core.zones import Zone, key_of_record
 from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent, ZonePlan
 
 # The longest time in seconds in which the next robot gets ready. A longer gap is a break.
@@ -59,9 +59,20 @@ class EventLine(NamedTuple):
 def schedule(box: Box, now: Now) -> List[EventLine]:
     """All events of all zones, in the order of their scheduled times."""
     slots = slot_lengths(ZonePlan(zone.name, zone.events) for zone in box.zones.values())
-    last = {(record.zone, *_key_of(record)): record for record in reversed(box.finished.records())}
+    last = _last_runs(box)
     lines = [line for zone in box.zones.values() for line in _zone_lines(zone, last, slots, now)]
     return sorted(lines, key=lambda line: line.event.scheduled)
+
+
+def _last_runs(box: Box) -> Dict[Tuple[str, int], RunRecord]:
+    """Return the last run of each event that is over, by zone and place in its schedule."""
+    last: Dict[Tuple[str, int], RunRecord] = {}
+    for record in reversed(box.finished.records()):
+        zone = box.zones.get(record.zone)
+        place = None if zone is None else zone.place_of(key_of_record(record))
+        if place is not None:
+            last[record.zone, place] = record
+    return last
 
 
 def slot_lengths(plans: Iterable[ZonePlan]) -> Dict[str, float]:
@@ -84,11 +95,11 @@ def _longest(benchmark: Benchmark) -> float:
 
 
 def _zone_lines(
-    zone: Zone, last: Dict[Tuple[object, ...], RunRecord], slots: Dict[str, float], now: Now
+    zone: Zone, last: Dict[Tuple[str, int], RunRecord], slots: Dict[str, float], now: Now
 ) -> List[EventLine]:
     found = []
     for index, event in enumerate(zone.events):
-        record = last.get((zone.name, *key_of(event)))
+        record = last.get((zone.name, index))
         state = _state(zone, index, record)
         found.append(EventLine(zone.name, event, index == zone.index, state, event.scheduled, record))
     return _with_times(found, zone, slots, now)
@@ -127,7 +138,3 @@ def _with_times(lines: List[EventLine], zone: Zone, slots: Dict[str, float], now
 def _minute(utc: float, scheduled: float) -> float:
     """Rounds an estimate up to a minute; a time that is kept is not changed."""
     return utc if utc <= scheduled else math.ceil(utc / MINUTE_S) * MINUTE_S
-
-
-def _key_of(record: RunRecord) -> EventKey:
-    return EventKey(record.benchmark, record.team, record.round, record.run, record.scheduled)

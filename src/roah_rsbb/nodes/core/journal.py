@@ -71,7 +71,8 @@ class CoreJournal:
             if taker is not None:
                 taker(now, effect)
         changed = self._box.take_changed()
-        self._batch.states.update(self._state(name) for name in sorted(changed))
+        self._batch.states.update(self._state(name) for name in sorted(changed)
+                                  if name == BOX or name in self._box.zones)  # a zone may have been removed
         if self._batch.is_empty():
             return
         batch, self._batch = self._batch, Batch()
