@@ -1,6 +1,7 @@
 """Kinds of journal entries that are not topics of a run log (those are in `core/run_log.py`)."""
 
 COMMAND = "command"  # a referee's command, even if refused
+RELOAD = "reload"  # an organiser changed the configuration
 NOTICE = "notice"  # a warning or an error that the referee saw
 ADDRESS = "address"  # a robot's address
 TIMEOUT = "timeout"  # a run timed out

@@ -84,6 +84,12 @@ class Journal:
             self._attempt(self._flush)
         return self._ticket
 
+    def set_competition(self, competition: str) -> None:
+        """The schedule was changed: a later start compares its own with this one."""
+        self._competition = competition
+        if self._session_id:
+            self._attempt(lambda: files.prepare(self._connection, competition))
+
     def look(self) -> None:
         """Call this about once a second: writes waiting data, and checks the file and the speed of the disk."""
         if not self._session_id or not self._pending.is_empty() or not self._is_in_place():

@@ -38,17 +38,17 @@ class JournaledDriver(BoxDriver):
         self.open(self._log_dir / "0")
         super()._begin(listening)
 
-    def open(self, directory, resume=Resume.ALWAYS, launch=""):
-        """Open the journal in a directory, and resume from it."""
+    def open(self, directory, resume=Resume.ALWAYS, launch="", version=0, earlier=()):
+        """Open the journal in a directory, and resume from it. `earlier`: configurations of runs, by version."""
         session = CoreSession(self.now.utc, self.now.mono, self.boot, 1, "uuid", launch)
         events = journal.competition(self.config)
         self.journal = Journal(str(directory), session, events, resume, self.troubles.append)
         self._rules.restart()
-        self.box = Box(self.config, self.settings, beacon_bytes, self.journal.previous.last_port)
+        self.box = Box(self.config, self.settings, beacon_bytes, self.journal.previous.last_port, version)
         self.core_journal = journal.CoreJournal(self.box, self.journal)
         saved, warnings = journal.saved_state(self.journal.previous, self.now, self.boot)
         self.troubles += [*self.journal.warnings, *warnings]
-        self.event(self.box.resume, saved)
+        self.event(self.box.resume, saved._replace(earlier=dict(earlier)))
 
     def _take_effects(self):
         todo = super()._take_effects()
@@ -68,7 +68,7 @@ class JournaledDriver(BoxDriver):
     def _directory(self):
         return self._log_dir / str(self.restarts)
 
-    def kill(self, seconds=2.0, boot=None, config=None):
+    def kill(self, seconds=2.0, boot=None, config=None, **of_configuration):
         """The process is killed, and started again after so many seconds; `boot`: with the computer."""
         after = self._log_dir / str(self.restarts + 1)
         self.copy(after)
@@ -79,12 +79,12 @@ class JournaledDriver(BoxDriver):
             self.now = Now(50.0, self.now.utc)
         self.config = config or self.config
         self.restarts += 1
-        self.resume_in(after)
+        self.resume_in(after, **of_configuration)
 
-    def resume_in(self, directory):
+    def resume_in(self, directory, **of_configuration):
         """A core that is started with the journal in this directory."""
         self.channels = {}
-        self.open(directory)
+        self.open(directory, **of_configuration)
 
 
 def box(tmp_path, config=None, settings=NO_LISTENING, **of_driver):

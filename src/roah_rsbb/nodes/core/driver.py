@@ -186,7 +186,7 @@ class CoreDriver:
 
     def _open_channel(self, effect: effects.OpenChannel) -> None:
         try:
-            self._radio.open_channel(effect.port, effect.team, effect.host)
+            self._radio.open_channel(effect.port, effect.team, effect.host, effect.version)
         except OSError as error:
             self._unopened.add(effect.port)
             self.event(self.box.on_channel_failed, effect.port, str(error))

@@ -15,14 +15,14 @@ import sys
 import threading
 import time
 import uuid
-from typing import Callable, Optional, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
 import rospy
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 from std_srvs.srv import EmptyResponse
 
-from roah_rsbb.comm.ciphers import Cipher, Key, cipher_by_label
+from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.presence import MAX_NODES
@@ -48,17 +48,18 @@ from roah_rsbb.msg import (
     UnsavedParts,
 )
 from roah_rsbb.nodes.core import public_convert
+from roah_rsbb.nodes.core.configuration import Configuration, Content
 from roah_rsbb.nodes.core.device_calls import DeviceCalls, devices_of
 from roah_rsbb.nodes.core.driver import CoreDriver
 from roah_rsbb.nodes.core.journal import CoreJournal, competition, saved_state
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.public_board import PublicBoardMaker
 from roah_rsbb.nodes.core.radio import CoreRadio, Network, beacon_size
+from roah_rsbb.nodes.core.reload import ReloadService
 from roah_rsbb.nodes.core.results_convert import ResultsBoard
 from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.nodes.modules import convert
-from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
@@ -131,9 +132,12 @@ class CoreNode:
         self._public_provisional = params.flag("public_provisional", False)
         standings_file = params.text("standings_file", NO_FILE)
         params.done()
-        loaded, warnings = config.load(*files)
-        rules = {} if standings_file == NO_FILE else read_rules(os.path.expanduser(standings_file))
-        for warning in warnings:
+        launch = rospy.get_param("/run_id", "")
+        standings = None if standings_file == NO_FILE else os.path.expanduser(standings_file)
+        self._configuration = Configuration(log_dir, "" if resume is Resume.NEVER else launch, files, standings)
+        content, version = self._configuration.content, self._configuration.version
+        loaded = content.config
+        for warning in self._configuration.warnings:
             rospy.logwarn("%s", warning)
 
         self._uuid = str(uuid.uuid4())
@@ -145,19 +149,17 @@ class CoreNode:
         self._last_unsaved: Optional[Tuple[object, ...]] = None
         ports = PortRecord(log_dir)
         last_port, port_warnings = ports.read()
-        launch = rospy.get_param("/run_id", "")
         session = CoreSession(time.time(), time.monotonic(), boot_id(), os.getpid(), self._uuid, launch)
         self._store = Journal(log_dir, session, competition(loaded), resume, self._on_journal_trouble)
-        box = Box(loaded, settings, beacon_size, max(last_port or 0, self._store.previous.last_port or 0))
-        keys = {team: Key(password) for team, password in loaded.passwords.items()}
-        self._radio = CoreRadio(self._ros.loop, network, keys, box, self._event)
+        box = Box(loaded, settings, beacon_size, max(last_port or 0, self._store.previous.last_port or 0), version)
+        self._radio = CoreRadio(self._ros.loop, network, box, self._event)
+        self._radio.use_passwords(version, loaded.passwords)
         self._journal = CoreJournal(box, self._store)
         self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble, self._on_log_repaired,
                                       self._journal.log_entries, self._ros.post)
         self._results = ResultsBoard(box, self._uuid)
         self._schedule = ScheduleBoard(box, self._uuid)
-        titles = {code: benchmark.desc or benchmark.name for code, benchmark in loaded.benchmarks.items()}
-        self._public_board = PublicBoardMaker(box, self._uuid, rules, titles)
+        self._public_board = PublicBoardMaker(box, self._uuid, content.rules, _titles(content))
         self._panels = PanelMessages(box, self._uuid, network.rsbb_host)
         self._heard_from = self._ros.loop.time() + HEARD_AFTER_S
         self._device_calls = DeviceCalls(self._on_device_refused)
@@ -170,7 +172,7 @@ class CoreNode:
         self._modules = Newest(self._ros.post, lambda state: self._event(box.modules.on_modules, state), MAX_NODES)
         self._network = network
         self._log_dir = log_dir
-        for warning in (*port_warnings, *self._store.warnings):
+        for warning in (*self._configuration.notices, *port_warnings, *self._store.warnings):
             self._driver.event(box.on_notice, warning)
         self._check_log_dir()
 
@@ -180,6 +182,10 @@ class CoreNode:
         for warning in warnings:
             self._driver.event(self._box.on_notice, warning)
         self._journal.restore(saved.records)
+        versions = {state.version for state in saved.zones.values() if state.run or state.all_robots}
+        saved = saved._replace(earlier=self._configuration.earlier(versions))
+        for version, earlier in saved.earlier.items():
+            self._radio.use_passwords(version, earlier.passwords)
         self._driver.event(self._box.resume, saved)
         self._run_logs.repair(self._store.previous.log_files)
 
@@ -199,6 +205,7 @@ class CoreNode:
             "timeout": rospy.Publisher("/timeout", Empty, queue_size=1),
         }
         CoreServices(self._box, self._ros, self._event, self._journal.ticket, self._store.why_not_saved)
+        ReloadService(self._box, self._configuration, self._ros, self._event, self._use)
         rospy.Service("/core/end_other_core", EmptySrv, self._end_other_core)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
         rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
@@ -260,6 +267,12 @@ class CoreNode:
         rospy.logwarn("%s", why)
         self._ros.loop.call_soon_threadsafe(self._ros.loop.call_later, ANSWERED_S, self._ros.stop, why)
         return EmptyResponse()
+
+    def _use(self, content: Content, version: int) -> None:
+        """Prepare everything outside the box for another configuration."""
+        self._radio.use_passwords(version, content.config.passwords)
+        self._store.set_competition(competition(content.config))
+        self._public_board.use(content.rules, _titles(content))
 
     def _give_up(self, reason: str) -> None:
         self._gave_up = reason
@@ -328,6 +341,11 @@ class CoreNode:
         except rospy.ROSException as error:
             if not rospy.is_shutdown():
                 rospy.logerr_throttle(1.0, f"{self._topics[topic].name} could not be published: {error}")
+
+
+def _titles(content: Content) -> Dict[str, str]:
+    """Return the titles of the benchmarks by their codes."""
+    return {code: benchmark.desc or benchmark.name for code, benchmark in content.config.benchmarks.items()}
 
 
 def _kill_core(pid: int) -> bool:

@@ -21,6 +21,10 @@ class PublicBoardMaker:
         self._titles = titles
         self._shown: Optional[Tuple[object, ...]] = None
 
+    def use(self, rules: Dict[str, Rules], titles: Mapping[str, str]) -> None:
+        """Take other rules and titles."""
+        self._rules, self._titles, self._shown = rules, titles, None
+
     def take(self, view: PublicView) -> Optional[PublicBoard]:
         """Return the message if it differs from the one at the last call."""
         signed = [record for record in self._box.finished.records() if record.sign_off is not None]

@@ -5,7 +5,7 @@ It makes no decisions. It turns datagrams into events of the box, and the box's 
 """
 
 import asyncio
-from typing import Callable, Dict, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Mapping, NamedTuple, Optional, Tuple
 
 import rospy
 
@@ -66,14 +66,13 @@ class CoreRadio:
         self,
         loop: asyncio.AbstractEventLoop,
         network: Network,
-        keys: Dict[str, Key],
         box: Box,
         event: Callable[..., None],
     ) -> None:
-        """`keys` by team. `event(method, *arguments)` passes an event to the box."""
+        """`event(method, *arguments)` passes an event to the box."""
         self._loop = loop
         self._network = network
-        self._keys = keys
+        self._keys: Dict[int, Dict[str, Key]] = {}  # by version of the configuration, then by team
         self._box = box
         self._event = event
         self._listening = True
@@ -86,6 +85,10 @@ class CoreRadio:
             loop, network.rsbb_host, network.rsbb_port, self._on_public, self._on_complaint,
             bind_host=network.bind_host, max_datagram=network.max_datagram,
         )
+
+    def use_passwords(self, version: int, passwords: Mapping[str, str]) -> None:
+        """Set the teams' passwords of a version of the configuration."""
+        self._keys[version] = {team: Key(password) for team, password in passwords.items()}
 
     def open(self, listen_duration: float) -> None:
         """Open the public channel; send beacons after `listen_duration` seconds of only listening.
@@ -128,11 +131,11 @@ class CoreRadio:
         self._last_beacon = self._loop.time()
         self.public.send(wire_convert.beacon_message(self._box.beacon()))
 
-    def open_channel(self, port: int, team: str, host: Optional[str]) -> None:
-        """Open a private channel with the team's key; raises OSError whose text names the remedy."""
+    def open_channel(self, port: int, team: str, host: Optional[str], version: int) -> None:
+        """Open a private channel with the team's key of a version; raises OSError whose text names the remedy."""
         network = self._network
         channel = PrivateChannel(
-            self._loop, network.rsbb_host, port, self._keys[team],
+            self._loop, network.rsbb_host, port, self._keys[version][team],
             lambda message, address: self._on_private(port, message, address),
             lambda text: self._on_private_complaint(port, text),
             cipher=network.cipher, bind_host=network.bind_host, broadcast=network.broadcast,

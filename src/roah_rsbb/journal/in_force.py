@@ -1,0 +1,61 @@
+"""Keeps the configuration files that are in force, beside the journal.
+
+After a crash, the core continues with what it had read, whatever an editor has since done to the files. Runs that were
+connected before a change of the configuration also need the earlier files. The file contains passwords, so only its
+owner can read it (docs/journal.md, "The configuration in force").
+"""
+
+import contextlib
+import json
+import os
+from typing import Dict, NamedTuple, Optional, Tuple
+
+FILE_NAME = "configuration.json"
+
+
+class Texts(NamedTuple):
+    """The files of a version: their paths, and their contents (None: could not be read)."""
+
+    paths: Tuple[str, ...]
+    texts: Tuple[Optional[str], ...]
+
+
+class InForce(NamedTuple):
+    """The versions that are still needed."""
+
+    launch: str  # the launch in which the present version was read
+    present: int
+    versions: Dict[int, Texts]
+
+
+def read_in_force(log_dir: str) -> Optional[InForce]:
+    """Read what the last core left; None: nothing that can be read."""
+    try:
+        with open(os.path.join(log_dir, FILE_NAME), encoding="utf-8") as file:
+            found = json.load(file)
+        versions = {int(number): Texts(tuple(map(str, paths)), tuple(None if t is None else str(t) for t in texts))
+                    for number, (paths, texts) in found["versions"].items()}
+        present = int(found["present"])
+        return InForce(str(found["launch"]), present, versions) if present in versions else None
+    except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return None
+
+
+def write_in_force(log_dir: str, what: InForce) -> None:
+    """Replace the file, and wait until it is on the disk. Raises OSError, and the old file stays."""
+    path = os.path.join(log_dir, FILE_NAME)
+    draft = f"{path}.new"
+    os.makedirs(log_dir, exist_ok=True)
+    with contextlib.suppress(FileNotFoundError):
+        os.unlink(draft)
+    descriptor = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    with open(descriptor, "w", encoding="utf-8") as file:
+        json.dump({"launch": what.launch, "present": what.present, "versions": what.versions}, file)
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(draft, path)
+    folder = os.open(log_dir, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)

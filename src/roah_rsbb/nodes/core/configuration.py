@@ -1,0 +1,164 @@
+"""The configuration of the core node: read at the start, and read again when an organiser changes it. No ROS.
+
+Theory of operation. A changed file takes effect only when an organiser says so. Until then, and after a crash of the
+core, the box uses the contents that it read, which `journal.in_force` keeps. A new launch reads the files again.
+"""
+
+import hashlib
+import os
+import tempfile
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+
+from roah_rsbb.journal.in_force import InForce, Texts, read_in_force, write_in_force
+from roah_rsbb.results.standing_rules import Rules, read_rules
+from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.benchmarks import Config
+from roah_rsbb.rulebook.changes import changes
+from roah_rsbb.rulebook.errors import ConfigErrors
+
+# An editor may write a file while it is read.
+MAX_READINGS = 5
+EDITED = ("The configuration files were changed since the box read them. It continues with what it read. To take the "
+          "changes: 'rosrun roah_rsbb referee reload'")
+
+
+class Content(NamedTuple):
+    """What the files contain."""
+
+    config: Config
+    rules: Dict[str, Rules]  # of the standings
+    warnings: Tuple[str, ...]
+    texts: Texts
+
+    @property
+    def digest(self) -> str:
+        """Identifies the contents of the files."""
+        return hashlib.sha256(repr(self.texts).encode("utf-8", "replace")).hexdigest()[:16]
+
+
+class Configuration:
+    """The files, and the contents of the versions in use."""
+
+    def __init__(self, log_dir: str, launch: str, files: Sequence[str], standings_file: Optional[str]) -> None:
+        """`files`: benchmarks, schedule and passwords. `launch` identifies the launch; empty: unknown. Raises
+        ConfigErrors."""
+        self._log_dir = log_dir
+        self._launch = launch
+        self._paths = (*files, *([standings_file] if standings_file else []))
+        self.warnings: List[str] = []  # about the files, for the log
+        self.notices: List[str] = []  # for every referee
+        before = read_in_force(log_dir)
+        self._versions: Dict[int, Texts] = {} if before is None else dict(before.versions)
+        self.version = 0 if before is None else before.present
+        self.content = self._begin(before)
+
+    def _begin(self, before: Optional[InForce]) -> Content:
+        kept = None if before is None else before.versions[before.present]
+        if kept is not None and self._launch and before.launch == self._launch and kept.paths == self._paths:
+            content = _load_texts(kept)
+            if content is not None:
+                if _read(self._paths) != kept:
+                    self.notices.append(EDITED)
+                return content
+        content = self.read()
+        if kept is not None and content.texts != kept:
+            self.version = before.present + 1
+        self._versions[self.version] = content.texts
+        try:
+            self._write()
+        except OSError as error:
+            self.notices.append(f"The configuration cannot be kept in {self._log_dir}: {error.strerror}. After a "
+                                "crash, the box reads the files again")
+        self.warnings += content.warnings
+        return content
+
+    def read(self) -> Content:
+        """Read the files. Raises ConfigErrors with the errors of all of them."""
+        for _ in range(MAX_READINGS):
+            texts = _read(self._paths)
+            content = _load(self._paths, texts)
+            if _read(self._paths) == texts:
+                break
+        return content
+
+    def changes(self, content: Content) -> List[str]:
+        """List what a content changes."""
+        found = changes(self.content.config, content.config)
+        if content.rules != self.content.rules:
+            found.append("standings: other rules")
+        return found
+
+    def keep(self, content: Content, in_use: Iterable[int]) -> int:
+        """Keep a content as the next version, before it is put into force; returns its number. Raises OSError.
+
+        `in_use`: the versions that runs still need.
+        """
+        needed = {self.version, *in_use}
+        before = self.version, self._versions
+        self.version += 1
+        self._versions = {number: texts for number, texts in self._versions.items() if number in needed}
+        self._versions[self.version] = content.texts
+        try:
+            self._write()
+        except OSError:
+            self.version, self._versions = before
+            raise
+        return self.version
+
+    def put_back(self, version: int) -> None:
+        """Return to an earlier version, because the last one could not be put into force. Raises OSError."""
+        del self._versions[self.version]
+        self.version = version
+        self._write()
+
+    def earlier(self, numbers: Iterable[int]) -> Dict[int, Config]:
+        """Return those of these versions that are no longer in force. A missing or unreadable one is omitted."""
+        found = {number: _load_texts(self._versions[number]) for number in numbers
+                 if number in self._versions and number != self.version}
+        return {number: content.config for number, content in found.items() if content is not None}
+
+    def _write(self) -> None:
+        write_in_force(self._log_dir, InForce(self._launch, self.version, self._versions))
+
+
+def _read(paths: Sequence[str]) -> Texts:
+    found: List[Optional[str]] = []
+    for path in paths:
+        try:
+            with open(path, encoding="utf-8", newline="") as file:
+                found.append(file.read())
+        except (OSError, UnicodeDecodeError):
+            found.append(None)
+    return Texts(tuple(paths), tuple(found))
+
+
+def _load(paths: Sequence[str], texts: Texts) -> Content:
+    """Read and check the files; raises ConfigErrors with the errors of all of them."""
+    errors = []
+    rules: Dict[str, Rules] = {}
+    try:
+        rules = read_rules(paths[3]) if len(paths) > 3 else {}
+    except ConfigErrors as found:
+        errors += found.errors
+    try:
+        loaded, warnings = config.load(*paths[:3])
+    except ConfigErrors as found:
+        raise ConfigErrors(found.errors + errors) from None
+    if errors:
+        raise ConfigErrors(errors)
+    return Content(loaded, rules, tuple(warnings), texts)
+
+
+def _load_texts(texts: Texts) -> Optional[Content]:
+    """Load contents that were read before; None: this version of the programs cannot read them."""
+    with tempfile.TemporaryDirectory() as folder:
+        paths = []
+        for number, text in enumerate(texts.texts):
+            paths.append(os.path.join(folder, f"{number}.yaml"))
+            if text is not None:
+                with open(paths[-1], "w", encoding="utf-8", newline="") as file:
+                    file.write(text)
+        try:
+            return _load(paths, texts)._replace(warnings=())
+        except ConfigErrors:
+            return None

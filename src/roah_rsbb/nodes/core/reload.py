@@ -1,0 +1,82 @@
+"""The service /core/reload: an organiser changes the configuration while the box runs (docs/organiser.md, "Changes
+during the competition")."""
+
+import threading
+from typing import Any, Callable, List, Tuple
+
+import rospy
+
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.nodes.core.configuration import Configuration, Content
+from roah_rsbb.nodes.core.services import who_of
+from roah_rsbb.ros import texts
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.srv import Reload, ReloadResponse
+
+CHANGED_AGAIN = "the files were changed after they were listed: read the list again before you apply it"
+
+
+class ReloadService:
+    """Reads the files in rospy's threads, and puts them into force in the loop's thread."""
+
+    def __init__(
+        self, box: Box, configuration: Configuration, ros: RosLoop, event: Callable[..., None],
+        use: Callable[[Content, int], None],
+    ) -> None:
+        """`use` prepares everything outside the box for a content and its version, in the loop's thread."""
+        self._box = box
+        self._configuration = configuration
+        self._ros = ros
+        self._event = event
+        self._use = use
+        self._lock = threading.Lock()  # one reload at a time
+        rospy.Service("/core/reload", Reload, self._handle)
+
+    def _handle(self, request: Any) -> ReloadResponse:
+        problem = texts.too_long(request)
+        if problem:
+            raise rospy.ServiceException(problem)
+        with self._lock:
+            try:
+                content = self._configuration.read()
+            except ConfigErrors as errors:
+                return ReloadResponse(errors=str(errors).splitlines())
+            changes = self._configuration.changes(content)
+            answer = ReloadResponse(warnings=list(content.warnings), changes=changes)
+            answer.errors = self._ros.call(lambda: self._box.reload_off(content.config))
+            if answer.errors:
+                return answer
+            answer.digest = content.digest
+            if request.digest and request.digest != content.digest:
+                answer.errors = [CHANGED_AGAIN]
+            elif request.digest:
+                answer.errors = self._apply(content, changes, who_of(request, request.referee))
+                answer.applied = not answer.errors
+            return answer
+
+    def _apply(self, content: Content, changes: List[str], who: str) -> List[str]:
+        """Put a content into force; returns why that is not possible."""
+        if not changes:
+            return []
+        before = self._configuration.version
+        try:
+            version = self._configuration.keep(content, self._ros.call(self._versions_in_use))
+        except OSError as error:
+            return [f"the configuration cannot be kept in log_dir: {error.strerror}. Free or repair the disk"]
+
+        def act() -> None:
+            self._use(content, version)
+            self._event(self._box.reload, content.config, version, changes, who)
+            self._configuration.content = content
+
+        try:
+            self._ros.call(act)
+        except Refused as refused:  # a run was connected in the meantime
+            self._configuration.put_back(before)
+            return refused.reasons
+        return []
+
+    def _versions_in_use(self) -> Tuple[int, ...]:
+        return tuple(zone.version for zone in self._box.zones.values() if zone.run is not None)

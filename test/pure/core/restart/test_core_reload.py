@@ -1,0 +1,220 @@
+"""Another configuration while the box runs: what changes, what runs keep, and what a restart continues with."""
+
+import pytest
+
+from helpers import journaled
+from helpers.box_driver import BoxDriver
+from helpers.competition import UTC0, competition, event
+from roah_rsbb.core import effects
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.scoring.records import Phase
+from roah_rsbb.core.views.schedule import EventState, schedule
+from roah_rsbb.core.zones import key_of
+from roah_rsbb.protocol import RobotState
+from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
+from roah_rsbb.rulebook.changes import changes
+
+HOUR = 3600.0
+GLASS = ScoringItem("Achievements", "brings the glass", ScoreKind.BOOL)
+
+
+def day(**of_first):
+    """Three events of a zone, an hour apart."""
+    return [event(run=1, **of_first), event("HWV", run=2, scheduled=UTC0 + HOUR),
+            event("HCFGAC", run=3, scheduled=UTC0 + 2 * HOUR)]
+
+
+def reload(driver, config, version=1, before=None):
+    """Take this configuration."""
+    listed = changes(before, config) if before is not None else ["something"]
+    driver.event(driver.box.reload, config, version, listed, "Olga")
+
+
+def codes(driver, zone="tbm"):
+    return [e.benchmark.code for e in driver.box.zones[zone].events]
+
+
+def states(driver):
+    return {line.event.run: line.state for line in schedule(driver.box, driver.now)}
+
+
+# -- zones ------------------------------------------------------------------------------------------
+
+
+def test_zones_and_events_come_and_go():
+    driver = BoxDriver(competition(tbm=day(), old=["STB"]))
+    driver.command("next")
+    added = event("HNF", run=4, scheduled=UTC0 + 1.5 * HOUR)
+    reload(driver, competition(new=["HOPF"], tbm=[*day()[:2], added, day()[2]]))
+    assert list(driver.box.zones) == ["new", "tbm"]
+    assert codes(driver) == ["HGTKMH", "HWV", "HNF", "HCFGAC"]
+    assert driver.box.zones["tbm"].event.benchmark.code == "HWV"
+    assert [view.zone for view in [driver.view("new"), driver.view("tbm")]] == ["new", "tbm"]
+
+
+def test_a_zone_stays_at_its_event_when_that_moves_in_time():
+    driver = BoxDriver(competition(tbm=day()))
+    driver.command("next")
+    late = [day()[0], event("HWV", run=2, scheduled=UTC0 + 5 * HOUR), day()[2]]
+    reload(driver, competition(tbm=sorted(late, key=lambda e: e.scheduled)))
+    assert codes(driver) == ["HGTKMH", "HCFGAC", "HWV"]
+    assert driver.box.zones["tbm"].event.run == 2
+
+
+@pytest.mark.parametrize("at, then", [(0, 2), (1, 3), (2, 2)])
+def test_a_zone_whose_event_is_removed_goes_to_the_one_that_follows(at, then):
+    driver = BoxDriver(competition(tbm=day()))
+    for _ in range(at):
+        driver.command("next")
+    reload(driver, competition(tbm=[e for i, e in enumerate(day()) if i != at]))
+    assert driver.box.zones["tbm"].event.run == then
+
+
+def test_a_zone_with_a_run_cannot_be_removed():
+    driver = BoxDriver(competition(tbm=day(), old=["STB"]))
+    driver.connected("tbm")
+    driver.taken()
+    config = competition(old=["STB"])
+    assert driver.box.reload_off(config) == [
+        "zone 'tbm' is no longer in the schedule, but a run of HGTKMH is connected in it: disconnect it first"]
+    with pytest.raises(Refused):
+        reload(driver, config)
+    assert list(driver.box.zones) == ["tbm", "old"]
+    assert driver.taken() == []
+    driver.command("disconnect")
+    reload(driver, config)
+    assert list(driver.box.zones) == ["old"]
+
+
+# -- teams ------------------------------------------------------------------------------------------
+
+
+def test_a_late_team_can_connect():
+    driver = BoxDriver(competition(teams=["Alpha"], tbm=day()))
+    reload(driver, competition(teams=["Alpha", "Late"], tbm=[event("HSUF", team="ALL")]))
+    robot = driver.robot(team="Late")
+    robot.beacon()
+    driver.command("connect")
+    opened = driver.taken(effects.OpenChannel)
+    assert [(channel.team, channel.version) for channel in opened] == [("Late", 1)]
+
+
+# -- runs -------------------------------------------------------------------------------------------
+
+
+def test_a_run_keeps_its_limits_and_items_and_the_next_has_the_new_ones():
+    driver = BoxDriver(competition(tbm=day(timeout=600.0)))
+    robot = driver.executing()
+    robot.lives(100)
+    reload(driver, competition(tbm=day(timeout=60.0, scoring=(GLASS,))))
+    run = driver.run_in()
+    assert run.phase is Phase.RUNNING
+    driver.score("Achievements", "detects the door", 1)
+    with pytest.raises(Refused):
+        driver.score("Achievements", "brings the glass", 1)
+    robot.lives(499)
+    assert run.phase is Phase.RUNNING
+    robot.lives(2)
+    assert run.end_reason.name == "TIMEOUT"
+    assert driver.box.zones["tbm"].event.benchmark.timeout == 600.0
+    driver.command("disconnect")
+    robot.beacon()
+    driver.command("connect")
+    assert driver.run_in().event.benchmark.timeout == 60.0
+    driver.score("Achievements", "brings the glass", 1)
+
+
+def test_the_event_of_a_run_stays_until_the_run_is_left():
+    driver = BoxDriver(competition(tbm=day()))
+    driver.connected()
+    reload(driver, competition(tbm=day()[1:]))
+    assert codes(driver) == ["HGTKMH", "HWV", "HCFGAC"]
+    assert states(driver)[1] is EventState.CONNECTED
+    driver.command("start")
+    driver.command("stop")
+    driver.command("disconnect")
+    assert codes(driver) == ["HWV", "HCFGAC"]
+    assert driver.box.zones["tbm"].event.run == 2
+    assert [record.benchmark for record in driver.box.finished.records()] == ["HGTKMH"]
+
+
+def test_a_completed_run_whose_event_was_removed_skips_no_event():
+    driver = BoxDriver(competition(tbm=day()))
+    robot = driver.executing()
+    reload(driver, competition(tbm=day()[1:]))
+    robot.completes()
+    driver.command("disconnect")
+    assert driver.box.zones["tbm"].event.run == 2
+
+
+def test_results_stay_with_an_event_that_moves_in_time():
+    driver = BoxDriver(competition(tbm=day()))
+    robot = driver.executing()
+    robot.completes()
+    driver.command("disconnect")
+    assert states(driver)[1] is EventState.DONE
+    moved = event(run=1, scheduled=UTC0 + 0.5 * HOUR)
+    reload(driver, competition(tbm=[moved, *day()[1:]]))
+    assert states(driver)[1] is EventState.DONE
+    # Another attempt at it is not signed off, so leaving the event has to be confirmed.
+    driver.command("previous")
+    key = key_of(driver.box.zones["tbm"].events[1])
+    with pytest.raises(Refused, match="not signed off"):
+        driver.event(driver.box.choose_event, "tbm", key)
+
+
+def test_the_reload_is_recorded_before_anything_else():
+    driver = BoxDriver(competition(tbm=day()))
+    driver.taken()
+    reload(driver, competition(tbm=day(timeout=60.0)), before=competition(tbm=day()))
+    first = driver.taken()[0]
+    assert (first.kind, first.who, first.value["version"]) == ("reload", "Olga", 1)
+    assert first.value["changes"] == ["benchmark HGTKMH: timeout 600, now 60",
+                                      "benchmark HGTKMH: total timeout 600, now 60"]
+
+
+# -- restarts ---------------------------------------------------------------------------------------
+
+
+def test_a_restart_continues_the_run_with_what_it_began_with(tmp_path):
+    old, new = competition(tbm=day(timeout=600.0)), competition(tbm=day(timeout=60.0)[1:])
+    driver = journaled.box(tmp_path, old)
+    robot = driver.executing()
+    reload(driver, new)
+    driver.taken()
+    driver.kill(config=new, version=1, earlier={0: old})
+    assert [channel.version for channel in driver.taken(effects.OpenChannel)] == [0]
+    assert driver.run_in().event.benchmark.timeout == 600.0
+    assert codes(driver) == ["HGTKMH", "HWV", "HCFGAC"]
+    robot.says(RobotState.EXECUTING)
+    robot.lives(100)
+    assert driver.run_in().phase is Phase.RUNNING
+    driver.command("stop")
+    driver.command("disconnect")
+    assert codes(driver) == ["HWV", "HCFGAC"]
+    driver.kill(config=new, version=1)
+    assert driver.box.zones["tbm"].event.run == 2
+    assert len(driver.box.finished.records()) == 1
+
+
+def test_a_team_that_was_removed_keeps_its_run_through_a_restart(tmp_path):
+    old = competition(tbm=[event(team="Beta")], other=["STB"])
+    new = competition(teams=["Alpha"], tbm=["HWV"], other=["STB"])
+    driver = journaled.box(tmp_path, old)
+    driver.executing(team="Beta")
+    reload(driver, new)
+    driver.kill(config=new, version=1, earlier={0: old})
+    assert driver.run_in().robot.team == "Beta"
+    # Without the earlier configuration, the run is lost, but the box runs.
+    driver.kill(config=new, version=1)
+    assert driver.run_in() is None
+
+
+def test_a_run_that_began_after_the_reload_needs_no_earlier_configuration(tmp_path):
+    old, new = competition(tbm=day(timeout=600.0)), competition(tbm=day(timeout=60.0))
+    driver = journaled.box(tmp_path, old)
+    reload(driver, new)
+    driver.executing()
+    driver.kill(config=new, version=1, earlier={0: old})
+    assert driver.run_in().event.benchmark.timeout == 60.0
+    assert driver.box.zones["tbm"].version == 1
