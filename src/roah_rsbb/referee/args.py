@@ -75,6 +75,7 @@ def parser() -> argparse.ArgumentParser:
     _done(commands)
     _switches(commands)
     _run(commands)
+    _reload(commands)
     return top
 
 
@@ -251,6 +252,16 @@ def _run(commands) -> None:
         help="who does manual operations: others, at a panel or with 'done' (default); automatic: each is completed "
              "at once with its first answer; typed: the answers come from standard input",
     )
+
+
+def _reload(commands) -> None:
+    one = _add(
+        commands, "reload", "take changed configuration files into use, without a restart",
+        [f"{PROG} reload", f"{PROG} reload --check    (only list what would change)", f"{PROG} reload --yes --by Olga"],
+    )
+    one.add_argument("--check", action="store_true", help="change nothing: only list errors and changes")
+    one.add_argument("--yes", action="store_true", help="apply the changes without asking")
+    _by(one)
 
 
 def _type(form: str, read: Callable[[str], T]) -> Callable[[str], T]:

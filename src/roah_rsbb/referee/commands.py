@@ -272,6 +272,48 @@ def _choose(link: Link, options: Any, output: Any) -> Exit:
     return _say_done(link, name, output, "choose")
 
 
+# -- the configuration ----------------------------------------------------------------------------
+
+
+def _reload(link: Link, options: Any, output: Output) -> Exit:
+    """Check the configuration files, list what they change, and apply it."""
+    found = link.reload("", options.referee)
+    _check_reload(found)
+    if not found.changes or options.check:
+        return _show_reload(found, output)
+    if not options.yes:
+        if output.json or not sys.stdin.isatty():
+            raise BadWord("give --yes to apply the changes, --check to list them, or use a terminal, where you are "
+                          "asked")
+        output.lines(_reload_lines(found))
+        answered = input("Apply these changes? [y/N] ")
+        if answered.strip().lower() not in ("y", "yes"):
+            raise Refused(["nothing was changed: the question was not answered with yes"])
+    done = link.reload(found.digest, options.referee)
+    _check_reload(done)
+    return _show_reload(done, output)
+
+
+def _check_reload(answer: Any) -> None:
+    if answer.errors:
+        raise Refused([*answer.errors, "Nothing was changed"])
+
+
+def _show_reload(answer: Any, output: Output) -> Exit:
+    if output.json:
+        output.object({"ok": True, "command": "reload", "applied": answer.applied, "changes": list(answer.changes),
+                       "warnings": list(answer.warnings)})
+    else:
+        end = ["The changes are in force"] if answer.applied and answer.changes else []
+        output.lines(_reload_lines(answer) + end)
+    return Exit.OK
+
+
+def _reload_lines(answer: Any) -> List[str]:
+    warnings = [f"warning: {escaped(text)}" for text in answer.warnings]
+    return warnings + ([escaped(text) for text in answer.changes] or ["The files contain what is in force"])
+
+
 # -- all commands ---------------------------------------------------------------------------------
 
 COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
@@ -280,7 +322,7 @@ COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
     "next-phase": _command, "previous-phase": _command, "open-sheet": _command, "no-show": _command,
     "withdrawn": _command, "score": _score, "runs": _runs, "sheet": _sheet,
     "withdraw": _withdraw, "reason": _reason, "sign-off": _sign_off, "schedule": _schedule, "choose": _choose,
-    "done": _done, "switches": _switches, "run": _run,
+    "done": _done, "switches": _switches, "run": _run, "reload": _reload,
 }
 
 

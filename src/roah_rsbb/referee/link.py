@@ -25,6 +25,8 @@ from roah_rsbb.srv import (
     GetRunSheet,
     LeaveRun,
     ManualOperationAnswer,
+    Reload,
+    ReloadResponse,
     ScoreMark,
     ScoreWithdraw,
     SignOff,
@@ -239,6 +241,10 @@ class Link:
     def sign_off(self, zone: str, identity: str, referee: str) -> None:
         """Sign a score sheet off; see `mark`."""
         self._call("/core/sign_off", SignOff, zone, identity, referee)
+
+    def reload(self, digest: str, referee: str) -> ReloadResponse:
+        """Check the configuration files, or apply what was listed with this digest. Raises as `command` does."""
+        return self._call("/core/reload", Reload, digest, referee)
 
     def run_sheet(self, zone: str, identity: str) -> RunSheet:
         """Return a run's score sheet; see `mark`."""
