@@ -182,7 +182,7 @@ class CoreNode:
         for warning in warnings:
             self._driver.event(self._box.on_notice, warning)
         self._journal.restore(saved.records)
-        versions = {state.version for state in saved.zones.values() if state.run or state.all_robots}
+        versions = {state.version for state in saved.zones.values() if state.has_run}
         saved = saved._replace(earlier=self._configuration.earlier(versions))
         for version, earlier in saved.earlier.items():
             self._radio.use_passwords(version, earlier.passwords)
