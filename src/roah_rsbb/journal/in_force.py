@@ -1,11 +1,10 @@
 """Keeps the configuration files that are in force, beside the journal.
 
 After a crash, the core continues with what it had read, whatever an editor has since done to the files. Runs that were
-connected before a change of the configuration also need the earlier files. The file contains passwords, so only its
-owner can read it (docs/journal.md, "The configuration in force").
+connected before a change of the configuration also need the earlier files. Passwords are never copied to this place
+(docs/journal.md, "The configuration in force").
 """
 
-import contextlib
 import json
 import os
 from typing import Dict, NamedTuple, Optional, Tuple
@@ -14,7 +13,7 @@ FILE_NAME = "configuration.json"
 
 
 class Texts(NamedTuple):
-    """The files of a version: their paths, and their contents (None: could not be read)."""
+    """The files of a version: their paths, and their contents (None: not kept, or could not be read)."""
 
     paths: Tuple[str, ...]
     texts: Tuple[Optional[str], ...]
@@ -46,10 +45,7 @@ def write_in_force(log_dir: str, what: InForce) -> None:
     path = os.path.join(log_dir, FILE_NAME)
     draft = f"{path}.new"
     os.makedirs(log_dir, exist_ok=True)
-    with contextlib.suppress(FileNotFoundError):
-        os.unlink(draft)
-    descriptor = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    with open(descriptor, "w", encoding="utf-8") as file:
+    with open(draft, "w", encoding="utf-8") as file:
         json.dump({"launch": what.launch, "present": what.present, "versions": what.versions}, file)
         file.flush()
         os.fsync(file.fileno())

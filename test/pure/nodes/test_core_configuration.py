@@ -137,9 +137,23 @@ def test_a_version_that_could_not_be_used_is_put_back(competition):
     assert minutes(competition.core().content.config) == 10.0
 
 
-def test_only_the_owner_can_read_the_passwords(competition):
+def test_passwords_are_not_copied(competition):
+    core = competition.core()
+    with open(os.path.join(competition.log_dir, FILE_NAME), encoding="utf-8") as file:
+        text = file.read()
+    assert not any(password in text for password in core.content.config.passwords.values())
+    competition.edit("passwords.yaml", "TestingTeam:", "Late: its password\nTestingTeam:")
+    assert core.changes(core.read()) == ["team 'Late': added"]
+    again = competition.core()
+    assert (again.notices, "Late" in again.content.config.passwords) == ([], True)
+
+
+def test_files_that_no_longer_fit_the_passwords_are_read_again(competition):
     competition.core()
-    assert os.stat(os.path.join(competition.log_dir, FILE_NAME)).st_mode & 0o777 == 0o600
+    for name in ("passwords.yaml", "schedule.yaml"):
+        path = competition.folder / name
+        path.write_text(path.read_text("utf-8").replace("TestingTeam", "Renamed"), "utf-8")
+    assert "Renamed" in competition.core().content.config.passwords
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", "{", '{"launch": "launch 1", "present": 1, "versions": {}}',

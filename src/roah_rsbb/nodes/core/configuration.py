@@ -2,6 +2,7 @@
 
 Theory of operation. A changed file takes effect only when an organiser says so. Until then, and after a crash of the
 core, the box uses the contents that it read, which `journal.in_force` keeps. A new launch reads the files again.
+Passwords are kept nowhere but in their file, so each start of the core reads that file.
 """
 
 import hashlib
@@ -16,6 +17,8 @@ from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.changes import changes
 from roah_rsbb.rulebook.errors import ConfigErrors
 
+# The place of the passwords among the files.
+_PASSWORDS = 2
 # An editor may write a file while it is read.
 MAX_READINGS = 5
 EDITED = ("The configuration files were changed since the box read them. It continues with what it read. To take the "
@@ -57,13 +60,14 @@ class Configuration:
         if kept is not None and self._launch and before.launch == self._launch and kept.paths == self._paths:
             content = _load_texts(kept)
             if content is not None:
-                if _read(self._paths) != kept:
+                if _without_passwords(_read(self._paths)) != kept:
                     self.notices.append(EDITED)
                 return content
         content = self.read()
-        if kept is not None and content.texts != kept:
+        texts = _without_passwords(content.texts)
+        if kept is not None and texts != kept:
             self.version = before.present + 1
-        self._versions[self.version] = content.texts
+        self._versions[self.version] = texts
         try:
             self._write()
         except OSError as error:
@@ -97,7 +101,7 @@ class Configuration:
         before = self.version, self._versions
         self.version += 1
         self._versions = {number: texts for number, texts in self._versions.items() if number in needed}
-        self._versions[self.version] = content.texts
+        self._versions[self.version] = _without_passwords(content.texts)
         try:
             self._write()
         except OSError:
@@ -132,6 +136,10 @@ def _read(paths: Sequence[str]) -> Texts:
     return Texts(tuple(paths), tuple(found))
 
 
+def _without_passwords(texts: Texts) -> Texts:
+    return texts._replace(texts=(*texts.texts[:_PASSWORDS], None, *texts.texts[_PASSWORDS + 1:]))
+
+
 def _load(paths: Sequence[str], texts: Texts) -> Content:
     """Read and check the files; raises ConfigErrors with the errors of all of them."""
     errors = []
@@ -150,13 +158,13 @@ def _load(paths: Sequence[str], texts: Texts) -> Content:
 
 
 def _load_texts(texts: Texts) -> Optional[Content]:
-    """Load contents that were read before; None: this version of the programs cannot read them."""
+    """Load contents that were read before, with the present passwords; None: they cannot be read, or do not fit."""
     with tempfile.TemporaryDirectory() as folder:
-        paths = []
+        paths = list(texts.paths)
         for number, text in enumerate(texts.texts):
-            paths.append(os.path.join(folder, f"{number}.yaml"))
             if text is not None:
-                with open(paths[-1], "w", encoding="utf-8", newline="") as file:
+                paths[number] = os.path.join(folder, f"{number}.yaml")
+                with open(paths[number], "w", encoding="utf-8", newline="") as file:
                     file.write(text)
         try:
             return _load(paths, texts)._replace(warnings=())
