@@ -11,8 +11,8 @@ from roah_rsbb.core.scoring.records import Phase
 from roah_rsbb.core.views.schedule import EventState, schedule
 from roah_rsbb.core.zones import key_of
 from roah_rsbb.protocol import RobotState
-from roah_rsbb.rulebook.benchmarks import ScoreKind, ScoringItem
 from roah_rsbb.rulebook.changes import changes
+from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 HOUR = 3600.0
 GLASS = ScoringItem("Achievements", "brings the glass", ScoreKind.BOOL)
