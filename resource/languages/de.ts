@@ -1150,6 +1150,16 @@
         <translation>Nicht getrennt: In {zone} ist jetzt ein anderer Lauf</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Not done: {zone} is at another event now</source>
+        <translation>Nicht ausgeführt: {zone} ist jetzt bei einem anderen Termin</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
+        <source>Connect {robot} in {zone}</source>
+        <translation>{robot} verbinden in {zone}</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/rqt/panels/collapsing.py"/>
         <source>Show this panel now</source>
         <translation>Dieses Fenster jetzt zeigen</translation>
@@ -1481,6 +1491,131 @@
         <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
         <source>Manual operation complete</source>
         <translation>Handeingriff erledigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Previous phase in {zone}</source>
+        <translation>Vorherige Phase in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>◀ Phase</source>
+        <translation>◀ Phase</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Go back to the phase before; its time continues</source>
+        <translation>Zur vorherigen Phase zurück; ihre Zeit läuft weiter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Next phase in {zone}</source>
+        <translation>Nächste Phase in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Next phase ▶</source>
+        <translation>Nächste Phase ▶</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Go to the next phase</source>
+        <translation>Zur nächsten Phase</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Pause in {zone}</source>
+        <translation>Pause in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>‖ Pause</source>
+        <translation>‖ Pause</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Stop the clock of the run. The robot does not notice</source>
+        <translation>Die Uhr des Laufs anhalten. Der Roboter merkt nichts davon</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Resume in {zone}</source>
+        <translation>Fortsetzen in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>▶ Resume clock</source>
+        <translation>▶ Uhr fortsetzen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Let the clock of the run continue</source>
+        <translation>Die Uhr des Laufs weiterlaufen lassen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Score sheet in {zone}</source>
+        <translation>Wertungsbogen in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Score without a robot</source>
+        <translation>Ohne Roboter werten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Start and stop the clock yourself. Nothing is sent to a robot</source>
+        <translation>Die Uhr selbst starten und stoppen. Nichts wird an einen Roboter gesendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>No-show in {zone}</source>
+        <translation>Nicht erschienen in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>No-show …</source>
+        <translation>Nicht erschienen …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>The team did not appear. Leave this event</source>
+        <translation>Das Team ist nicht erschienen. Diesen Termin verlassen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Did team {team} not appear? The zone leaves this event.</source>
+        <translation>Ist Team {team} nicht erschienen? Die Zone verlässt diesen Termin.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Withdrawal in {zone}</source>
+        <translation>Rückzug in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Team withdrew …</source>
+        <translation>Team zieht zurück …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>The team withdrew. Leave this event</source>
+        <translation>Das Team zieht zurück. Diesen Termin verlassen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Did team {team} withdraw? The zone leaves this event.</source>
+        <translation>Zieht Team {team} zurück? Die Zone verlässt diesen Termin.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Choose a robot, score without a robot, no-show</source>
+        <translation>Roboter wählen, ohne Roboter werten, nicht erschienen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Connect {robot}</source>
+        <translation>{robot} verbinden</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>

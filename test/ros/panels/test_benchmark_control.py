@@ -1,6 +1,7 @@
 """Benchmark Control and Scoring, clicked on, with a fake core: real messages, real services."""
 
 import time
+from dataclasses import replace
 
 import rospy
 from support.gui_testing import QMessageBox, Qt, QTest, answer, click, question, wait_until
@@ -8,6 +9,7 @@ from support.panel_case import BUMPS, DOOR, PanelCase
 
 from roah_rsbb.rqt.model import calls, model
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
+from roah_rsbb.rulebook.benchmarks import PhaseRule, Rules
 
 
 class TestBenchmarkControl(PanelCase):
@@ -26,6 +28,53 @@ class TestBenchmarkControl(PanelCase):
             click(self.buttons[command])
             self.wait_phase(phase)
         self.assertEqual([call for call, _ in self.core.calls], ["connect", "start", "stop_run", "disconnect"])
+
+    def test_phases_and_pauses(self) -> None:
+        self.assertFalse(self.panel.rules.isVisible())
+        rules = Rules(pause=True, phases=(PhaseRule("Enter", 60.0), PhaseRule("Leave")))
+        zone, buttons = self.core.box.zones["Home A"], self.panel.rules.buttons
+        zone.events = tuple(replace(e, benchmark=replace(e.benchmark, rules=rules)) for e in zone.events)
+        for command in ("connect", "start"):
+            click(self.buttons[command])
+        label = self.panel.times.goal.label.text
+        wait_until(lambda: label() == "Phase 1 of 2, Enter: time left", "the phase is shown")
+        self.assertFalse(buttons["previous_phase"].isEnabled())
+        click(buttons["next_phase"])
+        wait_until(lambda: label() == "Phase 2 of 2, Leave: time used", "the next phase is shown")
+        wait_until(lambda: buttons["next_phase"].why_off == "This is the last phase", "there are no more phases")
+        click(buttons["pause"])
+        wait_until(buttons["resume"].isVisible, "the clock can be resumed")
+        self.assertFalse(buttons["pause"].isVisible())
+        wait_until(lambda: "PAUSED" in self.panel._phase.text(), "the pause is shown")
+        click(buttons["resume"])
+        wait_until(buttons["pause"].isVisible, "the clock can be paused")
+        click(buttons["previous_phase"])
+        wait_until(lambda: label() == "Phase 1 of 2, Enter: time left", "the phase before is shown")
+
+    def test_a_run_without_a_robot_and_a_team_that_does_not_appear(self) -> None:
+        actions = self.panel.more.actions_of
+        wait_until(actions["open_sheet"].isEnabled, "a sheet can be opened")
+        actions["open_sheet"].trigger()
+        self.wait_phase("CONNECTED")
+        wait_until(lambda: not actions["open_sheet"].isEnabled(), "no other sheet can be opened")
+        for command, phase in (("start", "RUNNING"), ("stop", "ENDED"), ("disconnect", "NOT CONNECTED")):
+            click(self.buttons[command])
+            self.wait_phase(phase)
+        wait_until(actions["no_show"].isEnabled, "a no-show is possible")
+        actions["no_show"].trigger()
+        answer(question(), QMessageBox.RejectRole)
+        actions["no_show"].trigger()
+        answer(question(), QMessageBox.AcceptRole)
+        wait_until(lambda: ("no_show", "Home A") in self.core.calls, "the core hears of it")
+        ends = [record.end_reason for record in self.core.box.finished.records()]
+        self.assertEqual(ends, ["no_show", "stopped"])
+
+    def test_one_of_several_robots_connects(self) -> None:
+        wait_until(lambda: len(self.panel.more.robots) == 2, "both robots are listed")
+        robot = self.client.model.zone_details.robots_to_choose[1]
+        self.panel.more.robots[1].trigger()
+        wait_until(lambda: self.client.model.zone_details.robot == robot, "this robot is connected")
+        wait_until(lambda: not self.panel.more.robots, "there is no choice any more")
 
     def test_next_and_previous(self) -> None:
         click(self.buttons["next"])

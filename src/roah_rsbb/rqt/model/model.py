@@ -191,6 +191,11 @@ class Model(QObject):
             return None  # of the run before: the topics are not of the same moment
         return clock_of(message, self.clock_s - self._clocks.clock.to_sec())
 
+    def has_phases(self, zone_name: str) -> bool:
+        """Returns whether the benchmark of a zone's event has phases."""
+        clocks = () if self._clocks is None else self._clocks.zones
+        return any(clock.zone == zone_name and clock.phases > 0 for clock in clocks)
+
     def unsaved_of(self, identity: str) -> UnsavedParts:
         """Return the parts of a run's record that the core could not write to the disk yet."""
         runs = () if self._unsaved is None else self._unsaved.runs

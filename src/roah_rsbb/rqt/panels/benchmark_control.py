@@ -10,6 +10,7 @@ from roah_rsbb.msg import RunSummary, ZoneDetails, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels import phases
 from roah_rsbb.rqt.panels.history import RunSheets, why_fixed
+from roah_rsbb.rqt.panels.more_commands import WHATS, Command, MoreMenu, RuleButtons
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
 from roah_rsbb.rqt.panels.shortcuts import TwiceKey
 from roah_rsbb.rqt.qt import (
@@ -26,7 +27,7 @@ from roah_rsbb.rqt.qt import (
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.run_times import RunTimes
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
-from roah_rsbb.srv import StopReason, Zone
+from roah_rsbb.srv import ConnectRobot, StopReason, Zone
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.sent import tr_sent
@@ -164,6 +165,8 @@ class BenchmarkControlPanel(Panel):
         self._answer = Answer()
         self.reason = StopReasonLine(self, self._answer)
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
+        self.rules = RuleButtons(self._press)
+        self.more = MoreMenu(self._connect_robot, self._press_in_menu)
         keys = QToolButton()
         keys.setText("?")
         keys.setToolTip(tr("All keys (key: ?)"))
@@ -186,9 +189,13 @@ class BenchmarkControlPanel(Panel):
         self.state.setMinimumHeight(round(3.5 * basic.em()))
         self.body.addWidget(self.state, 2)
         commands = QGridLayout()
-        for column, names in enumerate((("connect", "disconnect"), ("start",), ("stop",))):
-            for row, name in enumerate(names):
-                commands.addWidget(self.buttons[name], row, column, 2 // len(names), 1)
+        connect = QHBoxLayout()
+        connect.addWidget(self.buttons["connect"], 1)
+        connect.addWidget(self.more)
+        commands.addLayout(connect, 0, 0)
+        commands.addWidget(self.buttons["disconnect"], 1, 0)
+        commands.addWidget(self.buttons["start"], 0, 1, 2, 1)
+        commands.addWidget(self.buttons["stop"], 0, 2, 2, 1)
         for column, share in enumerate((4, 5, 5)):
             commands.setColumnStretch(column, share)
         for name in ("start", "stop"):
@@ -199,6 +206,7 @@ class BenchmarkControlPanel(Panel):
         reason.addWidget(QLabel(tr(REASON)))
         reason.addWidget(self.reason, 1)
         self.body.addLayout(reason)
+        self.body.addWidget(self.rules)
         self.body.addLayout(commands)
 
     def _event_grid(self) -> QGridLayout:
@@ -241,6 +249,9 @@ class BenchmarkControlPanel(Panel):
             self._show_run(zone, details)
         for command in COMMANDS.values():
             self._show_button(command, zone, details)
+        silent = tr(NO_ZONE) if zone is None else tr(SILENT) if self.model.is_old else ""
+        self.rules.show_details(details, self.model.has_phases(self.model.zone_name), silent)
+        self.more.show_details(details, silent)
         self.reason.show_run()
         self._start_key.forget()
 
@@ -263,7 +274,7 @@ class BenchmarkControlPanel(Panel):
         before, self._shown_zone = self._shown_zone, self.model.zone_name
         if before in ("", self._shown_zone):
             return
-        for name, button in self.buttons.items():
+        for name, button in {**self.buttons, **self.rules.buttons}.items():
             if name != "stop":
                 button.hold()
         basic.set_style(self._zones, f"QComboBox {{ background: {basic.OLD.background}; color: {basic.OLD.text}; }}")
@@ -340,9 +351,41 @@ class BenchmarkControlPanel(Panel):
         else:
             self._answer.warn(tr("Not disconnected: another run is in {zone} now", zone=zone))
 
+    def _press_in_menu(self, command: Command) -> None:
+        zone, details, event = self.model.zone_name, self.model.zone_details, self.model.zone
+        if details is None or event is None:
+            return
+        if not command.question:
+            self._send_from_menu(command.service, zone)
+            return
+        ask(self, tr(command.label).rstrip(" …"), tr(command.question, team=event.team), tr(command.label).rstrip(" …"),
+            partial(self._send_if_same, command.service, zone, (event.schedule, event.team, details.identity)))
+
+    def _send_if_same(self, service: str, zone: str, asked: tuple) -> None:
+        """Give the command if the zone is still at the event that the referee was asked about."""
+        event, details = self.model.zone, self.model.zone_details
+        if self.model.zone_name == zone and (event.schedule, event.team, details.identity) == asked:
+            self._send_from_menu(service, zone)
+        else:
+            self._answer.warn(tr("Not done: {zone} is at another event now", zone=zone))
+
+    def _send_from_menu(self, service: str, zone: str) -> None:
+        what = tr(WHATS[service], zone=zone)
+        self._answer.say(f"{what} …")
+        self.client.calls.service(
+            self, f"/core/{service}", Zone, (zone,), lambda outcome: self._answer.show_outcome(what, outcome))
+
+    def _connect_robot(self, robot: str) -> None:
+        zone = self.model.zone_name
+        what = tr("Connect {robot} in {zone}", robot=robot, zone=zone)
+        self._answer.say(f"{what} …")
+        self.client.calls.service(
+            self, "/core/connect_robot", ConnectRobot, (zone, robot),
+            lambda outcome: self._answer.show_outcome(what, outcome))
+
     def _send(self, service: str, zone: str) -> None:
-        what = tr(COMMANDS[service].what, zone=zone)
-        button = self.buttons[service]
+        what = tr(COMMANDS[service].what if service in COMMANDS else WHATS[service], zone=zone)
+        button = self.buttons.get(service) or self.rules.buttons[service]
         button.hold()
         self._answer.say(f"{what} …")
 

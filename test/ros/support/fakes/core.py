@@ -191,7 +191,7 @@ class FakeZone:
         details.robot = (self.robot or details.robot) if self.phase != "idle" else ""
         details.robots = list(self.all_robots)
         details.module_scores = list(self.module_scores)
-        clock.paused = self.paused
+        clock.paused = self.paused or clock.paused
         for field in ("goal", "goal_limit", "goal_elapsed", "goal_counting"):
             setattr(clock, field, getattr(self.goal, field))
         if self.asked is not None:
