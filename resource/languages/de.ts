@@ -270,6 +270,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>Without a robot: the clock starts and stops by the referee only</source>
+        <translation>Ohne Roboter: Nur der Schiedsrichter startet und stoppt die Uhr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
         <source>Robot ready to accept connection: {robot}</source>
         <translation>Roboter bereit zum Verbinden: {robot}</translation>
     </message>
@@ -400,6 +405,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>by the referee</source>
+        <translation>durch den Schiedsrichter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
         <source>Already connected</source>
         <translation>Schon verbunden</translation>
     </message>
@@ -422,6 +432,11 @@
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
         <source>No run is running</source>
         <translation>Es läuft kein Lauf</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The run was started, so its team appeared</source>
+        <translation>Der Lauf wurde gestartet, das Team ist also erschienen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
@@ -527,6 +542,16 @@
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
         <source>Listening for another box before transmitting: {time} s</source>
         <translation>Horche vor dem Senden auf eine andere Box: {time} s</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The setup time of {time} is over</source>
+        <translation>Die Aufbauzeit von {time} ist vorbei</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>The {time} of {phase} are over</source>
+        <translation>Die {time} von {phase} sind vorbei</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>

@@ -31,7 +31,7 @@ def checklist(plans: Sequence[ZonePlan], records: Sequence[RunRecord], in_utc: b
     counts. Runs that the schedule does not have follow."""
     last: Dict[_Key, Tuple[int, RunRecord]] = {}
     for number, record in enumerate(records, 1):
-        if record.started_utc:
+        if record.started_utc or record.end_reason:
             key = (record.zone, record.benchmark, record.team, record.round, record.run, record.scheduled)
             last[key] = (number, record)
     events = sorted(((event.scheduled, plan.name, event) for plan in plans for event in plan.events),

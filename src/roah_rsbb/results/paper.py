@@ -12,7 +12,7 @@ from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, t
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.results.standing_rules import DEFAULT, Rules
 from roah_rsbb.results.standings import DISQUALIFIED, criteria_of, number_text, number_with_unit, standing_of_run
-from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Benchmark, ScheduledEvent
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
@@ -98,7 +98,7 @@ def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool
         "Score sheet" if record.sign_off else "Score sheet, not signed off: may still change",
         (
             ("Team", record.team), ("Round, run", f"{record.round}, {record.run}"),
-            ("Robot", ", ".join(record.robots) or NOTHING), ("Zone", record.zone),
+            ("Robot", robots_of(record)), ("Zone", record.zone),
             ("Scheduled", date_time(record.scheduled, in_utc)),
             ("Started", optional_date_time(record.started_utc, in_utc)),
             ("Disconnected", optional_date_time(record.closed_utc, in_utc)), ("End", ended),
@@ -109,6 +109,16 @@ def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool
         tuple(_remarks(record)),
         EMPTY_LINES,
     )
+
+
+def robots_of(record: RunRecord) -> str:
+    """Returns the robots of a run in words."""
+    by_hand = "none: scored by hand" if record.started_utc or record.end_reason else NOTHING
+    return ", ".join(record.robots) or by_hand
+
+
+def _limit_text(seconds: float) -> str:
+    return "none" if seconds == NO_LIMIT else f"{elapsed(seconds)} min"
 
 
 def blank_front(
@@ -126,7 +136,7 @@ def blank_front(
             ("Team", event.team if known else ""), ("Round, run", f"{event.round}, {event.run}" if known else ""),
             ("Robot", ""), ("Zone", zone),
             ("Scheduled", date_time(event.scheduled, in_utc) if known else ""), ("Started", ""),
-            ("Ended", ""), ("Time limit", f"{elapsed(benchmark.total_timeout)} min"),
+            ("Ended", ""), ("Time limit", _limit_text(benchmark.total_timeout)),
             ("Time", ""), ("End", "☐ completed  ☐ stopped  ☐ timeout"),
         ),
         tuple(Group(name, tuple(map(_blank_line, items))) for name, items in groups.items()),

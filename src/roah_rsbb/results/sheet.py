@@ -7,7 +7,7 @@ from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord, gr
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, facts_table, joined, page, table, tag
-from roah_rsbb.results.paper import front_markup, front_of
+from roah_rsbb.results.paper import front_markup, front_of, robots_of
 from roah_rsbb.results.runs import RobotPart, RunResult, run_state_text, signature_of
 from roah_rsbb.results.standing_rules import Rules
 from roah_rsbb.wording import sheets
@@ -64,12 +64,14 @@ def facts(result: RunResult, in_utc: bool) -> List[Tuple[str, str]]:
     return [
         ("Zone", line(record.zone)),
         ("Robots", ", ".join(f"{line(r.robot)} of team {line(r.team)} (port {r.port})" for r in result.robots)
-         or ", ".join(map(line, record.robots)) or NOTHING),
+         or line(robots_of(record))),
         ("Scheduled", date_time(record.scheduled, in_utc)),
         ("Connected", date_time(record.opened_utc, in_utc)),
         ("Started", optional_date_time(record.started_utc, in_utc)),
         ("Disconnected", optional_date_time(record.closed_utc, in_utc)),
         ("Time", elapsed(record.elapsed_s) if record.started_utc else NOTHING),
+        *([("Phases", ", ".join(f"{line(phase.name)} {elapsed(phase.elapsed_s)}" for phase in record.phases))]
+          if record.phases else []),
         ("End", line(run_state_text(record))),
         ("Sheet", line(signature_of(record, in_utc))),
         ("Run logs", ", ".join(line(r.log_file) for r in result.robots if r.log_file) or NOTHING),

@@ -6,7 +6,7 @@ import statistics
 from decimal import ROUND_HALF_UP, Decimal
 from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreValue
+from roah_rsbb.core.scoring.records import NOT_RUN, ItemRecord, RunRecord, ScoreValue
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, joined, page, table, tag
 from roah_rsbb.results.runs import run_state_text, signature_of
 from roah_rsbb.results.standing_rules import (
@@ -23,10 +23,11 @@ from roah_rsbb.results.standing_rules import (
     Term,
     day_of,
 )
-from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_RULES, CountingAttempt, NoShow
+from roah_rsbb.rulebook.benchmarks import Rules as EventRules
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.wording import sheets
-from roah_rsbb.wording.sheets import NOT_SIGNED_OFF, turn
+from roah_rsbb.wording.sheets import NOT_SIGNED_OFF, end_reason, turn
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import NOTHING, date_time
 
@@ -40,6 +41,10 @@ WITHOUT_RULES = (
 )
 
 NO_TITLES: Mapping[str, str] = {}
+NO_EVENT_RULES: Mapping[str, EventRules] = {}
+
+# The names of the ends of runs whose team did not appear or withdrew.
+_NOT_RUN = frozenset(reason.name.lower() for reason in NOT_RUN)
 
 # A number for each criterion; None (missing) is worse than any number.
 Numbers = Tuple[Optional[float], ...]
@@ -51,6 +56,7 @@ class Choice(NamedTuple):
     signed_off: bool = False  # only those whose sheet is signed off
     without: Tuple[str, ...] = ()  # identities of excluded runs
     of_runs: Optional[OfRuns] = None  # overrides the rules
+    events: Mapping[str, EventRules] = NO_EVENT_RULES  # what counts of each event, by the benchmarks' codes
 
 
 class RankedRun(NamedTuple):
@@ -121,8 +127,11 @@ def standing(code: str, records: Sequence[RunRecord], rules: Optional[Rules], ch
     if any(record.team == ALL_TEAMS and record.started_utc for record in records):
         remarks.append("all robots run at once: there is no score for each team")
     by_team: Dict[str, List[RankedRun]] = {}
-    for record in _counting([record for record in records if record.team != ALL_TEAMS], choice, remarks):
-        by_team.setdefault(record.team, []).append(_run_line(record, rules, remarks))
+    event_rules = choice.events.get(code, NO_RULES)
+    for attempts in _attempts([record for record in records if record.team != ALL_TEAMS], choice, remarks):
+        lines = _counting([_run_line(record, rules, remarks) for record in attempts], event_rules, rules, remarks)
+        if lines:
+            by_team.setdefault(attempts[0].team, []).extend(lines)
     lines = [_team_line(team, runs, of_runs, rules.criteria) for team, runs in by_team.items()]
     if rules is DEFAULT and any(run.record.items for runs in by_team.values() for run in runs):
         remarks.append(WITHOUT_RULES)
@@ -149,11 +158,11 @@ def _unit(criterion: Criterion, records: Sequence[RunRecord]) -> str:
     return units.pop() if len(units) == 1 else ""
 
 
-def _counting(records: List[RunRecord], choice: Choice, remarks: List[str]) -> List[RunRecord]:
-    """Select runs that started and ended; of a repeated event only the last run."""
-    newest: Dict[Tuple[object, ...], RunRecord] = {}
+def _attempts(records: List[RunRecord], choice: Choice, remarks: List[str]) -> List[List[RunRecord]]:
+    """Return the attempts at each event that may count, the oldest first."""
+    by_event: Dict[Tuple[object, ...], List[RunRecord]] = {}
     for record in sorted(records, key=lambda r: r.opened_utc):
-        if not record.started_utc or record.identity in choice.without:
+        if not (record.started_utc or record.end_reason in _NOT_RUN) or record.identity in choice.without:
             continue
         if not record.end_reason:
             remarks.append(f"run {record.identity} is still running: it does not count yet")
@@ -162,15 +171,34 @@ def _counting(records: List[RunRecord], choice: Choice, remarks: List[str]) -> L
             remarks.append(f"run {record.identity} of team {record.team} is not signed off and does not count")
             continue
         event = (record.zone, record.team, record.round, record.run, record.scheduled)
-        if event in newest:
-            again = newest[event].identity
-            remarks.append(f"run {again} of team {record.team} was repeated: only the last run counts")
-        newest[event] = record
+        by_event.setdefault(event, []).append(record)
+    return list(by_event.values())
+
+
+def _counting(attempts: List[RankedRun], event: EventRules, rules: Rules, remarks: List[str]) -> List[RankedRun]:
+    """Return the attempts at an event that count. A no-show or withdrawal only counts if nothing else was run."""
+    found = [run for run in attempts if run.record.end_reason not in _NOT_RUN]
+    if not found:
+        zero = RankedRun(attempts[-1].record, False, tuple(0.0 for _ in rules.criteria))
+        found = [zero] if event.no_show is NoShow.ZERO else []
+        last = attempts[-1].record
+        scored = "counts as 0" if found else "no score"
+        remarks.append(f"team {last.team}, {turn(last.round, last.run)}: {end_reason(last.end_reason)}, {scored}")
+    if len(found) > 1 and event.counting is not CountingAttempt.ALL:
+        kept = len(found) - 1
+        if event.counting is CountingAttempt.BEST:
+            keys = [_key(run.numbers, run.disqualified, rules.criteria) for run in found]
+            kept = keys.index(min(keys))
+        remarks += [
+            f"run {run.record.identity} of team {run.record.team} was repeated: only the {event.counting.value} run "
+            "counts" for i, run in enumerate(found) if i != kept
+        ]
+        found = found[kept:kept + 1]
     remarks += [
-        f"run {record.identity} of team {record.team} is not signed off and may still change"
-        for record in newest.values() if record.sign_off is None
+        f"run {run.record.identity} of team {run.record.team} is not signed off and may still change"
+        for run in found if run.record.sign_off is None
     ]
-    return list(newest.values())
+    return found
 
 
 # -- overall standings ------------------------------------------------------------------------------
@@ -251,7 +279,7 @@ def _run_line(record: RunRecord, rules: Rules, remarks: List[str]) -> RankedRun:
         sheets.is_marked(item.value, item.text) and item.group in rules.disqualified_by for item in record.items)
     missing: Dict[str, None] = {}
     numbers = tuple(_number(record, criterion, missing) for criterion in rules.criteria)
-    if missing:
+    if missing and record.end_reason not in _NOT_RUN:
         names = ", ".join(f"'{name}'" for name in missing)
         remarks.append(f"run {record.identity} of team {record.team} has no {names}")
     return RankedRun(record, disqualified, numbers)

@@ -34,6 +34,7 @@ from roah_rsbb.results.sheet import list_lines, sheet_lines, sheet_page
 from roah_rsbb.results.standing_rules import OfRuns, Rules, read_rules
 from roah_rsbb.results.standings import Choice, Standing, index_page, standing_lines, standings, standings_page
 from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.wording.times import date_time
 
@@ -453,8 +454,11 @@ def _beside(options: argparse.Namespace, name: str) -> Optional[str]:
 
 
 def _titles(options: argparse.Namespace) -> Dict[str, str]:
-    benchmarks = config.load_benchmarks(_file(options, BENCHMARKS_FILE))
-    return {code: benchmark.desc or benchmark.name for code, benchmark in benchmarks.items()}
+    return {code: benchmark.desc or benchmark.name for code, benchmark in _benchmarks(options).items()}
+
+
+def _benchmarks(options: argparse.Namespace) -> Dict[str, Benchmark]:
+    return config.load_benchmarks(_file(options, BENCHMARKS_FILE))
 
 
 def _competition(options: argparse.Namespace) -> Competition:
@@ -477,7 +481,8 @@ def _write_page(options: argparse.Namespace, text: str) -> None:
 def _ranked(options: argparse.Namespace, known: List[RunRecord]) -> List[Standing]:
     without = tuple(known[find(known, word)].identity for word in options.without)
     of_runs = OfRuns(options.of_runs) if options.of_runs else None
-    return standings(known, _rules(options), Choice(options.signed_off, without, of_runs), _titles(options))
+    events = {code: benchmark.rules for code, benchmark in _benchmarks(options).items()}
+    return standings(known, _rules(options), Choice(options.signed_off, without, of_runs, events), _titles(options))
 
 
 def _write(path: str, write: Callable[[TextIO], object], encoding: str = "utf-8") -> None:

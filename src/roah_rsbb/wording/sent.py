@@ -17,6 +17,7 @@ SENTENCES: Tuple[str, ...] = (
     tr_later("Can be restarted. The clock is stopped"),
     tr_later("Clock paused by the referee"),
     tr_later("Attempt {number} of {all}"),
+    tr_later("Without a robot: the clock starts and stops by the referee only"),
     tr_later("Robot ready to accept connection: {robot}"),
     tr_later("{number} robots ready to accept connection: {robots}"),
     tr_later("Several robots of team {team} are active ({robots}): choose which one connects"),
@@ -44,12 +45,14 @@ SENTENCES: Tuple[str, ...] = (
     # Why its time does not count.
     tr_later("manual operation"),
     tr_later("the benchmarking module is missing"),
+    tr_later("by the referee"),
     # Why a command is off.
     tr_later("Already connected"),
     tr_later("Already started"),
     tr_later("A run is connected: disconnect it first"),
     tr_later("A run is running: stop it first"),
     tr_later("No run is running"),
+    tr_later("The run was started, so its team appeared"),
     tr_later("No run is connected"),
     tr_later("No run is connected: press connect first"),
     tr_later("No run is connected, so there is nothing to stop"),
@@ -72,6 +75,8 @@ SENTENCES: Tuple[str, ...] = (
     tr_later("The box is still listening for another box, for {time} s"),
     # Warnings.
     tr_later("Listening for another box before transmitting: {time} s"),
+    tr_later("The setup time of {time} is over"),
+    tr_later("The {time} of {phase} are over"),
     tr_later("Robot has not answered on the private channel yet"),
     tr_later("Robot has not stopped yet: it reports {state}"),
     tr_later("No message from the robot for {time} s"),

@@ -8,6 +8,7 @@ import pytest
 from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_full_run
 from roah_rsbb.core.link.record import LinkSample
+from roah_rsbb.core.scoring.records import PhaseTime
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.events import box_states, robot_states, sections
 from roah_rsbb.results.page import tag
@@ -305,3 +306,15 @@ def test_a_page_of_a_run_with_hardly_anything(writer):
     assert "not signed off: may still change" in page.text()
     assert "connected" in page.text()
     assert "svg" not in page.elements
+
+
+def test_a_sheet_without_a_robot_and_its_phases(writer):
+    record = task_record("Alpha", 1)._replace(
+        robots=(), phases=(PhaseTime("Enter", UTC0, 12.34), PhaseTime("Leave", UTC0 + 12.0, 600.0)))
+    writer.run(record, robots=())
+    writer.outcome(record)
+    result = read(writer)
+    lines = list(sheet_lines(result, in_utc=True, strike=False))
+    assert "Robots:       none: scored by hand" in lines
+    assert "Phases:       Enter 0:12.3, Leave 10:00.0" in lines
+    assert "none: scored by hand" in sheet_page(result, in_utc=True)

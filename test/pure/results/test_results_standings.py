@@ -38,6 +38,8 @@ from roah_rsbb.results.standings import (
     standing_markup,
     standings,
 )
+from roah_rsbb.rulebook.benchmarks import CountingAttempt, NoShow
+from roah_rsbb.rulebook.benchmarks import Rules as EventRules
 from roah_rsbb.rulebook.errors import ConfigErrors
 
 SHIPPED = pathlib.Path(__file__).resolve().parents[3] / "config" / "standings.yaml"
@@ -412,3 +414,58 @@ def test_errors_in_an_overall_standing(tmp_path, old, new, line, expected):
     with pytest.raises(ConfigErrors) as caught:
         rules_of(tmp_path, OVERALL.replace(old, new, 1))
     assert any(error.line == line and expected in str(error) for error in caught.value.errors), caught.value
+
+
+# -- attempts, no-shows -----------------------------------------------------------------------------
+
+
+def attempt(number, team="A", end_reason="completed", **marks):
+    """One of several attempts at the same event."""
+    record = task_record(team, number, **marks)
+    return record._replace(run=1, scheduled=1000.0, end_reason=end_reason)
+
+
+def counting(**rules):
+    return Choice(events={"HGTKMH": EventRules(**rules)})
+
+
+ATTEMPTS = [attempt(1, objects=2), attempt(2, objects=5, bumps=1), attempt(3, objects=3)]
+
+
+@pytest.mark.parametrize("which, numbers, runs", [
+    (CountingAttempt.LAST, (3.0, 0.0), 1), (CountingAttempt.BEST, (5.0, 1.0), 1), (CountingAttempt.ALL, (5.0, 1.0), 3),
+])
+def test_which_attempt_counts(which, numbers, runs):
+    found = standing("HGTKMH", ATTEMPTS, TASK, counting(counting=which))
+    line, = found.lines
+    assert (line.numbers, len(line.runs)) == (numbers, runs)
+    repeated = [text for text in found.remarks if "was repeated" in text]
+    assert len(repeated) == 3 - runs
+    assert all(text.endswith(f"only the {which.value} run counts") for text in repeated)
+
+
+def test_all_attempts_count_for_the_mean():
+    rules = TASK._replace(of_runs=OfRuns.MEAN)
+    (_, _, numbers), = ranks(ATTEMPTS, rules, counting(counting=CountingAttempt.ALL))
+    assert numbers == pytest.approx((10 / 3, 1 / 3))
+
+
+def test_the_best_attempt_is_not_one_that_was_disqualified():
+    attempts = [attempt(1, objects=2), attempt(2, objects=5, hits=1)]
+    assert ranks(attempts, choice=counting(counting=CountingAttempt.BEST)) == [(1, "A", (2.0, 0.0))]
+
+
+@pytest.mark.parametrize("end, word", [("no_show", "no-show"), ("withdrawn", "withdrawn")])
+def test_a_team_that_was_not_there_has_no_rank_unless_the_rules_say_zero(end, word):
+    records = [attempt(1, objects=2), attempt(2, "B", end, objects=4)._replace(started_utc=0.0)]
+    assert ranks(records) == [(1, "A", (2.0, 0.0))]
+    assert f"team B, round 1, run 1: {word}, no score" in remarks(records)
+    zero = counting(no_show=NoShow.ZERO)
+    assert ranks(records, choice=zero) == [(1, "A", (2.0, 0.0)), (2, "B", (0.0, 0.0))]
+    assert f"team B, round 1, run 1: {word}, counts as 0" in remarks(records, choice=zero)
+
+
+def test_a_no_show_does_not_replace_a_run_of_the_same_event():
+    records = [attempt(1, objects=2), attempt(2, end_reason="no_show")._replace(started_utc=0.0)]
+    assert ranks(records) == [(1, "A", (2.0, 0.0))]
+    assert ranks(records[::-1], choice=counting(no_show=NoShow.ZERO)) == [(1, "A", (2.0, 0.0))]

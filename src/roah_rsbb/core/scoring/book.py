@@ -23,7 +23,7 @@ from roah_rsbb.core.scoring.records import (
     StopRecord,
 )
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, SheetState, score_text, value_text
-from roah_rsbb.rulebook.benchmarks import Benchmark, ScheduledEvent
+from roah_rsbb.rulebook.benchmarks import Benchmark, Rules, ScheduledEvent
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem, SheetForm
 from roah_rsbb.wording import sheets, times
 
@@ -259,6 +259,10 @@ class FinishedRuns:
     def records(self, count: int = MAX_KEPT) -> List[RunRecord]:
         """Return the records of the newest runs, the most recently left first."""
         return [run.record for run in itertools.islice(reversed(self._runs.values()), count)]
+
+    def event_rules(self) -> Dict[str, Rules]:
+        """Return the rules about time and attempts by the benchmarks' codes."""
+        return {code: benchmark.rules for code, benchmark in self._benchmarks.items()}
 
     def newest(self, count: int = MAX_KEPT) -> Tuple[FinishedResult, ...]:
         """The newest results first. Of a repeated run only the last one."""

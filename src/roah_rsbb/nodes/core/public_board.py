@@ -35,7 +35,8 @@ class PublicBoardMaker:
         self._shown = shown
         ranked: List[Standing] = []
         if view.results is PublicResults.SCORES:
-            ranked = standings(signed[::-1], self._rules, Choice(signed_off=True), self._titles)
+            choice = Choice(signed_off=True, events=self._box.finished.event_rules())
+            ranked = standings(signed[::-1], self._rules, choice, self._titles)
         return PublicBoard(
             box_uuid=self._box_uuid,
             results=[result_message(result) for result in view.finished],

@@ -8,6 +8,7 @@ from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.rqt.qt import QAction, QHBoxLayout, QMenu, Qt, QToolButton, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.sent import tr_sent
 
 
 class Command(NamedTuple):
@@ -48,7 +49,7 @@ def why_off(details: Optional[ZoneDetails], service: str, silent: str) -> Sequen
     """Returns why a command is refused now; empty: it is allowed. `silent`: the core is not heard."""
     if details is None or silent:
         return [silent or tr("Waiting for the core")]
-    return getattr(details, f"{service}_off")
+    return [tr_sent(reason) for reason in getattr(details, f"{service}_off")]
 
 
 class RuleButtons(QWidget):
