@@ -703,6 +703,11 @@
         <source>no name</source>
         <translation>ohne Namen</translation>
     </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
+        <source>{points} points</source>
+        <translation>{points} Punkte</translation>
+    </message>
     <message numerus="yes">
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>({n} not attempted)</source>
