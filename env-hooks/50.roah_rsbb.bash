@@ -58,8 +58,8 @@ _roah_rsbb_rosrun() {
   if [[ ${COMP_WORDS[at]} == roah_rsbb && $COMP_CWORD -gt $at ]]; then
     _roah_rsbb_complete $((at + 1))
   else
-    # ROS's own completion. On Debian nothing loads it for rosrun. It takes the place of this function.
-    declare -F _roscomplete_exe >/dev/null || . /usr/share/bash-completion/completions/rosbash 2>/dev/null
+    # ROS's own completion. It may not be loaded yet, and then takes the place of this function.
+    declare -F _roscomplete_exe >/dev/null || . /usr/share/bash-completion/completions/rosrun 2>/dev/null
     complete -o bashdefault -o default -F _roah_rsbb_rosrun rosrun
     ! declare -F _roscomplete_exe >/dev/null || _roscomplete_exe
   fi
