@@ -23,6 +23,8 @@ unexport PYTHONUNBUFFERED
 ifneq ($(wildcard /usr/lib/python3.*/distutils/core.py),)
 test-docs test-install test-ros test-net: export SETUPTOOLS_USE_DISTUTILS := stdlib
 endif
+# Selected tests without ROS.
+PURE := test/pure
 # Options of the bench.
 BENCH :=
 # Options of the tests on a bad network.
@@ -64,7 +66,7 @@ lint: install-deps ## ruff and catkin_lint
 	@tools/lint
 
 test-pure: build ## tests without ROS
-	@$(PYTHON) -m pytest -q test/pure
+	@$(PYTHON) -m pytest -q $(PURE)
 
 test-python38: install-deps ## the same on Python 3.8, if it is installed
 	@tools/test_python38

@@ -23,7 +23,10 @@ def _generate() -> None:
     module = package / "roah_rsbb_msgs_pb2.py"
     if not module.exists() or module.stat().st_mtime < source.stat().st_mtime:
         package.mkdir(parents=True, exist_ok=True)
-        subprocess.run(["protoc", "-I", str(source.parent), f"--python_out={package}", str(source)], check=True)
+        # Several runs may generate it at the same time, and each must find a complete file.
+        with tempfile.TemporaryDirectory(dir=str(package)) as draft:
+            subprocess.run(["protoc", "-I", str(source.parent), f"--python_out={draft}", str(source)], check=True)
+            os.replace(os.path.join(draft, module.name), str(module))
     (package / "__init__.py").touch()
 
 

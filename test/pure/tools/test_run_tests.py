@@ -55,8 +55,8 @@ def tree(tmp_path):
 def test_all_parts_pass(tree):
     done = tree.run(test_ros="echo of ros")
     assert done.returncode == 0
-    assert sum(line.startswith("ok") for line in done.stdout.splitlines()) == 8
-    assert "8 of 8 parts passed in " in done.stdout
+    assert sum(line.startswith("ok") for line in done.stdout.splitlines()) == 9
+    assert "9 of 9 parts passed in " in done.stdout
     assert "of ros" in (tree.path / "build" / "test" / "ros.log").read_text()
     assert "of ros" in (tree.path / "build" / "test" / "all.log").read_text()
 
@@ -69,24 +69,24 @@ def test_a_part_that_fails_stops_no_other_and_its_output_ends_the_report(tree):
     assert end.splitlines()[:2] == [
         "--- install: make test-install  (output: build/test/install.log)", "  it is not installed",
     ]
-    assert "7 of 8 parts passed in " in end
+    assert "8 of 9 parts passed in " in end
     assert "; failed: install" in end
 
 
 def test_the_failures_in_a_result_file_are_listed_with_place_and_command(tree):
-    write = f"cat > $HERE/build/test/pure.xml <<'END'\n{RESULT}\nEND\nexit 1"
-    done = tree.run("pure", test_pure=write)
-    assert done.stdout[done.stdout.index("--- pure"):].splitlines()[1:4] == [
+    write = f"cat > $HERE/build/test/pure_rest.xml <<'END'\n{RESULT}\nEND\nexit 1"
+    done = tree.run("pure_rest", test_pure=write)
+    assert done.stdout[done.stdout.index("--- pure_rest"):].splitlines()[1:4] == [
         "  test_some.test_it (test/pure/test_some.py:12)", "      assert 1 == 2",
         "  again: source build/devel/setup.bash; /usr/bin/python3 -m pytest test/pure/test_some.py -k test_it",
     ]
 
 
 def test_pytest_is_asked_for_a_result_file(tree):
-    done = tree.run("pure", "lint", test_pure="echo $PYTEST_ADDOPTS", lint="echo options: $PYTEST_ADDOPTS")
+    done = tree.run("pure_rest", "lint", test_pure="echo $PYTEST_ADDOPTS", lint="echo options: $PYTEST_ADDOPTS")
     assert done.returncode == 0
     log = tree.path / "build" / "test"
-    assert (log / "pure.log").read_text().strip() == f"--junitxml={log / 'pure.xml'}"
+    assert (log / "pure_rest.log").read_text().strip() == f"--junitxml={log / 'pure_rest.xml'}"
     assert (log / "lint.log").read_text().strip() == "options:"
 
 
@@ -98,7 +98,7 @@ def test_results_of_an_earlier_run_do_not_count(tree):
 
 
 def test_parts_can_be_chosen_and_left_out(tree):
-    assert "Running ros, pure;" in tree.run("pure", "ros").stdout
+    assert "Running ros, pure_box;" in tree.run("pure_box", "ros").stdout
     assert "lint" not in tree.run("--without", "lint").stdout
     assert "unknown part: nothing" in tree.run("nothing").stdout
 
