@@ -18,9 +18,10 @@ from roah_rsbb.bmbox.framework.runner import ModuleRunner
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState
 from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.records import Phase
-from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.zones import key_of
 from roah_rsbb.nodes.modules.driven import Driven
+from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.registry import BenchmarkKind
@@ -40,8 +41,18 @@ class Behaviour:
         """A robot's seconds and result for its goal, which is a text or None; no seconds: it does not end the goal."""
         return 5.0, None
 
+    def course(self, event):
+        """What happens: the robot takes part (connect), the referee scores by hand (open_sheet), or the team gives up
+        (no_show, withdrawn).
+        """
+        return "connect"
+
+    def restarts(self, event):
+        """How often the referee stops the robot and starts it again."""
+        return 0
+
     def marks(self, event):
-        """The referee's marks of a run: (group, desc, value)."""
+        """The referee's marks of a run."""
         return ()
 
 
@@ -114,12 +125,12 @@ class Day:
         self.world.companions.append(self)
         self.busy = set()  # teams
         self.due = self.world.mono
-        self._referees = [self._conduct(zone) for zone in self.config.zones]
-        self._waits = {referee: next(referee) for referee in self._referees}
+        self._waits = {referee: next(referee) for referee in map(self._conduct, self.config.zones)}
 
-    def play(self, limit_s=100_000):
+    def play(self, limit_s=3600):
         """Conduct all runs of the day; returns their records."""
-        assert self.world.run_until(lambda: not self._waits, limit_s), "the day does not end"
+        ended = self.world.run_until(lambda: not self._waits, limit_s)
+        assert ended, [(zone.name, key_of(zone.event), zone.run) for zone in self.world.box.box.zones.values()]
         return self.world.box.box.finished.records()
 
     def deadline(self):
@@ -143,7 +154,8 @@ class Day:
             teams = list(self.config.passwords) if event.team == ALL_TEAMS else [event.team]
             yield functools.partial(self.busy.isdisjoint, teams)
             self.busy.update(teams)
-            robots = [self._switch_on(event, team) for team in teams]
+            is_here = self.behaviour.course(event) == "connect"
+            robots = [self._switch_on(event, team) for team in teams if is_here]
             yield from self._run(zone.name, event)
             for robot in robots:
                 self.world.robots.remove(robot)
@@ -156,22 +168,44 @@ class Day:
         return robot
 
     def _run(self, zone, event):
+        box, course = self.world.box, self.behaviour.course(event)
+        assert key_of(box.box.zones[zone].event) == key_of(event)
+        yield from self._press(zone, course)
+        if course in ("connect", "open_sheet"):
+            yield from self._attempt(zone, event, course)
+        place = box.box.zones[zone]
+        if key_of(place.event) == key_of(event) and not place.at_last:
+            yield from self._press(zone, "next")
+
+    def _attempt(self, zone, event, course):
+        """Conduct the run that is connected in a zone, or whose sheet is open, and sign it off."""
         box = self.world.box
-        yield from self._press(zone, "connect")
-        yield from self._press(zone, "start")
         run = box.run_in(zone)
+        for _ in range(self.behaviour.restarts(event)):
+            yield from self._press(zone, "start")
+            yield lambda: box.box_state(zone) is BoxState.WAITING_RESULT
+            yield from self._press(zone, "stop")
+        yield from self._press(zone, "start")
+        for _ in event.benchmark.rules.phases[1:]:
+            yield from self._press(zone, "next_phase")
+        if course == "open_sheet":
+            yield from self._press(zone, "stop")
+        yield from self._to_the_end(zone, event, run)
+        for mark in self.behaviour.marks(event):
+            box.event(box.box.scores.mark, RunName(zone), mark, "Anna")
+        identity = run.identity
+        yield from self._press(zone, "disconnect")
+        box.event(box.box.scores.sign_off, RunName(zone, identity), "Anna")
+
+    def _to_the_end(self, zone, event, run):
+        """Wait for the end of a run, and answer the benchmarking module."""
+        box = self.world.box
         while run.phase is not Phase.ENDED:
             yield lambda: run.phase is Phase.ENDED or getattr(run, "asked", None) is not None
             asked = getattr(run, "asked", None)
             if run.phase is not Phase.ENDED and asked is not None:
                 answer = self.behaviour.answer(event, asked)
                 box.event(box.box.modules.complete_operation, zone, asked.number, answer)
-                yield lambda: True
-        for group, desc, value in self.behaviour.marks(event):
-            box.event(box.box.scores.mark, RunName(zone), Mark(group, desc, value), "Anna")
-        identity = run.identity
-        yield from self._press(zone, "disconnect")
-        box.event(box.box.scores.sign_off, RunName(zone, identity), "Anna")
 
     def _press(self, zone, command):
         yield lambda: not self.world.box.off(command, zone)

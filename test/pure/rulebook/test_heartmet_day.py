@@ -9,6 +9,7 @@ import pytest
 
 from helpers.config_files import SHIPPED
 from helpers.simulated_day import Behaviour, Day
+from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.results.standings import Choice, standings
 from roah_rsbb.tools.competition import program
@@ -71,12 +72,12 @@ class HeartMet(Behaviour):
 
     def marks(self, event):
         if event.benchmark.code == "FindObject" and event.team == "Dot":
-            yield "Penalties", "Touches an object or the table", 3
+            yield Mark("Penalties", "Touches an object or the table", 3)
         if event.benchmark.code == "DeliverItem":
             done, bumps, hits = DELIVERIES[event.team]
-            yield from (("Achievements", desc, 1) for desc in ACHIEVEMENTS[:done])
-            yield "Penalized Behaviors", "Bumps into the furniture", bumps
-            yield "Disqualifying Behaviors", "Hits a person", hits
+            yield from (Mark("Achievements", desc, 1) for desc in ACHIEVEMENTS[:done])
+            yield Mark("Penalized Behaviors", "Bumps into the furniture", bumps)
+            yield Mark("Disqualifying Behaviors", "Hits a person", hits)
 
 
 # Rank, team, and the numbers of the criteria.
@@ -132,6 +133,10 @@ def test_goals_are_json(played):
 def test_the_standings(competition, played):
     _, records = played
     found = standings(records, read_rules(f"{competition}/standings.yaml"), Choice(signed_off=True))
+    overall, *found = found
+    assert [(line.rank, line.team) for line in overall.lines] == [(1, "Ada"), (2, "Bea"), (3, "Dot"), (4, "Cyd")]
+    # Shares of the best. Bea: 0.7 + 10/15 + 4/8 + 5/5. Dot: 0.8 + 12/15 + 0 + 3/5. Cyd: 0.7 + 10/15 + 4/8 + 0.
+    assert [line.numbers[0] for line in overall.lines] == pytest.approx([4.0, 2.867, 2.2, 1.867])
     assert {standing.benchmark for standing in found} == set(EXPECTED)
     for standing in found:
         lines = [(line.rank, line.team, line.numbers) for line in standing.lines]

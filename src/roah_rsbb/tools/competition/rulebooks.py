@@ -7,8 +7,9 @@ questions of `new_competition` that the organiser need not answer again.
 
 import os
 import re
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+from roah_rsbb.results.standing_rules import OVERALL
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.config import BenchmarksFile
 from roah_rsbb.rulebook.errors import Place, Report, listing, quote
@@ -111,12 +112,26 @@ def benchmarks_text(path: str, content: str, codes: Sequence[str]) -> str:
 
 
 def standings_text(path: str, content: str, codes: Sequence[str]) -> str:
-    """A file with the rules of standings, reduced to these benchmarks; empty without any of them."""
+    """A file with the rules of standings, reduced to these benchmarks; empty without any rules for them."""
     root = read_yaml(path, Report(), "the rules of the standings", "benchmarks")
-    keys = [key for key, _ in root.pairs] if isinstance(root, MapNode) else []
-    if not any(key.text in codes for key in keys):
-        return ""
-    return _reduced(content, [(key.place.line, key.text in codes) for key in keys])
+    pairs = root.pairs if isinstance(root, MapNode) else ()
+    entries = [(key.place.line, _is_about(key, node, codes)) for key, node in pairs]
+    return _reduced(content, entries) if any(kept for _, kept in entries) else ""
+
+
+def _is_about(key: Scalar, node: Node, codes: Sequence[str]) -> bool:
+    """Whether rules are only about these benchmarks: those of a benchmark, or the overall standings."""
+    return key.text in codes or (key.text == OVERALL and all(code in codes for code in _named(node)))
+
+
+def _named(node: Node) -> Iterator[str]:
+    """The benchmarks that overall standings name."""
+    for key, value in node.pairs if isinstance(node, MapNode) else ():
+        if key.text == "benchmark" and isinstance(value, Scalar):
+            yield value.text
+        yield from _named(value)
+    for item in node.items if isinstance(node, SequenceNode) else ():
+        yield from _named(item)
 
 
 def _code(node: Node) -> Optional[str]:
