@@ -154,7 +154,7 @@ def _rules(report: Report, node: Node) -> Optional[Rules]:
         groups = [text(report, group, "group") for group in nodes or ()]
     nodes = sequence(report, got.get("criteria"), "criteria", "criteria, '- {name: ..., of: [...]}'")
     criteria = [_criterion(report, criterion) for criterion in nodes or ()]
-    if of_runs is None or None in groups or None in criteria:
+    if of_runs is None or None in groups or None in criteria or not criteria:
         return None
     return Rules(OfRuns(of_runs), tuple(filter(None, groups)), tuple(c for c in criteria if c is not None))
 
