@@ -1226,6 +1226,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Core</source>
+        <translation>Core</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
         <source>Exit …</source>
         <translation>Beenden …</translation>
     </message>
@@ -1474,6 +1479,11 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/log_display.py"/>
+        <source>Log</source>
+        <translation>Protokoll</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/log_display.py"/>
         <source>Nothing has been logged yet</source>
         <translation>Noch nichts protokolliert</translation>
     </message>
@@ -1501,6 +1511,11 @@
         <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
         <source>Manual Operation</source>
         <translation>Handeingriff</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
+        <source>Manual</source>
+        <translation>Eingriff</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/manual_operation.py"/>
@@ -1661,6 +1676,11 @@
         <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
         <source>OMF Switches</source>
         <translation>OMF-Schalter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
+        <source>Switches</source>
+        <translation>Schalter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
@@ -2149,6 +2169,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
         <source>Tablet Status</source>
+        <translation>Tablet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/tablet_status.py"/>
+        <source>Tablet</source>
         <translation>Tablet</translation>
     </message>
     <message>

@@ -1,14 +1,20 @@
 """What a referee must see during a run, at each size of the window."""
 
 import os
+import pathlib
 
 from support.gui_testing import QWidget, click, wait_until
 from support.panel_case import BUMPS
 from support.window_case import WindowCase, in_sight, wait_still
 
+from roah_rsbb.bmbox.hnf import HNF
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.msg import RunClock
-from roah_rsbb.rqt.qt import QScrollArea
+from roah_rsbb.msg import ModuleScore, RunClock
+from roah_rsbb.rqt.qt import QLabel, QPoint, QScrollArea, QStyle, Qt, QTabBar
+from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rulebook.config import load_benchmarks
+
+CONFIG = pathlib.Path(__file__).resolve().parents[3] / "config"
 
 PERSON = ("Disqualifying behaviours", "Hits Annie or another person")
 # Qt's scale factor is that of the process: in_sight.test starts these cases with 1 and with 2.
@@ -18,8 +24,17 @@ if "LC_MESSAGES" in os.environ:  # in another language: where space is shortest
     SIZES = SIZES[:1]
 
 
-class TestInSight(WindowCase):
-    """All that counts during a run."""
+# The scores of a run of HNF with five waypoints.
+EACH = (("time", "s"), ("timed_out", ""), ("distance_error", "m"), ("orientation_error", "rad"))
+MODULE_SCORES = [
+    *(ModuleScore("", name, "12.3456", value.unit, value.desc) for name, value in HNF.SCORES.items()),
+    *(ModuleScore(f"waypoint {number}", name, "0.1234", unit, HNF.EACH[name].desc)
+      for number in range(1, 6) for name, unit in EACH),
+]
+
+
+class _AtAllSizes(WindowCase):
+    """Sizes, and what is in sight at them."""
 
     def at_all_sizes(self):
         for size in SIZES:
@@ -33,6 +48,10 @@ class TestInSight(WindowCase):
             return [name for name, widget in widgets.items() if not in_sight(widget)]
 
         wait_until(lambda: not cut(), lambda: f"at {size[0]}x{size[1]}, scale {SCALE}, all is in sight but {cut()}")
+
+
+class TestInSight(_AtAllSizes):
+    """All that counts during a run."""
 
     def test_every_item_and_every_command_is_in_sight_during_the_run(self) -> None:
         self.window.resize(*(length // SCALE for length in SIZES[0]))
@@ -74,3 +93,61 @@ class TestInSight(WindowCase):
         for place in (bar.minimum(), bar.maximum()):
             bar.setValue(place)
             self.assertTrue(in_sight(self.scoring.rows[PERSON].more))
+
+    def test_no_title_of_a_tab_is_shortened(self) -> None:
+        # The smallest screen. Fusion is the style of the pictures and of desktops without one of their own.
+        sizes = [*SIZES, (1280 * SCALE, 720 * SCALE)]
+        for size in sizes:
+            self.window.resize(*(length // SCALE for length in size))
+            wait_still(self.window)
+            bars = [bar for bar in self.window.findChildren(QTabBar) if bar.parent() is self.window and bar.isVisible()]
+            self.assertEqual(sorted(bar.count() for bar in bars), [3, 8])
+            for bar in bars:
+                beside = bar.style().pixelMetric(QStyle.PM_TabBarTabHSpace, None, bar)
+                for index in range(bar.count()):
+                    needed = bar.fontMetrics().horizontalAdvance(bar.tabText(index)) + beside
+                    self.assertGreaterEqual(bar.tabRect(index).width(), needed, f"{bar.tabText(index)} at {size}")
+                    self.assertTrue(bar.rect().contains(bar.tabRect(index)), f"{bar.tabText(index)} at {size}")
+
+
+class TestFunctionalityInSight(_AtAllSizes):
+    """All that counts during a run of HNF, whose module scores, too."""
+
+    ITEMS = load_benchmarks(str(CONFIG / "benchmarks.yaml"))["HNF"].scoring
+
+    def test_every_item_and_the_scores_of_the_run_are_in_sight(self) -> None:
+        self.window.resize(*(length // SCALE for length in SIZES[0]))
+        wait_still(self.window)
+        self.run_zone()
+        bumps = self.ITEMS[0]
+        for number in range(7):
+            self.zone.mark(Mark(bumps.group, bumps.desc, number + 1, note=str(number)), "Anna")
+        wait_until(lambda: len(self.scoring.undo.buttons) == 5, "the last five marks are shown")
+        self.zone.goal = RunClock(goal=5)
+        self.zone.module_scores = MODULE_SCORES
+        scores = self.scoring.module_scores
+        wait_until(lambda: scores.isVisible() and self.control.times.goal.isVisible(), "the module's scores are shown")
+        for size in self.at_all_sizes():
+            parts = {f"item {row.text.text()}": row for row in self.scoring.rows.values()}
+            parts.update({f"buttons of {name}": row.menu_button for name, row in parts.items()})
+            parts.update({f"command {name}": button for name, button in self.control.buttons.items()})
+            overview = self.panel("OverviewPanel")
+            self.assert_in_sight(
+                size, stop_all=overview.stop, running=overview.head, phase=self.control._phase,
+                run_time=self.control.times.main, goal_time=self.control.times.goal, reason=self.control.reason,
+                history=self.scoring.history, scores=scores.verticalScrollBar(), **parts)
+            self.assertEqual(len(self.scoring.rows), 3)
+            run_time, goal_time = (figure.figure for figure in (self.control.times.main, self.control.times.goal))
+            between = goal_time.mapToGlobal(QPoint()).x() - run_time.mapToGlobal(QPoint(run_time.width(), 0)).x()
+            self.assertGreaterEqual(between, basic.em(), "the two times are not read as one")
+            self.assertEqual(scores.verticalScrollBar().value(), 0)
+            self.assertGreaterEqual(scores.viewport().height(), self.height_of_the_whole_run(scores), f"at {size}")
+
+    @staticmethod
+    def height_of_the_whole_run(scores) -> int:
+        """The height of the title and of the values of the whole run."""
+        before, _, _ = scores.text.text().partition("<b>waypoint 1</b>")
+        whole = QLabel(before.rpartition("<tr>")[0] + "</table>", wordWrap=True)
+        whole.setFont(scores.text.font())
+        whole.setTextFormat(Qt.RichText)
+        return whole.heightForWidth(scores.viewport().width())

@@ -13,7 +13,7 @@ from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.qt import QDialog, QRect, QSettings
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
 from support import gui_testing
-from support.fakes.core import FakeCore
+from support.fakes.core import ITEMS, FakeCore
 from support.gui_testing import QApplication, QPoint, QTest, QWidget, wait_until
 from support.panel_case import BUMPS
 
@@ -28,13 +28,14 @@ class WindowCase(unittest.TestCase):
 
     ZONES = ("Home A", "Home B")
     SIZE = gui_testing.SCREEN
+    ITEMS = ITEMS
 
     def setUp(self) -> None:
         within = mock.patch.object(presses, "WITHIN_S", 600.0)  # a busy machine may be slow between two presses
         within.start()
         self.addCleanup(within.stop)
         rospy.set_param("current_zone", self.ZONES[0])
-        self.core = FakeCore(self.ZONES)
+        self.core = FakeCore(self.ZONES, items=self.ITEMS)
         self.addCleanup(self.core.close)
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)

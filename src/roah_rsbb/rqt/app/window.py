@@ -38,7 +38,8 @@ class Window(QMainWindow):
         self.docks: Dict[str, QDockWidget] = {}
         for kind in PANELS:
             panel = kind(client)
-            dock = QDockWidget(tr(panel.TITLE), self, objectName=panel.objectName())
+            dock = QDockWidget(tr(panel.TAB or panel.TITLE), self, objectName=panel.objectName())
+            dock.toggleViewAction().setText(tr(panel.TITLE))
             dock.setWidget(panel)
             self.panels[panel.objectName()] = panel
             self.docks[panel.objectName()] = dock
@@ -85,7 +86,7 @@ class Window(QMainWindow):
         unit = round(basic.em())
         self.resize(QApplication.primaryScreen().availableSize() * MOST_OF_SCREEN)
         self.resizeDocks([d["BenchmarkControlPanel"], d["ScoringPanel"]], [34 * unit, 46 * unit], Qt.Horizontal)
-        self.resizeDocks([d["OverviewPanel"], d["LogDisplayPanel"]], [27 * unit, 19 * unit], Qt.Horizontal)
+        self.resizeDocks([d["OverviewPanel"], d["LogDisplayPanel"]], [25 * unit, 21 * unit], Qt.Horizontal)
         self.resizeDocks([d["ScoringPanel"], d["OverviewPanel"]], [18 * unit, 24 * unit], Qt.Vertical)
 
     def _restore(self) -> None:

@@ -32,6 +32,7 @@ class CoreStatusPanel(Panel):
     """Status, address, port, number of robots and runs; exit."""
 
     TITLE = tr_later("Core Status")
+    TAB = tr_later("Core")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)

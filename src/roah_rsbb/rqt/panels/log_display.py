@@ -38,6 +38,7 @@ class LogDisplayPanel(TextPanel):
     """The run's log, with warnings and errors highlighted."""
 
     TITLE = tr_later("Log Display")
+    TAB = tr_later("Log")
     NOTHING = tr_later("Nothing has been logged yet")
 
     def __init__(self, client, parent=None) -> None:

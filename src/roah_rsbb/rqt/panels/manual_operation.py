@@ -35,6 +35,7 @@ class ManualOperationPanel(Panel):
     """The request in large letters, and its answers. A new request flashes and beeps."""
 
     TITLE = tr_later("Manual Operation")
+    TAB = tr_later("Manual")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)

@@ -22,6 +22,7 @@ class OmfSwitchesPanel(Panel):
     """A button for each switch, the number of damaged switches, and a button to confirm."""
 
     TITLE = tr_later("OMF Switches")
+    TAB = tr_later("Switches")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)

@@ -33,6 +33,7 @@ class Panel(QWidget):
     """
 
     TITLE = ""
+    TAB = ""  # a shorter title for the tabs of our window; empty: the title
     WHERE_FACTOR = 1.0
 
     def __init__(self, client: Client, parent: Optional[QWidget] = None) -> None:
@@ -41,8 +42,7 @@ class Panel(QWidget):
         self.model = client.model
         self.setObjectName(type(self).__name__)
         self.setWindowTitle(tr(self.TITLE))
-        self._where = basic.enlarged(QLabel(), self.WHERE_FACTOR, bold=True)
-        self._where.setTextFormat(Qt.PlainText)
+        self._where = basic.enlarged(basic.ShortenedLabel(), self.WHERE_FACTOR, bold=True)
         self._where.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
         self._news = basic.Badge()
         self.heading = QHBoxLayout()

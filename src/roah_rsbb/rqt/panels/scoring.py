@@ -210,7 +210,7 @@ class ScoringPanel(RefereePanel):
         self._stack = QStackedLayout()
         self._stack.addWidget(self._nothing)
         self._stack.addWidget(self.sheet)
-        self.body.addLayout(self._stack, 2)
+        self.body.addLayout(self._stack, 1)
         self.module_scores = ModuleScores()
         self.body.addWidget(self.module_scores, 1)
         self._answer = Answer()

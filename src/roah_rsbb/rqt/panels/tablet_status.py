@@ -23,6 +23,7 @@ class TabletStatusPanel(Panel):
     """Display, call and position of the tablet."""
 
     TITLE = tr_later("Tablet Status")
+    TAB = tr_later("Tablet")
 
     def __init__(self, client, parent=None) -> None:
         super().__init__(client, parent)

@@ -1,6 +1,7 @@
 """Small widgets that the panels share. Sizes are multiples of the desktop's font."""
 
 import html
+import math
 import re
 from typing import Iterable, NamedTuple, Optional, Sequence, Tuple
 
@@ -8,6 +9,7 @@ from roah_rsbb.rqt.qt import (
     QApplication,
     QColor,
     QDialog,
+    QEvent,
     QFont,
     QFontMetricsF,
     QLabel,
@@ -105,8 +107,55 @@ def _escaped(text: str) -> str:
     return html.escape(text).replace("\n", "<br>")
 
 
-class Badge(QLabel):
+class ShortenedLabel(QLabel):
+    """A text in one line, which ends with "…" where space is short. Its size does not depend on that."""
+
+    PADDING_EMS = 0.0
+    _text = ""
+
+    def __init__(self, parent: Optional[QWidget] = None) -> None:
+        super().__init__(parent)
+        self.setTextFormat(Qt.PlainText)
+
+    def text(self) -> str:
+        """Returns the whole text."""
+        return self._text
+
+    def setText(self, text: str) -> None:
+        if text != self._text:
+            self._text = text
+            self._shorten()
+            self.updateGeometry()
+
+    def sizeHint(self) -> QSize:
+        metrics = self.fontMetrics()
+        return QSize(metrics.horizontalAdvance(self._text) + self._padding() + 1, super().sizeHint().height())
+
+    def resizeEvent(self, event) -> None:
+        super().resizeEvent(event)
+        self._shorten()
+
+    def changeEvent(self, event) -> None:
+        super().changeEvent(event)
+        if event.type() in (QEvent.FontChange, QEvent.StyleChange):
+            self._shorten()
+
+    def shown(self) -> str:
+        """Returns the text as it is on the screen."""
+        return QLabel.text(self)
+
+    def _padding(self) -> int:
+        return math.ceil(self.PADDING_EMS * self.fontMetrics().height())
+
+    def _shorten(self) -> None:
+        width = self.width() - self._padding()
+        super().setText(self.fontMetrics().elidedText(self._text, Qt.ElideRight, width))
+
+
+class Badge(ShortenedLabel):
     """A short text on a colour."""
+
+    PADDING_EMS = 1.0
 
     def __init__(self, factor: float = 1.0, parent: Optional[QWidget] = None) -> None:
         super().__init__(parent)

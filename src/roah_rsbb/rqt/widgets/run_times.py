@@ -10,6 +10,8 @@ from roah_rsbb.wording.language import tr, tr_later
 # How the last seconds look. Those of the last 10 s have marks, words and a frame: they stand out without colour.
 _TONES = {Hurry.NO: None, Hurry.SOON: basic.OLD, Hurry.LAST: basic.ALARM}
 _LAST = tr_later("‼ LAST SECONDS ‼ {label}")
+# Between the two times. Without a gap, they read as one long number.
+BETWEEN_EMS = 2.5
 
 
 def marked(figure: Figure) -> str:
@@ -60,6 +62,7 @@ class RunTimes(QWidget):
         self.aside = QLabel(" ", alignment=Qt.AlignCenter)
         self.aside.setMinimumWidth(1)
         figures = QHBoxLayout()
+        figures.setSpacing(round(BETWEEN_EMS * basic.em()))
         figures.addWidget(self.main, 1)
         figures.addWidget(self.goal, 1)
         column = QVBoxLayout(self)

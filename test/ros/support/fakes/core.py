@@ -234,8 +234,12 @@ class _Here:
 class FakeCore:
     """Publishes as the core does and answers its services. Tests change its attributes at any time."""
 
-    def __init__(self, zones: tuple = ("Home A", "Home B"), box_uuid: str = "fake", silent: bool = False) -> None:
-        """`silent`: publish nothing until the test sets this to False."""
+    def __init__(
+        self, zones: tuple = ("Home A", "Home B"), box_uuid: str = "fake", silent: bool = False,
+        items: Tuple[ScoringItem, ...] = ITEMS,
+    ) -> None:
+        """`silent`: publish nothing until the test sets this to False. `items`: of all benchmarks."""
+        self._items = items
         self.calls: List[tuple] = []  # see _CALLS
         self.words: List[tuple] = []  # (identity, note, referee) of the calls that have them
         self.refuse: Optional[str] = None  # reason with which every service fails
@@ -261,7 +265,7 @@ class FakeCore:
         self._timer = rospy.Timer(rospy.Duration(0.1), self._tick)
 
     def _new_box(self, zones: tuple) -> Box:
-        benchmarks = {code: Benchmark(code, name, desc, s, s, ITEMS) for code, name, desc, _, s in EVENTS}
+        benchmarks = {code: Benchmark(code, name, desc, s, s, self._items) for code, name, desc, _, s in EVENTS}
         events = tuple(
             ScheduledEvent(benchmarks[code], team, 1, number + 1, SCHEDULE_START + 1800.0 * number)
             for number, (code, _, _, team, _) in enumerate(EVENTS)
