@@ -80,9 +80,11 @@ _BENCHMARK_OPTIONAL = {
     "total_timeout": "600", "scoring": "[...]", "kind": "task", "uses": "[notifications]", "offline_data": "optional",
     "setup_time": "120", "attempts": "2", "attempt_counts": "best", "restarts": "clock runs", "pause": "allowed",
     "phases": "[...]", "no_show": "zero",
+    "timed_out_goal": "completed",
 }
 _PHASE, _PHASE_OPTIONAL = {"name": "Serve the drinks"}, {"limit": "120"}
 _KINDS = {kind.value: kind for kind in BenchmarkKind}
+_TIMED_OUT_GOAL = {"completed": True, "failed": False}
 _OFFLINE_DATA = {"required": True, "optional": False}
 _RULES = {
     "attempt_counts": "which of several attempts at an event counts",
@@ -238,9 +240,22 @@ class BenchmarksFile:
         if "offline_data" in got:
             expected = "whether robots must save offline data"
             word = choice(report, got["offline_data"], "offline_data", tuple(_OFFLINE_DATA), expected)
-        if kind is None or uses is None or word is None:
+        goal = self._timed_out_goal(got.get("timed_out_goal"), kind)
+        if kind is None or uses is None or word is None or goal == "":
             return None
-        return replace(known or new_profile(kind), kind=kind, uses=uses, offline_data=_OFFLINE_DATA[word])
+        profile = replace(known or new_profile(kind), kind=kind, uses=uses, offline_data=_OFFLINE_DATA[word])
+        return profile if goal is None else replace(profile, runs_until_timeout=_TIMED_OUT_GOAL[goal])
+
+    def _timed_out_goal(self, node: Optional[Node], kind: Optional[BenchmarkKind]) -> Optional[str]:
+        """Read what a goal is whose timeout is over; empty after an error; None: not given."""
+        if node is None:
+            return None
+        if kind not in (None, BenchmarkKind.FUNCTIONALITY):
+            self._report.error(node.place, f"timed_out_goal in a benchmark of kind '{kind.value}'",
+                               "it in a functionality benchmark only: the others have no goals")
+            return ""
+        expected = "what a goal counts as when its timeout is over"
+        return choice(self._report, node, "timed_out_goal", tuple(_TIMED_OUT_GOAL), expected) or ""
 
     def _uses(self, node: Node) -> Optional[FrozenSet[str]]:
         """Read what robots may use. An empty sequence is valid."""

@@ -105,6 +105,7 @@ VALUES = {
     "timeout": ["60", "0", "soon", "1e9", "{}", "no limit"], "total_timeout": ["600", "30", "-1", "[1]", "no limit"],
     "setup_time": ["60", "no limit", "-5"], "attempts": ["2", "0", "1.5"], "attempt_counts": ["best", "all", "first"],
     "restarts": ["clock runs", "clock stops", "not allowed", "no"], "pause": ["allowed", "yes"], "no_show": ["zero"],
+    "timed_out_goal": ["completed", "failed", "no"],
     "phases": ["[]", "[{name: A}]", "[{name: A, limit: 60}, {name: A}]", "[A]", "{name: A}", "[{limit: 5}]", "~"],
     "kind": ["task", "functionality", "all robots", "all", "[task]", "", "{task: 1}"],
     "uses": ["[]", "[tablet]", "[tablet, tablet]", "[visitor, bell, devices]", "tablet", "[[]]", "[1]", "{}", "~"],

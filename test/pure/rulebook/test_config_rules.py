@@ -117,3 +117,26 @@ def test_an_empty_sequence_of_phases(files):
     text = TEXTS["benchmarks"] + TASK + "  phases: []\n"
     _, _, message = files.error(benchmarks=text)
     assert "an empty sequence as phases" in message
+
+
+# -- goals that end by their timeout --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("word, completes", [(None, False), ("failed", False), ("completed", True)])
+def test_what_a_goal_counts_as_whose_timeout_is_over(files, word, completes):
+    text = TEXTS["benchmarks"] + TASK.replace("kind: task", "kind: functionality")
+    text += f"  timed_out_goal: {word}\n" if word else ""
+    loaded, _ = files.load(benchmarks=text)
+    assert loaded.benchmarks["SetTable"].profile.runs_until_timeout is completes
+    assert loaded.benchmarks["HPFF"].profile.runs_until_timeout
+
+
+@pytest.mark.parametrize("kind, word, parts", [
+    ("functionality", "complete", ["as timed_out_goal", "did you mean 'completed'?"]),
+    ("task", "completed", ["timed_out_goal in a benchmark of kind 'task'", "in a functionality benchmark only"]),
+])
+def test_mistakes_in_timed_out_goal(files, kind, word, parts):
+    text = TEXTS["benchmarks"] + TASK.replace("kind: task", f"kind: {kind}") + f"  timed_out_goal: {word}\n"
+    _, line, message = files.error(benchmarks=text)
+    assert line == line_of(text, "timed_out_goal")
+    assert [part for part in parts if part not in message] == [], message

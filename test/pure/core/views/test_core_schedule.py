@@ -6,9 +6,9 @@ from helpers.box_driver import BoxDriver
 from helpers.competition import UTC0, competition, event
 from roah_rsbb.core.referee import Refused, RunName
 from roah_rsbb.core.settings import Settings
-from roah_rsbb.core.views.schedule import SETUP_S, schedule, slot_lengths
+from roah_rsbb.core.views.schedule import NO_LIMIT_S, SETUP_S, schedule, slot_lengths
 from roah_rsbb.core.zones import key_of
-from roah_rsbb.rulebook.benchmarks import ZonePlan
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT, Rules, ZonePlan
 
 MINUTE = 60.0
 T0 = UTC0 - UTC0 % MINUTE + 10 * MINUTE  # some minutes after the driver's beginning
@@ -102,6 +102,14 @@ def test_a_slot_is_what_the_schedule_gives():
     twice = ZonePlan("z", tuple(day(0, 0, 20)))
     assert slot_lengths([twice]) == {"HGTKMH": 20 * MINUTE}, "events at the same time say nothing"
     assert slot_lengths([]) == {}
+
+
+def test_a_slot_without_a_limit_and_with_a_setup_time_of_its_own():
+    def plan(**rules):
+        return ZonePlan("z", (event(timeout=NO_LIMIT, rules=Rules(**rules)),))
+
+    assert slot_lengths([plan()]) == {"HGTKMH": NO_LIMIT_S + SETUP_S}
+    assert slot_lengths([plan(setup_time=60.0)]) == {"HGTKMH": NO_LIMIT_S + 60.0}
 
 
 def test_nothing_begins_before_its_time():
