@@ -1239,6 +1239,16 @@
         <source>End this client or the whole RSBB. You are asked first.</source>
         <translation>Diesen Client oder die ganze RSBB beenden. Vorher wird nachgefragt.</translation>
     </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Reload …</source>
+        <translation>Neu laden …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Take changed configuration files into use. First, all changes are listed.</source>
+        <translation>Geänderte Konfigurationsdateien übernehmen. Vorher werden alle Änderungen aufgelistet.</translation>
+    </message>
     <message numerus="yes">
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
         <source>{number} of {n} zones</source>
@@ -1246,6 +1256,36 @@
             <numerusform>{number} von {n} Zone</numerusform>
             <numerusform>{number} von {n} Zonen</numerusform>
         </translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Reading the configuration files …</source>
+        <translation>Konfigurationsdateien werden gelesen …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Reload</source>
+        <translation>Neu laden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Nothing was changed. Correct this first:</source>
+        <translation>Nichts wurde geändert. Erst ist zu korrigieren:</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>The files contain what is in force</source>
+        <translation>Die Dateien enthalten, was bereits gilt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Warning: {line}</source>
+        <translation>Warnung: {line}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
+        <source>Apply these changes? Connected runs keep what they began with.</source>
+        <translation>Diese Änderungen übernehmen? Verbundene Läufe behalten, womit sie begonnen haben.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/core_status.py"/>
@@ -2450,6 +2490,16 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/rqt/widgets/keys_page.py"/>
         <source>Keys</source>
         <translation>Tasten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/reload_dialog.py"/>
+        <source>Reload configuration</source>
+        <translation>Konfiguration neu laden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/reload_dialog.py"/>
+        <source>Apply</source>
+        <translation>Übernehmen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/run_times.py"/>

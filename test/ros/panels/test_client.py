@@ -30,6 +30,8 @@ from roah_rsbb.rqt.panels.tablet_status import TabletStatusPanel
 from roah_rsbb.rqt.qt import QObject, QSettings, QSpinBox
 from roah_rsbb.rqt.widgets.basic import ALARM, OLD
 from roah_rsbb.rqt.widgets.focus_ring import FocusRing
+from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
+from roah_rsbb.srv import Reload, ReloadResponse
 
 PLUGIN_XML = pathlib.Path(__file__).resolve().parents[3] / "plugin.xml"
 
@@ -210,6 +212,46 @@ class TestPanels(CoreCase):
         click(panel.exit)
         answer(question(), QMessageBox.AcceptRole)
         wait_until(lambda: ended, "the service is called")
+
+    def test_reload_lists_the_changes_before_they_are_applied(self) -> None:
+        answers = [
+            ReloadResponse(errors=["schedule.yaml:4: found team 'Bet'", "benchmarks.yaml:5: found the text 'soon'"]),
+            ReloadResponse(digest="d1", warnings=["passwords.yaml: readable"], changes=["team 'Late': added"]),
+            ReloadResponse(digest="d1", changes=["team 'Late': added"], applied=True),
+            ReloadResponse(digest="d1"),
+        ]
+        asked = []
+
+        def reload(request):
+            asked.append(request.digest)
+            return answers[len(asked) - 1]
+
+        self.addCleanup(rospy.Service("/core/reload", Reload, reload).shutdown)
+        panel = self.open(CoreStatusPanel)
+
+        def dialog() -> ReloadDialog:
+            wait_until(lambda: any(d.isVisible() for d in panel.findChildren(ReloadDialog)), "a dialog is open")
+            return next(d for d in panel.findChildren(ReloadDialog) if d.isVisible())
+
+        def press_reload() -> None:
+            wait_until(panel.reload.isEnabled, "the button is on")
+            click(panel.reload)
+
+        press_reload()
+        wrong = dialog()
+        self.assertEqual(wrong.lines.toPlainText().splitlines(), answers[0].errors)
+        self.assertFalse(hasattr(wrong, "apply"))
+        wrong.reject()
+        wait_until(lambda: not panel.findChildren(ReloadDialog), "it is closed")
+        press_reload()
+        listed = dialog()
+        self.assertEqual(listed.lines.toPlainText(), "team 'Late': added\nWarning: passwords.yaml: readable")
+        self.assertEqual(asked, ["", ""])
+        click(listed.apply)
+        wait_until(lambda: "✔ Reload: done" in panel._answer.text(), "it is applied")
+        self.assertEqual(asked, ["", "", "d1"])
+        press_reload()
+        wait_until(lambda: "what is in force" in panel._answer.text(), "nothing differs")
 
     def test_exit_without_its_service_says_so(self) -> None:
         panel = self.open(CoreStatusPanel)

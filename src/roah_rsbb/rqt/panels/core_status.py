@@ -1,23 +1,28 @@
-"""Core Status: the state of the box, and the exit button (docs/referee.md, "Core Status").
+"""Core Status: the state of the box, and the reload and exit buttons (docs/referee.md, "Core Status").
+
+*Reload* checks the configuration files and lists what they change, before anything is applied.
 
 What *exit* ends depends on the launch file. A client's own shutdown node ends that client, unless the client was
 started together with the core (`exit_ends_rsbb`). Without a client, the core's shutdown node in the root namespace ends
 the whole RSBB.
 """
 
-from typing import Dict
+from typing import Callable, Dict, Optional, Sequence
 
 import rospy
 from std_srvs.srv import Empty
 
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels.panel import Answer, Panel, ask
-from roah_rsbb.rqt.qt import QGridLayout, QLabel, Qt
+from roah_rsbb.rqt.qt import QGridLayout, QHBoxLayout, QLabel, Qt
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
+from roah_rsbb.srv import Reload
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.sent import tr_sent
 
 SHUTDOWN = "roah_rsbb_shutdown"
+RELOAD = "/core/reload"
 ENDS_RSBB = "exit_ends_rsbb"
 
 FIELDS = {
@@ -57,7 +62,14 @@ class CoreStatusPanel(Panel):
             tr("Exit …"), tr("End this client or the whole RSBB. You are asked first."), 1.0)
         self.exit.allow(True)
         self.exit.clicked.connect(self.ask_exit)
-        self.body.addWidget(self.exit)
+        self.reload = basic.CommandButton(
+            tr("Reload …"), tr("Take changed configuration files into use. First, all changes are listed."), 1.0)
+        self.reload.allow(True)
+        self.reload.clicked.connect(self.ask_reload)
+        buttons = QHBoxLayout()
+        buttons.addWidget(self.reload)
+        buttons.addWidget(self.exit)
+        self.body.addLayout(buttons)
 
     def show_model(self) -> None:
         gui, details = self.model.gui, self.model.details
@@ -82,6 +94,43 @@ class CoreStatusPanel(Panel):
 
     def where(self) -> str:
         return tr("The whole box")
+
+    # -- reload -------------------------------------------------------------------------------------
+
+    def ask_reload(self) -> None:
+        """Check the files, list what they change, then ask."""
+        self.reload.hold()
+        self._answer.say(tr("Reading the configuration files …"))
+        self.client.calls.service(self, RELOAD, Reload, ("", ""), self._ask_reload)
+
+    def _ask_reload(self, found: CallOutcome) -> None:
+        if found.error:
+            self._answer.show_outcome(tr("Reload"), found)
+            return
+        self._answer.clear_answer()
+        answer = found.result
+        if answer.errors:
+            self._show_lines(tr("Nothing was changed. Correct this first:"), answer.errors)
+        elif not answer.changes:
+            self._answer.say(tr("The files contain what is in force"))
+        else:
+            warnings = [tr("Warning: {line}", line=line) for line in answer.warnings]
+            heading = tr("Apply these changes? Connected runs keep what they began with.")
+            self._show_lines(heading, [*answer.changes, *warnings], lambda: self._apply(answer.digest))
+
+    def _show_lines(self, heading: str, lines: Sequence[str], apply: Optional[Callable[[], None]] = None) -> None:
+        basic.show_dialog(ReloadDialog(self, heading, list(lines), apply))
+
+    def _apply(self, digest: str) -> None:
+        self._answer.say(tr("Reload …"))
+        self.client.calls.service(self, RELOAD, Reload, (digest, ""), self._applied)
+
+    def _applied(self, outcome: CallOutcome) -> None:
+        if not outcome.error and outcome.result.errors:
+            self._show_lines(tr("Nothing was changed. Correct this first:"), outcome.result.errors)
+            self._answer.clear_answer()
+        else:
+            self._answer.show_outcome(tr("Reload"), outcome)
 
     # -- exit ---------------------------------------------------------------------------------------
 
