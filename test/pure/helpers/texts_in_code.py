@@ -1,6 +1,7 @@
 """Finds the texts that windows show in the source code: those for the translators, and those that were forgotten."""
 
 import ast
+import functools
 import pathlib
 import re
 from typing import Dict, Iterator, List, NamedTuple, Optional, Set
@@ -56,6 +57,7 @@ def find(source: str, place: str) -> Found:
     return Found(visitor.marked, visitor.forgotten, visitor.wrong)
 
 
+@functools.lru_cache(maxsize=None)
 def find_in(path: pathlib.Path) -> Found:
     """Returns the texts in a file of the package."""
     return find(path.read_text(encoding="utf-8"), path.relative_to(PACKAGE).as_posix())
