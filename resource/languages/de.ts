@@ -551,7 +551,7 @@
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
         <source>The {time} of {phase} are over</source>
-        <translation>Die {time} von {phase} sind vorbei</translation>
+        <translation>Die Zeit von {phase} ({time}) ist vorbei</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
@@ -1580,7 +1580,7 @@
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Previous phase in {zone}</source>
-        <translation>Vorherige Phase in {zone}</translation>
+        <translation>Vorige Phase in {zone}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
@@ -1590,7 +1590,7 @@
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Go back to the phase before; its time continues</source>
-        <translation>Zur vorherigen Phase zurück; ihre Zeit läuft weiter</translation>
+        <translation>Zur vorigen Phase zurückgehen; ihre Zeit läuft weiter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
@@ -1605,7 +1605,7 @@
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Go to the next phase</source>
-        <translation>Zur nächsten Phase</translation>
+        <translation>Zur nächsten Phase gehen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
@@ -1620,7 +1620,7 @@
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Stop the clock of the run. The robot does not notice</source>
-        <translation>Die Uhr des Laufs anhalten. Der Roboter merkt nichts davon</translation>
+        <translation>Die Uhr des Laufs anhalten. Der Roboter merkt davon nichts</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
@@ -1650,17 +1650,17 @@
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Start and stop the clock yourself. Nothing is sent to a robot</source>
-        <translation>Die Uhr selbst starten und stoppen. Nichts wird an einen Roboter gesendet</translation>
+        <translation>Die Uhr selbst starten und stoppen. An den Roboter wird nichts gesendet</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>No-show in {zone}</source>
-        <translation>Nicht erschienen in {zone}</translation>
+        <translation>Nicht angetreten in {zone}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>No-show …</source>
-        <translation>Nicht erschienen …</translation>
+        <translation>Nicht angetreten …</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
@@ -1680,22 +1680,22 @@
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Team withdrew …</source>
-        <translation>Team zieht zurück …</translation>
+        <translation>Team hat zurückgezogen …</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>The team withdrew. Leave this event</source>
-        <translation>Das Team zieht zurück. Diesen Termin verlassen</translation>
+        <translation>Das Team hat zurückgezogen. Diesen Termin verlassen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Did team {team} withdraw? The zone leaves this event.</source>
-        <translation>Zieht Team {team} zurück? Die Zone verlässt diesen Termin.</translation>
+        <translation>Hat Team {team} zurückgezogen? Die Zone verlässt diesen Termin.</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Choose a robot, score without a robot, no-show</source>
-        <translation>Roboter wählen, ohne Roboter werten, nicht erschienen</translation>
+        <translation>Roboter wählen, ohne Roboter werten, nicht angetreten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
