@@ -2143,8 +2143,18 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>Counts only with: {items}</source>
+        <translation>Zählt nur mit: {items}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
         <source>With a note …</source>
         <translation>Mit Notiz …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
+        <source>Not attempted; add a note</source>
+        <translation>Nicht versucht; Notiz hinzufügen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
@@ -2153,8 +2163,8 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
-        <source>Not attempted; add a note</source>
-        <translation>Nicht versucht; Notiz hinzufügen</translation>
+        <source>Result of the jury</source>
+        <translation>Ergebnis der Jury</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
@@ -2515,6 +2525,11 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
         <source>Yes</source>
         <translation>Ja</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
+        <source>Judge</source>
+        <translation>Jurymitglied</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>

@@ -7,8 +7,8 @@ The names of the fields are the names in the JSON output (docs/referee.md) and n
 from functools import partial
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.referee.state import SheetItem, items_of
-from roah_rsbb.referee.view import BOLD, YELLOW, Style, item_text
+from roah_rsbb.referee.state import SheetItem, items_of, points_of
+from roah_rsbb.referee.view import BOLD, YELLOW, Style, sheet_line
 from roah_rsbb.referee.words import BadWord
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.sheets import HistoryEntry, history_entry
@@ -60,6 +60,7 @@ class Sheet(NamedTuple):
     corrected: Tuple[int, ...]  # numbers of the items that were changed after the run was over
     history: Tuple[HistoryEntry, ...]
     ends: Tuple[RunEnd, ...]
+    points: str = ""  # of the score sheet; empty: it gives none
 
 
 def run_of(summary) -> RunLine:
@@ -84,6 +85,7 @@ def sheet_of(sheet) -> Sheet:
             RunEnd(number, stop.time.to_sec(), stop.who, stop.end_reason, stop.desc, stop.reason, stop.reason_by)
             for number, stop in enumerate(sheet.stops, 1)
         ),
+        points_of(sheet.points),
     )
 
 
@@ -144,9 +146,9 @@ def sheet_lines(sheet: Sheet, style: Style) -> List[str]:
             group = item.group
             lines.append(f"{_IN}{escaped(group)}")
         mark = f"  {style(YELLOW, f'({sheets.CORRECTED})')}" if item.number in sheet.corrected else ""
-        value = f"{item_text(item):>5}"
-        shown = style(BOLD, value) if item.value or item.not_attempted else value
-        lines.append(f"{_IN}{item.number:4}  {shown}  {escaped(item.item)}{mark}")
+        lines.append(f"{sheet_line(item, style)}{mark}")
+    if sheet.points:
+        lines.append(f"{_IN}{style(BOLD, escaped(sheet.points))}")
     if sheet.history:
         lines.append("History")
     for entry in sheet.history:

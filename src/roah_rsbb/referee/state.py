@@ -137,6 +137,7 @@ class ZoneSnapshot(NamedTuple):
     held: bool = False
     module_status: str = ""
     module_score: Tuple[ModuleScoreLine, ...] = ()
+    points: str = ""  # of the score sheet, such as "85 points: Achievements 100 · Penalties -15"; empty: it gives none
     all_robots: Optional[AllRobotsSnapshot] = None
     times: Optional[RunTimes] = None
     by_hand: bool = False  # the run has no robot
@@ -263,6 +264,7 @@ def _zone(zone, details, run_times: RunTimes) -> ZoneSnapshot:
         warnings=tuple(details.warnings),
         off={command: list(getattr(details, field)) for command, field in COMMANDS.items()},
         score=items_of(details.items),
+        points=points_of(details.points),
         log_file=details.log_file,
         log=zone.log,
         online_data=zone.online_data,
@@ -303,6 +305,12 @@ def _json_value(text: str) -> Any:
         return json.loads(text)
     except ValueError:
         return text
+
+
+def points_of(message) -> str:
+    """Read SheetPoints."""
+    groups = [(group.name, group.points) for group in message.groups]
+    return sheets.points_text(message.total, groups) if message.total else ""
 
 
 def items_of(messages) -> Tuple[SheetItem, ...]:

@@ -158,9 +158,9 @@ def score_sheet(zone: ZoneSnapshot, style: Style) -> List[str]:
         if item.group != group:
             group = item.group
             lines.append(f"{_IN}{escaped(group)}")
-        value = f"{item_text(item):>5}"
-        shown = style(BOLD, value) if item.value or item.not_attempted else value
-        lines.append(f"{_IN}{item.number:4}  {shown}  {escaped(item.item)}")
+        lines.append(sheet_line(item, style))
+    if zone.points:
+        lines.append(f"{_IN}{style(BOLD, escaped(zone.points))}")
     if not zone.score:
         lines.append(f"{_IN}no scoring items for the referee")
     return lines + _module_sheet(zone, style)
@@ -178,6 +178,16 @@ def _module_sheet(zone: ZoneSnapshot, style: Style) -> List[str]:
 def _score_in_json(score: ModuleScoreLine) -> ModuleScoreLine:
     """As it is on the ROS interface."""
     return score._replace(value=json.dumps(score.value))
+
+
+def sheet_line(item: SheetItem, style: Style) -> str:
+    """Return the line of a scoring item in its sheet: number, value, points, text and ratings."""
+    value = f"{escaped(item_text(item)):>5}"
+    marked = sheets.is_marked(item.value, item.text) or item.not_attempted
+    points = f"{item.points:>8}" if item.points else ""
+    ratings = sheets.ratings_text(zip(item.judges, item.ratings))
+    more = f" ({escaped(ratings)})" if ratings else ""
+    return f"{_IN}{item.number:4}  {style(BOLD, value) if marked else value}{points}  {escaped(item.item)}{more}"
 
 
 def item_text(item: SheetItem) -> str:

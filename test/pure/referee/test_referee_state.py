@@ -55,7 +55,7 @@ def _details(**fields):
         "last_message": Seconds(UTC0 - 1), "messages_saved": 7, "log_file": "/x.bag", "warnings": ["w"], "operation": 0,
         "operation_choices": [], "operation_asks_text": False, "held": False, "module_status": "", "module_scores": [],
         "robots_preparing": 0, "robots_executing": 0, "robots_stopped": 0, "robots": [],
-        "items": ITEMS,
+        "items": ITEMS, "points": SimpleNamespace(total="", groups=[]),
         "by_hand": False, "attempt": 0, "attempts": 0, "robots_to_choose": [],
         **{field: [f"why no {field}"] for field in referee_state.COMMANDS.values()},
     }
@@ -100,6 +100,14 @@ def test_items_of_every_type():
         SheetItem(3, "G", "poster", "rating", 7, text="7", judges=("1", "2"), ratings=("7", "")),
         SheetItem(4, "G", "of the future", "uint", 1),
     )
+
+
+def test_points_of_the_sheet():
+    points = SimpleNamespace(total="85", groups=[
+        SimpleNamespace(name="Good", points="100"), SimpleNamespace(name="Bad", points="-15")])
+    assert box_of(_gui(_zone_state()), _details(points=points), _clocks()).zones[0].points == (
+        "85 points: Good 100 · Bad -15")
+    assert box_of(_gui(_zone_state()), _details(), _clocks()).zones[0].points == ""
 
 
 def test_not_attempted_items_are_marked():

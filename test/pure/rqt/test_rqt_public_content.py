@@ -31,6 +31,9 @@ def _event(zone="Home", team="Alpha", after_s=600.0):
     return SimpleNamespace(zone=zone, team=team, benchmark="Visitors", round=2, run=3, scheduled=_Time(NOW + after_s))
 
 
+NO_POINTS = SimpleNamespace(total="", groups=[])
+
+
 def _run(phase="running", counting=True, left=90.0, end_reason="", elapsed=None, activity="", **of_event):
     """A run; with `elapsed` seconds it has no limit."""
     event = _event(**of_event)
@@ -122,10 +125,14 @@ def test_a_result_and_its_scores():
     score = SimpleNamespace(group="", name="reached", value="4", unit="", desc="Reached")
     result = SimpleNamespace(event=_event(), end_reason="timeout", disconnected=_Time(NOW - 60.0),
                              scoring=[group("Good", 1, 3), group("Empty"), group("Bad", 0, 0)],
-                             not_attempted=[0, 0, 1], module_scores=[score])
+                             not_attempted=[0, 0, 1], module_scores=[score], points=NO_POINTS)
     (line,) = _content(finished=[result]).results
     scores = ("Reached 4", "Good 4", "Bad 0 (1 not attempted)")
     assert line == ("07:59", "Alpha", "Visitors", "■ timeout", scores)
+    result.points = SimpleNamespace(total="-2.5", groups=[
+        SimpleNamespace(name="Good", points="10"), SimpleNamespace(name="Bad", points="-12.5")])
+    (line,) = _content(finished=[result]).results
+    assert line.scores == ("Reached 4", "-2.5 points: Good 10 · Bad -12.5")
 
 
 def _board(results=(), provisional=(), standings=()):
@@ -134,7 +141,7 @@ def _board(results=(), provisional=(), standings=()):
 
 def _result(team):
     return SimpleNamespace(event=_event(team=team), end_reason="completed", disconnected=_Time(NOW), scoring=[],
-                           not_attempted=[], module_scores=[])
+                           not_attempted=[], module_scores=[], points=NO_POINTS)
 
 
 def test_the_board_has_results_provisional_ones_and_standings():

@@ -99,4 +99,4 @@ def _allowed(runs: List[FinishedResult], results: PublicResults) -> Tuple[Finish
     """Return the newest runs, without scores if the public may not see them."""
     if results is PublicResults.SCORES:
         return tuple(runs[:MAX_FINISHED])
-    return tuple(run._replace(items=(), module_scores=()) for run in runs[:MAX_FINISHED])
+    return tuple(run._replace(items=(), module_scores=(), points=None) for run in runs[:MAX_FINISHED])

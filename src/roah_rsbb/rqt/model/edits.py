@@ -4,12 +4,14 @@ A message from before the change still holds the old value. It may arrive after 
 connection, and must not overwrite what the referee sees.
 """
 
-from typing import Dict, Hashable, NamedTuple, Optional
+from typing import Dict, Hashable, NamedTuple, Optional, TypeVar
+
+Value = TypeVar("Value", bound=Hashable)  # any value but None
 
 
 class _Edit(NamedTuple):
-    wish: int
-    sent: Optional[int]  # value in the call that waits for its answer; None: answered
+    wish: Hashable
+    sent: Optional[Hashable]  # value in the call that waits for its answer; None: answered
     since: float = 0.0  # once answered: later messages include the change
 
 
@@ -24,7 +26,7 @@ class Edits:
         self._margin_s = margin_s
         self._edits: Dict[Hashable, _Edit] = {}
 
-    def wish(self, item: Hashable, value: int) -> Optional[int]:
+    def wish(self, item: Hashable, value: Value) -> Optional[Value]:
         """The referee set `value`. Returns the value to send now, or None while another call is in progress."""
         edit = self._edits.get(item)
         if edit is not None and edit.sent is not None:
@@ -33,7 +35,7 @@ class Edits:
         self._edits[item] = _Edit(value, sent=value)
         return value
 
-    def carried_out(self, item: Hashable, clock_s: float) -> Optional[int]:
+    def carried_out(self, item: Hashable, clock_s: float) -> Optional[Hashable]:
         """The call was answered at `clock_s`. Returns the value to send next, if it changed meanwhile."""
         edit = self._edits.get(item)
         if edit is None:
@@ -48,7 +50,7 @@ class Edits:
         """The call failed: the item shows the published value again."""
         self._edits.pop(item, None)
 
-    def value(self, item: Hashable, published: int, clock_s: float) -> int:
+    def value(self, item: Hashable, published: Value, clock_s: float) -> Value:
         """Returns the value to show when a message of `clock_s` says `published`."""
         edit = self._edits.get(item)
         if edit is None:

@@ -164,10 +164,9 @@ class ResultsPanel(RefereePanel):
             return
         title = _name(summary)
         basic.show_dialog(ScoreDialog(
-            self, title, item.desc, item.type, item.value, item.not_attempted,
-            lambda value, not_attempted, note: self._send(
-                summary, item.desc, "score", ScoreMark, (item.group, item.desc, value, not_attempted, "", "", note)
-            ),
+            self, title, item, item.text or item.value, item.not_attempted,
+            lambda given: self._send(summary, item.desc, "score", ScoreMark, (
+                item.group, item.desc, given.value, given.not_attempted, given.text, given.judge, given.note)),
         ))
 
     def _ask_reason(self) -> None:
@@ -256,11 +255,25 @@ def _item_rows(sheet: RunSheet) -> List[Row]:
         name, group = ("" if item.group == group else item.group), item.group
         value = sheets.item_value(sheets.type_word(item.type), item.value, item.not_attempted, item.text)
         rows.append(Row((item.group, item.desc), (
-            name, item.desc, value, f"✎ {tr(sheets.CORRECTED)}" if item.corrected else ""
-        ), bold=bool(item.value or item.not_attempted or item.corrected)))
+            name, f"{item.desc}{_ratings(item)}", value, _notes(item)
+        ), bold=bool(sheets.is_marked(item.value, item.text) or item.not_attempted or item.corrected)))
+    if sheet.points.total:
+        points = [(group.name, group.points) for group in sheet.points.groups]
+        rows.append(Row(None, ("", sheets.points_text(sheet.points.total, points), "", ""), bold=True))
     for name, lines in by_group(sheet.module_scores):
         rows += [
             Row(None, (tr("Module: {name}", name=name) if index == 0 else "", line.name, line.value, ""))
             for index, line in enumerate(lines)
         ]
     return rows
+
+
+def _ratings(item: ScoreItem) -> str:
+    ratings = sheets.ratings_text(zip(item.judges, item.ratings))
+    return f" ({ratings})" if ratings else ""
+
+
+def _notes(item: ScoreItem) -> str:
+    corrected = [f"✎ {tr(sheets.CORRECTED)}"] if item.corrected else []
+    points = [tr("{points} points", points=item.points)] if item.points else []
+    return "; ".join((*points, *corrected))

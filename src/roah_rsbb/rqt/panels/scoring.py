@@ -1,10 +1,11 @@
 """Scoring: the referee's score sheet, and the benchmarking module's scores (docs/referee.md, "Scoring")."""
 
+import enum
 import html
 from functools import partial
-from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple, Union
 
-from roah_rsbb.msg import ModuleScore, ZoneDetails, ZoneScoreGroup, ZoneState
+from roah_rsbb.msg import ModuleScore, ScoreItem, SheetPoints, ZoneDetails, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.model.edits import Edits
 from roah_rsbb.rqt.panels.history import HistoryDialog, RunSheets, history_of
@@ -21,10 +22,12 @@ from roah_rsbb.rqt.qt import (
     QStackedLayout,
     Qt,
     QToolButton,
+    QVBoxLayout,
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
-from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
+from roah_rsbb.rqt.widgets.score_dialogs import MAX_VALUE, Given, ScoreDialog
+from roah_rsbb.rqt.widgets.score_fields import NO_JUDGE, ChoiceField, NumberField, RatingFields
 from roah_rsbb.rqt.widgets.sheet_view import SheetView
 from roah_rsbb.rqt.widgets.undo import PLACES, UNDO, UndoRow
 from roah_rsbb.srv import ScoreMark, ScoreWithdraw
@@ -32,14 +35,25 @@ from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.sheets import HistoryEntry
+from roah_rsbb.wording.times import NOTHING
 
 NO_RUN = tr_later("Scoring begins when a robot is connected.")
 NO_ITEMS = tr_later("This benchmark has nothing for the referee to score.")
 SILENT = tr_later("The core is silent: nothing can be scored now")
-# The value of an item that the robot did not attempt.
-NOT_ATTEMPTED = -1
+
+
+class NoValue(enum.Enum):
+    """The value of an item that the robot did not attempt."""
+
+    NOT_ATTEMPTED = enum.auto()
+
+
+NOT_ATTEMPTED = NoValue.NOT_ATTEMPTED
 
 ItemName = Tuple[str, str]  # group and description, which name an item on the ROS interface
+EditName = Tuple[str, str, str]  # and the judge
+# A whole number, the text of another value, or `NOT_ATTEMPTED`.
+Value = Union[int, str, NoValue]
 
 
 class ItemShape(NamedTuple):
@@ -48,12 +62,17 @@ class ItemShape(NamedTuple):
     group: str
     desc: str
     kind: int
+    takes: tuple  # limits, choices, judges and so on
 
 
+# Types whose value is a whole number.
+_WHOLE = (ScoreItem.BOOL, ScoreItem.UINT, ScoreItem.INT)
 _YES = tr_later("✔ Yes")
 _BOOL_TEXTS = {0: tr_later("No"), NOT_ATTEMPTED: tr_later("Not attempted")}
 # The items with these numbers have keys.
 LAST_KEY = 9
+# Widths of points and of a judge's field, in units of the font.
+POINTS_EMS, RATING_EMS = 3.0, 3.2
 
 
 class _Size(NamedTuple):
@@ -71,21 +90,113 @@ _LARGE = _Size(1.2, 1.3, 1.6, 2.0, 9.0, 0.35)
 _COMPACT = _Size(1.0, 1.1, 1.3, 1.8, 6.4, 0.15)
 
 
-class ScoreRow(QWidget):
-    """One item: its text, its value, which may be `NOT_ATTEMPTED`, and its controls."""
+class ItemRow(QWidget):
+    """One item: its text, its controls, its points, and a menu."""
 
-    def __init__(self, number: int, shape: ItemShape, change: Callable[[int], None], ask: Callable[[], None]) -> None:
-        """`number` in the sheet; `change(value)`: the referee set this value; `ask()`: with a note."""
+    def __init__(
+        self, number: int, item: ScoreItem, change: Callable[..., None], ask: Callable[[], None]
+    ) -> None:
+        """`number` in the sheet; `change(value, judge)`: the referee set this value; `ask()`: with a note."""
         super().__init__()
         self._change = change
-        self._value = 0
-        self._is_bool = shape.kind == ZoneScoreGroup.SCORING_BOOL
+        self._value: Value = 0
+        self._buttons: List[QWidget] = []  # what is off while the core is silent
         self.key = str(number) if number <= LAST_KEY else ""
-        self.text = QLabel(f"{self.key}  {shape.desc}".strip(), wordWrap=True)
+        self.text = QLabel(f"{self.key}  {item.desc}".strip(), wordWrap=True)
         self.text.setTextFormat(Qt.PlainText)
-        line = QHBoxLayout(self)
-        line.setContentsMargins(0, 0, 0, 0)
-        line.addWidget(self.text, 1)
+        if item.needs:
+            self.text.setToolTip(basic.tip(tr("Counts only with: {items}", items=", ".join(item.needs))))
+        self.line = QHBoxLayout(self)
+        self.line.setContentsMargins(0, 0, 0, 0)
+        self.line.addWidget(self.text, 1)
+        self.add_controls(item)
+        self.points = QLabel("", alignment=Qt.AlignRight | Qt.AlignVCenter)
+        self.points.setVisible(bool(item.points))
+        self.line.addWidget(self.points)
+        self._add_menu(ask)
+        self.set_compact(False)
+
+    def add_controls(self, item: ScoreItem) -> None:
+        """Add the controls of the item's type."""
+        raise NotImplementedError
+
+    def _add_menu(self, ask: Callable[[], None]) -> None:
+        self.more_menu = QMenu(self)
+        self.not_attempted = self.more_menu.addAction(tr("Not attempted"))
+        self.not_attempted.setCheckable(True)
+        self.not_attempted.triggered.connect(lambda on: self._change(NOT_ATTEMPTED if on else self.nothing))
+        self.with_note = self.more_menu.addAction(tr("With a note …"), ask)
+        self.menu_button = QToolButton()
+        self.menu_button.setText("⋯")
+        self.menu_button.setFocusPolicy(Qt.TabFocus)
+        self.menu_button.setPopupMode(QToolButton.InstantPopup)
+        self.menu_button.setMenu(self.more_menu)
+        basic.set_style(self.menu_button, "QToolButton::menu-indicator { image: none; }")
+        self.line.addWidget(self.menu_button)
+        self._buttons.append(self.menu_button)
+
+    def set_compact(self, is_compact: bool) -> None:
+        """Take less width and height, for sheets in two columns."""
+        size = _COMPACT if is_compact else _LARGE
+        em = basic.em()
+        basic.enlarged(self.text, size.text)
+        basic.enlarged(self.points, size.text)
+        self.points.setFixedWidth(round(POINTS_EMS * size.text * em))
+        for button in self._buttons:
+            basic.enlarged(button, size.button, bold=True)
+            button.setFixedHeight(round(size.high_ems * em))
+        self.line.setSpacing(round(size.gap_ems * em))
+        self.set_widths(size)
+
+    def set_widths(self, size: _Size) -> None:
+        """Set the widths of the controls."""
+        raise NotImplementedError
+
+    nothing: Value = 0  # the value at the beginning
+
+    def score(self) -> None:
+        """The key of the item was pressed."""
+        raise NotImplementedError
+
+    def take_back(self) -> None:
+        """The key was pressed together with Shift."""
+
+    @property
+    def value(self) -> Value:
+        """The shown value."""
+        return self._value
+
+    def show_value(self, value: Value, waiting: bool, enabled: bool) -> None:
+        """Show `value`. `waiting`: the core has not confirmed it yet."""
+        self._value = value
+        self.not_attempted.setChecked(value is NOT_ATTEMPTED)
+        for button in self._buttons:
+            button.setEnabled(enabled)
+            button.setToolTip("" if enabled else tr(SILENT))
+        if enabled:
+            self.menu_button.setToolTip(tr("Not attempted; add a note"))
+
+    def show_points(self, points: str) -> None:
+        """Show the points of the item; empty: it gives none."""
+        if points != self.points.text():
+            self.points.setText(points)
+            self.points.setToolTip(tr("{points} points", points=points))
+
+    @staticmethod
+    def _button(text: str, pressed: Callable[[], None]) -> QPushButton:
+        button = QPushButton(text)
+        button.setFocusPolicy(Qt.TabFocus)
+        button.clicked.connect(pressed)
+        return button
+
+
+class ScoreRow(ItemRow):
+    """A yes-or-no item, or a whole number that is counted."""
+
+    def add_controls(self, item: ScoreItem) -> None:
+        self._is_bool = item.type == ScoreItem.BOOL
+        self._least = 0 if item.type == ScoreItem.UINT else int(item.min or -MAX_VALUE)
+        self._most = int(item.max or MAX_VALUE)
         if self._is_bool:
             self.toggle = self._button("", lambda: self._change(0 if self._value == 1 else 1))
             self.toggle.setCheckable(True)
@@ -96,81 +207,107 @@ class ScoreRow(QWidget):
             self.more = self._button("+", self.score)
             self._buttons = [self.less, self.more]
         for widget in self._buttons if self._is_bool else (self.less, self.number, self.more):
-            line.addWidget(widget)
-        self.more_menu = QMenu(self)
-        self.not_attempted = self.more_menu.addAction(tr("Not attempted"))
-        self.not_attempted.setCheckable(True)
-        self.not_attempted.triggered.connect(lambda on: self._change(NOT_ATTEMPTED if on else 0))
-        self.with_note = self.more_menu.addAction(tr("With a note …"), ask)
-        self.menu_button = QToolButton()
-        self.menu_button.setText("⋯")
-        self.menu_button.setFocusPolicy(Qt.TabFocus)
-        self.menu_button.setPopupMode(QToolButton.InstantPopup)
-        self.menu_button.setMenu(self.more_menu)
-        basic.set_style(self.menu_button, "QToolButton::menu-indicator { image: none; }")
-        line.addWidget(self.menu_button)
-        self._buttons.append(self.menu_button)
-        self.set_compact(False)
+            self.line.addWidget(widget)
 
-    def set_compact(self, is_compact: bool) -> None:
-        """Take less width and height, for sheets in two columns."""
-        size = _COMPACT if is_compact else _LARGE
+    def set_widths(self, size: _Size) -> None:
         em = basic.em()
-        basic.enlarged(self.text, size.text)
-        for button in self._buttons:
-            basic.enlarged(button, size.button, bold=True)
-            button.setFixedHeight(round(size.high_ems * em))
-        self.layout().setSpacing(round(size.gap_ems * em))
         if self._is_bool:
             self.toggle.setFixedWidth(round(size.wide_ems * em))
             return
         basic.enlarged(self.number, size.number, bold=True)
-        gaps = 2 * self.layout().spacing()
+        gaps = 2 * self.line.spacing()
         for widget in (self.less, self.number, self.more):
             widget.setFixedWidth(round((size.wide_ems * em - gaps) / 3))
 
     def score(self) -> None:
         """Count one more, or yes."""
-        self._change(1 if self._is_bool else max(0, self._value) + 1)
+        self._change(1 if self._is_bool else min(self._most, _whole(self._value) + 1))
 
     def take_back(self) -> None:
         """Count one less, or no."""
-        self._change(0 if self._is_bool else max(0, self._value - 1))
+        self._change(0 if self._is_bool else max(self._least, _whole(self._value) - 1))
 
-    @property
-    def value(self) -> int:
-        """The shown value."""
-        return self._value
-
-    def show_value(self, value: int, waiting: bool, enabled: bool) -> None:
-        """Show `value`. `waiting`: the core has not confirmed it yet."""
-        self._value = value
+    def show_value(self, value: Value, waiting: bool, enabled: bool) -> None:
+        super().show_value(value, waiting, enabled)
         mark = " …" if waiting else ""
-        self.not_attempted.setChecked(value == NOT_ATTEMPTED)
         if self._is_bool:
             self.toggle.setChecked(value == 1)
             self.toggle.setText(f"{tr(_BOOL_TEXTS.get(value, _YES))}{mark}")
             self.toggle.setAccessibleName(f"{self.text.text()}: {self.toggle.text()}")
             tone = basic.RUNNING
-            style = f"background: {tone.background}; color: {tone.text};" if value > 0 and enabled else ""
+            style = f"background: {tone.background}; color: {tone.text};" if value == 1 and enabled else ""
             basic.set_style(self.toggle, f"QPushButton {{ {style} }}" if style else "")
-        else:
-            self.number.setText(f"{tr('n/a') if value == NOT_ATTEMPTED else value}{mark}")
-            self.number.setToolTip(tr("Not attempted") if value == NOT_ATTEMPTED else "")
-        for button in self._buttons:
-            button.setEnabled(enabled)
-            button.setToolTip("" if enabled else tr(SILENT))
-        if enabled:
-            self.menu_button.setToolTip(tr("Not attempted; add a note"))
-        if not self._is_bool:
-            self.less.setEnabled(enabled and value > 0)
+            return
+        self.number.setText(f"{tr('n/a') if value is NOT_ATTEMPTED else value}{mark}")
+        self.number.setToolTip(tr("Not attempted") if value is NOT_ATTEMPTED else "")
+        self.less.setEnabled(enabled and _whole(value) > self._least)
+        self.more.setEnabled(enabled and _whole(value) < self._most)
 
-    @staticmethod
-    def _button(text: str, pressed: Callable[[], None]) -> QPushButton:
-        button = QPushButton(text)
-        button.setFocusPolicy(Qt.TabFocus)
-        button.clicked.connect(pressed)
-        return button
+
+class FieldRow(ItemRow):
+    """A decimal number or a choice."""
+
+    nothing = ""
+
+    def add_controls(self, item: ScoreItem) -> None:
+        if item.type == ScoreItem.CHOICE:
+            self.field: Union[ChoiceField, NumberField] = ChoiceField(item, self._entered)
+        else:
+            self.field = NumberField(item, self._entered)
+            self.nothing = "0"
+        self.field.setAccessibleName(item.desc)
+        self._buttons = [self.field]
+        self.line.addWidget(self.field)
+
+    def _entered(self, text: str) -> None:
+        if text != self._value:
+            self._change(text)
+
+    def set_widths(self, size: _Size) -> None:
+        self.field.setFixedWidth(round(size.wide_ems * basic.em()))
+
+    def score(self) -> None:
+        """Go to the field."""
+        self.field.setFocus(Qt.ShortcutFocusReason)
+
+    def show_value(self, value: Value, waiting: bool, enabled: bool) -> None:
+        super().show_value(value, waiting, enabled)
+        self.field.show_text("" if value is NOT_ATTEMPTED else str(value))
+        if value is NOT_ATTEMPTED:
+            self.field.setToolTip(tr("Not attempted"))
+
+
+class RatingRow(ItemRow):
+    """Ratings of several judges, below the text of the item, and their result."""
+
+    nothing = ""
+
+    def add_controls(self, item: ScoreItem) -> None:
+        self.result = QLabel("", alignment=Qt.AlignCenter)
+        self.result.setToolTip(tr("Result of the jury"))
+        self.ratings = RatingFields(item, lambda judge, text: self._change(text, judge))
+        self._buttons = list(self.ratings.fields.values())
+        self.line.removeWidget(self.text)
+        column = QVBoxLayout()
+        column.setSpacing(0)
+        column.addWidget(self.text)
+        column.addWidget(self.ratings)
+        self.line.addLayout(column, 1)
+        self.line.addWidget(self.result)
+
+    def set_widths(self, size: _Size) -> None:
+        basic.enlarged(self.result, size.button, bold=True)
+        for field in self.ratings.fields.values():
+            field.setFixedWidth(round(RATING_EMS * size.button * basic.em()))
+
+    def score(self) -> None:
+        """Go to the first judge."""
+        next(iter(self.ratings.fields.values())).setFocus(Qt.ShortcutFocusReason)
+
+    def show_value(self, value: Value, waiting: bool, enabled: bool) -> None:
+        super().show_value(value, waiting, enabled)
+        text = tr("n/a") if value is NOT_ATTEMPTED else str(value) or NOTHING
+        self.result.setText(f"{text} …" if waiting else text)
 
 
 class ModuleScores(QScrollArea):
@@ -204,7 +341,7 @@ class ScoringPanel(RefereePanel):
         self._sheet: tuple = ()  # identifies the sheet that is shown
         self._edits = Edits()
         self._clock_steps = 0
-        self.rows: Dict[ItemName, ScoreRow] = {}
+        self.rows: Dict[ItemName, ItemRow] = {}
         self._nothing = basic.enlarged(QLabel(wordWrap=True, alignment=Qt.AlignCenter), 1.3)
         self.sheet = SheetView()
         self._stack = QStackedLayout()
@@ -222,12 +359,16 @@ class ScoringPanel(RefereePanel):
         last.addWidget(self._answer, 2)
         last.addWidget(self.history)
         self._sheets = RunSheets(self, client.calls, self._on_update)
+        self.points = basic.enlarged(QLabel(wordWrap=True), 1.2, bold=True)
+        self.points.setTextFormat(Qt.PlainText)
+        self.points.hide()
+        self.body.addWidget(self.points)
         self.undo = UndoRow(self._undo)
         self.body.addWidget(self.undo)
         self.body.addLayout(last)
         for number in range(1, LAST_KEY + 1):
-            self._key(str(number), partial(self._press, number, ScoreRow.score))
-            self._key(f"Shift+{number}", partial(self._press, number, ScoreRow.take_back))
+            self._key(str(number), partial(self._press, number, ItemRow.score.__name__))
+            self._key(f"Shift+{number}", partial(self._press, number, ItemRow.take_back.__name__))
 
     def _key(self, key: str, pressed: Callable[[], None]) -> None:
         # Of this window only: a key that is pressed in a dialog is not meant for the sheet.
@@ -239,17 +380,17 @@ class ScoringPanel(RefereePanel):
     # -- showing ------------------------------------------------------------------------------------
 
     def show_model(self) -> None:
-        zone = self.model.zone
-        shapes = [] if zone is None else _shapes(zone)
+        zone, details = self.model.zone, self.model.zone_details
+        items = [] if zone is None or details is None else details.items
+        shapes = [_shape(item) for item in items]
         sheet = () if zone is None else (zone.zone, zone.code, zone.team, zone.round, zone.run, tuple(shapes))
         if sheet != self._sheet or self._clock_steps != self.model.box_clock.steps_back:
             self._clock_steps = self.model.box_clock.steps_back
             self._edits.clear()
         if sheet != self._sheet:
             self._sheet = sheet
-            self._build(shapes)
+            self._build(items)
             self._answer.clear_answer()
-        details = self.model.zone_details
         self.module_scores.show_scores(() if details is None else details.module_scores, self.model.is_old)
         if not shapes:
             connected = details is not None and details.robot != ""
@@ -267,36 +408,60 @@ class ScoringPanel(RefereePanel):
         entries = [] if sheet is None else sheets.to_undo(history_of(sheet), PLACES)
         self.undo.show_entries(entries, self.model.clock_s, tr(SILENT) if self.model.is_old else "")
 
-    def _show_values(self, zone: ZoneState, details: Optional[ZoneDetails]) -> None:
-        marks = iter(() if details is None else details.not_attempted)
-        # Values and marks come on two topics. The shown state is as old as the older of them.
-        clock_s = self.model.clock_s if details is None else min(self.model.clock_s, self.model.details_clock_s)
-        for group in zone.scoring:
-            for desc, published in zip(group.descriptions, group.current_values):
-                item = (group.group_name, desc)
-                published = NOT_ATTEMPTED if next(marks, False) else published
-                value = self._edits.value(item, published, clock_s)
-                if item in self.rows:
-                    self.rows[item].show_value(value, self._edits.is_waiting(item), not self.model.is_old)
+    def _show_values(self, zone: ZoneState, details: ZoneDetails) -> None:
+        # Counts come on a second topic, too, which is quicker. The shown state is as old as the older of them.
+        clock_s = min(self.model.clock_s, self.model.details_clock_s)
+        counts = {
+            (group.group_name, desc): value
+            for group in zone.scoring for desc, value in zip(group.descriptions, group.current_values)
+        }
+        for item in details.items:
+            row = self.rows.get((item.group, item.desc))
+            if row is None:
+                continue
+            name = (item.group, item.desc, NO_JUDGE)
+            published: Value = item.text if item.type not in _WHOLE else item.value
+            if item.type in (ScoreItem.BOOL, ScoreItem.UINT):
+                published = counts.get(name[:2], item.value)
+            if item.not_attempted:
+                published = NOT_ATTEMPTED
+            judges = [(*name[:2], judge) for judge in item.judges]
+            waiting = any(self._edits.is_waiting(each) for each in (name, *judges))
+            row.show_value(self._edits.value(name, published, clock_s), waiting, not self.model.is_old)
+            row.show_points(item.points)
+            if isinstance(row, RatingRow):
+                row.ratings.show_ratings([
+                    (judge[2], self._edits.value(judge, text, clock_s)) for judge, text in zip(judges, item.ratings)])
+        self._show_points(details.points)
 
-    def _build(self, shapes: List[ItemShape]) -> None:
+    def _show_points(self, points: SheetPoints) -> None:
+        groups = [(group.name, group.points) for group in points.groups]
+        self.sheet.show_points({name: tr("{points} points", points=number) for name, number in groups})
+        self.points.setVisible(bool(points.total))
+        text = sheets.points_text(points.total, groups)
+        if text != self.points.text():
+            self.points.setText(text)
+
+    def _build(self, items: Sequence[ScoreItem]) -> None:
         """Create the rows of another sheet."""
         self.rows = {}
         self.sheet.clear()
-        for number, shape in enumerate(shapes, 1):
-            item = (shape.group, shape.desc)
-            self.rows[item] = ScoreRow(number, shape, partial(self._change, item), partial(self._ask, shape))
-            self.sheet.add(shape.group, self.rows[item])
+        self.points.hide()
+        for number, item in enumerate(items, 1):
+            name = (item.group, item.desc)
+            kind = ScoreRow if item.type in _WHOLE else RatingRow if item.type == ScoreItem.RATING else FieldRow
+            self.rows[name] = kind(number, item, partial(self._change, name), partial(self._ask, item))
+            self.sheet.add(item.group, self.rows[name])
         self.sheet.settle()
-        self._stack.setCurrentIndex(1 if shapes else 0)
+        self._stack.setCurrentIndex(1 if items else 0)
 
     # -- changing -----------------------------------------------------------------------------------
 
-    def _press(self, number: int, act: Callable[[ScoreRow], None]) -> None:
+    def _press(self, number: int, act: str) -> None:
         """The key of an item was pressed."""
         row = next((row for row in self.rows.values() if row.key == str(number)), None)
         if row is not None and not self.model.is_old:
-            act(row)
+            getattr(row, act)()
 
     def _undo(self, entry: HistoryEntry) -> None:
         """Withdraw one of the last marks."""
@@ -311,38 +476,38 @@ class ScoringPanel(RefereePanel):
             lambda outcome: self._answer.show_outcome(what, outcome),
         )
 
-    def _change(self, item: ItemName, value: int) -> None:
+    def _change(self, item: ItemName, value: Value, judge: str = NO_JUDGE) -> None:
         """Handle another value that the referee set."""
-        send = self._edits.wish(item, value)
+        name = (*item, judge)
+        send = self._edits.wish(name, value)
         if send is not None:
-            self._send(item, send)
+            self._send(name, send)
         self.show_model()
 
-    def _send(self, item: ItemName, value: int, note: str = "") -> None:
-        sheet, (group, desc) = self._sheet, item
+    def _send(self, name: EditName, value: Value, note: str = "") -> None:
+        sheet, (group, desc, judge) = self._sheet, name
         details = self.model.zone_details
-        not_attempted = value == NOT_ATTEMPTED
-        request = (group, desc, 0 if not_attempted else value, not_attempted, "", "", note, self.client.referee.name)
+        number, text = (value, "") if isinstance(value, int) else (0, value if isinstance(value, str) else "")
+        request = (group, desc, number, value is NOT_ATTEMPTED, text, judge, note, self.client.referee.name)
         self.client.calls.command(
             self, "/core/score", ScoreMark, (sheet[0], "" if details is None else details.identity, *request),
-            lambda outcome: self._answered(sheet, item, value, outcome),
+            lambda outcome: self._answered(sheet, name, value, outcome),
         )
 
-    def _ask(self, shape: ItemShape) -> None:
+    def _ask(self, item: ScoreItem) -> None:
         """Ask for a value and a note."""
-        sheet, item = self._sheet, (shape.group, shape.desc)
-        shown = self.rows[item].value
+        sheet, name = self._sheet, (item.group, item.desc)
+        row = self.rows[name]
 
-        def then(value: int, not_attempted: bool, note: str) -> None:
+        def then(given: Given) -> None:
             if sheet == self._sheet:
-                self._send(item, NOT_ATTEMPTED if not_attempted else value, note)
+                value = NOT_ATTEMPTED if given.not_attempted else given.value if item.type in _WHOLE else given.text
+                self._send((*name, given.judge), value, given.note)
             else:
                 self._answer.warn(tr(
-                    "Not saved: {item}. The score sheet of another run is shown now.", item=shape.desc))
+                    "Not saved: {item}. The score sheet of another run is shown now.", item=item.desc))
 
-        basic.show_dialog(ScoreDialog(
-            self, self.where(), shape.desc, shape.kind, max(0, shown), shown == NOT_ATTEMPTED, then
-        ))
+        basic.show_dialog(ScoreDialog(self, self.where(), item, row.value, row.value is NOT_ATTEMPTED, then))
 
     def _show_history(self) -> None:
         """Open the history of the current run."""
@@ -350,8 +515,8 @@ class ScoringPanel(RefereePanel):
         if details is not None and details.identity:
             HistoryDialog(self, self.client, details.zone, details.identity).show()
 
-    def _answered(self, sheet: tuple, item: ItemName, value: int, outcome: CallOutcome) -> None:
-        what = f"{sheet[0]}: {item[1]} = {tr(sheets.NOT_ATTEMPTED) if value == NOT_ATTEMPTED else value}"
+    def _answered(self, sheet: tuple, item: EditName, value: Value, outcome: CallOutcome) -> None:
+        what = f"{sheet[0]}: {item[1]} = {tr(sheets.NOT_ATTEMPTED) if value is NOT_ATTEMPTED else value}"
         if outcome.error:
             self._answer.show_outcome(what, outcome)
         if sheet != self._sheet:
@@ -378,9 +543,10 @@ def _scores_html(scores: Sequence[ModuleScore]) -> str:
     return f"<p>{title}</p><table>{''.join(rows)}</table>" if rows else ""
 
 
-def _shapes(zone: ZoneState) -> List[ItemShape]:
-    return [
-        ItemShape(group.group_name, desc, kind)
-        for group in zone.scoring
-        for desc, kind in zip(group.descriptions, group.types)
-    ]
+def _whole(value: Value) -> int:
+    return value if isinstance(value, int) else 0
+
+
+def _shape(item: ScoreItem) -> ItemShape:
+    return ItemShape(item.group, item.desc, item.type, (
+        item.min, item.max, item.each, *item.choices, *item.choice_points, *item.judges, *item.needs))

@@ -146,6 +146,8 @@ def _result(result, utc_s: float) -> ListLine:
         for group, not_attempted in zip(result.scoring, result.not_attempted)
     ]
     sums = [sheets.sums_text([group]) for group in groups if group.values]
+    if result.points.total:
+        sums = [sheets.points_text(result.points.total, [(group.name, group.points) for group in result.points.groups])]
     lines = [module_scores.readable(score) for score in result.module_scores]
     return ListLine(
         _when(result.disconnected, utc_s), _team(event.team), event.benchmark,

@@ -1,10 +1,11 @@
 """Dialogs for text: a score with a note, why an entry is withdrawn, why a run was stopped."""
 
-from typing import Callable, Optional
+from typing import Callable, Hashable, NamedTuple, Optional, Union
 
-from roah_rsbb.msg import ZoneScoreGroup
+from roah_rsbb.msg import ScoreItem
 from roah_rsbb.rqt.qt import (
     QCheckBox,
+    QComboBox,
     QDialog,
     QDialogButtonBox,
     QFormLayout,
@@ -15,6 +16,7 @@ from roah_rsbb.rqt.qt import (
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.score_fields import ChoiceField, NumberField
 from roah_rsbb.wording.language import tr
 
 MAX_NOTE = 500
@@ -61,35 +63,75 @@ class NoteDialog(QDialog):
         self.answer()
 
 
+class Given(NamedTuple):
+    """What the referee entered for an item."""
+
+    value: int = 0
+    text: str = ""  # of a decimal, a choice or a rating
+    judge: str = ""
+    not_attempted: bool = False
+    note: str = ""
+
+
 class ScoreDialog(NoteDialog):
-    """Asks for the value of an item; calls `then(value, not_attempted, note)`."""
+    """Asks for the value of an item; calls `then(given)`."""
 
     def __init__(
-        self, parent: QWidget, title: str, desc: str, kind: int, value: int, not_attempted: bool,
-        then: Callable[[int, bool, str], None],
+        self, parent: QWidget, title: str, item: ScoreItem, value: Hashable, not_attempted: bool,
+        then: Callable[[Given], None],
     ) -> None:
-        self._is_bool = kind == ZoneScoreGroup.SCORING_BOOL
+        """`value`: a number or a text; ignored if the item was not attempted."""
+        self._item = item
         self._value = value
         self._was_not_attempted = not_attempted
         self._then_scored = then
         self.number: Optional[QSpinBox] = None
         self.tick: Optional[QCheckBox] = None
-        super().__init__(parent, title, desc, tr("Note"), tr("Save"), lambda note: None)
+        self.field: Union[NumberField, ChoiceField, None] = None
+        self.judge: Optional[QComboBox] = None
+        super().__init__(parent, title, item.desc, tr("Note"), tr("Save"), lambda note: None)
 
     def add_fields(self) -> None:
         self.not_attempted = QCheckBox(tr("Not attempted"), checked=self._was_not_attempted)
-        if self._is_bool:
-            self.tick = QCheckBox(tr("Yes"), checked=bool(self._value))
-            field = self.tick
-        else:
-            self.number = QSpinBox(minimum=0, maximum=MAX_VALUE, value=self._value)
-            field = self.number
+        field = self._field()
         field.setEnabled(not self._was_not_attempted)
         self.not_attempted.toggled.connect(lambda on: field.setEnabled(not on))
         self.form.addRow(tr("Value"), field)
         self.form.addRow("", self.not_attempted)
 
+    def _field(self) -> QWidget:
+        """Make the field of the item's type."""
+        item = self._item
+        value = 0 if self._was_not_attempted else self._value
+        if item.type == ScoreItem.BOOL:
+            self.tick = QCheckBox(tr("Yes"), checked=bool(value))
+            return self.tick
+        if item.type in (ScoreItem.UINT, ScoreItem.INT):
+            least = 0 if item.type == ScoreItem.UINT else int(item.min or -MAX_VALUE)
+            self.number = QSpinBox(minimum=least, maximum=int(item.max or MAX_VALUE), value=value)
+            return self.number
+        if item.type == ScoreItem.CHOICE:
+            self.field = ChoiceField(item, lambda text: None)
+            self.field.show_text(str(value))
+            return self.field
+        self.field = NumberField(item, lambda text: None, may_be_empty=item.type == ScoreItem.RATING)
+        if item.type == ScoreItem.DECIMAL:
+            self.field.show_text(str(value))
+            return self.field
+        self.judge = QComboBox()
+        self.judge.addItems(item.judges)
+        self.judge.currentIndexChanged.connect(lambda index: self.field.show_text(item.ratings[index]))
+        self.field.show_text(item.ratings[0])
+        self.form.addRow(tr("Judge"), self.judge)
+        return self.field
+
     def answer(self) -> None:
-        value = int(self.tick.isChecked()) if self.tick is not None else self.number.value()
-        not_attempted = self.not_attempted.isChecked()
-        self._then_scored(0 if not_attempted else value, not_attempted, self.note.text().strip())
+        note = self.note.text().strip()
+        if self.not_attempted.isChecked():
+            self._then_scored(Given(not_attempted=True, note=note))
+        elif self.field is not None:
+            judge = "" if self.judge is None else self.judge.currentText()
+            self._then_scored(Given(0, self.field.text_value(), judge, False, note))
+        else:
+            value = int(self.tick.isChecked()) if self.tick is not None else self.number.value()
+            self._then_scored(Given(value, note=note))

@@ -3,7 +3,7 @@
 Disqualifying items stay visible even if the others must scroll.
 """
 
-from typing import Dict, List, NamedTuple, Optional
+from typing import Dict, List, Mapping, NamedTuple, Optional
 
 from roah_rsbb.rqt.qt import QFrame, QGridLayout, QGroupBox, QScrollArea, QSize, QTimer, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
@@ -83,6 +83,13 @@ class SheetView(QWidget):
             else:
                 self._inside.insertWidget(self._inside.count() - 1, box)
         self._groups[group].rows.append(row)
+
+    def show_points(self, points: Mapping[str, str]) -> None:
+        """Show the points of groups, by their names, in their titles."""
+        for name, group in self._groups.items():
+            title = f"{name}: {points[name]}" if name in points else name
+            if title != group.box.title():
+                group.box.setTitle(title)
 
     def settle(self) -> None:
         """Choose the number of columns, once the layout is up to date."""

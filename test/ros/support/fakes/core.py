@@ -188,6 +188,7 @@ class FakeZone:
         state.log = state.log if self.log is None else self.log
         state.online_data = self.online_data or state.online_data
         state.scoring = state.scoring if self.has_items else []
+        details.items = details.items if self.has_items else []
         details.robot = (self.robot or details.robot) if self.phase != "idle" else ""
         details.robots = list(self.all_robots)
         details.module_scores = list(self.module_scores)
