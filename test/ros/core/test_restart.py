@@ -7,9 +7,12 @@ import socket
 import xmlrpc.client
 
 import rosgraph
+import rospy
 from support.box_case import LISTENER, BoxCase
 from support.robots import BOX, listed
-from support.waiting import wait_until
+from support.waiting import LIMIT_S, wait_until
+
+from roah_rsbb.msg import Results
 
 CORE = "/roah_rsbb_core"
 DOOR = ("Achievements", "Detects the door whose state has changed")
@@ -65,6 +68,27 @@ class TestRestart(BoxCase):
         details = self.box.zone_details("Home")
         self.assertEqual((details.phase, details.port, details.log_file), ("connected", port, path))
         self.assertEqual(self.leave("Home").values("/rsbb_log/rsbb_state_str"), ["STOP"])
+
+    def test_a_core_that_is_killed_in_a_run_without_a_robot(self) -> None:
+        self.box.command("open_sheet", "Sheet")
+        self.box.command("start", "Sheet")
+        self.box.set_score("Sheet", *DOOR, 1)
+        before = self.box.wait_details("Sheet", lambda d: d.phase == "running" and d, "the clock runs")
+        self.assertEqual((before.by_hand, before.robot, before.port), (True, "", 0))
+        left = self.box.zone("Sheet").timer
+        self.kill_core(signal.SIGKILL)
+        after = self.box.zone_details("Sheet")
+        self.assertEqual((after.phase, after.identity, after.by_hand), ("running", before.identity, True))
+        self.assertLess(self.box.zone("Sheet").timer, left)
+        self.assertIn((*DOOR, 0, 1), self.box.scores("Sheet"))
+        self.box.command("stop", "Sheet")
+        self.box.command("withdrawn", "Sheet")
+        self.box.wait_zone("Sheet", lambda z: z.code == "HWV", "the zone is at its next event")
+        self.box.command("no_show", "Sheet")
+        self.kill_core(signal.SIGKILL)
+        published = rospy.wait_for_message("/core/results", Results, LIMIT_S).runs
+        runs = [run for run in published if run.zone == "Sheet"]
+        self.assertEqual([(run.code, run.end_reason) for run in runs], [("HWV", "no_show"), ("HGTKMH", "withdrawn")])
 
     def test_a_private_port_that_another_program_uses(self) -> None:
         robot = self.robot("Alpha")
