@@ -52,6 +52,8 @@ RENEW_S = 5.0
 DETAILS_S = 10.0
 
 NO_DETAILS = f"the core publishes {GUI_TOPIC}, but {DETAILS_TOPIC} or {CLOCKS_TOPIC} does not arrive: check the network"
+# ROS's default, for a shell in which no setup file is sourced: the Debian package needs none.
+MASTER_URI = "http://localhost:11311"
 START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
 
 
@@ -60,7 +62,7 @@ class Link:
 
     def __init__(self, ros_arguments: Sequence[str] = ()) -> None:
         """`ros_arguments`: words such as /from:=/to."""
-        self._ros = Client(os.environ.get("ROS_MASTER_URI", ""), ros_client.caller_name("referee"),
+        self._ros = Client(os.environ.get("ROS_MASTER_URI", MASTER_URI), ros_client.caller_name("referee"),
                            ros_client.remapped(ros_arguments))
         self._feeds: Dict[str, Subscription] = {}
         self._gui: Optional[CoreToGui] = None
@@ -309,7 +311,7 @@ class Link:
 
     def _problem(self) -> str:
         """Return why there is no core; empty: the master knows one."""
-        uri = self._ros.master_uri or "(ROS_MASTER_URI is not set)"
+        uri = self._ros.master_uri
         try:
             is_there = GUI_TOPIC in self._ros.published(MASTER_S)
         except RosError as error:

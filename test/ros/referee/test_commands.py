@@ -14,6 +14,7 @@ import subprocess
 import tempfile
 import time
 import unittest
+import unittest.mock
 from typing import Any
 
 import rosgraph
@@ -25,6 +26,7 @@ from support.waiting import LIMIT_S, wait_until
 
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import ModuleScore
+from roah_rsbb.referee.link import Link
 
 DOOR = ("Achievements", "The robot detects the door with changed state")
 
@@ -250,6 +252,11 @@ class TestNoCore(unittest.TestCase):
 
     def test_no_master(self) -> None:
         self.assert_reported("set ROS_MASTER_URI", referee("status", ROS_MASTER_URI="http://127.0.0.1:9"))
+
+    def test_without_a_master_uri_it_is_the_default_of_ros(self) -> None:
+        with unittest.mock.patch.dict(os.environ):
+            del os.environ["ROS_MASTER_URI"]
+            self.assertEqual(Link()._ros.master_uri.rstrip("/"), rosgraph.get_master_uri(argv=[]).rstrip("/"))
 
     def test_a_master_that_hangs(self) -> None:
         with socket.socket() as mute:
