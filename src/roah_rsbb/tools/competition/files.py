@@ -11,6 +11,7 @@ from xml.sax.saxutils import quoteattr
 
 import yaml
 
+from roah_rsbb.bmbox.framework.zone_folders import own_file
 from roah_rsbb.rulebook.benchmarks import Benchmark
 from roah_rsbb.rulebook.config import PasswordsFile
 from roah_rsbb.rulebook.errors import Report
@@ -168,17 +169,19 @@ def new_files(book: Rulebook, plan: Plan, clock: VenueClock, hosts: Hosts) -> Di
         LAUNCH: launch_text(benchmarks, hosts.rsbb, hosts.smartif, bool(standings)),
         FIREWALL: firewall_text(FIREWALL, hosts.interface, RSBB_PORT, needs_tablet(benchmarks)),
     }
-    return {**files, **{name: _text(book, name) for name in _module_files(book, benchmarks)}}
+    return {**files, **{name: _text(book, name) for name in _module_files(book, plan, benchmarks)}}
 
 
-def _module_files(book: Rulebook, benchmarks: Sequence[Benchmark]) -> List[str]:
-    """The files of benchmarking modules: parameters and rules, as far as they exist, and the ground truth."""
+def _module_files(book: Rulebook, plan: Plan, benchmarks: Sequence[Benchmark]) -> List[str]:
+    """The files of benchmarking modules: rules, parameters and ground truth, also those of one zone, if they exist."""
     if not needs_modules(benchmarks):
         return []
-    names = [f"{benchmark.code}.{kind}" for benchmark in benchmarks if benchmark.kind is BenchmarkKind.FUNCTIONALITY
-             for kind in ("py", "yaml")]
-    paths = [os.path.join(MODULES, name) for name in (*names, GROUND_TRUTH)]
-    return [path for path in paths if os.path.lexists(book.path(path))]
+    codes = [benchmark.code for benchmark in benchmarks if benchmark.kind is BenchmarkKind.FUNCTIONALITY]
+    of_all = [os.path.join(MODULES, f"{code}.{kind}") for code in codes for kind in ("py", "yaml")]
+    replaceable = (*(f"{code}.yaml" for code in codes), GROUND_TRUTH)
+    of_zones = [own_file(MODULES, zone.name, name) for zone in plan.zones for name in replaceable]
+    paths = (*of_all, os.path.join(MODULES, GROUND_TRUTH), *of_zones)
+    return [path for path in paths if path and os.path.lexists(book.path(path))]
 
 
 def write_new(directory: str, files: Dict[str, str]) -> None:

@@ -139,6 +139,10 @@ def test_functionality_benchmarks_come_with_their_rules_and_parameters(run, own)
         standings_yaml="Fetch: {criteria: [{name: Mugs, of: [{score: fetched}]}]}\n")
     assert run("new", "--rulebook", "./own", "--benchmarks", "all", *OPTIONS, *DAYS)[0] == 0
     assert sorted(os.listdir("new/modules")) == ["Fetch.py", "Fetch.yaml", "ground_truth.yaml"]
+    own(modules__X__Fetch_yaml="colours: [blue]\n", modules__Y__Fetch_yaml="colours: [green]\n")
+    run("arenas", "--rulebook", "./own", "--benchmarks", "all", "--zones", "X", *OPTIONS, *DAYS)
+    assert sorted(os.listdir("arenas/modules")) == ["Fetch.py", "Fetch.yaml", "X", "ground_truth.yaml"]
+    assert text_of("arenas/modules/X/Fetch.yaml") == "colours: [blue]\n"
     assert "standings.yaml" in os.listdir("new")
     launch = text_of("new/competition.launch")
     assert '$(dirname)/standings.yaml' in launch
