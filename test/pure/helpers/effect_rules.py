@@ -14,7 +14,7 @@ def _fits(kind, value):
     if kind is LogKind.STRING:
         return type(value) is str
     if kind is LogKind.SCORE:
-        return [type(part) for part in value] == [str, str, int] and 0 <= value[2] < 2**31
+        return [type(part) for part in value] == [str, str, int] and -2**31 <= value[2] < 2**31
     return value is None
 
 

@@ -51,8 +51,12 @@ class Behaviour:
         """How often the referee stops the robot and starts it again."""
         return 0
 
-    def marks(self, event):
-        """The referee's marks of a run."""
+    def attempts(self, event):
+        """How many attempts the team makes."""
+        return 1
+
+    def marks(self, event, attempt):
+        """The referee's marks of a run; `attempt` counts from 1."""
         return ()
 
 
@@ -170,14 +174,17 @@ class Day:
     def _run(self, zone, event):
         box, course = self.world.box, self.behaviour.course(event)
         assert key_of(box.box.zones[zone].event) == key_of(event)
-        yield from self._press(zone, course)
-        if course in ("connect", "open_sheet"):
-            yield from self._attempt(zone, event, course)
         place = box.box.zones[zone]
+        for attempt in range(1, self.behaviour.attempts(event) + 1):
+            if key_of(place.event) != key_of(event):
+                yield from self._press(zone, "previous")
+            yield from self._press(zone, course)
+            if course in ("connect", "open_sheet"):
+                yield from self._attempt(zone, event, course, attempt)
         if key_of(place.event) == key_of(event) and not place.at_last:
             yield from self._press(zone, "next")
 
-    def _attempt(self, zone, event, course):
+    def _attempt(self, zone, event, course, attempt):
         """Conduct the run that is connected in a zone, or whose sheet is open, and sign it off."""
         box = self.world.box
         run = box.run_in(zone)
@@ -191,7 +198,7 @@ class Day:
         if course == "open_sheet":
             yield from self._press(zone, "stop")
         yield from self._to_the_end(zone, event, run)
-        for mark in self.behaviour.marks(event):
+        for mark in self.behaviour.marks(event, attempt):
             box.event(box.box.scores.mark, RunName(zone), mark, "Anna")
         identity = run.identity
         yield from self._press(zone, "disconnect")

@@ -1,4 +1,4 @@
-"""The first day of the rulebook `athome`: fifteen teams, two arenas and a hall, points worked out by hand."""
+"""Two days of the rulebook `athome`: fifteen teams, two arenas and a hall, points worked out by hand."""
 
 import collections
 
@@ -9,6 +9,7 @@ from helpers.simulated_day import Behaviour, Day
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.results.standings import Choice, standings
+from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.tools.competition import program
 
 TEAMS = ("Aster", "Birch", "Cedar", "Daisy", "Elder", "Fern", "Gorse", "Hazel", "Iris", "Juniper", "Kale", "Linden",
@@ -106,7 +107,7 @@ class AtHome(Behaviour):
         # Daisy prepares for 1 s. Less than a second is what the wire takes, with lost datagrams.
         return (279.5 if (event.benchmark.code, event.team) == ("Carry", "Daisy") else 2.0), None
 
-    def marks(self, event):
+    def marks(self, event, attempt):
         items = event.benchmark.scoring
         if event.benchmark.code == "Poster":
             yield from self.ratings(TEAMS.index(event.team), items)
@@ -139,8 +140,14 @@ def records(folder):
 
 @pytest.fixture(scope="module")
 def found(folder, records):
-    return {standing.benchmark: standing
-            for standing in standings(records, read_rules(f"{folder}/standings.yaml"), Choice())}
+    return standings_of(folder, records)
+
+
+def standings_of(folder, records):
+    """The standings by code, as the box computes them."""
+    events = {code: benchmark.rules for code, benchmark in load_benchmarks(f"{folder}/benchmarks.yaml").items()}
+    found = standings(records, read_rules(f"{folder}/standings.yaml"), Choice(events=events))
+    return {standing.benchmark: standing for standing in found}
 
 
 def test_every_event_has_its_run(records):
@@ -163,19 +170,57 @@ def test_points(records, code):
 
 @pytest.mark.parametrize("code", EXPECTED)
 def test_the_standing_of_a_test(found, code):
-    """The points decide. Teams with the same points share a rank. A team that did not come has no rank."""
-    ranks = {line.team: (line.rank, line.numbers) for line in found[code].lines}
+    """The points decide. Teams with the same points share a rank. A team without a score is only remarked."""
     points = EXPECTED[code]
-    assert {team: ranks[team] for team in points} == {
-        team: (1 + sum(other > mine for other in points.values()), (mine,)) for team, mine in points.items()}
-    assert all(rank == 0 for team, (rank, _) in ranks.items() if team not in points)
+    assert ranks_of(found[code]) == {
+        team: (1 + sum(other > mine for other in points.values()), mine) for team, mine in points.items()}
+    absent = [remark for remark in found[code].remarks if "no score" in remark]
+    assert [remark.split(",")[0] for remark in absent] == [f"team {team}" for team in TEAMS if team not in points]
+
+
+def ranks_of(standing):
+    return {line.team: (line.rank, line.numbers[0]) for line in standing.lines}
 
 
 def test_the_overall_standing_of_the_day(found):
-    (line,) = [standing for code, standing in found.items() if code not in EXPECTED]
-    assert [(line.rank, line.team, line.numbers[0]) for line in line.lines] == OVERALL
+    assert [(line.rank, line.team, line.numbers[0]) for line in found[""].lines] == OVERALL
 
 
 def test_a_restart_is_on_the_sheet(records):
     (record,) = [record for record in records if (record.benchmark, record.team) == ("Carry", "Elder")]
     assert len(record.stops) == 2
+
+
+class LastDay(Behaviour):
+    """Two attempts at `CleanUp`, of which the better one counts. Cedar does not appear at `Restaurant`."""
+
+    def course(self, event):
+        return "no_show" if (event.benchmark.code, event.team) == ("Restaurant", "Cedar") else "connect"
+
+    def attempts(self, event):
+        return 2 if event.benchmark.code == "CleanUp" and event.team in ("Aster", "Birch", "Cedar") else 1
+
+    def result(self, event, number, goal):
+        return 2.0, None
+
+    def marks(self, event, attempt):
+        first = {"Aster": (2, 2, 4, 0, 10), "Birch": (1, 1, 0, 1, -3), "Daisy": (0, 0, 0, 2, 0)}
+        second = {"Aster": (6, 3, "alone", 1), "Birch": (0, 0, "not at all", 2), "Cedar": (2, 1, "with help", 0)}
+        if event.benchmark.code == "Restaurant":
+            yield from values(event, event.benchmark.scoring, first.get(event.team, (1, 0, 0, 0, 0)))
+        else:
+            row = (1, 0, "not at all", 0) if attempt == 1 else second[event.team]
+            yield from values(event, event.benchmark.scoring, row)
+
+
+def test_the_last_day(folder):
+    day = Day(folder, LastDay(), number=3)
+    found = standings_of(folder, day.play())
+    # The first attempt of each team: a dish, 80. The second ones: 480 + 300 + 200 - 40; nothing; 160 + 100 + 50.
+    assert ranks_of(found["CleanUp"]) == {
+        **dict.fromkeys(TEAMS, (3, 80)), "Aster": (1, 940), "Cedar": (2, 310)}
+    # 200 + 300 + 600 + 100; 100 + 150 - 80 - 30; 0 instead of -160; Cedar's absence counts as 0.
+    assert ranks_of(found["Restaurant"]) == {
+        **dict.fromkeys(TEAMS, (3, 100)), "Aster": (1, 1200), "Birch": (2, 140), "Cedar": (14, 0), "Daisy": (14, 0)}
+    assert [(line.rank, line.team, line.numbers[0]) for line in found[""].lines[:3]] == [
+        (1, "Aster", 2140), (2, "Cedar", 310), (3, "Birch", 220)]

@@ -70,7 +70,7 @@ class HeartMet(Behaviour):
             return 4.0, "{}"
         return 4.0, json.dumps({"offered": True, "released": takes or team == "Cyd" or "sitting" in asked})
 
-    def marks(self, event):
+    def marks(self, event, attempt):
         if event.benchmark.code == "FindObject" and event.team == "Dot":
             yield Mark("Penalties", "Touches an object or the table", 3)
         if event.benchmark.code == "DeliverItem":
