@@ -7,13 +7,13 @@ from typing import Dict, Iterator, List
 
 from support.fakes.core import Asked
 from support.fakes.public import FakePublic, scene
-from support.gui_testing import QWidget, show, wait_until
+from support.gui_testing import QTest, QWidget, show, wait_until
 from support.panel_case import BUMPS, DOOR
 from support.window_case import WindowCase, wait_still
 
 from helpers import catalogues
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.msg import PublicBoard, PublicDetails
+from roah_rsbb.msg import PublicBoard, PublicDetails, ScoreItem
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.rqt.public.display import BOARD_TOPIC, TOPIC, PublicDisplay
 from roah_rsbb.rqt.qt import (
@@ -22,15 +22,18 @@ from roah_rsbb.rqt.qt import (
     QDockWidget,
     QLabel,
     QLineEdit,
+    QLocale,
     QMenu,
     QPlainTextEdit,
     QPushButton,
     QScrollArea,
+    Qt,
     QTableWidget,
     QTabWidget,
     QToolButton,
 )
 from roah_rsbb.rqt.widgets.basic import FittedText, Notices
+from roah_rsbb.rqt.widgets.score_fields import NumberField
 from roah_rsbb.rqt.widgets.undo import UndoRow
 
 LANGUAGE = "de"
@@ -128,6 +131,27 @@ class TestPublicDisplay(unittest.TestCase):
             self.wait_text(start)
         self.core.silent = True
         self.wait_text("Kein Signal seit ")
+
+
+class TestNumbers(unittest.TestCase):
+    """Decimals on a computer in German, whose people type a comma."""
+
+    def test_a_point_and_a_comma_are_the_same(self) -> None:
+        before = QLocale()
+        QLocale.setDefault(QLocale("de_DE"))
+        self.addCleanup(QLocale.setDefault, before)
+        entered: List[str] = []
+        field = NumberField(ScoreItem(type=ScoreItem.RATING, min="0", max="10"), entered.append, may_be_empty=True)
+        self.addCleanup(field.close)
+        show(field, 200, 50)
+        for typed, number in (("8.5", "8.5"), ("7,25", "7.25"), ("9", "9")):
+            field.selectAll()
+            QTest.keyClicks(field, typed)
+            QTest.keyClick(field, Qt.Key_Return)
+            self.assertEqual((entered[-1:], field.text()), ([number], number))
+        field.show_text("6.5")
+        field.interpretText()
+        self.assertEqual((field.text_value(), len(entered)), ("6.5", 3))
 
 
 class TestGerman(WindowCase):

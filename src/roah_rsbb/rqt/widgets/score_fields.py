@@ -3,7 +3,17 @@
 from typing import Callable, Dict, Sequence, Tuple
 
 from roah_rsbb.msg import ScoreItem
-from roah_rsbb.rqt.qt import QAbstractSpinBox, QComboBox, QDoubleSpinBox, QHBoxLayout, QLabel, Qt, QWidget
+from roah_rsbb.rqt.qt import (
+    QAbstractSpinBox,
+    QComboBox,
+    QDoubleSpinBox,
+    QHBoxLayout,
+    QLabel,
+    QLocale,
+    Qt,
+    QValidator,
+    QWidget,
+)
 from roah_rsbb.wording.times import NOTHING
 
 MAX_NUMBER = 1_000_000
@@ -21,12 +31,14 @@ def number_text(number: float) -> str:
 class NumberField(QDoubleSpinBox):
     """A decimal number. With `may_be_empty`, it begins empty and can be emptied. `entered(text)`: the referee did it.
 
-    The mouse wheel scrolls the sheet and never changes a number.
+    A comma that is typed becomes a point, on computers in any language. The mouse wheel scrolls the sheet and never
+    changes a number.
     """
 
     def __init__(self, item: ScoreItem, entered: Callable[[str], None], may_be_empty: bool = False) -> None:
         super().__init__()
         self._may_be_empty = may_be_empty
+        self.setLocale(QLocale.c())
         least, most = float(item.min or -MAX_NUMBER), float(item.max or MAX_NUMBER)
         self.setDecimals(DECIMALS)
         # The value below the least one stands for no value.
@@ -44,6 +56,9 @@ class NumberField(QDoubleSpinBox):
 
     def textFromValue(self, value: float) -> str:
         return number_text(value)
+
+    def validate(self, text: str, place: int) -> Tuple[QValidator.State, str, int]:
+        return super().validate(text.replace(",", "."), place)
 
     def stepBy(self, steps: int) -> None:
         # The first step of an empty field goes to the least value.
