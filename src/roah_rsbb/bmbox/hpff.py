@@ -106,5 +106,5 @@ def add_sample(sums: Dict[str, Any], executing_s: float, robot: Any, person: Any
 
 
 def is_failed(length_s: float, timeout: float) -> bool:
-    """Whether a run of this length is a failed run."""
-    return abs(length_s - timeout) > TOLERANCE_S
+    """Whether a run of this length is a failed run. `timeout`: of the goal; 0: no limit, then none fails."""
+    return bool(timeout) and abs(length_s - timeout) > TOLERANCE_S

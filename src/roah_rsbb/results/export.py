@@ -64,7 +64,7 @@ def result_rows(records: Iterable[RunRecord], in_utc: bool) -> Iterator[Dict[str
     """Return the rows of all runs. A run without items and values has one row of kind "none"."""
     for record in records:
         of_run = _of_run(record, in_utc)
-        rows = [*_item_rows(record, in_utc), *_points_rows(record), *_module_rows(record)]
+        rows = [*_item_rows(record, in_utc), *_points_rows(record), *_phase_rows(record), *_module_rows(record)]
         for row in rows or [{"kind": "none"}]:
             yield {**of_run, **row}
 
@@ -116,6 +116,11 @@ def _points_rows(record: RunRecord) -> Iterator[Dict[str, Cell]]:
     for name, points in record.points.groups:
         yield {"kind": "group", "group": name, "points": _number(points)}
     yield {"kind": "total", "points": _number(record.points.total)}
+
+
+def _phase_rows(record: RunRecord) -> Iterator[Dict[str, Cell]]:
+    for phase in record.phases:
+        yield {"kind": "phase", "name": phase.name, "value": round(phase.elapsed_s, 3), "unit": "s"}
 
 
 def _module_rows(record: RunRecord) -> Iterator[Dict[str, Cell]]:

@@ -86,6 +86,7 @@ def test_no_way_is_assumed_where_the_module_was_away():
 ])
 def test_a_failed_run_is_over_15_s_short_or_long(length, failed):
     assert is_failed(length, 300.0) is failed
+    assert is_failed(length, 0.0) is False
 
 
 def test_a_whole_run():

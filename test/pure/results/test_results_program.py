@@ -17,7 +17,7 @@ import pytest
 from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_competition
 from roah_rsbb.core.link.record import LinkSample
-from roah_rsbb.core.scoring.records import RunRecord, ScoreEntry, ScoreValue
+from roah_rsbb.core.scoring.records import PhaseTime, RunRecord, ScoreEntry, ScoreValue
 from roah_rsbb.results import export
 from roah_rsbb.tools import results as program
 
@@ -189,6 +189,13 @@ def test_the_last_entry_that_counts_is_who_changed_an_item():
     rows = list(export.result_rows([record._replace(history=history)], in_utc=True))
     assert (rows[0]["changed_by"], rows[0]["changed"]) == ("who1", "2025-11-21T11:00:01.000+00:00")
     assert "changed_by" not in rows[1]
+
+
+def test_a_row_for_each_phase():
+    phases = (PhaseTime("Enter", 1.0, 12.3456), PhaseTime("=1", 2.0, 3))
+    record = task_record("Alpha", 1)._replace(items=(), phases=phases)
+    rows = [(row["kind"], row["name"], row["value"], row["unit"]) for row in export.result_rows([record], in_utc=True)]
+    assert rows == [("phase", "Enter", 12.346, "s"), ("phase", "=1", 3, "s")]
 
 
 def test_a_run_with_nothing_has_a_row_of_its_own():

@@ -89,7 +89,7 @@ class Module:
 
     @property
     def goal_timeout(self) -> float:
-        """Seconds for each goal: the parameter `goal_timeout`, or else `timeout` of the benchmarks file."""
+        """Seconds for each goal: the parameter `goal_timeout`, or else that of the benchmarks file; 0: no limit."""
         own: Optional[float] = getattr(self.parameters, "goal_timeout", None)
         return self.run.goal_timeout if own is None else own
 
