@@ -17,6 +17,7 @@ STATE = "/rsbb_log/rsbb_state"
 STATE_NAME = "/rsbb_log/rsbb_state_str"
 STATE_DESC = "/rsbb_log/rsbb_state_desc"
 SCORE = "/rsbb_log/score"
+SCORE_TEXT = "/rsbb_log/score_text"
 DISPLAY_MAP = "/rsbb_log/tablet/display_map"
 CLIENT_STATE = "/rsbb_log/client_state"
 CLIENT_PAYLOAD = "/rsbb_log/client_state_payload"
@@ -56,6 +57,7 @@ KINDS: Dict[str, LogKind] = {
     STATE_NAME: LogKind.STRING,
     STATE_DESC: LogKind.STRING,
     SCORE: LogKind.SCORE,
+    SCORE_TEXT: LogKind.STRING,
     DISPLAY_MAP: LogKind.UINT8,
     CLIENT_STATE: LogKind.UINT8,
     CLIENT_PAYLOAD: LogKind.STRING,

@@ -206,5 +206,6 @@ _WORDINGS: Dict[str, Tuple[str, _Wording]] = {
 # Entries that repeat others, or that the score sheet shows.
 _NOT_SHOWN = frozenset((
     run_log.STATE, run_log.BOX_STATE, run_log.BOX_PAYLOAD, run_log.CLIENT_PAYLOAD, run_log.SCORE,
+    run_log.SCORE_TEXT,
     run_log.MODULE_SCORE, run_log.HOPF_RESULT, run_log.OMF_BUTTON, run_log.OMF_DAMAGED, run_log.OMF_COMPLETE,
 ))

@@ -8,7 +8,7 @@ import pytest
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
 from roah_rsbb.referee import view
 from roah_rsbb.referee.changes import Change, changes
-from roah_rsbb.referee.state import AllRobotsSnapshot, ManualOperation, ModuleScoreLine, SwitchesSnapshot
+from roah_rsbb.referee.state import AllRobotsSnapshot, ManualOperation, ModuleScoreLine, SheetItem, SwitchesSnapshot
 from roah_rsbb.wording import schedule
 from roah_rsbb.wording.times import Moments
 
@@ -155,6 +155,21 @@ def test_the_score_sheet_has_numbers_values_and_groups():
         "       2     12  Moved furniture",
         "    Penalized",
         "       3      0  Bumps into the furniture",
+    ]
+
+
+def test_the_score_sheet_shows_points_and_ratings():
+    scores = (
+        SheetItem(1, "Table", "Opens", "choice", 1, text="alone", points="50"),
+        SheetItem(2, "Jury", "Poster", "rating", 7, text="7.5", points="15", judges=("Anna", "Ben"),
+                  ratings=("7.5", "")),
+    )
+    assert view.score_sheet(running_zone(score=scores, points="65 points: Table 50 · Jury 15"), UTC)[1:] == [
+        "    Table",
+        "       1  alone      50  Opens",
+        "    Jury",
+        "       2    7.5      15  Poster (Anna 7.5)",
+        "    65 points: Table 50 · Jury 15",
     ]
 
 

@@ -4,6 +4,7 @@ import pytest
 
 from helpers.referee_box import EVENTS, ITEMS
 from roah_rsbb.core.referee import Refused
+from roah_rsbb.referee.state import SheetItem
 from roah_rsbb.referee.words import BadWord, Entered, event_wanted, pick_item, pick_zone, score_wanted, value_of
 
 ZONES = ["Testing TestingTeam", "Testing Other", "Home A", "Home AB"]
@@ -132,3 +133,30 @@ def test_a_score_is_split_at_its_last_equals_sign():
 def test_half_a_score_is_an_error(text):
     with pytest.raises(ValueError):
         score_wanted(text)
+
+
+HELP = SheetItem(1, "G", "help", "choice", 0, choices=("with help", "alone", "without"))
+POSTER = SheetItem(2, "G", "poster", "rating", 0, judges=("Anna", "Ben"), ratings=("", ""))
+WATER = SheetItem(3, "G", "water", "decimal", 2, text="2.5")
+
+
+@pytest.mark.parametrize("text, item, entered", [
+    ("alone", HELP, Entered(text="alone")), ("AL", HELP, Entered(text="alone")),
+    ("with help", HELP, Entered(text="with help")), ("Anna:7.5", POSTER, Entered(text="7.5", judge="Anna")),
+    ("b: 8", POSTER, Entered(text="8", judge="Ben")), ("1.25", WATER, Entered(text="1.25")),
+    ("+0.5", WATER, Entered(text="3")), ("-3", WATER, Entered(text="-0.5")),
+    ("-3", SheetItem(4, "G", "steps", "int", 1), Entered(-2)),
+])
+def test_values_of_every_type(text, item, entered):
+    assert value_of(text, item) == entered
+
+
+@pytest.mark.parametrize("text, item, hint", [
+    ("with", HELP, "'with' is not a choice of 'help': choose one of 'with help', 'alone', 'without'"),
+    ("", HELP, "is not a choice"), ("7", POSTER, "such as 'Anna:5'; the judges are 'Anna', 'Ben'"),
+    ("Chris:7", POSTER, "give the judge and a number"), ("much", WATER, "give a number such as 2.5"),
+    ("1.5", SheetItem(4, "G", "steps", "int", 1), "a whole number"),
+])
+def test_a_wrong_value_of_every_type_names_the_right_ones(text, item, hint):
+    with pytest.raises(BadWord, match=hint):
+        value_of(text, item)

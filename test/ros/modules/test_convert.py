@@ -5,6 +5,8 @@ import math
 import random
 import unittest
 
+from helpers.random_sheets import random_form, random_mark
+from roah_rsbb.core.clock import Now
 from roah_rsbb.core.modules.messages import (
     ModuleInfo,
     ModulesState,
@@ -17,9 +19,11 @@ from roah_rsbb.core.modules.messages import (
     ScoreValue,
     Step,
 )
+from roah_rsbb.core.scoring.book import RunBook
 from roah_rsbb.core.scoring.sheet import ScoreGroup
-from roah_rsbb.msg import ModuleOutcome, ModuleRequest, ModuleRuns
+from roah_rsbb.msg import ModuleOutcome, ModuleRequest, ModuleRuns, RunSheet
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
+from roah_rsbb.nodes.core.score_convert import group_message, items_message, points_message, sheet_items
 from roah_rsbb.nodes.modules.convert import modules_state_message, modules_state_of, runs_message, runs_of
 from roah_rsbb.nodes.modules.limits import MAX_LIST, MAX_TEXT
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
@@ -50,6 +54,37 @@ def sent(message):
     buffer = io.BytesIO()
     message.serialize(buffer)
     return type(message)().deserialize(buffer.getvalue())
+
+
+class TestSheets(unittest.TestCase):
+    """What panels get of a score sheet: everything in our messages, and in the original's what it can show."""
+
+    def test_random_sheets(self) -> None:
+        for seed in range(30):
+            chance = random.Random(seed)
+            form = random_form(chance)
+            book, now = RunBook(form), Now(100.0, 1.5e9)
+            for _ in range(30):
+                now = now.later(2.0)
+                book.mark(now, "Anna", random_mark(chance, form))
+            items, points = book.counted("")
+            shown, total = (sent(message) for message in (
+                RunSheet(items=sheet_items(items, form)), points_message(points)))
+            self.assertEqual(
+                [(i.group, i.desc, i.value, i.text, i.points, i.not_attempted) for i in shown.items],
+                [(i.group, i.desc, i.value, i.text, i.points, i.not_attempted) for i in items])
+            for message, item, rule in zip(shown.items, items, form.items):
+                self.assertEqual(message.type, int(rule.kind))
+                self.assertEqual([(j, r) for j, r in zip(message.judges, message.ratings) if r], list(item.ratings))
+                self.assertEqual(message.choices, [choice.name for choice in rule.choices])
+            self.assertEqual(total.total, points.total)
+            self.assertEqual([(group.name, group.points) for group in total.groups], list(points.groups))
+            for old in (list(map(group_message, book.sheet.groups())), items_message(items)):
+                found = {(g.group_name, d): (t, v) for g in old
+                         for t, d, v in zip(g.types, g.descriptions, g.current_values)}
+                self.assertEqual(found, {
+                    i.key: (0 if i.kind == "bool" else 1, max(0, i.value)) for i in items
+                    if i.kind not in ("choice", "rating")})
 
 
 class TestModuleConvert(unittest.TestCase):

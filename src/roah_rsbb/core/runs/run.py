@@ -25,12 +25,15 @@ from roah_rsbb.core.runs.requests import RunningGoal
 from roah_rsbb.core.runs.times import BY_REFEREE, RunTimes, TimesState
 from roah_rsbb.core.scoring.book import BookState, Marked, RunBook
 from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase, RunRecord, ScoreValue
-from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet
+from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, value_text
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Restarts, ScheduledEvent
+from roah_rsbb.rulebook.scoring import WHOLE
 from roah_rsbb.wording import times
 
+# Types whose values are whole numbers, which `Score` holds.
+WHOLE_WORDS = frozenset(kind.word for kind in WHOLE)
 # The least interval between two warnings that messages of a robot were dropped.
 DROPPED_PERIOD_S = 10.0
 # The robot state that a robot leaves when it receives the box's state, and the time after which the referee gets a
@@ -317,9 +320,12 @@ class ZoneRun(abc.ABC):
 
     def _score_changed(self, now: Now, marked: Marked) -> None:
         if marked.item is not None:
-            entry = (marked.item.group, marked.item.desc, marked.item.value)
+            item = marked.item
             for member in self.members():
-                self._emit(effects.RunLogged(member.port, run_log.SCORE, entry))
+                self._emit(effects.RunLogged(member.port, run_log.SCORE, (item.group, item.desc, item.value)))
+                if item.kind not in WHOLE_WORDS:
+                    text = f"{item.group}: {item.desc}: {value_text(item)}"
+                    self._emit(effects.RunLogged(member.port, run_log.SCORE_TEXT, text))
         self.say(now, Level.INFO, marked.text)
         self._record_changed(now)
 

@@ -18,6 +18,7 @@ from roah_rsbb.core.scoring.records import SignOff
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 
 
 @pytest.fixture
@@ -397,3 +398,20 @@ def test_a_run_of_all_robots_has_no_port_of_its_own():
     driver.event(driver.box.command, "tbm", "start", "Anna")
     (done,) = _done(driver)
     assert (done.identity, done.port) == (driver.run_in().identity, None)
+
+
+def test_the_run_log_has_the_complete_value_of_a_mark_that_is_no_whole_number():
+    water = ScoringItem("Penalized", "water", ScoreKind.DECIMAL)
+    driver = BoxDriver(competition(tbm=[event("HGTKMH", scoring=(water, BUMPS))]), Settings(auto_next=False))
+    driver.executing()
+    driver.taken(effects.RunLogged)
+    _score(driver, water, text="2.75")
+    _score(driver, BUMPS, 1)
+    _score(driver, water, not_attempted=True)
+    logged = [(effect.topic, effect.value) for effect in driver.taken(effects.RunLogged)
+              if effect.topic in (run_log.SCORE, run_log.SCORE_TEXT)]
+    assert logged == [
+        (run_log.SCORE, ("Penalized", "water", 2)), (run_log.SCORE_TEXT, "Penalized: water: 2.75"),
+        (run_log.SCORE, ("Penalized", "bumps", 1)),
+        (run_log.SCORE, ("Penalized", "water", 0)), (run_log.SCORE_TEXT, "Penalized: water: not attempted"),
+    ]
