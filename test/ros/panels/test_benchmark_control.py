@@ -121,6 +121,21 @@ class TestBenchmarkControl(PanelCase):
         finally:
             calls.TIMEOUT_S = limit
 
+    def test_a_failed_stop_is_forgotten_when_the_run_has_stopped_after_all(self) -> None:
+        self.zone.command("connect")
+        self.zone.command("start")
+        self.wait_phase("RUNNING")
+        self.core.refuse = "The core cannot stop it now"
+        click(self.buttons["stop"])
+        wait_until(lambda: "The core cannot stop it now" in self.panel._answer.text(), "the failure is shown")
+        before = self.client.model.clock_s
+        wait_until(lambda: self.client.model.clock_s > before, "the run is heard of again")
+        self.assertIn("Stop in Home A failed", self.panel._answer.text())
+        self.core.refuse = None
+        self.zone.command("stop")
+        self.wait_phase("ENDED")
+        wait_until(lambda: not self.panel._answer.text().strip(), "the failure is no longer shown")
+
     def test_a_double_click_on_stop_stops_and_does_not_leave(self) -> None:
         self.zone.command("connect")
         self.zone.command("start")

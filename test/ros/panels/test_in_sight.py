@@ -10,7 +10,8 @@ from support.window_case import WindowCase, in_sight, wait_still
 from roah_rsbb.bmbox.hnf import HNF
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import ModuleScore, RunClock
-from roah_rsbb.rqt.qt import QLabel, QPoint, QScrollArea, QStyle, Qt, QTabBar
+from roah_rsbb.rqt.panels.history import HistoryDialog
+from roah_rsbb.rqt.qt import QLabel, QPoint, QRect, QScrollArea, QStyle, Qt, QTabBar
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rulebook.config import load_benchmarks
 
@@ -93,6 +94,18 @@ class TestInSight(_AtAllSizes):
         for place in (bar.minimum(), bar.maximum()):
             bar.setValue(place)
             self.assertTrue(in_sight(self.scoring.rows[PERSON].more))
+
+    def test_the_history_covers_neither_the_time_nor_the_commands(self) -> None:
+        self.run_zone()
+        for size in self.at_all_sizes():
+            self.scoring.history.click()
+            wait_until(lambda: self.window.findChild(HistoryDialog) is not None, "the history is open")
+            dialog = self.window.findChild(HistoryDialog)
+            wait_until(dialog.isVisible, "it is shown")
+            control = QRect(self.control.mapToGlobal(QPoint()), self.control.size())
+            self.assertFalse(dialog.frameGeometry().intersects(control), f"at {size}")
+            dialog.close_button.click()
+            wait_until(lambda: self.window.findChild(HistoryDialog) is None, "it is closed")
 
     def test_no_title_of_a_tab_is_shortened(self) -> None:
         # The smallest screen. Fusion is the style of the pictures and of desktops without one of their own.

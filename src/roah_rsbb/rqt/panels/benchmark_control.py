@@ -4,7 +4,7 @@ Keys: F5 twice starts, Esc twice stops, whichever panel of the process has the f
 """
 
 from functools import partial
-from typing import Dict, NamedTuple, Optional
+from typing import Dict, NamedTuple, Optional, Tuple
 
 from roah_rsbb.msg import RunSummary, ZoneDetails, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
@@ -163,6 +163,7 @@ class BenchmarkControlPanel(Panel):
         self.times = RunTimes()
         self.state = basic.Notices(1.3)
         self._answer = Answer()
+        self._failed_stop: Optional[Tuple[str, str]] = None  # zone, and what is said about it
         self.reason = StopReasonLine(self, self._answer)
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
         self.rules = RuleButtons(self._press)
@@ -254,6 +255,17 @@ class BenchmarkControlPanel(Panel):
         self.more.show_details(details, silent)
         self.reason.show_run()
         self._start_key.forget()
+        self._forget_failed_stop()
+
+    def _forget_failed_stop(self) -> None:
+        """Take the message away when the run has stopped after all, such as when a core that hung continues."""
+        if self._failed_stop is None or self.model.is_old:
+            return
+        zone, said = self._failed_stop
+        if zone not in self.model.running_zones():
+            self._failed_stop = None
+            if self._answer.text() == said:
+                self._answer.clear_answer()
 
     def where(self) -> str:
         return self.client.moments.with_zone(self.model.clock_s) if self.model.gui else ""
@@ -393,6 +405,7 @@ class BenchmarkControlPanel(Panel):
             self._answer.show_outcome(what, outcome)
             if outcome.error:
                 button.let_go()
+                self._failed_stop = (zone, self._answer.text()) if service == "stop" else None
 
         details = self.model.details_of(zone)
         if service == "stop":

@@ -7,7 +7,7 @@ from roah_rsbb.msg import RunSheet, RunSummary, ScoreChange
 from roah_rsbb.rqt.model.calls import CallOutcome, Calls
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.panel import Answer
-from roah_rsbb.rqt.qt import QDialog, QHBoxLayout, QPushButton, Qt, QVBoxLayout, QWidget
+from roah_rsbb.rqt.qt import QDialog, QHBoxLayout, QPoint, QPushButton, Qt, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog
@@ -183,6 +183,11 @@ class HistoryDialog(QDialog):
         client.model.updated.connect(self._on_update)
         self.finished.connect(lambda _: self._end())
         self._on_update()
+
+    def place_over(self, panel: QWidget) -> None:
+        """Cover nothing but this panel: the time and the commands stay in sight."""
+        self.resize(self.size().boundedTo(panel.size()))
+        self.move(panel.mapToGlobal(QPoint()))
 
     def _end(self) -> None:
         self._client.model.updated.disconnect(self._on_update)

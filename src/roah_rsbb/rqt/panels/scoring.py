@@ -513,7 +513,9 @@ class ScoringPanel(RefereePanel):
         """Open the history of the current run."""
         details = self.model.zone_details
         if details is not None and details.identity:
-            HistoryDialog(self, self.client, details.zone, details.identity).show()
+            dialog = HistoryDialog(self, self.client, details.zone, details.identity)
+            dialog.place_over(self)
+            dialog.show()
 
     def _answered(self, sheet: tuple, item: EditName, value: Value, outcome: CallOutcome) -> None:
         what = f"{sheet[0]}: {item[1]} = {tr(sheets.NOT_ATTEMPTED) if value is NOT_ATTEMPTED else value}"
