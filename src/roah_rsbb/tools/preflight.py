@@ -6,7 +6,7 @@ Prints a line for each check, with the remedy if something is wrong. It needs no
 import argparse
 import os
 import sys
-from typing import List, Optional
+from typing import Dict, List, Optional
 
 import rospkg
 
@@ -14,7 +14,10 @@ from roah_rsbb.arguments import Parser, number
 from roah_rsbb.nodes.sounds import PLAYER
 from roah_rsbb.ros.display import has_display
 from roah_rsbb.tools import preflight_checks as checks
+from roah_rsbb.tools import preflight_venue as venue
+from roah_rsbb.tools.competition.check import launch_arguments
 from roah_rsbb.tools.competition.files import FIREWALL, MODULES
+from roah_rsbb.tools.competition.firewall import TABLET_PORT
 from roah_rsbb.tools.interfaces import interfaces
 from roah_rsbb.tools.open_ports import listeners
 from roah_rsbb.tools.preflight_checks import Finding, Severity
@@ -22,7 +25,7 @@ from roah_rsbb.tools.preflight_checks import Finding, Severity
 PROGRAM = "preflight"
 _DESCRIPTION = """\
 Check the set-up before a competition, with the settings for roah_rsbb.launch: network, UDP ports, firewall, other
-boxes, clock, disk, configuration, passwords, sounds, display.
+boxes, clock, disk, configuration, modules, passwords, motion capture, home devices, tablet, sounds, display.
 """
 _EPILOG = """\
 The exit status is 0 if no check failed (possibly with warnings), 1 if a check failed, 2 for wrong usage.
@@ -31,6 +34,9 @@ Run it while your box is not running: it listens for other boxes on the public U
 """
 FILES = ("benchmarks", "schedule", "passwords")
 _LOG_DIR = "~/.ros/roah_rsbb"  # roah_rsbb.launch's
+_SMARTIF_HOST, _SMARTIF_PORT = "192.168.1.56", 6665  # roah_rsbb.launch's
+# Seconds to wait for invisible markers.
+_MARKERS_S = 3.0
 _MARKS = {Severity.OK: "ok     ", Severity.WARNING: "WARNING", Severity.FAILED: "FAILED "}
 
 
@@ -48,6 +54,12 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--modules-dir", metavar="DIR",
                         help="the parameters of the benchmarking modules (default: the competition's modules/ if it "
                         "exists, else the included ones)")
+    parser.add_argument("--tablet-port", type=int, default=TABLET_PORT, metavar="PORT",
+                        help="TCP port of the tablet's page (default: %(default)s)")
+    parser.add_argument("--smartif-host", metavar="HOST",
+                        help=f"controller of the home devices (default: the competition's, or {_SMARTIF_HOST})")
+    parser.add_argument("--smartif-port", type=int, default=_SMARTIF_PORT, metavar="PORT",
+                        help="its TCP port (default: %(default)s)")
     parser.add_argument("--log-dir", metavar="DIR", help=f"default: the competition's log/, or {_LOG_DIR}")
     parser.add_argument("--listen", type=number(0.0, 3600.0), default=5.0, metavar="S",
                         help="seconds to listen for another box; 0: do not listen (default: %(default)s)")
@@ -82,9 +94,25 @@ def findings(options: argparse.Namespace) -> List[Finding]:
     found.append(checks.check_clock(checks.is_synchronised()))
     found += checks.check_log_dir(os.path.expanduser(options.log_dir))
     found += checks.check_configuration(files, options.modules_dir)
+    found += _check_venue(options, files)
     found.append(checks.check_player(PLAYER))
     found.append(checks.check_display(has_display()))
     return found
+
+
+def _check_venue(options: argparse.Namespace, files: Dict[str, str]) -> List[Finding]:
+    from roah_rsbb.nodes.modules.check_ground_truth import look  # imported late: it needs the built messages
+
+    loaded = venue.loaded_config(files)
+    if loaded is None:
+        return []
+    given = launch_arguments(options.competition) if options.competition else {}
+    host = options.smartif_host or given.get("smartif_host") or _SMARTIF_HOST
+    return [
+        *venue.check_ground_truth(loaded, options.modules_dir, lambda truth: look(truth, _MARKERS_S)),
+        *venue.check_devices(loaded, host, options.smartif_port),
+        *venue.check_tablet_port(loaded, options.bind_host, options.tablet_port),
+    ]
 
 
 def main(arguments: Optional[List[str]] = None) -> None:

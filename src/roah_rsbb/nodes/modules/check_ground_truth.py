@@ -5,14 +5,14 @@ Prints a line for each marker of the ground truth's configuration, with the reme
 
 import argparse
 import sys
-from typing import List, Optional
+from typing import List, Optional, Tuple
 
 import rosgraph
 import rospy
 
 from roah_rsbb.arguments import Parser, number
 from roah_rsbb.bmbox.framework.ground_truth import Source
-from roah_rsbb.bmbox.framework.ground_truth_config import load
+from roah_rsbb.bmbox.framework.ground_truth_config import GroundTruthConfig, load
 from roah_rsbb.nodes.modules.dummy_ground_truth import default_file
 from roah_rsbb.nodes.modules.ground_truth_tf import FrameState, TfGroundTruth
 from roah_rsbb.ros import connections
@@ -41,6 +41,21 @@ def line(state: FrameState) -> str:
     return f"seen     {state.subject}{owner}: {state.frame} at x {x:.3f} y {y:.3f} z {z:.3f} m, theta {theta:.3f} rad"
 
 
+def look(config: GroundTruthConfig, wait_s: float) -> Optional[Tuple[FrameState, ...]]:
+    """Return the state of all markers, once they are visible or `wait_s` is over; None: there is no ROS master."""
+    if not rosgraph.is_master_online():
+        return None
+    if not rospy.core.is_initialized():
+        connections.init_node(PROGRAM, anonymous=True, disable_signals=True)
+    ground_truth = TfGroundTruth(config)
+    until = rospy.get_time() + wait_s
+    states = ground_truth.frames()
+    while rospy.get_time() < until and any(state.pose is None for state in states):
+        rospy.rostime.wallsleep(_POLL_S)
+        states = ground_truth.frames()
+    return states
+
+
 def main(arguments: Optional[List[str]] = None) -> None:
     """Run the program with these arguments (default: those of the process)."""
     options = _arguments(sys.argv[1:] if arguments is None else arguments)
@@ -51,15 +66,9 @@ def main(arguments: Optional[List[str]] = None) -> None:
     if config.source is not Source.MOTION_CAPTURE:
         print(f"Nothing to check: the configuration has the source '{config.source.value}', not motion capture.")
         sys.exit(0)
-    if not rosgraph.is_master_online():
+    states = look(config, options.wait)
+    if states is None:
         sys.exit(f"{PROGRAM}: no ROS master: start roscore or the launch file, or set ROS_MASTER_URI")
-    connections.init_node(PROGRAM, anonymous=True, disable_signals=True)
-    ground_truth = TfGroundTruth(config)
-    until = rospy.get_time() + options.wait
-    states = ground_truth.frames()
-    while rospy.get_time() < until and any(state.pose is None for state in states):
-        rospy.rostime.wallsleep(_POLL_S)
-        states = ground_truth.frames()
     print(f"In reference frame {config.reference_frame}; poses older than {config.maximum_age_s:g} s count as missing.")
     for state in states:
         print(line(state))

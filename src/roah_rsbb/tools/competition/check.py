@@ -220,6 +220,16 @@ def _check_launch(report: Report, path: str) -> None:
                         f"{_BESIDE + own}")
 
 
+def launch_arguments(directory: str) -> Dict[str, str]:
+    """Return the defaults of the arguments in a competition's launch file. Errors are reported by `check`."""
+    path = os.path.join(directory, files.LAUNCH)
+    report = Report()
+    text = read_text(path, report, "the launch file")
+    elements = [] if text is None else _elements(report, path, text)
+    return {given["name"]: given["default"] for name, given, _ in elements
+            if name == "arg" and "name" in given and "default" in given}
+
+
 def _elements(report: Report, path: str, text: str) -> Iterator[Tuple[str, Dict[str, str], int]]:
     """Return name, attributes and line of each element."""
     found: List[Tuple[str, Dict[str, str], int]] = []
