@@ -28,7 +28,8 @@ class CheckLine(NamedTuple):
 
 def checklist(plans: Sequence[ZonePlan], records: Sequence[RunRecord], in_utc: bool) -> List[CheckLine]:
     """Returns a line for each event, in the order of the scheduled times. Of an event that was repeated, the last run
-    counts. Runs that the schedule does not have follow."""
+    counts. An event whose time was changed since its run keeps that run. Runs that the schedule does not have follow.
+    """
     last: Dict[_Key, Tuple[int, RunRecord]] = {}
     for number, record in enumerate(records, 1):
         if record.started_utc or record.end_reason:
@@ -36,7 +37,15 @@ def checklist(plans: Sequence[ZonePlan], records: Sequence[RunRecord], in_utc: b
             last[key] = (number, record)
     events = sorted(((event.scheduled, plan.name, event) for plan in plans for event in plan.events),
                     key=lambda line: line[:2])
-    lines = [_of_event(zone, event, last.pop(_key_of(zone, event), None), in_utc) for _, zone, event in events]
+    exact = {_key_of(zone, event) for _, zone, event in events}
+    moved = {key[:-1]: key for key in last if key not in exact}
+    lines = []
+    for _, zone, event in events:
+        key = _key_of(zone, event)
+        run = last.pop(key, None)
+        if run is None and key[:-1] in moved:
+            run = last.pop(moved.pop(key[:-1]))
+        lines.append(_of_event(zone, event, run, in_utc))
     return lines + [_of_run(number, record, in_utc) for number, record in last.values()]
 
 

@@ -55,3 +55,13 @@ def test_the_lines():
         "1 of 2 signed off, 0 not signed off, 1 without a run",
     ]
     assert list(check_lines([], True))[-1] == "0 of 0 signed off, 0 not signed off, 0 without a run"
+
+
+def test_an_event_that_was_moved_to_another_time_keeps_its_run():
+    moved = ZonePlan("tbm", (event(team="Alpha", run=1, scheduled=UTC0 + 50_000.0), *plan(2).events))
+    found = lines([moved], task_record("Alpha", 1, sign_off=SIGNED), task_record("Alpha", 2))
+    assert [(line.number, line.is_final) for line in found] == [(2, False), (1, True)]
+    # Another event at the time of the run has it.
+    twin = ZonePlan("tbm", (*plan(1).events, event(team="Alpha", run=1, scheduled=UTC0 + 50_000.0)))
+    found = lines([twin], task_record("Alpha", 1, sign_off=SIGNED))
+    assert [(line.number, line.is_final) for line in found] == [(1, True), (None, False)]

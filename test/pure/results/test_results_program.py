@@ -496,3 +496,28 @@ def test_the_checklist(run, folder):
     status, _, err = run("checklist", source=source)
     assert status == 1
     assert f"{folder}/schedule.yaml:2" in err
+
+
+def test_a_code_that_this_installation_does_not_know_is_shown_all_the_same(run, tmp_path):
+    """The journal alone is enough: here is neither the competition's benchmarks.yaml nor its rules."""
+    log_dir = tmp_path / "elsewhere" / "log"
+    log_dir.mkdir(parents=True)
+    writer = Writer(log_dir)
+    for number, points in ((1, 3), (2, 5)):
+        record = task_record("Alpha" if number == 1 else "Beta", number, objects=points, benchmark="FetchMug")
+        value = ScoreValue("", "mugs", "2", "", "Mugs fetched")
+        writer.run(record._replace(module_scores=(value,)), ((6666 + number, "r1"),))
+    writer.close()
+    source = ("--journal", writer.path)
+    status, out, err = run("list", source=source)
+    assert (status, err, out.count("FetchMug")) == (0, "", 2)
+    status, out, err = run("show", "1", source=source)
+    assert (status, err) == (0, "")
+    assert out.startswith("FetchMug, team Alpha")
+    assert "Mugs fetched" in out
+    status, out, err = run("standings", source=source)
+    assert (status, err) == (0, "")
+    assert out.index("Beta") < out.index("Alpha")
+    assert run("export", "--json", tmp_path / "runs.json", "--html", tmp_path / "sheets", source=source)[::2] == (0, "")
+    assert "FetchMug" in (tmp_path / "sheets" / "index.html").read_text("utf-8")
+    assert "FetchMug" in (tmp_path / "runs.json").read_text("utf-8")
