@@ -3,9 +3,9 @@
 import enum
 import math
 from dataclasses import dataclass, field
-from typing import Dict, Optional, Tuple
+from typing import Dict, FrozenSet, Optional, Tuple
 
-from roah_rsbb.rulebook.registry import BenchmarkKind, Profile, profile_of
+from roah_rsbb.rulebook.registry import PROFILES, STRINGS, BenchmarkKind, Profile, profile_of
 from roah_rsbb.rulebook.scoring import NO_SHEET_RULES, ScoringItem, SheetForm, SheetRules
 
 # In the schedule this means every active robot. No team may have this name.
@@ -92,6 +92,14 @@ class Benchmark:
     def profile(self) -> Profile:
         """What the programs know of this benchmark."""
         return self.own or profile_of(self.code)
+
+    @property
+    def unused_strings(self) -> FrozenSet[str]:
+        """The strings of `STRINGS` that a robot should not send. None in a benchmark of this package whose file has no
+        `uses` of its own: robots have always sent strings anywhere."""
+        known = PROFILES.get(self.code)
+        is_default = known is not None and known.uses == self.profile.uses
+        return frozenset() if is_default else frozenset(STRINGS) - self.profile.uses
 
     @property
     def limit(self) -> float:

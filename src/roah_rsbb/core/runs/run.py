@@ -402,6 +402,7 @@ class Run(ZoneRun):
         self.devices = DeviceCommands(self.event.benchmark, self.state.devices)
         self._show_map = context.show_map
         self._strings_budget = StringsBudget()
+        self._unused_strings = assignment.event.benchmark.unused_strings  # of which the referee was not warned yet
         self._dropped_strings = self._unread = 0
         self._say_dropped_from = float("-inf")  # monotonic time (s)
         self._state_mono = now.mono  # when the box's state changed last, or the core was restarted
@@ -527,6 +528,11 @@ class Run(ZoneRun):
         for online in ONLINE_FIELDS:
             texts = getattr(report, online.name)
             any_text = any_text or bool(texts)
+            if texts and online.name in self._unused_strings:
+                self._unused_strings -= {online.name}
+                code = self.event.benchmark.code
+                self.warn(now, f"The robot sends '{online.name}', which {code} does not use. It is logged all the "
+                               "same. If robots may send it, add it to 'uses' in benchmarks.yaml")
             for text in receive(strings, online.name, texts):
                 if not self._strings_budget.take(now, text):
                     dropped += 1
