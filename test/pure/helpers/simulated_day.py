@@ -6,10 +6,15 @@ without waiting for their scheduled times.
 
 import datetime
 import functools
+import io
 import os
 import random
 from dataclasses import replace
+from unittest import mock
 
+import pytest
+
+from helpers.config_files import SHIPPED
 from helpers.linked_world import FakeLink, RadioRobot, World
 from roah_rsbb.bmbox.framework.own_rules import own_files
 from roah_rsbb.bmbox.framework.registry import modules
@@ -25,9 +30,21 @@ from roah_rsbb.protocol import BoxState
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.registry import BenchmarkKind
+from roah_rsbb.tools.competition import program
 
 LOOKS_S = 0.25  # how often modules and referees look
 LOSS = 0.02
+
+
+def make_competition(folder, rulebook, teams, days):
+    """Make the folder of a competition with an included rulebook; returns its path."""
+    # pytest 4.6 (Ubuntu 20.04) puts a file there that is not a text stream.
+    stdout = io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
+    options = ["--rulebook", rulebook, "--teams", ", ".join(teams), "--days", days, "--time-zone", "UTC"]
+    with mock.patch("sys.stdout", stdout), pytest.raises(SystemExit) as end:
+        program.main(str(SHIPPED), [str(folder), *options])
+    assert end.value.code == 0
+    return str(folder)
 
 
 class Behaviour:

@@ -4,13 +4,11 @@ import collections
 
 import pytest
 
-from helpers.config_files import SHIPPED
-from helpers.simulated_day import Behaviour, Day
+from helpers.simulated_day import Behaviour, Day, make_competition
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.results.standings import Choice, standings
 from roah_rsbb.rulebook.config import load_benchmarks
-from roah_rsbb.tools.competition import program
 
 TEAMS = ("Aster", "Birch", "Cedar", "Daisy", "Elder", "Fern", "Gorse", "Hazel", "Iris", "Juniper", "Kale", "Linden",
          "Maple", "Nettle", "Oak")
@@ -125,12 +123,8 @@ class AtHome(Behaviour):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("athome") / "day"
-    with pytest.raises(SystemExit) as end:
-        program.main(str(SHIPPED), [str(folder), "--rulebook", "athome", "--teams", ", ".join(TEAMS), "--days",
-                                    "2026-07-01,2026-07-02,2026-07-03", "--time-zone", "UTC"])
-    assert end.value.code == 0
-    return str(folder)
+    days = "2026-07-01,2026-07-02,2026-07-03"
+    return make_competition(tmp_path_factory.mktemp("athome") / "day", "athome", TEAMS, days)
 
 
 @pytest.fixture(scope="module")

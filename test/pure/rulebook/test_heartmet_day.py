@@ -1,18 +1,14 @@
 """A day of the rulebook `heartmet`: four teams, all rules, goals and results as JSON, standings worked out by hand."""
 
-import io
 import json
 import re
-from unittest import mock
 
 import pytest
 
-from helpers.config_files import SHIPPED
-from helpers.simulated_day import Behaviour, Day
+from helpers.simulated_day import Behaviour, Day, make_competition
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.results.standings import Choice, standings
-from roah_rsbb.tools.competition import program
 
 TEAMS = ("Ada", "Bea", "Cyd", "Dot")
 ACHIEVEMENTS = ("Says which item the person asked for", "Reaches the place of the item", "Takes the right item",
@@ -99,14 +95,7 @@ EXPECTED = {
 
 @pytest.fixture(scope="module")
 def competition(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("heartmet") / "day"
-    # pytest 4.6 (Ubuntu 20.04) puts a file there that is not a text stream.
-    stdout = io.TextIOWrapper(io.BytesIO(), encoding="utf-8")
-    with mock.patch("sys.stdout", stdout), pytest.raises(SystemExit) as end:
-        program.main(str(SHIPPED), [str(folder), "--rulebook", "heartmet", "--teams", ", ".join(TEAMS), "--days",
-                                    "2026-11-28", "--time-zone", "UTC"])
-    assert end.value.code == 0
-    return str(folder)
+    return make_competition(tmp_path_factory.mktemp("heartmet") / "day", "heartmet", TEAMS, "2026-11-28")
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,10 @@ import collections
 import datetime
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from helpers.examples import examples
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 from roah_rsbb.rulebook.errors import Report
 from roah_rsbb.tools.competition.plan import Break, PlannedDay, VenueClock, timetable
@@ -160,3 +163,38 @@ def test_zones_share_the_teams_of_a_benchmark(teams):
         assert len(set(busy)) == len(busy)
     if teams == 5:
         assert [sum(run.code == "HWV" for run in zone.runs) for zone in made.zones] == [6, 4]
+
+
+CODES = ("HGTKMH", "HWV", "HNF", "HOPF")
+
+
+@examples(120)
+@given(data=st.data(), teams=st.integers(1, 6), rounds=st.one_of(st.none(), st.integers(1, 3)),
+       breaks=st.lists(st.integers(9 * 60, 20 * 60), max_size=2), minutes=st.sampled_from([5, 20, 45]))
+def test_any_plan(data, teams, rounds, breaks, minutes):
+    """Everybody has the right number of turns, spread evenly, never twice at once, and never in a break."""
+    names = [f"T{number}" for number in range(teams)]
+    codes = data.draw(st.lists(st.sampled_from(CODES), min_size=1, unique=True))
+    zones = {"X": codes, "Y": data.draw(st.lists(st.sampled_from(codes), min_size=1, unique=True))}
+    pauses = tuple(sorted(Break(datetime.time(*divmod(at, 60)), datetime.time(*divmod(at + 30, 60))) for at in breaks))
+    wanted = [day._replace(breaks=pauses, codes=tuple(data.draw(st.lists(st.sampled_from(codes), unique=True))))
+              for day in days(data.draw(st.integers(1, 3)), minutes=minutes)]
+    wanted[0] = wanted[0]._replace(codes=None)  # each benchmark has a day
+    report = Report()
+    made = timetable(report, names, zones, wanted, UTC, rounds)
+    runs = [run for zone in made.zones for run in zone.runs]
+    for code in codes:
+        on = [day.day for day in wanted if day.codes is None or code in day.codes]
+        of_code = [run for run in runs if run.code == code]
+        assert collections.Counter((run.team, run.round) for run in of_code) == collections.Counter(
+            (name, number) for name in names for number in range(1, (rounds or len(on)) + 1))
+        if not report.errors:
+            counts = [sum(run.begins.date() == day for run in of_code) for day in on]
+            assert sum(counts) == len(of_code)
+            assert max(counts) - min(counts) <= 1
+    for at, found in by_time(made).items():
+        assert len({run.team for run in found}) == len(found)
+        ends = at + datetime.timedelta(minutes=minutes)
+        for pause in pauses:
+            begin, end = (UTC.utc(at.date(), time) for time in pause)
+            assert ends <= begin or at >= end
