@@ -329,6 +329,15 @@ class ModuleScores(QScrollArea):
         shown = _scores_html(scores)
         if shown != self.text.text():
             self.text.setText(shown)
+            self._limit_height()
+
+    def resizeEvent(self, event) -> None:
+        super().resizeEvent(event)
+        self._limit_height()
+
+    def _limit_height(self) -> None:
+        """Take no more space than the text needs: the rest is the sheet's."""
+        self.setMaximumHeight(max(1, self.text.heightForWidth(self.viewport().width())))
 
 
 class ScoringPanel(RefereePanel):
