@@ -7,6 +7,7 @@ import re
 import pytest
 
 from roah_rsbb.core import run_log
+from roah_rsbb.core.settings import Settings
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "ros_interface.md").read_text(encoding="utf-8")
@@ -61,3 +62,10 @@ def test_every_topic_of_the_run_log_is_named():
 
 def test_files_to_check_are_found():
     assert len(TYPES) > 40 and len(NAMES) > 20 and len(PARAMETERS) > 30
+
+
+@pytest.mark.parametrize("name", Settings._fields)
+def test_the_default_of_a_setting_is_what_the_page_says(name):
+    said = re.search(rf"^\| `{name}` \| (\S+)", PAGE, re.MULTILINE).group(1)
+    default = getattr(Settings(), name)
+    assert said == (str(default).lower() if isinstance(default, bool) else f"{default:g}")

@@ -2,10 +2,28 @@
 
 from helpers.box_driver import BoxDriver
 from helpers.competition import competition, event
+from roah_rsbb.core import effects
 from roah_rsbb.core.modules.messages import ModuleInfo, ModulesState, Progress, Request, RequestKind
 from roah_rsbb.protocol import RobotState
 
 BEAT_S = 0.5
+
+
+class FunctionalityDriver(BoxDriver):
+    """A box whose modules must be sent every change of their runs."""
+
+    def event(self, method, *arguments):
+        """See `BoxDriver.event`. Asserts that a change was sent, if the runs changed."""
+        before, done = self._for_modules(), len(self.effects)
+        try:
+            return super().event(method, *arguments)
+        finally:
+            if self._for_modules() != before:
+                assert any(isinstance(effect, effects.ModuleRunsChanged) for effect in self.effects[done:]), \
+                    "a run changed, and its module does not know"
+
+    def _for_modules(self):
+        return [run._replace(elapsed_s=0.0) for run in self.box.modules.runs()]  # the time passes without a message
 
 
 class FakeModules:
@@ -79,7 +97,8 @@ class ScriptedModules(FakeModules):
 
 def functionality(code="HNF", goal=120.0, total=600.0, settings=None, **of_event):
     """A box, its modules, and a robot: connected, not started yet."""
-    driver = BoxDriver(competition(tbm=[event(code, timeout=goal, total_timeout=total, **of_event)]), settings)
+    config = competition(tbm=[event(code, timeout=goal, total_timeout=total, **of_event)])
+    driver = FunctionalityDriver(config, settings)
     modules = FakeModules(driver, code)
     modules.beat()
     robot = driver.connected()
