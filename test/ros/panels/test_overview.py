@@ -28,6 +28,7 @@ class TestOverview(PanelCase):
         """The core is started again with other zones."""
         self.core.close()
         self.core = FakeCore(zones, box_uuid="another")
+        self.addCleanup(self.core.close)
         self.zone, self.other = self.core.zones["Home A"], self.core.zones["Home B"]
 
     def run_both(self) -> None:
