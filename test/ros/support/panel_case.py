@@ -21,14 +21,14 @@ class PanelCase(unittest.TestCase):
     def setUp(self) -> None:
         rospy.set_param("current_zone", "Home A")
         self.core = FakeCore()
-        self.addCleanup(self.core.close)
+        self.addCleanup(lambda: self.core.close())  # a test may replace it
         self.zone = self.core.zones["Home A"]
         self.client = Client.acquire()
         self.addCleanup(Client.release)
         self.panel = self.PANEL(self.client)
         self.addCleanup(self.panel.close)
         self.addCleanup(self.panel.shutdown)
-        self.addCleanup(self.core.answer_gate.set)
+        self.addCleanup(lambda: self.core.answer_gate.set())
         show(self.panel)
         wait_until(lambda: self.client.model.zone is not None and not self.client.model.is_old, "the core is heard")
 
