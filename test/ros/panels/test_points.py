@@ -1,14 +1,18 @@
 """Scoring with items of every type, and the points of the sheet."""
 
 from decimal import Decimal
+from functools import partial
 from unittest import mock
 
+from support import panel_case
 from support.fakes.core import FakeCore
 from support.gui_testing import QApplication, QTest, click, wait_until
+from support.panel_case import PanelCase
 from support.window_case import WindowCase, in_sight, wait_still
 
 from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rqt.widgets.score_dialogs import ScoreDialog
 from roah_rsbb.rulebook.scoring import Choice, JuryResult, ScoreKind, ScoringItem
 
@@ -33,15 +37,26 @@ def opened(kind: type):
     return found()[0]
 
 
-class TestPoints(WindowCase):
+class PointsCase:
+    """A run with a sheet of all types; of a panel or of the whole window."""
+
     def setUp(self) -> None:
-        with mock.patch(f"{FakeCore.__module__}.ITEMS", ITEMS):
+        with mock.patch.object(panel_case, "FakeCore", partial(FakeCore, items=ITEMS)):
             super().setUp()
-        self.run_zone()
-        wait_until(lambda: len(self.scoring.rows) == len(ITEMS), "the sheet is shown")
 
     def row(self, item):
         return self.scoring.rows[item.key]
+
+
+class TestPoints(PointsCase, PanelCase):
+    PANEL = ScoringPanel
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.scoring = self.panel
+        self.zone.command("connect")
+        self.zone.command("start")
+        wait_until(lambda: len(self.scoring.rows) == len(ITEMS), "the sheet is shown")
 
     def record(self):
         """What the core has written down."""
@@ -116,13 +131,19 @@ class TestPoints(WindowCase):
         wait_until(lambda: self.record()[SHOW.key].ratings == (("Ben", "4.5"),), "the core has it")
         self.assertEqual(self.zone.book.sheet.history[-1].note, "too loud")
 
+
+class TestInSight(WindowCase):
+    ITEMS = ITEMS
+
     def test_all_is_in_sight(self) -> None:
+        self.run_zone()
+        wait_until(lambda: len(self.scoring.rows) == len(ITEMS), "the sheet is shown")
         for size in ((1366, 768), (1920, 1080)):
             self.window.resize(*size)
             wait_still(self.window)
             parts = [self.scoring.points]
             for row in self.scoring.rows.values():
                 parts += [row.text, row.points, row.menu_button]
-            parts += self.row(SHOW).ratings.fields.values()
-            parts += [self.row(item).field for item in (OPENS, WATER)]
+            parts += self.scoring.rows[SHOW.key].ratings.fields.values()
+            parts += [self.scoring.rows[item.key].field for item in (OPENS, WATER)]
             wait_until(lambda: all(map(in_sight, parts)), lambda: f"at {size}, all is in sight")  # noqa: B023
