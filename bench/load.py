@@ -98,7 +98,7 @@ def _unanswered(fleet: Fleet) -> int:
 
 
 def still_executing(fleet: Fleet) -> bool:
-    """Checks that all runs are still active. Otherwise the measurement is invalid."""
+    """Check that all runs are still active. Otherwise the measurement is invalid."""
     return all(robot.box_state is BoxState.WAITING_RESULT for robot in fleet.robots if robot.port is not None)
 
 

@@ -92,7 +92,7 @@ def ticking_box() -> Iterator:
 
 
 def side_by_side(ours: Callable[[], List[float]], theirs: Callable[[], List[float]]) -> List[List[float]]:
-    """Runs both measurements at the same time, so that the load of the machine affects both."""
+    """Run both measurements at the same time, so that the load of the machine affects both."""
     found: List[List[float]] = []
     other = threading.Thread(target=lambda: found.append(theirs()))
     other.start()

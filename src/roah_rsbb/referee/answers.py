@@ -107,7 +107,7 @@ class Typed:
             self._asked = None  # ask again
 
     def _enter_switches(self, zone: ZoneSnapshot, line: str) -> bool:
-        """Returns whether the switches are confirmed."""
+        """Return whether the switches are confirmed."""
         entered = switches_of(line)
         for switch in entered.pressed:
             self._link.press_switch(zone.zone, switch)

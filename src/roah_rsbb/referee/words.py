@@ -36,7 +36,7 @@ class EventWanted(NamedTuple):
     team: str = ""
 
     def fits(self, event: EventSnapshot) -> bool:
-        """Returns whether this event is meant."""
+        """Return whether this event is meant."""
         return self.code.lower() in ("", event.code.lower()) and self.team.lower() in ("", event.team.lower()) and all(
             wanted in (None, number) for wanted, number in ((self.round, event.round), (self.run, event.run))
         )

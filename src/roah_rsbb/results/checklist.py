@@ -27,7 +27,7 @@ class CheckLine(NamedTuple):
 
 
 def checklist(plans: Sequence[ZonePlan], records: Sequence[RunRecord], in_utc: bool) -> List[CheckLine]:
-    """Returns a line for each event, in the order of the scheduled times. Of an event that was repeated, the last run
+    """Return a line for each event, in the order of the scheduled times. Of an event that was repeated, the last run
     counts. An event whose time was changed since its run keeps that run. Runs that the schedule does not have follow.
     """
     last: Dict[_Key, Tuple[int, RunRecord]] = {}
@@ -69,7 +69,7 @@ def _of_run(number: int, record: RunRecord, in_utc: bool) -> CheckLine:
 
 
 def check_lines(lines: Sequence[CheckLine], in_utc: bool) -> Iterator[str]:
-    """Returns the lines for the terminal. What is missing is marked."""
+    """Return the lines for the terminal. What is missing is marked."""
     rows = [("", "Scheduled", "Zone", "Event", "Run", "State", "Sheet")]
     rows += [
         ("✔" if line.is_final else "✘", date_time(line.scheduled, in_utc), one_line(line.zone), one_line(line.name),
@@ -83,7 +83,7 @@ def check_lines(lines: Sequence[CheckLine], in_utc: bool) -> Iterator[str]:
 
 
 def summary(lines: Sequence[CheckLine]) -> str:
-    """Returns how many events have a final result, and what the others lack."""
+    """Return how many events have a final result, and what the others lack."""
     final = sum(line.is_final for line in lines)
     unsigned = sum(line.number is not None and not line.is_final for line in lines)
     without = sum(line.number is None for line in lines)

@@ -77,7 +77,7 @@ class Front(NamedTuple):
 
 
 def cut(text: str, letters: int) -> str:
-    """Returns a text in one line of limited length."""
+    """Return a text in one line of limited length."""
     text = one_line(text)
     return text if len(text) <= letters else text[:letters - 1] + "…"
 
@@ -86,12 +86,12 @@ def cut(text: str, letters: int) -> str:
 
 
 def benchmark_name(code: str, title: str) -> str:
-    """Returns a benchmark's title with its code, or the code alone."""
+    """Return a benchmark's title with its code, or the code alone."""
     return f"{title} ({code})" if title else code
 
 
 def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool) -> Front:
-    """Returns the texts of a run's front page. `title`: the benchmark's title; empty: not known."""
+    """Return the texts of a run's front page. `title`: the benchmark's title; empty: not known."""
     ended = run_state_text(record) + (f", after {elapsed(record.elapsed_s)} min" if record.started_utc else "")
     return Front(
         benchmark_name(record.benchmark, title),
@@ -112,7 +112,7 @@ def front_of(record: RunRecord, rules: Optional[Rules], title: str, in_utc: bool
 
 
 def robots_of(record: RunRecord) -> str:
-    """Returns the robots of a run in words."""
+    """Return the robots of a run in words."""
     by_hand = "none: scored by hand" if record.started_utc or record.end_reason else NOTHING
     return ", ".join(record.robots) or by_hand
 
@@ -124,7 +124,7 @@ def _limit_text(seconds: float) -> str:
 def blank_front(
     benchmark: Benchmark, zone: str = "", event: Optional[ScheduledEvent] = None, in_utc: bool = False
 ) -> Front:
-    """Returns the texts of a sheet to be filled in by hand: of an event, or of any run of a benchmark."""
+    """Return the texts of a sheet to be filled in by hand: of an event, or of any run of a benchmark."""
     known = event is not None
     groups: Dict[str, List[ScoringItem]] = {}
     for item in benchmark.scoring:
@@ -147,7 +147,7 @@ def blank_front(
 
 
 def _blank_line(item: ScoringItem) -> Line:
-    """Returns the line of an item to be filled in by hand, with the points that it gives."""
+    """Return the line of an item to be filled in by hand, with the points that it gives."""
     if item.kind is ScoreKind.CHOICE:
         choices = "  ".join(f"☐ {choice.name}{_in_brackets(choice.points)}" for choice in item.choices)
         return Line(f"{item.desc}: {choices}", "")
@@ -174,7 +174,7 @@ def _item_groups(record: RunRecord, rules: Optional[Rules]) -> Iterator[Group]:
 
 
 def _groups_with_points(record: RunRecord, points: SheetPoints) -> Iterator[Group]:
-    """Yields the groups of a sheet that gives points."""
+    """Yield the groups of a sheet that gives points."""
     totals = dict(points.groups)
     groups = grouped(record.items)
     for name, items in groups.items():
@@ -197,7 +197,7 @@ def _value(item: ItemRecord) -> str:
 
 
 def _points(rules: Rules, items: Sequence[ItemRecord]) -> str:
-    """Returns what items contribute to the criteria of the ranking; empty: they do not count."""
+    """Return what items contribute to the criteria of the ranking; empty: they do not count."""
     counted = [
         term.weight * item.value
         for item in items for criterion in rules.criteria for term in criterion.terms if term.counts(item)
@@ -211,7 +211,7 @@ def _module_groups(record: RunRecord) -> Iterator[Group]:
 
 
 def _totals(record: RunRecord, rules: Optional[Rules]) -> Iterator[Tuple[str, str]]:
-    """Yields the points, and the numbers by which the run is ranked."""
+    """Yield the points, and the numbers by which the run is ranked."""
     if record.points is not None:
         yield "Points", record.points.total
     if not record.started_utc or (record.points is not None and rules is None):
@@ -237,7 +237,7 @@ def _remarks(record: RunRecord) -> Iterator[str]:
 
 
 def layout_of(front: Front) -> Tuple[Layout, Tuple[Group, ...]]:
-    """Returns the layout of a page's scores, and the groups cut to what fits."""
+    """Return the layout of a page's scores, and the groups cut to what fits."""
     height = SCORES_MM - _other_mm(front)
     for layout in LAYOUTS:
         if sum(_height(group, layout) for group in front.groups) <= layout.columns * int(height / layout.line_mm):
@@ -261,7 +261,7 @@ def layout_of(front: Front) -> Tuple[Layout, Tuple[Group, ...]]:
 
 
 def _other_mm(front: Front) -> float:
-    """Returns the height of the parts that not all pages have: the competition, remarks, facts of several lines."""
+    """Return the height of the parts that not all pages have: the competition, remarks, facts of several lines."""
     facts = [wrapped_lines(cut(value, MAX_FACT), FACT_LETTERS) - 1 for _, value in front.facts]
     remarks = [min(2, wrapped_lines(cut(remark, MAX_REMARK), REMARK_LETTERS)) for remark in front.remarks[:MAX_REMARKS]]
     rows = [max(pair) for pair in zip(facts[::2], facts[1::2])]
@@ -270,7 +270,7 @@ def _other_mm(front: Front) -> float:
 
 
 def _height(group: Group, layout: Layout) -> int:
-    """Returns roughly how many lines a group takes. Its title counts as two."""
+    """Return roughly how many lines a group takes. Its title counts as two."""
     return 2 + sum(_lines(line, layout) for line in group.lines)
 
 
@@ -279,7 +279,7 @@ def _lines(line: Line, layout: Layout) -> int:
 
 
 def wrapped_lines(text: str, letters: int) -> int:
-    """Returns how many lines a text takes, if a line breaks between words only."""
+    """Return how many lines a text takes, if a line breaks between words only."""
     lines, used = 1, 0
     for word in text.split():
         length = min(len(word), letters)

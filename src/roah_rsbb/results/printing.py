@@ -30,7 +30,7 @@ class CannotPrint(Exception):
 
 
 def browser() -> str:
-    """Returns the browser's path; raises `CannotPrint`."""
+    """Return the browser's path; raises `CannotPrint`."""
     found = next((path for path in map(shutil.which, BROWSERS) if path), None)
     if found is None:
         raise CannotPrint(

@@ -50,7 +50,7 @@ class Term(NamedTuple):
     points: str = ""  # of this group of the sheet, or `TOTAL`
 
     def counts(self, item: ItemRecord) -> bool:
-        """Returns whether an item of the sheet is added up."""
+        """Return whether an item of the sheet is added up."""
         return not self.score and not self.points and self.group in ("", item.group) and self.item in ("", item.desc)
 
 

@@ -73,7 +73,7 @@ def protect() -> None:
 
 
 def _serve(server: Any) -> None:
-    """Replaces `TCPServer.run`."""
+    """Replace `TCPServer.run`."""
     server.is_shutdown = False
     Handshakes(server.server_sock, server.inbound_handler).serve(lambda: server.is_shutdown)
 

@@ -33,7 +33,7 @@ _FORMS: Dict[str, Callable[[int], int]] = {
 
 
 def wanted(environment: Mapping[str, str]) -> List[str]:
-    """Returns the languages that the environment asks for, such as ["de_AT", "de"], the preferred ones first."""
+    """Return the languages that the environment asks for, such as ["de_AT", "de"], the preferred ones first."""
     locale = next(filter(None, map(environment.get, ("LC_ALL", "LC_MESSAGES", "LANG"))), "C")
     if locale.partition(".")[0] in ("C", "POSIX"):
         return []
@@ -45,12 +45,12 @@ def wanted(environment: Mapping[str, str]) -> List[str]:
 
 
 def chosen(folder: pathlib.Path, environment: Mapping[str, str]) -> str:
-    """Returns the first language that the environment asks for and that `folder` has; English if there is none."""
+    """Return the first language that the environment asks for and that `folder` has; English if there is none."""
     return next((name for name in wanted(environment) if name == SOURCE or _file(folder, name).is_file()), SOURCE)
 
 
 def read(path: pathlib.Path) -> Texts:
-    """Returns all translated texts of a file."""
+    """Return all translated texts of a file."""
     found: Texts = {}
     for context in ElementTree.parse(str(path)).getroot().iter("context"):
         name = context.findtext("name", "")

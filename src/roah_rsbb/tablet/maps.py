@@ -95,7 +95,7 @@ def _plain_pixels(data: bytes, body: int, count: int) -> List[int]:
 
 
 def check_size(width: int, height: int) -> None:
-    """Raise `BadImage` for an image that is empty or too large."""
+    """Raises `BadImage` for an image that is empty or too large."""
     if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE):
         raise BadImage(f"it has {width} x {height} pixels, but a side may have 1 to {MAX_SIDE}: crop or scale it")
 
@@ -231,7 +231,7 @@ def _walls(pixels: bytes, negate: bool, occupied: float) -> bytes:
 
 
 def _image(path: str) -> Tuple[bytes, int, int, bytes]:
-    """Returns a PNG, its width and height, and its pixels; no pixels: not known."""
+    """Return a PNG, its width and height, and its pixels; no pixels: not known."""
     data = _read_file(path, MAX_IMAGE_BYTES)
     try:
         if data.startswith(PNG_SIGNATURE):

@@ -41,7 +41,7 @@ class Clock(NamedTuple):
 
 
 def clock_of(message, passed_s: float) -> Clock:
-    """Returns the times of `message` (RunClock), `passed_s` seconds after it."""
+    """Return the times of `message` (RunClock), `passed_s` seconds after it."""
     limit_s = message.limit.to_sec()
     if message.phase == "ended":
         left = max(0.0, message.after_stop.to_sec() - passed_s)
@@ -67,7 +67,7 @@ def clock_of(message, passed_s: float) -> Clock:
 
 
 def lines(clock: Clock) -> List[str]:
-    """Returns the times in words, the most important first."""
+    """Return the times in words, the most important first."""
     figures = [f"{figure.label} {figure.text}" for figure in (clock.main, clock.goal) if figure is not None]
     return [text for text in (clock.pause, *figures, clock.aside) if text]
 
@@ -80,7 +80,7 @@ def _setup(message, passed_s: float) -> Figure:
 
 
 def _phase(message, passed_s: float) -> Figure:
-    """Returns the time of the current phase of a task."""
+    """Return the time of the current phase of a task."""
     name = tr("Phase {number} of {count}, {name}", number=message.phase_number, count=message.phases,
               name=message.phase_name)
     spent_s = _spent(message.phase_elapsed.to_sec(), message.counting, passed_s)

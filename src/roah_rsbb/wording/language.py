@@ -24,7 +24,7 @@ def is_english() -> bool:
 
 
 def tr(text: str, **values: Any) -> str:
-    """Returns a text in the language of this process, with the values in its places, such as ``{zone}``.
+    """Return a text in the language of this process, with the values in its places, such as ``{zone}``.
 
     The value `n` is a count: a language may have other words for one than for several.
     """
@@ -34,5 +34,5 @@ def tr(text: str, **values: Any) -> str:
 
 
 def tr_later(text: str) -> str:
-    """Returns the text unchanged: `tr` translates it where it is shown. Texts of constants are written in it."""
+    """Return the text unchanged: `tr` translates it where it is shown. Texts of constants are written in it."""
     return text

@@ -23,12 +23,12 @@ class ScoreLine(NamedTuple):
 
 
 def readable(score) -> ScoreLine:
-    """Returns one score, such as ("Distance error", "0.124 m")."""
+    """Return one score, such as ("Distance error", "0.124 m")."""
     return ScoreLine(score.desc or score.name.replace("_", " "), _with_unit(_value(score.value), score.unit))
 
 
 def by_group(scores: Iterable) -> List[Tuple[str, List[ScoreLine]]]:
-    """Returns all scores by group, in their order; those of the whole run come first."""
+    """Return all scores by group, in their order; those of the whole run come first."""
     groups: Dict[str, List[ScoreLine]] = {}
     for score in scores:
         groups.setdefault(score.group, []).append(readable(score))

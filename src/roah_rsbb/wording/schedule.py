@@ -53,7 +53,7 @@ class Event(NamedTuple):
 
 
 def events_of(schedule) -> List[Event]:
-    """Makes the events of a Schedule message, or of anything with its fields."""
+    """Make the events of a Schedule message, or of anything with its fields."""
     numbers: Dict[str, int] = {}
     found = []
     for line in schedule.events:
@@ -70,7 +70,7 @@ def events_of(schedule) -> List[Event]:
 
 
 def state_text(event: Event) -> str:
-    """Returns the state of an event."""
+    """Return the state of an event."""
     if event.state == "done":
         return tr("✓ done: {end}", end=sheets.end_reason(event.end_reason))
     text = tr(_STATES.get(event.state, event.state))
@@ -80,14 +80,14 @@ def state_text(event: Event) -> str:
 
 
 def sheet_text(event: Event) -> str:
-    """Returns whether the score sheet of an event's last run is signed off; empty: no run is over."""
+    """Return whether the score sheet of an event's last run is signed off; empty: no run is over."""
     if event.unsigned:
         return tr(sheets.NOT_SIGNED_OFF)
     return tr(sheets.SIGNED_OFF) if event.identity else ""
 
 
 def delay_text(seconds: float) -> str:
-    """Returns a delay such as ``+12 min``, ``+2 h 05 min`` or ``+3 days``; empty: less than a minute."""
+    """Return a delay such as ``+12 min``, ``+2 h 05 min`` or ``+3 days``; empty: less than a minute."""
     minutes = int(seconds // MINUTE_S)
     if minutes < 1:
         return ""
@@ -99,7 +99,7 @@ def delay_text(seconds: float) -> str:
 
 
 def summary(events: Sequence[Event]) -> str:
-    """Returns how many events are signed off, not signed off, to come and skipped."""
+    """Return how many events are signed off, not signed off, to come and skipped."""
     unsigned = sum(event.unsigned for event in events)
     counts = (
         (sum(bool(event.identity) and not event.unsigned for event in events), tr(sheets.SIGNED_OFF)),
@@ -131,7 +131,7 @@ class EventFilter(NamedTuple):
     show: Show = Show.ALL
 
     def shows(self, event: Event, in_utc: bool = False) -> bool:
-        """Returns whether an event is shown."""
+        """Return whether an event is shown."""
         return (
             self.zone in ("", event.zone) and self.team in ("", event.team)
             and self.day in ("", day_of(event, in_utc)) and _SHOWN[self.show](event)
@@ -147,12 +147,12 @@ _SHOWN = {
 
 
 def day_of(event: Event, in_utc: bool = False) -> str:
-    """Returns the day of an event's scheduled time."""
+    """Return the day of an event's scheduled time."""
     return moment(event.scheduled_utc_s, "%Y-%m-%d", in_utc)
 
 
 def moment(utc_s: float, pattern: str, in_utc: bool = False) -> str:
-    """Returns a local or UTC moment in this format."""
+    """Return a local or UTC moment in this format."""
     try:
         return time.strftime(pattern, time.gmtime(utc_s) if in_utc else time.localtime(utc_s))
     except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop a panel
@@ -160,7 +160,7 @@ def moment(utc_s: float, pattern: str, in_utc: bool = False) -> str:
 
 
 def moment_text(utc_s: float, with_day: bool, in_utc: bool = False) -> str:
-    """Returns a local or UTC moment as HH:MM, or as ``Thu 31 HH:MM``."""
+    """Return a local or UTC moment as HH:MM, or as ``Thu 31 HH:MM``."""
     number = moment(utc_s, "%u", in_utc)
     if not with_day or not number.isdigit():
         return moment(utc_s, "%H:%M", in_utc)
@@ -171,12 +171,12 @@ def moment_text(utc_s: float, with_day: bool, in_utc: bool = False) -> str:
 
 
 def left_unsigned(events: Iterable[Event], zone: str) -> Optional[Event]:
-    """Returns the current event of a zone if its run is over and not signed off; None: nothing to confirm."""
+    """Return the current event of a zone if its run is over and not signed off; None: nothing to confirm."""
     return next((event for event in events if event.zone == zone and event.current and event.unsigned), None)
 
 
 def why_not(events: Iterable[Event], chosen: Event) -> str:
-    """Returns why an event cannot become the current one of its zone; empty: it can."""
+    """Return why an event cannot become the current one of its zone; empty: it can."""
     current = next((event for event in events if event.zone == chosen.zone and event.current), None)
     if current is not None and current.state == "running":
         return tr("A run is running in {zone}. Stop it first.", zone=chosen.zone)

@@ -89,7 +89,7 @@ _PLACE = re.compile(r"{(\w+)}")
 
 
 def tr_sent(text: str) -> str:
-    """Returns a sentence of the core in the language of this process; one that is not in the list stays in English."""
+    """Return a sentence of the core in the language of this process; one that is not in the list stays in English."""
     if language.is_english():
         return text
     found = _found(text)
@@ -99,7 +99,7 @@ def tr_sent(text: str) -> str:
 # Panels are redrawn ten times a second.
 @functools.lru_cache(maxsize=1024)
 def _found(text: str) -> Optional[Tuple[str, Dict[str, str]]]:
-    """Returns the sentence of the list, and the values in its places."""
+    """Return the sentence of the list, and the values in its places."""
     for sentence, pattern in _patterns():
         match = pattern.fullmatch(text)
         if match:

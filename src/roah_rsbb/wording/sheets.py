@@ -41,28 +41,28 @@ When = Callable[[float], str]
 
 
 def turn(round_number: int, run: int) -> str:
-    """Returns which turn of a team a run is."""
+    """Return which turn of a team a run is."""
     return tr("round {round}, run {run}", round=round_number, run=run)
 
 
 def run_name(code: str, team: str, round_number: int, run: int) -> str:
-    """Returns which run it is."""
+    """Return which run it is."""
     return tr("{benchmark}, team {team}, {turn}", benchmark=code, team=team, turn=turn(round_number, run))
 
 
 def end_reason(name: str) -> str:
-    """Returns why a run ended; the name of a reason that a newer version wrote is shown unchanged."""
+    """Return why a run ended; the name of a reason that a newer version wrote is shown unchanged."""
     return tr(END_REASONS.get(name, name))
 
 
 def phase(name: str, end: str = "") -> str:
-    """Returns the phase of a zone; `end`: name of the reason for which the run has ended."""
+    """Return the phase of a zone; `end`: name of the reason for which the run has ended."""
     word = tr(PHASES.get(name, name.upper()))
     return f"{word}: {end_reason(end)}" if end else word
 
 
 def run_state(started: object, closed: object, end: str) -> str:
-    """Returns how a run ended, or how far it is. `started`, `closed`: false until then; `end`: name of its end."""
+    """Return how a run ended, or how far it is. `started`, `closed`: false until then; `end`: name of its end."""
     if end:
         return end_reason(end)
     if started:
@@ -71,7 +71,7 @@ def run_state(started: object, closed: object, end: str) -> str:
 
 
 def stop_reason(reason: str, reason_by: str, stopped_by: str) -> str:
-    """Returns why somebody stopped a run, and who wrote that down if it was somebody else."""
+    """Return why somebody stopped a run, and who wrote that down if it was somebody else."""
     by = person(reason_by)
     return f"{reason} ({by})" if reason and reason_by and reason_by != stopped_by else reason
 
@@ -84,7 +84,7 @@ _WITH_NODE = re.compile(r"(.*) \((/[^\s()]*)\)")
 
 
 def person(who: str) -> str:
-    """Returns the name of the referee in `who`, such as "Anna" of "Anna (/roah_rsbb_window)"; empty: nobody."""
+    """Return the name of the referee in `who`, such as "Anna" of "Anna (/roah_rsbb_window)"; empty: nobody."""
     match = _WITH_NODE.fullmatch(who)
     if match is not None:
         return match.group(1)
@@ -92,7 +92,7 @@ def person(who: str) -> str:
 
 
 def node_of(who: str) -> str:
-    """Returns the ROS node in `who`; empty: there is none."""
+    """Return the ROS node in `who`; empty: there is none."""
     match = _WITH_NODE.fullmatch(who)
     if match is not None:
         return match.group(2)
@@ -107,12 +107,12 @@ ITEM_TYPES = ("bool", "uint", "int", "decimal", "choice", "rating")
 
 
 def type_word(number: int) -> str:
-    """Returns the type of a scoring item; a type that a newer version wrote is shown as a count."""
+    """Return the type of a scoring item; a type that a newer version wrote is shown as a count."""
     return ITEM_TYPES[number] if number < len(ITEM_TYPES) else "uint"
 
 
 def item_value(type_: str, value: int, not_attempted: bool = False, text: str = "") -> str:
-    """Returns the value of a scoring item. `text`: of a type that is not a whole number."""
+    """Return the value of a scoring item. `text`: of a type that is not a whole number."""
     if not_attempted:
         return tr(NOT_ATTEMPTED)
     if type_ == "bool":
@@ -123,12 +123,12 @@ def item_value(type_: str, value: int, not_attempted: bool = False, text: str = 
 
 
 def ratings_text(ratings: Iterable[Tuple[str, str]]) -> str:
-    """Returns such as "Anna 7, Ben 8.5"; `ratings`: judges and what they gave."""
+    """Return such as "Anna 7, Ben 8.5"; `ratings`: judges and what they gave."""
     return ", ".join(f"{judge} {text}" for judge, text in ratings if text)
 
 
 def is_marked(value: int, text: str) -> bool:
-    """Returns whether the value of an item is another than at the beginning."""
+    """Return whether the value of an item is another than at the beginning."""
     return bool(value) or text not in ("", "0")
 
 
@@ -141,12 +141,12 @@ class GroupOfValues(NamedTuple):
 
 
 def sums_text(groups: Iterable[GroupOfValues]) -> str:
-    """Returns such as "Achievements 5 (1 not attempted) · Penalized 2". A yes counts 1; empty groups are left out."""
+    """Return such as "Achievements 5 (1 not attempted) · Penalized 2". A yes counts 1; empty groups are left out."""
     return " · ".join(_sum(group) for group in groups if group.values)
 
 
 def points_text(total: str, groups: Iterable[Tuple[str, str]]) -> str:
-    """Returns such as "85 points: Achievements 100 · Penalized -15"; with one group its points only."""
+    """Return such as "85 points: Achievements 100 · Penalized -15"; with one group its points only."""
     groups = list(groups)
     more = ": " + " · ".join(f"{name} {points}" for name, points in groups) if len(groups) > 1 else ""
     return tr("{points} points", points=total) + more
@@ -161,14 +161,14 @@ def _sum(group: GroupOfValues) -> str:
 
 
 def sheet_state(closed: object, signed: object) -> str:
-    """Returns how far a score sheet is: open while the run is connected, then signed off or not."""
+    """Return how far a score sheet is: open while the run is connected, then signed off or not."""
     if signed:
         return tr(SIGNED_OFF)
     return tr(NOT_SIGNED_OFF) if closed else tr(OPEN)
 
 
 def signature(signed_utc_s: Optional[float], signed_by: str, when: When) -> str:
-    """Returns who signed a score sheet off, and when."""
+    """Return who signed a score sheet off, and when."""
     if not signed_utc_s:
         return tr(NOT_SIGNED_OFF)
     if not signed_by:
@@ -204,12 +204,12 @@ class HistoryEntry(NamedTuple):
 
 
 def mark_text(entry: HistoryEntry) -> str:
-    """Returns what an entry did, such as "Bumps into the furniture +1"."""
+    """Return what an entry did, such as "Bumps into the furniture +1"."""
     return f"{entry.item} {change_text(entry)}"
 
 
 def change_text(entry: HistoryEntry) -> str:
-    """Returns how an entry changed its item, such as "+1"."""
+    """Return how an entry changed its item, such as "+1"."""
     is_number = entry.type in ("uint", "int") and not (entry.text or entry.old_text)
     if entry.not_attempted or not is_number:
         return item_value(entry.type, entry.value, entry.not_attempted, entry.text) + _of_judge(entry)
@@ -221,7 +221,7 @@ def _of_judge(entry: HistoryEntry) -> str:
 
 
 def to_undo(history: Sequence[HistoryEntry], count: int) -> List[HistoryEntry]:
-    """Returns the last `count` entries that count, the newest first."""
+    """Return the last `count` entries that count, the newest first."""
     return [entry for entry in reversed(history) if not entry.withdrawn_utc_s][:count]
 
 
@@ -239,7 +239,7 @@ class EntryTexts(NamedTuple):
 
 
 def history_entry(message, type_: str) -> HistoryEntry:
-    """Makes an entry of a ScoreChange message, or of anything with its fields. `type_`: of its item."""
+    """Make an entry of a ScoreChange message, or of anything with its fields. `type_`: of its item."""
     return HistoryEntry(
         message.number, message.time.to_sec(), message.who, message.group, message.desc, type_,
         message.old, message.old_not_attempted, message.value, message.not_attempted, message.note, message.correction,
@@ -249,7 +249,7 @@ def history_entry(message, type_: str) -> HistoryEntry:
 
 
 def entry_texts(entry: HistoryEntry, when: When) -> EntryTexts:
-    """Puts an entry into words."""
+    """Put an entry into words."""
     old = item_value(entry.type, entry.old, entry.old_not_attempted, entry.old_text)
     new = item_value(entry.type, entry.value, entry.not_attempted, entry.text)
     return EntryTexts(
@@ -259,7 +259,7 @@ def entry_texts(entry: HistoryEntry, when: When) -> EntryTexts:
 
 
 def _withdrawal(entry: HistoryEntry, when: When) -> str:
-    """Returns who withdrew an entry, when and why; empty: it counts."""
+    """Return who withdrew an entry, when and why; empty: it counts."""
     if not entry.withdrawn_utc_s:
         return ""
     time = when(entry.withdrawn_utc_s)
@@ -273,7 +273,7 @@ def _withdrawal(entry: HistoryEntry, when: When) -> str:
 
 
 def entry_line(texts: EntryTexts, mark: Callable[[str], str] = str) -> str:
-    """Returns an entry in one line, without its number; `mark` makes what is unusual stand out."""
+    """Return an entry in one line, without its number; `mark` makes what is unusual stand out."""
     who = f" {texts.who}:" if texts.who else ""
     note = f" ({texts.note})" if texts.note else ""
     marks: List[str] = [f"; {mark(text)}" for text in (texts.correction, texts.withdrawn) if text]

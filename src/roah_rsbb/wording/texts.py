@@ -5,7 +5,7 @@ from typing import Any, Iterable
 
 
 def visible(text: str) -> str:
-    """Writes out every character that cannot be printed, such as ``\\x1b``; line breaks stay.
+    """Write out every character that cannot be printed, such as ``\\x1b``; line breaks stay.
 
     Such characters could send commands to a terminal or reverse the direction of writing.
     """
@@ -13,21 +13,21 @@ def visible(text: str) -> str:
 
 
 def escaped(text: str) -> str:
-    """Writes out every character that cannot be printed, line breaks too: the text stays in one line."""
+    """Write out every character that cannot be printed, line breaks too: the text stays in one line."""
     return text if text.isprintable() else visible(text).replace("\n", "\\n")
 
 
 def one_line(text: str) -> str:
-    """Makes visible text of one line."""
+    """Make visible text of one line."""
     return " ".join(visible(text).split())
 
 
 def value_text(value: Any) -> str:
-    """Returns any JSON value as text."""
+    """Return any JSON value as text."""
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 
 def bullets(lines: Iterable[str]) -> str:
-    """Returns one line unchanged, several as a list."""
+    """Return one line unchanged, several as a list."""
     lines = list(lines)
     return "\n".join(lines if len(lines) < 2 else [f"• {line}" for line in lines])

@@ -21,13 +21,13 @@ NOTHING = "–"
 
 
 def countdown(seconds: float) -> str:
-    """Returns the time left as m:ss, or as h:mm:ss from an hour on."""
+    """Return the time left as m:ss, or as h:mm:ss from an hour on."""
     whole = max(0, math.ceil(round(seconds, 3)))
     return _minutes(whole // 60, f"{whole % 60:02d}")
 
 
 def elapsed(seconds: float) -> str:
-    """Returns the time that something took, to a tenth of a second, such as ``9:58.3`` or ``1:02:03.4``."""
+    """Return the time that something took, to a tenth of a second, such as ``9:58.3`` or ``1:02:03.4``."""
     tenths = max(0, round(seconds * 10))
     return _minutes(tenths // 600, f"{tenths // 10 % 60:02d}.{tenths % 10}")
 
@@ -38,7 +38,7 @@ def _minutes(minutes: int, seconds: str) -> str:
 
 
 def ago(seconds: float) -> str:
-    """Returns how long ago something was: "just now", "4 s ago", "3 min ago", "2 h ago"."""
+    """Return how long ago something was: "just now", "4 s ago", "3 min ago", "2 h ago"."""
     if seconds < 1.5:
         return tr("just now")
     if seconds < 120:
@@ -49,12 +49,12 @@ def ago(seconds: float) -> str:
 
 
 def skew(seconds: float) -> str:
-    """Returns a clock skew with its sign, such as ``+0.150 s``. A skew that rounds to zero is not negative."""
+    """Return a clock skew with its sign, such as ``+0.150 s``. A skew that rounds to zero is not negative."""
     return f"{round(seconds, 3) + 0.0:+.3f} s" if abs(seconds) < 100 else f"{seconds:+.3g} s"
 
 
 def silence(seconds: Optional[float]) -> str:
-    """Returns what a panel says while the core is silent; None: the core has never been heard."""
+    """Return what a panel says while the core is silent; None: the core has never been heard."""
     if seconds is None:
         return tr("OLD: waiting for the core")
     return tr("OLD: nothing heard from the core for {time:.0f} s", time=max(1.0, seconds))
@@ -64,12 +64,12 @@ def silence(seconds: Optional[float]) -> str:
 
 
 def time_of_day(utc_s: float) -> str:
-    """Returns HH:MM:SS in UTC, where a heading or the text beside it says UTC."""
+    """Return HH:MM:SS in UTC, where a heading or the text beside it says UTC."""
     return _format("%H:%M:%S", utc_s)
 
 
 def time_with_zone(utc_s: float) -> str:
-    """Returns the UTC time of day as in log lines, such as ``14:03:59Z``."""
+    """Return the UTC time of day as in log lines, such as ``14:03:59Z``."""
     return f"{time_of_day(utc_s)}Z"
 
 
@@ -93,32 +93,32 @@ class Moments(NamedTuple):
     in_utc: bool = False
 
     def time_of_day(self, utc_s: float) -> str:
-        """Returns HH:MM:SS, where the name of the time zone is shown elsewhere."""
+        """Return HH:MM:SS, where the name of the time zone is shown elsewhere."""
         return _format("%H:%M:%S", utc_s, self.in_utc)
 
     def short(self, utc_s: float) -> str:
-        """Returns HH:MM."""
+        """Return HH:MM."""
         return _format("%H:%M", utc_s, self.in_utc)
 
     def with_zone(self, utc_s: float) -> str:
-        """Returns the time of day with the time zone, such as ``14:03:59 CET``."""
+        """Return the time of day with the time zone, such as ``14:03:59 CET``."""
         return f"{self.time_of_day(utc_s)} {'UTC' if self.in_utc else _format('%Z', utc_s, in_utc=False)}"
 
     def stamp(self, utc_s: float) -> str:
-        """Returns the time of day at the beginning of a line, such as ``14:03:59``, or ``14:03:59Z`` in UTC."""
+        """Return the time of day at the beginning of a line, such as ``14:03:59``, or ``14:03:59Z`` in UTC."""
         return self.time_of_day(utc_s) + ("Z" if self.in_utc else "")
 
     def scheduled(self, utc_s: float, today_utc_s: float) -> str:
-        """Returns HH:MM of an event, after its date if it is not today."""
+        """Return HH:MM of an event, after its date if it is not today."""
         day, today = (_format("%Y-%m-%d", moment, self.in_utc) for moment in (utc_s, today_utc_s))
         return self.short(utc_s) if day == today else f"{day} {self.short(utc_s)}"
 
     def and_age(self, utc_s: float, now_utc_s: float) -> str:
-        """Returns a time of day and how long ago it was; on the ROS interface zero means never."""
+        """Return a time of day and how long ago it was; on the ROS interface zero means never."""
         return f"{self.time_of_day(utc_s)} ({ago(now_utc_s - utc_s)})" if utc_s else tr("never")
 
     def lines(self, text: str, now_utc_s: float) -> str:
-        """Returns the lines of a log with the times at their beginnings in this time zone."""
+        """Return the lines of a log with the times at their beginnings in this time zone."""
         if self.in_utc:
             return text
         shift_s = _offset_s(now_utc_s)
@@ -132,7 +132,7 @@ class Moments(NamedTuple):
 
     @staticmethod
     def tip(utc_s: float) -> str:
-        """Returns the moment in UTC with its date, for a tooltip."""
+        """Return the moment in UTC with its date, for a tooltip."""
         return f"{_format('%Y-%m-%d %H:%M:%S', utc_s)} UTC"
 
 
@@ -173,7 +173,7 @@ def short_time(moment: str, clock: str) -> str:
 
 
 def date_time(utc_s: float, in_utc: bool = False) -> str:
-    """Returns a local moment with its offset, such as ``2025-11-21 12:03:59 +01:00``, or the UTC one with a Z."""
+    """Return a local moment with its offset, such as ``2025-11-21 12:03:59 +01:00``, or the UTC one with a Z."""
     moment = _moment(utc_s, in_utc)
     if in_utc:
         return f"{moment:%Y-%m-%d %H:%M:%SZ}"
@@ -187,13 +187,13 @@ def optional_date_time(utc_s: Optional[float], in_utc: bool = False) -> str:
 
 
 def time_with_tenths(utc_s: float, in_utc: bool = False) -> str:
-    """Returns the time of day with tenths of a second, where the day and the offset are shown elsewhere."""
+    """Return the time of day with tenths of a second, where the day and the offset are shown elsewhere."""
     moment = _moment(utc_s, in_utc)
     return f"{moment:%H:%M:%S}.{moment.microsecond // 100_000}"
 
 
 def iso(utc_s: float, in_utc: bool = False) -> str:
-    """Returns a moment for programs, in ISO 8601, such as ``2025-11-21T12:03:59.250+01:00``."""
+    """Return a moment for programs, in ISO 8601, such as ``2025-11-21T12:03:59.250+01:00``."""
     return _moment(utc_s, in_utc).isoformat(timespec="milliseconds")
 
 

@@ -32,7 +32,7 @@ class Todo(NamedTuple):
 
 
 def todo(zone, details) -> Todo:
-    """Returns what to do now in `zone` (ZoneState). `details` (ZoneDetails): None if they are not known."""
+    """Return what to do now in `zone` (ZoneState). `details` (ZoneDetails): None if they are not known."""
     found = [line[len(WARNING):] for line in zone.state.splitlines() if line.startswith(WARNING)]
     if zone.manual_operation:
         return Todo(Urgency.DO, zone.manual_operation, len(found))
@@ -47,7 +47,7 @@ def todo(zone, details) -> Todo:
 
 
 def _step(zone, details) -> Todo:
-    """Returns what the run's phase requires."""
+    """Return what the run's phase requires."""
     phase = "" if details is None else details.phase
     if phase == "running":
         return Todo(Urgency.NONE, details.module_status or tr("The robot is working"))

@@ -56,7 +56,7 @@ class Target(NamedTuple):
         return dearest, size
 
     def _seconds(self, data: bytes) -> List[float]:
-        """Measures the processor time of each step, without the garbage collector."""
+        """Measure the processor time of each step, without the garbage collector."""
         found = []
         was_enabled = gc.isenabled()
         gc.disable()

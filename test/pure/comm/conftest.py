@@ -37,7 +37,7 @@ def loop():
 
 @pytest.fixture
 def inbox(loop):
-    """Makes inboxes."""
+    """Make inboxes."""
     return lambda: Inbox(loop)
 
 
@@ -51,7 +51,7 @@ def port():
 
 @pytest.fixture
 def opened():
-    """Opens channels or peers, and closes them after the test."""
+    """Open channels or peers, and close them after the test."""
     to_close = []
 
     def open_(endpoint):

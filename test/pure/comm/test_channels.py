@@ -26,7 +26,7 @@ ROBOT_STATE = pb.RobotState(time=TIME, messages_saved=1, robot_state=pb.RobotSta
 
 @pytest.fixture
 def public(loop, port, inbox, opened):
-    """Opens a public channel with inboxes `messages` and `reported` (complaints)."""
+    """Open a public channel with inboxes `messages` and `reported` (complaints)."""
     def make(bind_host, rsbb_host=BROADCAST, **options):
         messages, reported = inbox(), inbox()
         channel = PublicChannel(loop, rsbb_host, port, messages, reported, bind_host, **options)
@@ -37,7 +37,7 @@ def public(loop, port, inbox, opened):
 
 @pytest.fixture
 def private(loop, port, inbox, opened):
-    """Opens a private channel with inboxes `messages` and `reported` (complaints)."""
+    """Open a private channel with inboxes `messages` and `reported` (complaints)."""
     def make(bind_host, key=KEY, remote=None, rsbb_host=BROADCAST, **options):
         messages, reported = inbox(), inbox()
         channel = PrivateChannel(loop, rsbb_host, port, key, messages, reported, bind_host=bind_host, **options)

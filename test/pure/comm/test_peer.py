@@ -15,7 +15,7 @@ BOX = "127.0.0.1"
 
 @pytest.fixture
 def peer(loop, port, inbox, opened):
-    """Opens a peer with inboxes `datagrams` and `complaints`."""
+    """Open a peer with inboxes `datagrams` and `complaints`."""
     def make(bind_host=BOX, rsbb_host=BROADCAST, on_datagram=None, **options):
         datagrams, complaints = inbox(), inbox()
         made = Peer(loop, rsbb_host, port, on_datagram or datagrams, complaints, bind_host, **options)

@@ -26,7 +26,7 @@ def has_count(text: str) -> bool:
 
 
 def read(path: pathlib.Path) -> Dict[str, List[Entry]]:
-    """Returns the entries by context."""
+    """Return the entries by context."""
     return {
         context.findtext("name", ""): [_entry(message) for message in context.iter("message")]
         for context in ElementTree.parse(str(path)).getroot().iter("context")
@@ -43,14 +43,14 @@ def _entry(message: ElementTree.Element) -> Entry:
 
 
 def updated(entries: List[Entry], texts: Dict[str, str]) -> List[Entry]:
-    """Returns an entry for each of these texts; translations that exist are kept."""
+    """Return an entry for each of these texts; translations that exist are kept."""
     known = {entry.text: entry.forms for entry in entries}
     return [Entry(text, place, known.get(text, ("", "") if has_count(text) else ("",)))
             for text, place in texts.items()]
 
 
 def write(path: pathlib.Path, contexts: Dict[str, List[Entry]]) -> None:
-    """Writes a file as Qt Linguist does."""
+    """Write a file as Qt Linguist does."""
     lines = ['<?xml version="1.0" encoding="utf-8"?>', "<!DOCTYPE TS>",
              f'<TS version="2.1" language="{path.stem}" sourcelanguage="en">']
     for name, entries in contexts.items():

@@ -15,7 +15,7 @@ class Import(NamedTuple):
 
 @functools.lru_cache(maxsize=None)
 def imports_of(path: pathlib.Path) -> Tuple[Import, ...]:
-    """Returns all imports anywhere in a file."""
+    """Return all imports anywhere in a file."""
     found = []
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):

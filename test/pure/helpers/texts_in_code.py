@@ -46,12 +46,12 @@ class Found(NamedTuple):
 
 
 def files() -> List[pathlib.Path]:
-    """Returns all files whose texts windows show."""
+    """Return all files whose texts windows show."""
     return [path for folder in FOLDERS for path in sorted((PACKAGE / folder).rglob("*.py"))]
 
 
 def find(source: str, place: str) -> Found:
-    """Returns the texts in a file."""
+    """Return the texts in a file."""
     visitor = _Visitor(place)
     visitor.visit(ast.parse(source))
     return Found(visitor.marked, visitor.forgotten, visitor.wrong)
@@ -59,12 +59,12 @@ def find(source: str, place: str) -> Found:
 
 @functools.lru_cache(maxsize=None)
 def find_in(path: pathlib.Path) -> Found:
-    """Returns the texts in a file of the package."""
+    """Return the texts in a file of the package."""
     return find(path.read_text(encoding="utf-8"), path.relative_to(PACKAGE).as_posix())
 
 
 def marked() -> Dict[str, str]:
-    """Returns all texts for the translators, in the order of the files, with the first file of each."""
+    """Return all texts for the translators, in the order of the files, with the first file of each."""
     found: Dict[str, str] = {}
     for path in files():
         for text in find_in(path).marked:
@@ -73,13 +73,13 @@ def marked() -> Dict[str, str]:
 
 
 def literals(source: str) -> List[str]:
-    """Returns all texts in a file; places for values are written as {}."""
+    """Return all texts in a file; places for values are written as {}."""
     found = (_string(node) for node in ast.walk(ast.parse(source)))
     return [text for text in found if text is not None]
 
 
 def placeholders(text: str) -> List[str]:
-    """Returns the places for values in a text, such as ["{zone}"], sorted."""
+    """Return the places for values in a text, such as ["{zone}"], sorted."""
     return sorted(re.findall(r"{[^{}]*}", text))
 
 

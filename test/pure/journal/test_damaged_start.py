@@ -17,7 +17,7 @@ ENTRY = NewEntry(1e9, 5.0, "Home", "HNF-6667-1", 6667, "/referee", "notice", "")
 
 @pytest.fixture
 def start(tmp_path):
-    """Starts a core's journal in the folder; returns it, its reports, and the files that were set aside."""
+    """Start a core's journal in the folder; return it, its reports, and the files that were set aside."""
     opened = []
 
     def start():

@@ -39,7 +39,7 @@ def example():
 
 @pytest.fixture
 def run_program(example, monkeypatch):
-    """Runs the program on the network of a box until `body(box)` has ended."""
+    """Run the program on the network of a box until `body(box)` has ended."""
     run = asyncio.run
 
     def run_on(box, body):

@@ -37,7 +37,7 @@ def port(monkeypatch):
 
 @pytest.fixture
 def connect():
-    """Opens connections to a port of this machine."""
+    """Open connections to a port of this machine."""
     opened = []
 
     def connect_to(port, *parts):

@@ -39,7 +39,7 @@ def test_rqt_that_is_not_there_is_named_with_its_remedy():
 
 @pytest.fixture
 def keep(monkeypatch):
-    """Runs a Python program under a Keeper, and gives its exit code."""
+    """Run a Python program under a Keeper, and return its exit code."""
     monkeypatch.setattr(gui, "REOPEN_S", 0.0)
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     yield lambda program, reopen: gui.Keeper([sys.executable, "-S", "-c", program], reopen).run()

@@ -41,7 +41,7 @@ def unpacked(png):
 
 @pytest.fixture
 def saved(tmp_path):
-    """Saves a map's files; returns the YAML file's path."""
+    """Save a map's files; return the YAML file's path."""
     def save(yaml="image: it.pgm\nresolution: 0.5\norigin: [1, 2, 0]\n", image=PGM, name="it.pgm"):
         if image is not None:
             (tmp_path / name).write_bytes(image)

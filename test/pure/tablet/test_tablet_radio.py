@@ -135,7 +135,7 @@ class Started:
 
 @pytest.fixture
 def start(box):
-    """Starts the program with these arguments, beside the box."""
+    """Start the program with these arguments, beside the box."""
     started = []
 
     def start_(*arguments):

@@ -48,7 +48,7 @@ _ports = itertools.count(RSBB_PORT + 1)
 
 @contextlib.contextmanager
 def reported_with(what: str) -> Iterator[None]:
-    """Adds a description to failures. (rostest shows no text of a unittest's subTest.)"""
+    """Add a description to failures. (rostest shows no text of a unittest's subTest.)"""
     try:
         yield
     except AssertionError as error:

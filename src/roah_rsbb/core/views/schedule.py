@@ -76,7 +76,7 @@ def _last_runs(box: Box) -> Dict[Tuple[str, int], RunRecord]:
 
 
 def slot_lengths(plans: Iterable[ZonePlan]) -> Dict[str, float]:
-    """Returns the seconds that an event takes, by the code of its benchmark."""
+    """Return the seconds that an event takes, by the code of its benchmark."""
     longest: Dict[str, float] = {}
     gaps: Dict[str, List[float]] = {}
     for plan in plans:
@@ -89,7 +89,7 @@ def slot_lengths(plans: Iterable[ZonePlan]) -> Dict[str, float]:
 
 
 def _longest(benchmark: Benchmark) -> float:
-    """Returns the most seconds that an event may take."""
+    """Return the most seconds that an event may take."""
     limit = NO_LIMIT_S if benchmark.total_timeout == NO_LIMIT else benchmark.total_timeout
     return limit + (benchmark.rules.setup_time or SETUP_S)
 
@@ -117,7 +117,7 @@ def _state(zone: Zone, index: int, last: Optional[RunRecord]) -> EventState:
 
 
 def _with_times(lines: List[EventLine], zone: Zone, slots: Dict[str, float], now: Now) -> List[EventLine]:
-    """Returns the lines of a zone with the times at which their runs began, or will probably begin."""
+    """Return the lines of a zone with the times at which their runs began, or will probably begin."""
     free = now.utc  # from then on the zone can begin another event
     timed = []
     for line in lines:

@@ -40,7 +40,7 @@ LEAST_GROWTH = 1.05
 
 
 def growth(high_px: float, em_px: float) -> float:
-    """Returns the factor by which texts and buttons grow on a screen of this height."""
+    """Return the factor by which texts and buttons grow on a screen of this height."""
     factor = min(MOST_GROWTH, high_px / (HIGH_SCREEN_EMS * em_px))
     return factor if factor >= LEAST_GROWTH else 1.0
 
@@ -102,5 +102,5 @@ class PanelSettings:
         self._settings.setValue(f"{self._name}/{key}", value)
 
     def value(self, key: str, default=None):
-        """Returns the saved value, or `default`."""
+        """Return the saved value, or `default`."""
         return self._settings.value(f"{self._name}/{key}", default)

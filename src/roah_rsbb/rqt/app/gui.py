@@ -45,7 +45,7 @@ class WindowChoice(NamedTuple):
 
 
 def choose(gui: str, has_display: bool, has_rqt: bool) -> WindowChoice:
-    """Returns what `gui` (auto, rqt, window or public) means on this machine."""
+    """Return what `gui` (auto, rqt, window or public) means on this machine."""
     if not has_display:
         return WindowChoice(None, display.NO_DISPLAY)
     if gui == "public":

@@ -24,7 +24,7 @@ WIDE_EMS, HIGH_EMS = 40, 40
 
 
 def name_of(kind: Type[Panel]) -> str:
-    """Returns the name of a panel's program and node, such as roah_rsbb_omf_switches for OmfSwitchesPanel."""
+    """Return the name of a panel's program and node, such as roah_rsbb_omf_switches for OmfSwitchesPanel."""
     words = re.findall("[A-Z][a-z]*", kind.__name__)[:-1]
     return "_".join(["roah_rsbb", *(word.lower() for word in words)])
 

@@ -30,5 +30,5 @@ class BoxClock:
         self._last_clock, self._last_mono = clock, mono
 
     def now(self, mono: float) -> float:
-        """Returns the box's clock at `mono` in UTC seconds; 0.0 before the first sample."""
+        """Return the box's clock at `mono` in UTC seconds; 0.0 before the first sample."""
         return 0.0 if self._offset is None else mono + self._offset

@@ -127,7 +127,7 @@ class Calls(QObject):
 
 
 def failure_text(raised: str) -> str:
-    """Returns the core's reasons, or what to check if there was no answer."""
+    """Return the core's reasons, or what to check if there was no answer."""
     if raised.endswith("unavailable") or raised.startswith(("unable to connect to service", "transport error")):
         return tr("no answer: is the core running? Check the state when it is back. ({error})", error=raised)
     return "; ".join(map(tr_sent, refusals.reasons(raised)))

@@ -39,7 +39,7 @@ class Client:
 
     @classmethod
     def acquire(cls) -> "Client":
-        """Returns the client of this process; the first call creates it. Call `release` once for each call."""
+        """Return the client of this process; the first call creates it. Call `release` once for each call."""
         if cls._shared is None:
             # In rqt, whose application is not ours.
             collect_here()

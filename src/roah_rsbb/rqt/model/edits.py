@@ -51,7 +51,7 @@ class Edits:
         self._edits.pop(item, None)
 
     def value(self, item: Hashable, published: Value, clock_s: float) -> Value:
-        """Returns the value to show when a message of `clock_s` says `published`."""
+        """Return the value to show when a message of `clock_s` says `published`."""
         edit = self._edits.get(item)
         if edit is None:
             return published

@@ -52,7 +52,7 @@ class LinkQuality:
                 robot.gaps.popleft()
 
     def longest_silence_s(self, name: Hashable) -> Optional[float]:
-        """Returns the longest silence that ended within the window or still lasts; None: unknown robot."""
+        """Return the longest silence that ended within the window or still lasts; None: unknown robot."""
         robot = self._robots.get(name)
         if robot is None:
             return None
@@ -60,7 +60,7 @@ class LinkQuality:
 
 
 def text(longest_silence_s: Optional[float]) -> str:
-    """Returns it as bars and a word, with the number if something is wrong."""
+    """Return it as bars and a word, with the number if something is wrong."""
     if longest_silence_s is None:
         return ""
     for number, level in enumerate(LEVELS):

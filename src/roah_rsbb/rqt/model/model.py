@@ -127,7 +127,7 @@ class Model(QObject):
         return 0.0 if self.details is None else self.details.clock.to_sec()
 
     def box_time(self) -> float:
-        """Returns our estimate of the box's clock now, in UTC seconds."""
+        """Return our estimate of the box's clock now, in UTC seconds."""
         return self.box_clock.now(time.monotonic())
 
     @property
@@ -144,7 +144,7 @@ class Model(QObject):
         return [] if self.gui is None else [zone.zone for zone in self.gui.zones]
 
     def running_zones(self) -> List[str]:
-        """Returns the zones that are running. If a phase is unknown, a zone that can be stopped may be running."""
+        """Return the zones that are running. If a phase is unknown, a zone that can be stopped may be running."""
         found = []
         for zone in self.gui.zones if self.gui else ():
             details = self.details_of(zone.zone)
@@ -153,7 +153,7 @@ class Model(QObject):
         return found
 
     def identity_of(self, zone_name: str) -> str:
-        """Returns the identity of the run in a zone; empty: none, or not known."""
+        """Return the identity of the run in a zone; empty: none, or not known."""
         details = self.details_of(zone_name)
         return "" if details is None else details.identity
 
@@ -169,7 +169,7 @@ class Model(QObject):
         return self.details_of(self.zone_name)
 
     def details_of(self, zone_name: str) -> Optional[ZoneDetails]:
-        """Returns the details of a zone; None: not known, or much older than its state.
+        """Return the details of a zone; None: not known, or much older than its state.
 
         While the core is silent both are equally old, and the last details are still useful.
         """
@@ -182,7 +182,7 @@ class Model(QObject):
         return (self._heard or 0.0) - self._heard_at[topic] > DETAILS_SILENT_S
 
     def clock_of(self, zone_name: str) -> Optional[Clock]:
-        """Returns the times of the run in a zone, as of the newest CoreToGui; None: not known, or much older."""
+        """Return the times of the run in a zone, as of the newest CoreToGui; None: not known, or much older."""
         details = self.details_of(zone_name)
         if details is None or self._clocks is None or self._is_behind(CLOCKS_TOPIC):
             return None
@@ -192,7 +192,7 @@ class Model(QObject):
         return clock_of(message, self.clock_s - self._clocks.clock.to_sec())
 
     def has_phases(self, zone_name: str) -> bool:
-        """Returns whether the benchmark of a zone's event has phases."""
+        """Return whether the benchmark of a zone's event has phases."""
         clocks = () if self._clocks is None else self._clocks.zones
         return any(clock.zone == zone_name and clock.phases > 0 for clock in clocks)
 
@@ -202,7 +202,7 @@ class Model(QObject):
         return next((run for run in runs if run.identity == identity), UnsavedParts())
 
     def runs_of(self, zone_name: str) -> List[RunSummary]:
-        """Returns the runs of a zone: the connected one, then those that are over, the latest first."""
+        """Return the runs of a zone: the connected one, then those that are over, the latest first."""
         runs = () if self.results is None else self.results.runs
         return [run for run in runs if run.zone == zone_name]
 

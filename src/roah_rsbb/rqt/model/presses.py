@@ -27,5 +27,5 @@ class DoublePress:
         return False
 
     def armed(self, now_mono: float) -> Optional[Hashable]:
-        """Returns what the next press will do, or None."""
+        """Return what the next press will do, or None."""
         return self._armed if now_mono - self._at <= WITHIN_S else None

@@ -67,7 +67,7 @@ class ActiveRobotsPanel(CollapsingPanel):
         return (text, *("" for _ in COLUMNS[1:]))
 
     def _zone_of(self, robot: RobotInfo) -> str:
-        """Returns the zone of the run that the robot takes part in."""
+        """Return the zone of the run that the robot takes part in."""
         gui, details = self.model.gui, self.model.details
         if gui is None or details is None:
             return NO_RUN

@@ -21,12 +21,12 @@ NO_LIMIT = 16777215  # Qt's QWIDGETSIZE_MAX
 
 
 def scoring_in(window: QWidget) -> Optional[Panel]:
-    """Returns the panel Scoring in a window; None: it has none."""
+    """Return the panel Scoring in a window; None: it has none."""
     return next((panel for panel in window.findChildren(Panel) if panel.objectName() == SCORING), None)
 
 
 def dock_of(panel: Panel) -> Optional[QDockWidget]:
-    """Returns the dock that a panel is in."""
+    """Return the dock that a panel is in."""
     widget = panel.parentWidget()
     while widget is not None and not isinstance(widget, QDockWidget):
         widget = widget.parentWidget()

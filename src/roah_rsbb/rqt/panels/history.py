@@ -34,7 +34,7 @@ class RunSheets:
         self.error = ""  # why the last request failed
 
     def sheet(self, summary: RunSummary) -> Optional[RunSheet]:
-        """Returns the known sheet of a run at once, and requests a newer one if it exists."""
+        """Return the known sheet of a run at once, and requests a newer one if it exists."""
         known = self._sheets.get(summary.identity)
         if known is None or known.summary.revision != summary.revision:
             self._ask(summary)
@@ -67,7 +67,7 @@ SILENT = tr_later("The core is silent: nothing can be changed now")
 
 
 def why_fixed(summary: Optional[RunSummary], is_old: bool) -> str:
-    """Returns why a run's sheet cannot be changed now; empty: it can. `is_old`: the core is silent."""
+    """Return why a run's sheet cannot be changed now; empty: it can. `is_old`: the core is silent."""
     if summary is not None and summary.signed.to_sec():
         return tr("Final: signed off by {name}", name=summary.signed_by)
     return tr(SILENT) if is_old else ""
@@ -136,7 +136,7 @@ class History(QWidget):
 
 
 def history_of(sheet: RunSheet) -> List[sheets.HistoryEntry]:
-    """Returns all entries of a sheet, the oldest first."""
+    """Return all entries of a sheet, the oldest first."""
     types = {(item.group, item.desc): sheets.type_word(item.type) for item in sheet.items}
     return [sheets.history_entry(change, types.get((change.group, change.desc), "uint")) for change in sheet.history]
 

@@ -46,7 +46,7 @@ WHATS = {command.service: command.what for command in (*RULE_COMMANDS, *SHEET_CO
 
 
 def why_off(details: Optional[ZoneDetails], service: str, silent: str) -> Sequence[str]:
-    """Returns why a command is refused now; empty: it is allowed. `silent`: the core is not heard."""
+    """Return why a command is refused now; empty: it is allowed. `silent`: the core is not heard."""
     if details is None or silent:
         return [silent or tr("Waiting for the core")]
     return [tr_sent(reason) for reason in getattr(details, f"{service}_off")]

@@ -106,5 +106,5 @@ class OmfSwitchesPanel(Panel):
 
 
 def _numbers(zone: ZoneState) -> List[int]:
-    """Returns the switches that are on; rospy delivers uint8[] as bytes."""
+    """Return the switches that are on; rospy delivers uint8[] as bytes."""
     return list(zone.omf_switches)

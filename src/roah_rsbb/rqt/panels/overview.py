@@ -232,7 +232,7 @@ class TileArrangement(NamedTuple):
 
 
 def _both(zone: str, team: str, metrics: QFontMetrics, width: int) -> str:
-    """Returns zone and team in one line; where the width is too small for both, each has at least half of it."""
+    """Return zone and team in one line; where the width is too small for both, each has at least half of it."""
     if metrics.horizontalAdvance(f"{zone}{BETWEEN}{team}") <= width:
         return f"{zone}{BETWEEN}{team}"
     width -= metrics.horizontalAdvance(BETWEEN)
@@ -362,7 +362,7 @@ class OverviewPanel(CollapsingPanel):
 
 
 def best_arrangement(tiles: int, wide_ems: float, high_ems: float) -> TileArrangement:
-    """Returns the arrangement that fills an area best. Its size is in units of the desktop's font."""
+    """Return the arrangement that fills an area best. Its size is in units of the desktop's font."""
     full = _largest(tiles, wide_ems, high_ems, HIGH_EMS)
     if full.factor >= 1.0:
         return full._replace(factor=min(MOST, full.factor))

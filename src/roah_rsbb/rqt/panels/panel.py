@@ -61,14 +61,14 @@ class Panel(QWidget):
         raise NotImplementedError
 
     def where(self) -> str:
-        """Returns the panel's heading: its zone, and the event there."""
+        """Return the panel's heading: its zone, and the event there."""
         zone = self.model.zone
         if zone is None:
             return self.model.zone_name
         return f"{zone.zone}  ·  {zone.code}  ·  {zone.team}  ·  {sheets.turn(zone.round, zone.run)}"
 
     def where_tip(self) -> str:
-        """Returns the tooltip of the heading."""
+        """Return the tooltip of the heading."""
         return ""
 
     def stop_run(self, zone: str, details: Optional[ZoneDetails], done: Callable[[CallOutcome], None]) -> None:

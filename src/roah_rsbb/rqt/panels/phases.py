@@ -25,7 +25,7 @@ UNKNOWN = PhaseLook("–", basic.IDLE)
 
 
 def shown(details: Optional[object], clock: Optional[Clock] = None) -> PhaseLook:
-    """Returns the phase of these ZoneDetails, with the reason if the run has ended or its `clock` is paused."""
+    """Return the phase of these ZoneDetails, with the reason if the run has ended or its `clock` is paused."""
     if details is None or details.phase not in _LOOKS:
         return UNKNOWN
     if clock is not None and clock.pause:

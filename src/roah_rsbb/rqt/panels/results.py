@@ -248,7 +248,7 @@ def _run_row(run: RunSummary, moments: Moments) -> Row:
 
 
 def _item_rows(sheet: RunSheet) -> List[Row]:
-    """Returns the referee's items, then the module's scores, which cannot be changed here."""
+    """Return the referee's items, then the module's scores, which cannot be changed here."""
     rows: List[Row] = []
     group = None
     for item in sheet.items:

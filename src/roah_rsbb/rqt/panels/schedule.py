@@ -176,7 +176,7 @@ def _name(event: Event) -> str:
 
 
 def _row(event: Event, several_days: bool, moments: Moments) -> Row:
-    """Returns the row of an event. Estimated times have a mark that distinguishes them from facts."""
+    """Return the row of an event. Estimated times have a mark that distinguishes them from facts."""
     has_begun = event.state in ("done", "running", "ended")
     begins = "" if event.state == "skipped" else schedule.moment_text(event.begins_utc_s, several_days, moments.in_utc)
     is_signed = bool(event.identity) and not event.unsigned

@@ -36,7 +36,7 @@ class TextPanel(CollapsingPanel):
         self.body.addWidget(self.follow)
 
     def text_of(self, zone: ZoneState) -> str:
-        """Returns the text that this panel shows."""
+        """Return the text that this panel shows."""
         raise NotImplementedError
 
     def where(self) -> str:

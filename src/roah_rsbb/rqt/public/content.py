@@ -72,7 +72,7 @@ NOTHING = PublicContent("", "", "", (), (), (), is_known=False)
 
 
 def content(details: Optional[object], utc_s: float, is_old: bool, board: Optional[object] = None) -> PublicContent:
-    """Returns what to show at `utc_s`, the box's UTC seconds.
+    """Return what to show at `utc_s`, the box's UTC seconds.
 
     `details` is None until the core is heard, and `board` (PublicBoard) until results are published.
 
@@ -99,7 +99,7 @@ def _events(details) -> list:
 
 
 def _shown_s(run, utc_s: float, clock_s: float) -> float:
-    """Returns the seconds that are left or, without a limit, counted. `clock_s`: the time of the message."""
+    """Return the seconds that are left or, without a limit, counted. `clock_s`: the time of the message."""
     if run.unlimited:
         return math.floor(run.elapsed.to_sec() + (max(0.0, utc_s - clock_s) if run.counting else 0.0))
     return run.ends.to_sec() - utc_s if run.counting else run.left.to_sec()
@@ -173,7 +173,7 @@ def _when(moment, utc_s: float) -> str:
 
 
 def _date(utc_s: float) -> str:
-    """Returns such as "Thursday, 3 December 2026"."""
+    """Return such as "Thursday, 3 December 2026"."""
     numbers = _local("%u %d %m %Y", utc_s).split()
     if len(numbers) < 4:
         return "?"

@@ -61,7 +61,7 @@ class Writer:
 
 
 def width(text: str, pixels: float, bold: bool = False) -> float:
-    """Returns the width of a text at this font size."""
+    """Return the width of a text at this font size."""
     return QFontMetricsF(_font(pixels, bold)).horizontalAdvance(text)
 
 
@@ -266,7 +266,7 @@ class PublicDisplay(QWidget):
         return found
 
     def _blocks(self, lines: Sequence[ListLine], rest: Rect, unit: float) -> List[layout.Block]:
-        """Returns the rows of a list with their scores, in as many lines as they need."""
+        """Return the rows of a list with their scores, in as many lines as they need."""
         pixels = int(SCORES_LETTERS * layout.SCORES_ROW * unit)
         wide = rest.w - SCORES_INDENT * unit - 0.2 * pixels
         return [
@@ -300,7 +300,7 @@ class PublicDisplay(QWidget):
 
 
 def _columns(lines: Sequence[ListLine], fill: float, high: float, wide: float) -> Tuple[float, float, float, float]:
-    """Returns the share of a row's height that its letters fill, and the widths of time, team and benchmark.
+    """Return the share of a row's height that its letters fill, and the widths of time, team and benchmark.
 
     Where a row needs more than `wide`, all of its letters are made smaller, down to `SMALLEST`. Only then are the
     other columns limited to a share of the row, so that the benchmark's title has the rest.
@@ -320,5 +320,5 @@ def _columns(lines: Sequence[ListLine], fill: float, high: float, wide: float) -
 
 
 def _page_mark(title: str, number: int, count: int) -> str:
-    """Returns which page of several is shown; empty if there is only one."""
+    """Return which page of several is shown; empty if there is only one."""
     return f"{title} {number + 1}/{count}" if count > 1 else ""

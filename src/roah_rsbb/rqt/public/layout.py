@@ -44,12 +44,12 @@ class Rect(NamedTuple):
         return self.x + self.w
 
     def rows(self, *shares: float) -> List["Rect"]:
-        """Returns rectangles below each other, each with its share of the height."""
+        """Return rectangles below each other, each with its share of the height."""
         tops = [self.y + self.h * sum(shares[:i]) for i in range(len(shares))]
         return [Rect(self.x, top, self.w, self.h * share) for top, share in zip(tops, shares)]
 
     def columns(self, gap: float, *widths: float) -> List["Rect"]:
-        """Returns rectangles side by side with these widths and gaps; one more takes the rest."""
+        """Return rectangles side by side with these widths and gaps; one more takes the rest."""
         found, x = [], self.x
         for width in widths:
             found.append(Rect(x, self.y, max(0.0, min(width, self.right - x)), self.h))
@@ -57,7 +57,7 @@ class Rect(NamedTuple):
         return [*found, Rect(x, self.y, max(0.0, self.right - x), self.h)]
 
     def inset(self, by: float) -> "Rect":
-        """Returns the rectangle reduced by this margin."""
+        """Return the rectangle reduced by this margin."""
         return Rect(self.x + by, self.y + by, self.w - 2 * by, self.h - 2 * by)
 
 
@@ -82,7 +82,7 @@ class Screen(NamedTuple):
         return Rect(self.edge, 0, self.width - 2 * self.edge, HEAD * self.unit)
 
     def cards(self, count: int) -> List[Rect]:
-        """Returns the places of a page's runs; without runs, the place of the line that says so."""
+        """Return the places of a page's runs; without runs, the place of the line that says so."""
         top, wide = HEAD * self.unit, self.width - 2 * self.edge
         if count == 0:
             return [Rect(self.edge, top, wide, ROW * self.unit)]
@@ -97,7 +97,7 @@ class Screen(NamedTuple):
         ]
 
     def below(self, cards: Sequence[Rect]) -> Rect:
-        """Returns the place of the next events or results."""
+        """Return the place of the next events or results."""
         top = max(card.bottom for card in cards) + GAP * self.unit / 2
         return Rect(self.edge, top, self.width - 2 * self.edge, self.height - top)
 
@@ -113,14 +113,14 @@ class CardParts(NamedTuple):
 
 
 def wide_card(inside: Rect) -> CardParts:
-    """Returns the parts of a card in one column: the countdown stands at the right."""
+    """Return the parts of a card in one column: the countdown stands at the right."""
     gap = 0.1 * inside.h
     left, right = inside.columns(gap, (1 - COUNTDOWN) * inside.w)
     return CardParts(*left.rows(0.44, 0.32, 0.24), *right.rows(0.66, 0.34))
 
 
 def flat_card(inside: Rect) -> CardParts:
-    """Returns the parts of one of three cards in a column: two lines of large letters."""
+    """Return the parts of one of three cards in a column: two lines of large letters."""
     gap = 0.1 * inside.h
     left, right = inside.columns(gap, (1 - COUNTDOWN) * inside.w)
     upper, benchmark = left.rows(0.53, 0.47)
@@ -129,14 +129,14 @@ def flat_card(inside: Rect) -> CardParts:
 
 
 def card_parts(place: Rect, inside: Rect, screen: Screen) -> CardParts:
-    """Returns the parts of a card at `place`, with its texts `inside`."""
+    """Return the parts of a card at `place`, with its texts `inside`."""
     if place.w < 0.6 * screen.width:
         return narrow_card(inside)
     return flat_card(inside) if place.h < CARD[-1] * screen.unit else wide_card(inside)
 
 
 def narrow_card(inside: Rect) -> CardParts:
-    """Returns the parts of a card in two columns: the benchmark's name has the whole width."""
+    """Return the parts of a card in two columns: the benchmark's name has the whole width."""
     gap = 0.1 * inside.h
     upper, benchmark, lower = inside.rows(0.5, 0.28, 0.22)
     team, big = upper.columns(gap, (1 - NARROW_COUNTDOWN) * inside.w)
@@ -145,7 +145,7 @@ def narrow_card(inside: Rect) -> CardParts:
 
 
 def rows_that_fit(area: Rect, unit: float) -> int:
-    """Returns how many rows without scores fit below the title in an area."""
+    """Return how many rows without scores fit below the title in an area."""
     return max(1, int((area.h - TITLE * unit) / (ROW * unit) + 1e-6))
 
 

@@ -50,7 +50,7 @@ HOLD_MS = 1000
 
 
 def em() -> float:
-    """Returns the height of the desktop's font in pixels, the unit of all sizes."""
+    """Return the height of the desktop's font in pixels, the unit of all sizes."""
     return QFontMetricsF(QApplication.font()).height()
 
 
@@ -63,7 +63,7 @@ def enlarged(widget: QWidget, factor: float, bold: bool = False) -> QWidget:
 
 
 def scaled(font: QFont, factor: float) -> QFont:
-    """Returns a copy of the font, scaled by `factor`."""
+    """Return a copy of the font, scaled by `factor`."""
     font = QFont(font)
     if font.pointSizeF() > 0:
         font.setPointSizeF(font.pointSizeF() * factor)
@@ -99,7 +99,7 @@ def set_style(widget: QWidget, style: str) -> None:
 
 
 def tip(text: str) -> str:
-    """Returns a tooltip that shows `text` unchanged, as HTML: Qt wraps long lines in HTML only."""
+    """Return a tooltip that shows `text` unchanged, as HTML: Qt wraps long lines in HTML only."""
     return f"<p>{_escaped(text)}</p>" if text else ""
 
 
@@ -118,7 +118,7 @@ class ShortenedLabel(QLabel):
         self.setTextFormat(Qt.PlainText)
 
     def text(self) -> str:
-        """Returns the whole text."""
+        """Return the whole text."""
         return self._text
 
     def setText(self, text: str) -> None:
@@ -141,7 +141,7 @@ class ShortenedLabel(QLabel):
             self._shorten()
 
     def shown(self) -> str:
-        """Returns the text as it is on the screen."""
+        """Return the text as it is on the screen."""
         return QLabel.text(self)
 
     def _padding(self) -> int:
@@ -239,7 +239,7 @@ class FittedText(QWidget):
         painter.drawText(self.rect(), Qt.AlignCenter, self._text)
 
     def fitted_font(self) -> QFont:
-        """Returns the largest font in which the text fits; all digits count as equally wide."""
+        """Return the largest font in which the text fits; all digits count as equally wide."""
         font = QFont(self.font())
         font.setPixelSize(100)
         metrics = QFontMetricsF(font)

@@ -73,11 +73,11 @@ class Rows(QTableWidget):
         self.verticalScrollBar().setValue(place)
 
     def keys(self) -> List[Optional[Hashable]]:
-        """Returns the keys of all rows."""
+        """Return the keys of all rows."""
         return [row.key for row in self._rows]
 
     def texts(self) -> List[Tuple[str, ...]]:
-        """Returns the texts of all rows."""
+        """Return the texts of all rows."""
         return [row.texts for row in self._rows]
 
     def _fill(self, index: int, row: Row) -> None:

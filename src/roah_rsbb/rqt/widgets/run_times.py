@@ -15,17 +15,17 @@ BETWEEN_EMS = 2.5
 
 
 def marked(figure: Figure) -> str:
-    """Returns the time, with a mark in its last seconds."""
+    """Return the time, with a mark in its last seconds."""
     return f"‼ {figure.text}" if figure.hurry is Hurry.LAST else figure.text
 
 
 def known(clock: Optional[Clock]) -> Clock:
-    """Returns the times of a run, or one that says that they are not known."""
+    """Return the times of a run, or one that says that they are not known."""
     return clock or Clock(Figure(tr("Time"), "–:––"))
 
 
 def tone_of(figure: Figure) -> Optional[basic.Tone]:
-    """Returns the colours of a time; None: the usual ones."""
+    """Return the colours of a time; None: the usual ones."""
     return _TONES[figure.hurry]
 
 

@@ -23,7 +23,7 @@ NO_JUDGE = ""
 
 
 def number_text(number: float) -> str:
-    """Returns a number with as many decimals as it has."""
+    """Return a number with as many decimals as it has."""
     text = f"{number:.{DECIMALS}f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 

@@ -93,7 +93,7 @@ class TextSearch(QWidget):
         return found
 
     def _nearest(self, by: int) -> int:
-        """Returns where to start: the first visible match, or the last one above it."""
+        """Return where to start: the first visible match, or the last one above it."""
         top = self._view.firstVisibleBlock().position()
         below = [i for i, cursor in enumerate(self._found) if cursor.selectionStart() >= top]
         first = below[0] if below else 0

@@ -17,7 +17,7 @@ UNDO = tr_later("Undo: {mark}")
 
 
 def placed(before: Sequence[Optional[HistoryEntry]], entries: Sequence[HistoryEntry]) -> List[Optional[HistoryEntry]]:
-    """Returns which entry is in which place. `entries`: the newest first; those that were shown keep their places."""
+    """Return which entry is in which place. `entries`: the newest first; those that were shown keep their places."""
     by_number = {entry.number: entry for entry in entries}
     places = [by_number.pop(entry.number, None) if entry is not None else None for entry in before]
     for entry in sorted(by_number.values(), key=lambda entry: entry.number):

@@ -23,7 +23,7 @@ def run(code, team, minute=0, number=1):
 
 @pytest.fixture
 def competition(tmp_path):
-    """Writes a competition with these zones; returns its directory."""
+    """Write a competition with these zones; return its directory."""
     def write(teams=("A", "B"), **zones):
         zones = zones or {"X": [run("HWV", "A"), run("HWV", "B", 15)], "Y": [run("HNF", "B"), run("HNF", "A", 15)]}
         made = Plan(teams, tuple(PlannedZone(name, tuple(runs)) for name, runs in zones.items()))

@@ -24,7 +24,7 @@ class Terminal(io.StringIO):
 
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path):
-    """Runs the program in a directory of the test's own; gives status, output and errors."""
+    """Run the program in a directory of the test's own; return status, output and errors."""
     monkeypatch.chdir(tmp_path)
 
     def go(*arguments, typed=None):

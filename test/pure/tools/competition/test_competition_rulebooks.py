@@ -81,7 +81,7 @@ def test_options_replace_the_answers_of_a_rulebook(run):
 
 @pytest.fixture
 def own(tmp_path):
-    """Writes a rulebook of an organiser."""
+    """Write a rulebook of an organiser."""
     def write(**files):
         folder = tmp_path / "own"
         for name, text in files.items():
