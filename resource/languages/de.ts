@@ -1021,7 +1021,7 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Reason of the stop</source>
+        <source>Reason for the stop</source>
         <translation>Grund des Stopps</translation>
     </message>
     <message>

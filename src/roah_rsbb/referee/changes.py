@@ -2,9 +2,9 @@
 
 import re
 import time
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.referee.state import BoxSnapshot, ManualOperation, ZoneSnapshot, lines_of
+from roah_rsbb.referee.state import BoxSnapshot, ManualOperation, SheetItem, ZoneSnapshot, lines_of
 from roah_rsbb.ros import tail
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
 
@@ -61,15 +61,13 @@ def _of_zone(old: ZoneSnapshot, new: ZoneSnapshot, utc_s: float) -> Iterator[Cha
     def change(kind: str, **facts: Any) -> Change:
         return Change(utc_s, kind, new.zone, facts)
 
-    scores = list(_scores(old, new))
     for text in _lines(old.log, new.log):
-        # The core's log has a line on each score, too.
-        if not any(f"{score['group']}: {score['item']}" in text for score in scores):
+        if not _is_score_change(text, new.score):
             yield change("log", text=text)
     was, now = _state(old), _state(new)
     if was != now:
         yield change("state", **now, changed=[name for name, value in now.items() if value != was[name]])
-    for score in scores:
+    for score in _scores(old, new):
         yield change("score", **score)
     for text in _lines(old.online_data, new.online_data):
         yield change("online_data", text=text)
@@ -105,6 +103,19 @@ def _scores(old: ZoneSnapshot, new: ZoneSnapshot) -> Iterator[Dict[str, Any]]:
             yield {"number": item.number, "group": item.group, "item": item.item, "type": item.type,
                    "old": was.value, "value": item.value, "old_not_attempted": was.not_attempted,
                    "not_attempted": item.not_attempted, "old_text": was.text, "text": item.text}
+
+
+def _is_score_change(text: str, items: Sequence[SheetItem]) -> bool:
+    """Whether a line of the core's log describes the change of an item. The item is reported for itself.
+
+    The line and the item come in messages of two topics, so one of them may be in an earlier snapshot.
+    """
+    for item in items:
+        _, begin, values = text.partition(f"Score: {item.group}: {item.item} ")
+        if begin:
+            old, arrow, value = values.partition(" -> ")
+            return bool(arrow) and old != value.partition(" (")[0]
+    return False
 
 
 def _module_scores(old: ZoneSnapshot, new: ZoneSnapshot) -> Iterator[Dict[str, Any]]:

@@ -55,6 +55,8 @@ def test_the_next_runs_log_starts_empty():
 def test_a_score_is_reported_once_although_the_core_logs_it_too():
     old, new = running_zone(), running_zone(
         score=(ITEMS[0]._replace(value=1), *ITEMS[1:]), log="Score: Achievements: Detects the door 0 -> 1\nother\n")
+    # The topic of the log may be ahead of the one of the sheet.
+    assert _facts(box(old), box(old._replace(log=new.log))) == [("log", "Home A", {"text": "other"})]
     assert _facts(box(old), box(new)) == [
         ("log", "Home A", {"text": "other"}),
         ("score", "Home A", {"number": 1, "group": "Achievements", "item": "Detects the door", "type": "bool",
@@ -80,6 +82,14 @@ def test_the_zone_moves_to_another_event():
     (kind, _, facts), = _facts(box(zone()), box(zone(event=EVENTS[1])))
     assert kind == "event"
     assert (facts["code"], facts["run"]) == ("HWV", 2)
+
+
+@pytest.mark.parametrize("line", [
+    "Score: Achievements: Detects the door 7 -> 7 (Anna: 8)",
+    "Score: Achievements: Detects the door (entry 1 withdrawn)",
+])
+def test_a_line_on_an_item_that_stays_as_it_is(line: str):
+    assert _facts(box(running_zone()), box(running_zone(log=f"{line}\n"))) == [("log", "Home A", {"text": line})]
 
 
 def test_manual_operations_come_and_go():

@@ -99,8 +99,9 @@ class TestPoints(PointsCase, PanelCase):
     def test_each_judge_gives_a_rating(self) -> None:
         fields = self.row(SHOW).ratings.fields
         self.assertEqual([field.text() for field in fields.values()], ["–"] * 3)
-        for judge, number in (("Anna", 8.0), ("Chris", 6.5)):
-            fields[judge].setValue(number)
+        fields["Anna"].setValue(8.0)
+        wait_until(lambda: self.record()[SHOW.key].ratings == (("Anna", "8"),), "the first entry is hers")
+        fields["Chris"].setValue(6.5)
         wait_until(lambda: self.record()[SHOW.key].ratings == (("Anna", "8"), ("Chris", "6.5")), "the core has them")
         wait_until(lambda: self.row(SHOW).result.text() == "7.25", "the result is shown")
         wait_until(lambda: self.row(SHOW).points.text() == "14.5", "its points are shown")

@@ -33,7 +33,7 @@ from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.sent import tr_sent
 from roah_rsbb.wording.todo import WARNING
 
-REASON = tr_later("Reason of the stop")
+REASON = tr_later("Reason for the stop")
 ASK_REASON = tr_later("Why was the run stopped? Press Enter to save")
 REASON_TIP = tr_later(
     "After a stop, type the reason here and press Enter. You can change it until the run is signed off.")
