@@ -2594,7 +2594,7 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/undo.py"/>
         <source>Undo: {mark}</source>
-        <translation>Zurück: {mark}</translation>
+        <translation>Ohne: {mark}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/undo.py"/>
