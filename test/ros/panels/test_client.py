@@ -17,7 +17,7 @@ import rospy
 from PyQt5 import sip
 from std_srvs.srv import Empty
 from support.fakes.core import FakeCore
-from support.gui_testing import QMessageBox, Qt, QTest, answer, click, question, show, wait_until
+from support.gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, question, show, wait_until
 
 from roah_rsbb.rqt.app.panel_list import PANELS
 from roah_rsbb.rqt.app.window import Window
@@ -27,10 +27,11 @@ from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.log_display import LogDisplayPanel
 from roah_rsbb.rqt.panels.online_data import OnlineDataPanel
 from roah_rsbb.rqt.panels.tablet_status import TabletStatusPanel
-from roah_rsbb.rqt.qt import QObject, QSettings, QSpinBox
+from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QObject, QPushButton, QSettings, QSpinBox, QWidget
 from roah_rsbb.rqt.widgets.basic import ALARM, OLD
 from roah_rsbb.rqt.widgets.focus_ring import FocusRing
 from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
+from roah_rsbb.rqt.widgets.sheet_view import ARRANGEMENTS, SheetView
 from roah_rsbb.srv import Reload, ReloadResponse
 
 PLUGIN_XML = pathlib.Path(__file__).resolve().parents[3] / "plugin.xml"
@@ -67,6 +68,44 @@ class TestFocusRing(unittest.TestCase):
         sip.delete(spin_box)
         self.assertIsNone(ring._on)
         ring._follow(None, None)  # would use a destroyed widget
+
+
+class Row(QWidget):
+    """A row of a score sheet that is far higher unless it is compact."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        line = QHBoxLayout(self)
+        self.button = QPushButton("Yes")
+        line.addWidget(QLabel(text, wordWrap=True), 1)
+        line.addWidget(self.button)
+        self.set_compact(False)
+
+    def set_compact(self, is_compact: bool) -> None:
+        font = self.button.font()
+        font.setPointSizeF(9.0 if is_compact else 22.0)
+        self.button.setFont(font)
+
+
+class TestSheetView(unittest.TestCase):
+    def test_the_arrangement_does_not_depend_on_the_one_before(self) -> None:
+        view = SheetView()
+        self.addCleanup(view.close)
+        view.clear()
+        for group in ("Achievements", "Penalized behaviours"):
+            for number in range(6):
+                view.add(group, Row(f"{number} something that a robot does, in words that need two lines"))
+        show(view, 900, 1400)
+        view.settle()
+        wait_until(lambda: view.arrangement == ARRANGEMENTS[0], "all is in one column")
+        needed = view._needed()
+        for height in (needed, needed // 3, needed // 2, needed, needed // 2, needed // 3, needed // 2):
+            view.resize(900, height)
+            view._settle()
+            at_once = view.arrangement
+            QApplication.processEvents()
+            view._settle()
+            self.assertEqual(at_once, view.arrangement, f"at {height} of {needed}")
 
 
 class TestGarbage(unittest.TestCase):

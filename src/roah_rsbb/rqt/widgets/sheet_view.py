@@ -120,8 +120,13 @@ class SheetView(QWidget):
     def _needed(self) -> int:
         """The height of all groups, at the present width."""
         width = self.width()
+        # Layouts keep the sizes of their widgets until Qt has handled the events of the last arrangement.
         for group in self._groups.values():
-            group.box.layout().invalidate()
+            for row in group.rows:
+                for widget in row.findChildren(QWidget):
+                    widget.updateGeometry()
+                row.updateGeometry()
+            group.box.updateGeometry()
         layouts = [self._below] + ([self._inside] if self._inside is not None else [])
         for layout in layouts:
             layout.invalidate()
