@@ -10,13 +10,15 @@ import math
 import re
 import unicodedata
 from decimal import Decimal
-from typing import Dict, Optional, Tuple, Union
+from typing import Callable, Dict, Optional, Tuple, TypeVar, Union
 
 import yaml
 
 from roah_rsbb.rulebook.errors import Report, listing, quote
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable
 from roah_rsbb.wording.suggestions import did_you_mean, nearest
+
+T = TypeVar("T")
 
 _DECIMAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 _EXACT = re.compile(r"[+-]?([0-9]{1,12}\.?[0-9]{0,3}|\.[0-9]{1,3})")
@@ -144,28 +146,29 @@ def exact(
     report: Report, node: Optional[Node], what: str, least: Union[int, Decimal], most: Union[int, Decimal]
 ) -> Optional[Decimal]:
     """Read a number with at most three decimals from `least` to `most`, which is used in exact sums."""
-    if node is None:
-        return None
     shape = f"a number from {least} to {most} with at most 3 decimals"
-    if not isinstance(node, Scalar) or not _EXACT.fullmatch(node.text):
-        return _wrong(report, node, what, shape)
-    if node.quoted:
-        return _wrong(report, node, what, shape + ": remove the quotes")
-    value = Decimal(node.text)
-    return value if least <= value <= most else _wrong(report, node, what, shape)
+    value = _unquoted(report, node, what, shape, _EXACT, Decimal)
+    return value if value is None or least <= value <= most else _wrong(report, node, what, shape)
 
 
 def integer(report: Report, node: Optional[Node], what: str, least: int, most: int) -> Optional[int]:
     """Read a whole decimal number from `least` to `most`."""
+    shape = f"a whole number from {least} to {most}"
+    value = _unquoted(report, node, what, shape, _INTEGER, int)
+    return value if value is None or least <= value <= most else _wrong(report, node, what, shape)
+
+
+def _unquoted(
+    report: Report, node: Optional[Node], what: str, shape: str, pattern: "re.Pattern[str]", read: Callable[[str], T]
+) -> Optional[T]:
+    """Read a value that has this pattern and no quotes; `shape` describes it."""
     if node is None:
         return None
-    shape = f"a whole number from {least} to {most}"
-    if not isinstance(node, Scalar) or not _INTEGER.fullmatch(node.text):
+    if not isinstance(node, Scalar) or not pattern.fullmatch(node.text):
         return _wrong(report, node, what, shape)
     if node.quoted:
         return _wrong(report, node, what, shape + ": remove the quotes")
-    value = int(node.text)
-    return value if least <= value <= most else _wrong(report, node, what, shape)
+    return read(node.text)
 
 
 def utc_time(report: Report, node: Optional[Node], what: str) -> Optional[float]:

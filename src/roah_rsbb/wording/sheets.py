@@ -1,7 +1,7 @@
 """Runs and their score sheets as people read them: items, sums, history, ends, sign-off.
 
 Panels, terminal, pages and exports decorate these words (colour, marks, columns) and add none of their own. Moments
-are shown in the format that the caller passes (`When`): panels and terminal show UTC, printed sheets local time.
+are shown in the format that the caller passes (`When`).
 """
 
 import re
