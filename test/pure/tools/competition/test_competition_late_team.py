@@ -7,25 +7,17 @@ import stat
 
 import pytest
 
-from helpers.config_files import SHIPPED
 from roah_rsbb.rulebook import config
-from roah_rsbb.tools.competition import program
 
 OPTIONS = ["--teams", "Alpha,Beta", "--benchmarks", "HWV,HNF,HSUF", "--days", "2026-11-28,2026-11-29",
            "--time-zone", "UTC"]
 
 
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    monkeypatch.chdir(tmp_path)
-
-    def go(*arguments):
-        with pytest.raises(SystemExit) as ended:
-            program.main(str(SHIPPED), list(arguments))
-        out, err = capsys.readouterr()
-        return ended.value.code, out, err
-    go("erl", *OPTIONS)
-    return go
+@pytest.fixture(name="run")
+def _run(run):
+    """The program, after a competition was written."""
+    run("erl", *OPTIONS)
+    return run
 
 
 def text_of(path):

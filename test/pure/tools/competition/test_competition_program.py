@@ -1,7 +1,6 @@
 """The program: options, questions, exit statuses; it never waits where nobody can answer."""
 
 import datetime
-import io
 import os
 
 import pytest
@@ -13,27 +12,6 @@ from roah_rsbb.tools.competition import program
 OPTIONS = ["--teams", "BrassButlers,CopperKettle", "--benchmarks", "HWV,HNF", "--days", "2026-11-28,2026-11-29",
            "--time-zone", "UTC"]
 SHEET = "zone,benchmark,team,date,time\nHome,HWV,BrassButlers,2026-11-28,09:00\nHome,HSUF,,2026-11-28,10:00\n"
-
-
-class Terminal(io.StringIO):
-    """A terminal on which these lines are typed."""
-
-    def isatty(self):
-        return True
-
-
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Run the program in a directory of the test's own; return status, output and errors."""
-    monkeypatch.chdir(tmp_path)
-
-    def go(*arguments, typed=None):
-        monkeypatch.setattr("sys.stdin", io.StringIO("") if typed is None else Terminal(typed))
-        with pytest.raises(SystemExit) as ended:
-            program.main(str(SHIPPED), list(arguments))
-        out, err = capsys.readouterr()
-        return ended.value.code, out, err
-    return go
 
 
 def load(directory):

@@ -11,23 +11,11 @@ from helpers.config_files import SHIPPED
 from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.errors import Report
-from roah_rsbb.tools.competition import program, rulebooks
+from roah_rsbb.tools.competition import rulebooks
 
 NAMES = rulebooks.names(str(SHIPPED))
 OPTIONS = ["--teams", "Alpha,Beta,Gamma", "--time-zone", "UTC"]
 DAYS = ["--days", "2026-11-28,2026-11-29,2026-11-30"]
-
-
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    monkeypatch.chdir(tmp_path)
-
-    def go(*arguments):
-        with pytest.raises(SystemExit) as ended:
-            program.main(str(SHIPPED), list(arguments))
-        out, err = capsys.readouterr()
-        return ended.value.code, out, err
-    return go
 
 
 def text_of(path):
