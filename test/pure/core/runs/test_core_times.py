@@ -190,13 +190,19 @@ def test_the_robot_may_complete_its_task_in_a_pause():
     assert clock(driver).counting
 
 
-def test_a_pause_also_pauses_the_goal():
+def started_hnf():
+    """A running benchmark whose runs may be paused, and its module."""
     driver = BoxDriver(competition(tbm=[event("HNF", timeout=60.0, total_timeout=600.0, rules=Rules(pause=True))]))
     modules = FakeModules(driver, "HNF")
     modules.beat()
     driver.connected()
     modules.beat()
     driver.command("start")
+    return driver, modules
+
+
+def test_a_pause_also_pauses_the_goal():
+    driver, modules = started_hnf()
     modules.asks(RequestKind.GOAL, goal="[1]", timeout=60.0)
     driver.command("pause")
     for _ in range(50):
@@ -209,12 +215,7 @@ def test_a_pause_also_pauses_the_goal():
 
 
 def test_a_manual_operation_in_a_pause_ends_without_ending_the_pause():
-    driver = BoxDriver(competition(tbm=[event("HNF", timeout=60.0, total_timeout=600.0, rules=Rules(pause=True))]))
-    modules = FakeModules(driver, "HNF")
-    modules.beat()
-    driver.connected()
-    modules.beat()
-    driver.command("start")
+    driver, modules = started_hnf()
     modules.asks(RequestKind.REFEREE, text="Place it")
     driver.command("pause")
     driver.event(driver.box.modules.complete_operation, "tbm")
