@@ -200,8 +200,9 @@ class TestDevices(PanelCase):
         self.devices = FakeDevices()
         self.addCleanup(self.devices.close)
         super().setUp()
-        wait_until(lambda: self.client.model.has_devices, "the devices are heard")
         self.rows = self.panel.rows
+        # The panel shows what the model has heard a moment later; until then its controls are off.
+        wait_until(self.rows["blinds"].slider.isEnabled, "the devices are heard and shown")
 
     def tearDown(self) -> None:
         self.devices.answer_gate.set()
