@@ -14,8 +14,8 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
-from roah_rsbb.nodes.core.radio import beacon_size
 from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.radio.radio import beacon_size
 from roah_rsbb.rulebook.benchmarks import Benchmark, Config, ScheduledEvent, ZonePlan
 from roah_rsbb.rulebook.scoring import ScoreKind, ScoringItem
 

@@ -15,6 +15,7 @@ from roah_rsbb.comm.sockets import ANY_HOST
 
 OnMessage = Callable[[Any, Address], None]
 OnComplaint = Callable[[str], None]
+MakePeer = Callable[..., Peer]
 _COPY = object()  # instead of a message that was accepted before
 
 
@@ -100,14 +101,15 @@ class PublicChannel(_Channel):
         max_datagram: int = 1024,
         complaints: Optional[Complaints] = None,
         apart: bool = False,
+        make_peer: Optional[MakePeer] = None,
     ) -> None:
         """Opens nothing yet: see `open`.
 
         `on_message(message, (host, port))` and `on_complaint(text)` are called in the loop's thread; their exceptions
         are logged. `complaints` may be shared between channels. `apart`: for a second participant on the same machine,
-        see `Peer`.
+        see `Peer`. `make_peer` replaces `Peer`, for another network.
         """
-        peer = Peer(
+        peer = (make_peer or Peer)(
             loop, rsbb_host, rsbb_port, self._receive, on_complaint, bind_host, max_datagram, apart=apart)
         super().__init__(
             peer, "public channel", frame.PUBLIC_TYPES, frame.decode_public,
@@ -141,6 +143,7 @@ class PrivateChannel(_Channel):
         read: Callable[[bytes], Any] = frame.private_message,
         seen: Optional[Seen] = None,
         on_copy: Callable[[Address], None] = lambda sender: None,
+        make_peer: Optional[MakePeer] = None,
     ) -> None:
         """As `PublicChannel`. `cipher` is used for sending (ValueError for NONE); all ciphers are accepted.
 
@@ -150,7 +153,7 @@ class PrivateChannel(_Channel):
         """
         if cipher is Cipher.NONE:
             raise ValueError("a private channel must be encrypted: choose a cipher")
-        peer = Peer(
+        peer = (make_peer or Peer)(
             loop, rsbb_host, port, self._receive, on_complaint, bind_host, max_datagram, shared=False)
         super().__init__(
             peer, f"private channel {port}", frame.PRIVATE_TYPES,

@@ -25,9 +25,9 @@ from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.views import views
 from roah_rsbb.core.zones import ZoneState
-from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.nodes.modules.limits import checked_state
 from roah_rsbb.protocol import RobotState
+from roah_rsbb.radio import wire_convert
 
 ZONES = ("catering", "visitor", "object", "waypoints", "all")
 HOSTS = ("10.0.0.2", "10.0.0.3", "10.0.0.9")

@@ -9,8 +9,8 @@ from helpers import golden
 from roah_rsbb.comm import frame
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import BadDatagram
-from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.radio import wire_convert
 
 KEY = Key(golden.PASSWORD)
 _IV = bytes(range(16))

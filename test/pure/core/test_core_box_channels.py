@@ -147,7 +147,7 @@ def test_robots_that_are_known_to_read_more_raise_the_limit():
 def test_the_beacon_keeps_to_its_size_whatever_devices_and_tablet_say_later():
     """Measured in real bytes: a ring of the bell lengthens the beacon."""
     core_radio_size = pytest.importorskip("roah_rsbb.comm.frame").encoded_size
-    wire_convert = pytest.importorskip("roah_rsbb.nodes.core.wire_convert")
+    wire_convert = pytest.importorskip("roah_rsbb.radio.wire_convert")
 
     def size(beacon):
         return core_radio_size(wire_convert.beacon_message(beacon))

@@ -16,9 +16,9 @@ from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.messages import RequestKind
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.records import EndReason, Phase
-from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, wire_seconds
+from roah_rsbb.radio import wire_convert
 
 PUBLIC_PORT = 6666
 ROBOT_HOST = "10.99.0.2"

@@ -16,9 +16,9 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import How
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState, wire_ns
+from roah_rsbb.radio import wire_convert
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.session import Session
 

@@ -16,7 +16,7 @@ from helpers.config_files import SHIPPED
 from roah_rsbb.comm.frame import encode
 from roah_rsbb.comm.sockets import LOOPBACK_BROADCAST
 from roah_rsbb.core.messages import Beacon, DevicesState, TabletState
-from roah_rsbb.nodes.core import wire_convert
+from roah_rsbb.radio import wire_convert
 from roah_rsbb.tools import preflight_checks as checks
 from roah_rsbb.tools.competition.firewall import firewall_text
 from roah_rsbb.tools.interfaces import Interface, interfaces

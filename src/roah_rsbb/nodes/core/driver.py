@@ -15,7 +15,7 @@ from roah_rsbb.core.clock import Now
 from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.nodes.core.journal import CoreJournal
-from roah_rsbb.nodes.core.radio import CoreRadio
+from roah_rsbb.radio.radio import CoreRadio
 from roah_rsbb.run_logs.writer import RunLogWriter
 from roah_rsbb.wording.texts import escaped
 

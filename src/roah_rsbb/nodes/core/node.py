@@ -54,12 +54,12 @@ from roah_rsbb.nodes.core.driver import CoreDriver
 from roah_rsbb.nodes.core.journal import CoreJournal, competition, saved_state
 from roah_rsbb.nodes.core.panel_messages import PanelMessages
 from roah_rsbb.nodes.core.public_board import PublicBoardMaker
-from roah_rsbb.nodes.core.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.nodes.core.reload import ReloadService
 from roah_rsbb.nodes.core.results_convert import ResultsBoard
 from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
 from roah_rsbb.nodes.core.services import CoreServices
 from roah_rsbb.nodes.modules import convert
+from roah_rsbb.radio.radio import CoreRadio, Network, beacon_size
 from roah_rsbb.ros import connections
 from roah_rsbb.ros.command_line import explain
 from roah_rsbb.ros.loop import RosLoop
@@ -152,7 +152,8 @@ class CoreNode:
         session = CoreSession(time.time(), time.monotonic(), boot_id(), os.getpid(), self._uuid, launch)
         self._store = Journal(log_dir, session, competition(loaded), resume, self._on_journal_trouble)
         box = Box(loaded, settings, beacon_size, max(last_port or 0, self._store.previous.last_port or 0), version)
-        self._radio = CoreRadio(self._ros.loop, network, box, self._event)
+        self._radio = CoreRadio(
+            self._ros.loop, network, box, self._event, lambda text: rospy.logwarn("%s", text))
         self._radio.use_passwords(version, loaded.passwords)
         self._journal = CoreJournal(box, self._store)
         self._run_logs = RunLogWriter(log_dir, self._uuid, self._on_log_trouble, self._on_log_repaired,

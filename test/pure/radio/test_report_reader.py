@@ -1,9 +1,9 @@
 """Reading a robot's payloads within its budget."""
 
 from roah_rsbb.comm import frame
-from roah_rsbb.nodes.core import wire_convert
-from roah_rsbb.nodes.core.report_reader import BYTES_AT_ONCE, BYTES_PER_SECOND, ReportReader, Unread
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.radio import wire_convert
+from roah_rsbb.radio.report_reader import BYTES_AT_ONCE, BYTES_PER_SECOND, ReportReader, Unread
 
 HEADER = 8
 

@@ -7,8 +7,8 @@ from roah_rsbb.comm import frame
 from roah_rsbb.comm.complaints import OnceASecond
 from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.messages import RobotReport
-from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.radio import wire_convert
 
 # Bytes. Robots send at most twenty messages a second, of at most 1 kB each.
 BYTES_AT_ONCE = 80_000

@@ -1,4 +1,4 @@
-"""The UDP channels of the core node: the public channel, and a private one for each run.
+"""The UDP channels of the box: the public channel, and a private one for each run.
 
 It makes no decisions. It turns datagrams into events of the box, and the box's messages into datagrams at the times of
 `StateSender`.
@@ -7,9 +7,7 @@ It makes no decisions. It turns datagrams into events of the box, and the box's 
 import asyncio
 from typing import Callable, Dict, Mapping, NamedTuple, Optional, Tuple
 
-import rospy
-
-from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
+from roah_rsbb.comm.channels import MakePeer, PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.comm.frame import encoded_size
 from roah_rsbb.comm.seen import Seen
@@ -18,9 +16,9 @@ from roah_rsbb.core.box import Box
 from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.effects import How
 from roah_rsbb.core.messages import Beacon, BoxMessage, RobotReport
-from roah_rsbb.nodes.core import wire_convert
-from roah_rsbb.nodes.core.report_reader import ReportReader, Unread
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
+from roah_rsbb.radio import wire_convert
+from roah_rsbb.radio.report_reader import ReportReader, Unread
 
 Address = Tuple[str, int]
 BEACON_PERIOD_S = 1.0
@@ -68,9 +66,16 @@ class CoreRadio:
         network: Network,
         box: Box,
         event: Callable[..., None],
+        warn: Callable[[str], None],
+        make_peer: Optional[MakePeer] = None,
     ) -> None:
-        """`event(method, *arguments)` passes an event to the box."""
+        """`event(method, *arguments)` passes an event to the box. `warn` logs a text about a private channel.
+
+        `make_peer` replaces `Peer`, for another network.
+        """
         self._loop = loop
+        self._warn = warn
+        self._make_peer = make_peer
         self._network = network
         self._keys: Dict[int, Dict[str, Key]] = {}  # by version of the configuration, then by team
         self._box = box
@@ -83,7 +88,7 @@ class CoreRadio:
         self._last_beacon = float("-inf")
         self.public = PublicChannel(
             loop, network.rsbb_host, network.rsbb_port, self._on_public, self._on_complaint,
-            bind_host=network.bind_host, max_datagram=network.max_datagram,
+            bind_host=network.bind_host, max_datagram=network.max_datagram, make_peer=make_peer,
         )
 
     def use_passwords(self, version: int, passwords: Mapping[str, str]) -> None:
@@ -140,7 +145,7 @@ class CoreRadio:
             lambda text: self._on_private_complaint(port, text),
             cipher=network.cipher, bind_host=network.bind_host, broadcast=network.broadcast,
             max_datagram=network.max_datagram, read=ReportReader(self._loop.time), seen=self._seen,
-            on_copy=lambda address: self._on_copy(port, address[0]),
+            on_copy=lambda address: self._on_copy(port, address[0]), make_peer=self._make_peer,
         )
         channel.open()
         channel.remote = host
@@ -238,5 +243,5 @@ class CoreRadio:
         self._event(self._box.on_complaint, text)
 
     def _on_private_complaint(self, port: int, text: str) -> None:
-        rospy.logwarn("%s", text)
+        self._warn(text)
         self._event(self._box.on_unreadable, port, text)

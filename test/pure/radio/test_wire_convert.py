@@ -1,9 +1,9 @@
 """Between protobuf and the core's plain values: every field, both ways."""
 
 from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, BoxMessage, DevicesState, TabletState
-from roah_rsbb.nodes.core import wire_convert
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.radio import wire_convert
 
 WIRE_TIME = (1447000001, 987654000)
 
