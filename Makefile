@@ -23,6 +23,8 @@ unexport PYTHONUNBUFFERED
 ifneq ($(wildcard /usr/lib/python3.*/distutils/core.py),)
 test-docs test-install test-ros test-net: export SETUPTOOLS_USE_DISTUTILS := stdlib
 endif
+# No program here uses messages in these languages, and each message costs a process for each language.
+build: export ROS_LANG_DISABLE := geneus:genlisp:gennodejs
 # Selected tests without ROS.
 PURE := test/pure
 # Options of the bench.
@@ -46,7 +48,8 @@ install-deps: ## install the required packages of the distribution
 
 build: install-deps ## build into build/devel
 	@mkdir -p build
-	@$(ROS_SETUP); { cmake -S . -B build -DPYTHON_EXECUTABLE=$(PYTHON) && cmake --build build -j2; } > build/build.log 2>&1 \
+	@$(ROS_SETUP); { cmake -S . -B build -DPYTHON_EXECUTABLE=$(PYTHON) -DCMAKE_INSTALL_PREFIX=$(CURDIR)/build/.install && \
+	    cmake --build build -j2; } > build/build.log 2>&1 \
 	  || { tail -n 30 build/build.log; echo "The build failed; all of its output is in build/build.log" >&2; exit 1; }
 endif
 
