@@ -5,3 +5,4 @@ RELOAD = "reload"  # an organiser changed the configuration
 NOTICE = "notice"  # a warning or an error that the referee saw
 ADDRESS = "address"  # a robot's address
 TIMEOUT = "timeout"  # a run timed out
+STATE = "state"  # of a zone with a run, with the times of the run: how it changed (`journal/changes.py`)

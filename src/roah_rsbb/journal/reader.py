@@ -13,7 +13,7 @@ import sqlite3
 import tempfile
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
-from roah_rsbb.journal import schema
+from roah_rsbb.journal import kinds, schema
 from roah_rsbb.journal.damage import find_damage, last_moment, text_of
 from roah_rsbb.journal.pages import has_damaged_log, has_torn_log
 
@@ -152,8 +152,12 @@ class JournalReader:
         return [JournalMember(*row) for row in rows]
 
     def entries(self, identity: str) -> List[JournalEntry]:
-        """All entries of a run, in order."""
-        return self._entries("identity = ?", identity)
+        """All entries of a run, in order, except its states."""
+        return self._entries("identity = ? AND kind != ?", identity, kinds.STATE)
+
+    def states(self, identity: str) -> List[JournalEntry]:
+        """The states of a run, in order, for `changes.ChangesReader`."""
+        return self._entries("identity = ? AND kind = ?", identity, kinds.STATE)
 
     def commands(self, zone: str) -> List[JournalEntry]:
         """The referees' commands to a zone, including refused ones, in order."""

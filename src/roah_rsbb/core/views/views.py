@@ -200,7 +200,7 @@ def _zone(box: Box, zone: Zone, now: Now) -> ZoneView:
         identity="" if run is None else run.identity,
         end_reason="" if run is None else _end(run),
         module=_module(run) if isinstance(run, FunctionalityRun) else NO_MODULE,
-        clock=_clock(run, zone.event.benchmark, now),
+        clock=clock_of(run, zone.event.benchmark, now),
         robot=_robot(run) if isinstance(run, Run) else None,
         all_robots=_all_robots(run, now) if isinstance(run, AllRobotsRun) else None,
         by_hand=isinstance(run, HandRun),
@@ -241,7 +241,8 @@ def _module(run: FunctionalityRun) -> ModuleView:
     )
 
 
-def _clock(run: Optional[ZoneRun], benchmark: Benchmark, now: Now) -> ClockView:
+def clock_of(run: Optional[ZoneRun], benchmark: Benchmark, now: Now) -> ClockView:
+    """Return the times of a zone's run; None: there is no run."""
     limits = ClockView(
         benchmark.total_timeout, goal_limit=0.0 if benchmark.limit == benchmark.total_timeout else benchmark.limit,
         setup_limit=benchmark.rules.setup_time, phases=len(benchmark.rules.phases),

@@ -15,11 +15,14 @@ from roah_rsbb.core.restart.restart import BoxSaved, Saved
 from roah_rsbb.core.restart.saved import Anchor, BadState, freeze, thaw
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.core.scoring.unsaved import Unsaved, UnsavedParts
+from roah_rsbb.core.views.views import ClockView, clock_of
 from roah_rsbb.core.zones import ZoneState, key_of
 from roah_rsbb.journal import kinds
 from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
+from roah_rsbb.journal.changes import ChangesWriter
 from roah_rsbb.journal.previous_session import PreviousSession
 from roah_rsbb.journal.store import Journal
+from roah_rsbb.rulebook.benchmarks import NO_LIMIT
 from roah_rsbb.rulebook.config import Config
 
 BOX_STATE = "box"
@@ -31,6 +34,13 @@ class _Place(NamedTuple):
 
     zone: str
     identity: str
+
+
+class _Written(NamedTuple):
+    """The states of a run that are in the journal."""
+
+    identity: str
+    changes: ChangesWriter
 
 
 def competition(config: Config) -> str:
@@ -46,6 +56,7 @@ class CoreJournal:
         self._journal = journal
         self._places: Dict[int, _Place] = {}
         self._batch = Batch()
+        self._written: Dict[str, _Written] = {}  # by zone
         self._records: List[RunRecord] = []
         self._signed: Set[str] = set()  # identities of runs
         self._unsaved = Unsaved()
@@ -71,8 +82,8 @@ class CoreJournal:
             if taker is not None:
                 taker(now, effect)
         changed = self._box.take_changed()
-        self._batch.states.update(self._state(name) for name in sorted(changed)
-                                  if name == BOX or name in self._box.zones)  # a zone may have been removed
+        for name in sorted(changed):
+            self._state_changed(now, name)
         if self._batch.is_empty():
             return
         batch, self._batch = self._batch, Batch()
@@ -131,10 +142,26 @@ class CoreJournal:
 
     # -- effects ------------------------------------------------------------------------------------
 
-    def _state(self, name: str) -> Tuple[str, str]:
+    def _state_changed(self, now: Now, name: str) -> None:
+        """Write a state for a restart, and how it changed for replays."""
         if name == BOX:
-            return BOX_STATE, _json(freeze(self._box.saved()))
-        return ZONE_STATE + name, _json(freeze(self._box.zones[name].saved()))
+            self._batch.states[BOX_STATE] = _json(freeze(self._box.saved()))
+            return
+        zone = self._box.zones.get(name)
+        if zone is None:  # it was removed
+            return
+        state = freeze(zone.saved())
+        self._batch.states[ZONE_STATE + name] = _json(state)
+        if zone.run is None:
+            self._written.pop(name, None)
+            return
+        written = self._written.get(name)
+        if written is None or written.identity != zone.run.identity:
+            written = self._written[name] = _Written(zone.run.identity, ChangesWriter())
+        clock = _clock_value(clock_of(zone.run, zone.event.benchmark, now))
+        change = written.changes.entry({"zone": state, "clock": clock})
+        if change is not None:
+            self._add(now, _Place(name, written.identity), None, "", kinds.STATE, change)
 
     def _place(self, port: int) -> _Place:
         return self._places.get(port, _Place("", ""))
@@ -218,6 +245,12 @@ def saved_state(before: PreviousSession, now: Now, boot: str) -> Tuple[Saved, Li
             warnings.append(f"The journal's record of a run cannot be read, and cannot be corrected here: {error}")
     utc = now.utc if last is None else last.utc
     return Saved(utc, box, zones, tuple(records)), warnings
+
+
+def _clock_value(clock: ClockView) -> Dict[str, Any]:
+    """Return the times of a run as JSON, in milliseconds at most. Limits that do not exist are omitted."""
+    return {name: round(value, 3) if isinstance(value, float) else value
+            for name, value in freeze(clock).items() if value != NO_LIMIT}
 
 
 def _json(value: object) -> str:

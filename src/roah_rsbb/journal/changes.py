@@ -1,0 +1,102 @@
+"""Differences between two JSON values: small entries record how a large state changes.
+
+A difference is itself JSON. `[value]` replaces a value. An object has the differences of the fields that change; null
+removes a field. `[[[index, difference] …], [items]]` changes items of a list and appends others. `[number, text]`
+removes characters at the beginning of a text and appends others.
+"""
+
+from typing import Any, Dict, Optional
+
+# The two values are equal.
+SAME = object()
+# A shorter text is replaced, and so is a list with at most this many items.
+LONG_TEXT = 64
+SHORT_LIST = 2
+# This many characters at the beginning of the new text are searched in the old one.
+_BEGIN = 48
+
+
+def difference(old: Any, new: Any) -> Any:
+    """Return the difference from `old` to `new`; `SAME`: they are equal."""
+    if old == new and old.__class__ is new.__class__:
+        return SAME
+    if isinstance(old, dict) and isinstance(new, dict):
+        found = {key: None for key in old if key not in new}
+        for key, value in new.items():
+            change = difference(old[key], value) if key in old else [value]
+            if change is not SAME:
+                found[key] = change
+        return found
+    if isinstance(old, list) and isinstance(new, list) and SHORT_LIST < len(old) <= len(new):
+        pairs = [[i, difference(*both)] for i, both in enumerate(zip(old, new))]
+        return [[pair for pair in pairs if pair[1] is not SAME], new[len(old):]]
+    if isinstance(old, str) and isinstance(new, str) and min(len(old), len(new)) >= LONG_TEXT:
+        dropped = old.find(new[:_BEGIN])
+        if dropped >= 0 and new.startswith(old[dropped:]):
+            return [dropped, new[len(old) - dropped:]]
+    return [new]
+
+
+def changed(old: Any, by: Any) -> Any:
+    """Return `old` changed by a difference. Unchanged parts are shared with `old`. Raises ValueError."""
+    try:
+        if isinstance(by, dict):
+            new = dict(old)
+            for key, change in by.items():
+                if change is None:
+                    del new[key]
+                else:
+                    new[key] = changed(old.get(key), change)
+            return new
+        if len(by) == 1:
+            return by[0]
+        first, added = by
+        if isinstance(added, str):
+            return old[first:] + added
+        items = list(old)
+        for index, change in first:
+            items[index] = changed(items[index], change)
+        return items + added
+    except (TypeError, KeyError, IndexError, AttributeError) as error:
+        raise ValueError(f"the change does not fit the state before it: {error}") from None
+
+
+# A complete state follows after this many differences, so that a damaged entry hides no more than these.
+COMPLETE_EVERY = 200
+
+
+class ChangesWriter:
+    """Makes the entries of one run's states: a complete state, then differences (docs/journal.md, "entries")."""
+
+    def __init__(self) -> None:
+        self._number = 0
+        self._last: Any = None
+
+    def entry(self, state: Any) -> Optional[Dict[str, Any]]:
+        """Return the value of the next entry; None: the state is the same as in the last one."""
+        change = [state] if self._number % COMPLETE_EVERY == 0 else difference(self._last, state)
+        if change is SAME:
+            return None
+        self._number += 1
+        self._last = state
+        return {"number": self._number, "change": change}
+
+
+class ChangesReader:
+    """Follows the states of one run. After a damaged or missing entry, it waits for the next complete state."""
+
+    def __init__(self) -> None:
+        self._number = 0
+        self.state: Any = None  # None: not known
+
+    def take(self, value: Any) -> Any:
+        """Take the value of the next entry; returns the state, None if it is not known."""
+        try:
+            number, change = value["number"], value["change"]
+            is_complete = isinstance(change, list) and len(change) == 1
+            is_next = number == self._number + 1 and self.state is not None
+            self.state = changed(self.state, change) if is_next or is_complete else None
+            self._number = number
+        except (TypeError, KeyError, ValueError):
+            self.state = None
+        return self.state
