@@ -141,6 +141,171 @@
         <translation>nein</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Waiting for the referee box</source>
+        <translation>Warte auf die Referee-Box</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Nothing is running at the moment</source>
+        <translation>Im Moment läuft nichts</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>The schedule is done</source>
+        <translation>Der Zeitplan ist abgearbeitet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>No signal since {time}: this is the last known state</source>
+        <translation>Kein Signal seit {time}: Dies ist der letzte bekannte Zustand</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Runs</source>
+        <translation>Läufe</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Next</source>
+        <translation>Als Nächstes</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Results</source>
+        <translation>Ergebnisse</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Provisional results</source>
+        <translation>Vorläufige Ergebnisse</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Monday</source>
+        <translation>Montag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Tuesday</source>
+        <translation>Dienstag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Wednesday</source>
+        <translation>Mittwoch</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Thursday</source>
+        <translation>Donnerstag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Friday</source>
+        <translation>Freitag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Saturday</source>
+        <translation>Samstag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Sunday</source>
+        <translation>Sonntag</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>January</source>
+        <translation>Januar</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>February</source>
+        <translation>Februar</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>March</source>
+        <translation>März</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>April</source>
+        <translation>April</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>May</source>
+        <translation>Mai</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>June</source>
+        <translation>Juni</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>July</source>
+        <translation>Juli</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>August</source>
+        <translation>August</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>September</source>
+        <translation>September</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>October</source>
+        <translation>Oktober</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>November</source>
+        <translation>November</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>December</source>
+        <translation>Dezember</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Standing: {benchmark}</source>
+        <translation>Rangliste: {benchmark}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>getting ready</source>
+        <translation>macht sich bereit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>running</source>
+        <translation>läuft</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>ended</source>
+        <translation>beendet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>All teams</source>
+        <translation>Alle Teams</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>{weekday}, {day} {month} {year}</source>
+        <translation>{weekday}, {day}. {month} {year}</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/schedule.py"/>
         <source>● connected</source>
         <translation>● verbunden</translation>
@@ -685,11 +850,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sheets.py"/>
-        <source>running</source>
-        <translation>läuft</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/sheets.py"/>
         <source>never started</source>
         <translation>nie gestartet</translation>
     </message>
@@ -830,11 +990,6 @@
         <location filename="../../src/roah_rsbb/wording/times.py"/>
         <source>Apr</source>
         <translation>Apr.</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/wording/times.py"/>
-        <source>May</source>
-        <translation>Mai</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/times.py"/>
@@ -1885,11 +2040,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Results</source>
-        <translation>Ergebnisse</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>Run</source>
         <translation>Lauf</translation>
     </message>
@@ -2074,11 +2224,6 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>All teams</source>
-        <translation>Alle Teams</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
         <source>All days</source>
         <translation>Alle Tage</translation>
     </message>
@@ -2252,154 +2397,9 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>Dem Ende folgen</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>Waiting for the referee box</source>
-        <translation>Warte auf die Referee-Box</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>Monday</source>
-        <translation>Montag</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>Tuesday</source>
-        <translation>Dienstag</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>Wednesday</source>
-        <translation>Mittwoch</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>Thursday</source>
-        <translation>Donnerstag</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>Friday</source>
-        <translation>Freitag</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>Saturday</source>
-        <translation>Samstag</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>Sunday</source>
-        <translation>Sonntag</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>January</source>
-        <translation>Januar</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>February</source>
-        <translation>Februar</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>March</source>
-        <translation>März</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>April</source>
-        <translation>April</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>June</source>
-        <translation>Juni</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>July</source>
-        <translation>Juli</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>August</source>
-        <translation>August</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>September</source>
-        <translation>September</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>October</source>
-        <translation>Oktober</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>November</source>
-        <translation>November</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>December</source>
-        <translation>Dezember</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>No signal since {time}: this is the last known state</source>
-        <translation>Kein Signal seit {time}: Dies ist der letzte bekannte Zustand</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>getting ready</source>
-        <translation>macht sich bereit</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>ended</source>
-        <translation>beendet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/content.py"/>
-        <source>{weekday}, {day} {month} {year}</source>
-        <translation>{weekday}, {day}. {month} {year}</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
         <source>RoAH RSBB – public display</source>
         <translation>RoAH RSBB – Publikumsanzeige</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
-        <source>Runs</source>
-        <translation>Läufe</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
-        <source>Nothing is running at the moment</source>
-        <translation>Im Moment läuft nichts</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
-        <source>The schedule is done</source>
-        <translation>Der Zeitplan ist abgearbeitet</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
-        <source>Next</source>
-        <translation>Als Nächstes</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
-        <source>Standing: {benchmark}</source>
-        <translation>Rangliste: {benchmark}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/public/display.py"/>
-        <source>Provisional results</source>
-        <translation>Vorläufige Ergebnisse</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/basic.py"/>

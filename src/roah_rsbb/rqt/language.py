@@ -7,29 +7,17 @@ corrected text needs no build.
 import functools
 import os
 import pathlib
-from typing import Callable, Dict, List, Mapping, Optional, Tuple
-from xml.etree import ElementTree
+from typing import List, Mapping, Optional
 
 import rospkg
 
 from roah_rsbb.rqt.qt import QCoreApplication, QLibraryInfo, QTranslator
+from roah_rsbb.wording.catalogues import CONTEXT, Texts, form, read
 from roah_rsbb.wording.language import set_translation
 
-# The context of our texts in the files. Further contexts are those of Qt's own texts.
-CONTEXT = "roah_rsbb"
 # The language of the texts in the code.
 SOURCE = "en"
-
-# The forms of a text, by context and English text: one, or several for one with a count.
-Texts = Dict[Tuple[str, str], Tuple[str, ...]]
 _installed: List[QTranslator] = []
-
-# Which form a count has, where it is not the first one for 1 and the second one for all others.
-_FORMS: Dict[str, Callable[[int], int]] = {
-    "fr": lambda n: int(n > 1),
-    "ja": lambda n: 0,
-    "zh": lambda n: 0,
-}
 
 
 def wanted(environment: Mapping[str, str]) -> List[str]:
@@ -49,35 +37,19 @@ def chosen(folder: pathlib.Path, environment: Mapping[str, str]) -> str:
     return next((name for name in wanted(environment) if name == SOURCE or _file(folder, name).is_file()), SOURCE)
 
 
-def read(path: pathlib.Path) -> Texts:
-    """Return all translated texts of a file."""
-    found: Texts = {}
-    for context in ElementTree.parse(str(path)).getroot().iter("context"):
-        name = context.findtext("name", "")
-        for message in context.iter("message"):
-            translation = message.find("translation")
-            forms = tuple(form.text or "" for form in translation.iter("numerusform")) or (translation.text or "",)
-            if all(forms) and translation.get("type") not in ("unfinished", "obsolete", "vanished"):
-                found[name, message.findtext("source", "")] = forms
-    return found
-
-
 class Catalogue(QTranslator):
     """The texts of one language. Qt asks it for its own texts, too."""
 
     def __init__(self, language: str, texts: Texts) -> None:
         super().__init__()
-        self._form = _FORMS.get(language.partition("_")[0], lambda n: int(n != 1))
+        self._language = language
         self._texts = texts
 
     def isEmpty(self) -> bool:
         return not self._texts
 
     def translate(self, context: str, text: str, _disambiguation: Optional[str] = None, n: int = -1) -> Optional[str]:
-        forms = self._texts.get((context, text))
-        if forms is None:
-            return None
-        return forms[min(self._form(n), len(forms) - 1)] if n >= 0 else forms[0]
+        return form(self._language, self._texts.get((context, text)), n)
 
 
 def install() -> None:

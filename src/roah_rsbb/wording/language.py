@@ -1,10 +1,11 @@
 """The language of the texts on screens (docs/referee.md, "Language").
 
-The texts in the code are English. A program with windows may set another language. All other programs, and everything
-that is sent or written to files, stay English.
+The texts in the code are English. A program with windows may set another language. The web pages get their texts in
+several languages. All other programs, and everything that is sent or written to files, stay English.
 """
 
-from typing import Any, Callable, Optional
+import contextlib
+from typing import Any, Callable, Iterator, Optional
 
 # Returns a text in another language; the number is the count in it, or -1 if there is none.
 Translate = Callable[[str, int], str]
@@ -16,6 +17,17 @@ def set_translation(translate: Optional[Translate]) -> None:
     """Show all texts of this process in another language; None: in English."""
     global _translate
     _translate = translate
+
+
+@contextlib.contextmanager
+def in_language(translate: Optional[Translate]) -> Iterator[None]:
+    """Make texts in another language within a `with` block; None: in English. Only one thread may make texts then."""
+    global _translate
+    before, _translate = _translate, translate
+    try:
+        yield
+    finally:
+        _translate = before
 
 
 def is_english() -> bool:

@@ -3,6 +3,7 @@
 import time
 from typing import Dict, List, Optional
 
+from roah_rsbb.box_clock import BoxClock
 from roah_rsbb.msg import (
     CoreDetails,
     CoreToGui,
@@ -18,7 +19,6 @@ from roah_rsbb.msg import (
     ZoneDetails,
     ZoneState,
 )
-from roah_rsbb.rqt.model.box_clock import BoxClock
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.wording.clock import Clock, clock_of
 

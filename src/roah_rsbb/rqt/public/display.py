@@ -6,12 +6,13 @@ It has no controls. Colours are dim, for a hall in the evening; colour is never 
 import time
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from roah_rsbb.rqt.model.box_clock import BoxClock
-from roah_rsbb.rqt.public import content, layout
-from roah_rsbb.rqt.public.content import ListLine, PublicContent, RunCard
+from roah_rsbb.box_clock import BoxClock
+from roah_rsbb.rqt.public import layout
 from roah_rsbb.rqt.public.layout import Rect, Screen
 from roah_rsbb.rqt.qt import QColor, QFont, QFontMetricsF, QPainter, QPixmap, QRectF, QSizeF, Qt, QWidget
+from roah_rsbb.wording import public as content
 from roah_rsbb.wording.language import tr
+from roah_rsbb.wording.public import ListLine, PublicContent, RunCard
 
 # A long text shrinks to at most this share of its size. If it is still too long, it is shortened: it must stay legible.
 SMALLEST = 0.7
@@ -178,12 +179,12 @@ class PublicDisplay(QWidget):
     def _paint_all(self, painter: QPainter, writer: Writer, screen: Screen) -> None:
         shown = layout.pages(self.content.cards, layout.CARDS_ON_A_PAGE)
         number = self._page % len(shown)
-        self._paint_head(painter, writer, screen, _page_mark(tr("Runs"), number, len(shown)))
+        self._paint_head(painter, writer, screen, _page_mark(tr(content.RUNS), number, len(shown)))
         places = screen.cards(len(shown[number]))
         for card, place in zip(shown[number], places):
             self._paint_card(painter, writer, card, place)
         if not self.content.cards:
-            writer.write(places[0], tr("Nothing is running at the moment"), TEXT)
+            writer.write(places[0], tr(content.NOTHING_RUNS), TEXT)
         self._paint_below(writer, screen, screen.below(places))
 
     def _paint_head(self, painter: QPainter, writer: Writer, screen: Screen, page: str) -> None:
@@ -248,15 +249,16 @@ class PublicDisplay(QWidget):
         if blocks:
             self._paint_lines(writer, lines, blocks, rest, unit, fill)
         else:
-            writer.write(rest._replace(h=layout.ROW * unit), tr("The schedule is done"), TEXT, fill)
+            writer.write(rest._replace(h=layout.ROW * unit), tr(content.SCHEDULE_IS_DONE), TEXT, fill)
 
     def _pages(self, area: Rect, rest: Rect, unit: float) -> List[_Page]:
         shown = self.content
         following = shown.following[:layout.rows_that_fit(area, unit)]
-        found: List[_Page] = [(tr("Next"), following, tuple(layout.Block(row, ()) for row in range(len(following))))]
+        blocks = tuple(layout.Block(row, ()) for row in range(len(following)))
+        found: List[_Page] = [(tr(content.NEXT), following, blocks)]
         lists = [
-            *((tr("Standing: {benchmark}", benchmark=standing.title), standing.lines) for standing in shown.standings),
-            (tr("Results"), shown.results), (tr("Provisional results"), shown.provisional),
+            *((content.standing_title(standing.title), standing.lines) for standing in shown.standings),
+            (tr(content.RESULTS), shown.results), (tr(content.PROVISIONAL), shown.provisional),
         ]
         for title, lines in lists:
             if not lines:

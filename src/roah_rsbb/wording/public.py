@@ -1,7 +1,8 @@
 """The texts of the public display, made from PublicDetails (docs/public_display.md, "For programs").
 
-Works on anything with the fields of PublicDetails; neither ROS nor Qt is imported. Times of day are local times of the
-computer that shows them: the public compares them with the clock on the wall.
+The display on a screen and the pages in browsers show the same texts. The functions work on anything with the fields
+of PublicDetails; ROS is not imported. Times of day are local times of the computer that makes the texts: the public
+compares them with the clock on the wall.
 """
 
 import math
@@ -14,6 +15,15 @@ from roah_rsbb.wording.language import tr, tr_later
 
 ALL_TEAMS = "ALL"
 WAITING = tr_later("Waiting for the referee box")
+NOTHING_RUNS = tr_later("Nothing is running at the moment")
+SCHEDULE_IS_DONE = tr_later("The schedule is done")
+NO_SIGNAL = tr_later("No signal since {time}: this is the last known state")
+RUNS = tr_later("Runs")
+NEXT = tr_later("Next")
+RESULTS = tr_later("Results")
+PROVISIONAL = tr_later("Provisional results")
+# In a run's largest text, the place of the countdown.
+TIME = "{time}"
 DAYS = (
     tr_later("Monday"), tr_later("Tuesday"), tr_later("Wednesday"), tr_later("Thursday"), tr_later("Friday"),
     tr_later("Saturday"), tr_later("Sunday"),
@@ -80,18 +90,51 @@ def content(details: Optional[object], utc_s: float, is_old: bool, board: Option
     """
     if details is None:
         return NOTHING
-    many_zones = len({event.zone for event in _events(details)}) > 1
     clock = _local("%H:%M:%S", utc_s)
     return PublicContent(
-        date=_date(utc_s),
+        date=date(utc_s),
         clock=clock,
-        trouble=tr("No signal since {time}: this is the last known state", time=clock) if is_old else "",
-        cards=tuple(_card(run, utc_s, details.clock.to_sec(), many_zones) for run in details.runs),
-        following=tuple(_following(event, utc_s, many_zones) for event in details.following),
-        results=_results(details.finished if board is None else board.results, utc_s),
-        provisional=() if board is None else _results(board.provisional, utc_s),
-        standings=() if board is None else tuple(_standing(standing) for standing in board.standings),
+        trouble=tr(NO_SIGNAL, time=clock) if is_old else "",
+        cards=tuple(
+            card._replace(big=card.big.replace(TIME, times.countdown(_shown_s(run, utc_s, details.clock.to_sec()))))
+            for card, run in zip(cards(details), details.runs)
+        ),
+        following=following(details, utc_s),
+        results=result_lines(details.finished if board is None else board.results, utc_s),
+        provisional=() if board is None else result_lines(board.provisional, utc_s),
+        standings=() if board is None else standings(board),
     )
+
+
+def cards(details) -> Tuple[RunCard, ...]:
+    """Return the texts of all runs. Their largest text has the place `TIME` for the countdown."""
+    many_zones = _has_many_zones(details)
+    return tuple(_card(run, many_zones) for run in details.runs)
+
+
+def following(details, utc_s: float) -> Tuple[ListLine, ...]:
+    """Return the texts of the next events."""
+    many_zones = _has_many_zones(details)
+    return tuple(_following(event, utc_s, many_zones) for event in details.following)
+
+
+def result_lines(results, utc_s: float) -> Tuple[ListLine, ...]:
+    """Return the texts of results."""
+    return tuple(_result(result, utc_s) for result in results)
+
+
+def standings(board) -> Tuple[StandingTexts, ...]:
+    """Return the texts of all standings."""
+    return tuple(_standing(standing) for standing in board.standings)
+
+
+def standing_title(title: str) -> str:
+    """Return the title above the standing of a benchmark."""
+    return tr("Standing: {benchmark}", benchmark=title)
+
+
+def _has_many_zones(details) -> bool:
+    return len({event.zone for event in _events(details)}) > 1
 
 
 def _events(details) -> list:
@@ -105,28 +148,25 @@ def _shown_s(run, utc_s: float, clock_s: float) -> float:
     return run.ends.to_sec() - utc_s if run.counting else run.left.to_sec()
 
 
-def _card(run, utc_s: float, clock_s: float, many_zones: bool) -> RunCard:
+def _card(run, many_zones: bool) -> RunCard:
     event = run.event
     parts = ([event.zone] if many_zones else []) + [sheets.turn(event.round, event.run)]
     if event.team == ALL_TEAMS:
         parts.append(", ".join(run.teams))
     if run.activity:
         parts.append(run.activity)
-    big, word = times.countdown(_shown_s(run, utc_s, clock_s)), tr("getting ready")
+    big, word = TIME, tr("getting ready")
     if run.phase == "running":
-        big, word = (f"▶ {big}", tr("running")) if run.counting else (f"‖ {big}", tr(PAUSED))
+        big, word = (f"▶ {TIME}", tr("running")) if run.counting else (f"‖ {TIME}", tr(PAUSED))
     elif run.phase == "ended":
         big, word = tr("ended"), _end(run.end_reason)
-    return RunCard(run.phase, _team(event.team), event.benchmark, " · ".join(parts), big, word,
+    return RunCard(run.phase, team_text(event.team), event.benchmark, " · ".join(parts), big, word,
                    is_paused=run.phase == "running" and not run.counting)
 
 
 def _following(event, utc_s: float, many_zones: bool) -> ListLine:
-    return ListLine(_when(event.scheduled, utc_s), _team(event.team), event.benchmark, event.zone if many_zones else "")
-
-
-def _results(results, utc_s: float) -> Tuple[ListLine, ...]:
-    return tuple(_result(result, utc_s) for result in results)
+    zone = event.zone if many_zones else ""
+    return ListLine(_when(event.scheduled, utc_s), team_text(event.team), event.benchmark, zone)
 
 
 def _standing(standing) -> StandingTexts:
@@ -150,13 +190,14 @@ def _result(result, utc_s: float) -> ListLine:
         sums = [sheets.points_text(result.points.total, [(group.name, group.points) for group in result.points.groups])]
     lines = [module_scores.readable(score) for score in result.module_scores]
     return ListLine(
-        _when(result.disconnected, utc_s), _team(event.team), event.benchmark,
+        _when(result.disconnected, utc_s), team_text(event.team), event.benchmark,
         _end(result.end_reason),
         (*(f"{line.name} {line.value}" for line in lines), *sums),
     )
 
 
-def _team(team: str) -> str:
+def team_text(team: str) -> str:
+    """Return the name of a team; it may stand for all teams."""
     return tr("All teams") if team == ALL_TEAMS else team
 
 
@@ -172,8 +213,8 @@ def _when(moment, utc_s: float) -> str:
     return times.short_time(_local(pattern, moment.to_sec()), _local(pattern, utc_s))
 
 
-def _date(utc_s: float) -> str:
-    """Return such as "Thursday, 3 December 2026"."""
+def date(utc_s: float) -> str:
+    """Return a local date, such as "Thursday, 3 December 2026"."""
     numbers = _local("%u %d %m %Y", utc_s).split()
     if len(numbers) < 4:
         return "?"

@@ -1,8 +1,8 @@
-"""The box's clock as a panel estimates it."""
+"""The box's clock as displays estimate it."""
 
 import pytest
 
-from roah_rsbb.rqt.model.box_clock import BoxClock
+from roah_rsbb.box_clock import BoxClock
 
 
 def test_before_the_first_message_it_is_not_known():

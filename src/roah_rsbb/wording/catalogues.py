@@ -1,0 +1,48 @@
+"""Reads the files of resource/languages, in the format of Qt Linguist (docs/referee.md, "Language")."""
+
+import pathlib
+from typing import Callable, Dict, Optional, Tuple
+from xml.etree import ElementTree
+
+from roah_rsbb.wording.language import Translate
+
+# The context of our texts in the files. Further contexts are those of Qt's own texts.
+CONTEXT = "roah_rsbb"
+
+# The forms of a text, by context and English text: one, or several for one with a count.
+Texts = Dict[Tuple[str, str], Tuple[str, ...]]
+
+# Which form a count has, where it is not the first one for 1 and the second one for all others.
+_FORMS: Dict[str, Callable[[int], int]] = {
+    "fr": lambda n: int(n > 1),
+    "ja": lambda n: 0,
+    "zh": lambda n: 0,
+}
+
+
+def read(path: pathlib.Path) -> Texts:
+    """Return all translated texts of a file."""
+    found: Texts = {}
+    for context in ElementTree.parse(str(path)).getroot().iter("context"):
+        name = context.findtext("name", "")
+        for message in context.iter("message"):
+            translation = message.find("translation")
+            forms = tuple(form.text or "" for form in translation.iter("numerusform")) or (translation.text or "",)
+            if all(forms) and translation.get("type") not in ("unfinished", "obsolete", "vanished"):
+                found[name, message.findtext("source", "")] = forms
+    return found
+
+
+def form(language: str, forms: Optional[Tuple[str, ...]], n: int) -> Optional[str]:
+    """Return the form of a text for a count; `n` is -1 without one. None: the text is not translated."""
+    if forms is None:
+        return None
+    number = _FORMS.get(language.partition("_")[0], lambda n: int(n != 1))(n) if n >= 0 else 0
+    return forms[min(number, len(forms) - 1)]
+
+
+def translation(language: str, texts: Texts) -> Translate:
+    """Return the function that translates our texts into a language. What is missing stays English."""
+    def translate(text: str, n: int) -> str:
+        return form(language, texts.get((CONTEXT, text)), n) or text
+    return translate
