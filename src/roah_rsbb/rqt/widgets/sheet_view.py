@@ -139,8 +139,11 @@ class SheetView(QWidget):
             return
         self.arrangement = arrangement
         for group in self._groups.values():
+            # A layout shows what is added to it only when Qt handles its next events; until then it has no height.
+            group.box.show()
             for index, row in enumerate(group.rows):
                 row.set_compact(arrangement.is_compact)
                 group.grid.addWidget(row, *divmod(index, arrangement.columns))
+                row.show()
             for column in range(2):
                 group.grid.setColumnStretch(column, 1 if column < arrangement.columns else 0)
