@@ -22,6 +22,7 @@ import hostile  # noqa: E402
 import load  # noqa: E402
 import processes  # noqa: E402
 import reaction  # noqa: E402
+import results_speed  # noqa: E402
 import resume  # noqa: E402
 import rosgraph  # noqa: E402
 import rospy  # noqa: E402
@@ -34,6 +35,8 @@ from table import Results, quantile  # noqa: E402
 ZONES_OF_MESSAGES = (1, 20, 100)
 WINDOW_ZONES = 20
 RESUMED = 10
+FEW_RUNS = 100
+RESULTS_TARGETS = {"list": 0.5, "show": 0.5, "standings": 2.0, "recover, of 100 MB": 1.0}
 
 
 class Extent(NamedTuple):
@@ -47,10 +50,13 @@ class Extent(NamedTuple):
     idle_seconds: float
     day_hours: float
     day_zones: int
+    runs: int  # in the journal of results
 
 
-QUICK = Extent(probes=36, starts=12, clicks=5, kills=2, seconds=1.2, idle_seconds=1.0, day_hours=0.2, day_zones=2)
-FULL = Extent(probes=300, starts=100, clicks=40, kills=10, seconds=15.0, idle_seconds=10.0, day_hours=10.0, day_zones=4)
+QUICK = Extent(probes=36, starts=12, clicks=5, kills=2, seconds=1.2, idle_seconds=1.0, day_hours=0.2, day_zones=2,
+               runs=200)
+FULL = Extent(probes=300, starts=100, clicks=40, kills=10, seconds=15.0, idle_seconds=10.0, day_hours=10.0, day_zones=4,
+              runs=10_000)
 
 
 class Bench:
@@ -219,6 +225,15 @@ class Bench:
         self.results.add(f"{name}: slower at the end", "%", found.slower_percent, 20)
         self.results.add(f"{name}: a second's work, 99 %", "ms", found.jitter_ms)
 
+    # -- results --------------------------------------------------------------------------------------
+
+    def journal(self) -> None:
+        """The results program with a few runs and with many."""
+        for runs in (FEW_RUNS, self.extent.runs):
+            commands = {"list": ["list"], "show": ["show", str(runs)], "standings": ["standings"]}
+            for name, taken in results_speed.measure(runs, commands).items():
+                self.results.add(f"results {name}, {runs} runs", "s", taken.seconds, RESULTS_TARGETS[name])
+
 
 @contextlib.contextmanager
 def box_in_runs(count: int, profile: str = "", idle: Optional[Callable[[Box], None]] = None
@@ -241,7 +256,7 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "resume", "many", "hundred", "hostile", "messages", "window", "day")}
+    "one", "resume", "many", "hundred", "hostile", "messages", "window", "day", "journal")}
 
 
 def main() -> int:

@@ -14,6 +14,9 @@ NAMES = {
     "sessions": "starts of the core", "runs": "records of runs", "members": "robots of runs", "entries": "entries",
     "links": "link samples", "states": "saved states",
 }
+# The columns that number rows without gaps.
+NUMBERS = {"entries": "id", "links": "rowid"}
+_HIGHEST = (1 << 63) - 1
 # Maximum number of damaged rows that are named.
 _SHOWN = 5
 
@@ -29,19 +32,48 @@ class Damage(NamedTuple):
 
 def find_damage(connection: sqlite3.Connection) -> List[Damage]:
     """Return all damage in a journal of the present version. Raises sqlite3.Error."""
-    found = [*_holes(connection, "entries", "id"), *_holes(connection, "links", "rowid")]
-    for table, key in (("sessions", "id"), ("runs", "identity"), ("members", "port"), ("states", "name")):
-        rows = connection.execute(f"SELECT {key} FROM {table} WHERE crc IS NOT {schema.crc_of(table)}").fetchall()
-        if rows:
-            names = ", ".join(str(row[0]) for row in rows[:_SHOWN]) + (", …" if len(rows) > _SHOWN else "")
-            found.append(Damage(table, f"{len(rows)} damaged: {names}", None, None))
+    found = [*_holes(connection, "entries"), *_holes(connection, "links")]
+    for table in ("sessions", "runs", "members", "states"):
+        found += damaged_rows(connection, table)
     return found
 
 
-def _holes(connection: sqlite3.Connection, table: str, key: str) -> Iterator[Damage]:
-    """Return the damaged and missing rows of a table whose rows are numbered from 1."""
-    last, last_utc, bad = 0, None, 0
-    rows = connection.execute(f"SELECT {key}, utc, crc IS {schema.crc_of(table)} FROM {table} ORDER BY {key}")
+def damaged_rows(connection: sqlite3.Connection, table: str, where: str = "true", *values: object) -> List[Damage]:
+    """Return the damaged rows of a table whose rows have no numbers. Raises sqlite3.Error."""
+    key = "id" if table == "sessions" else schema.CHECKED[table][0]
+    statement = f"SELECT {key} FROM {table} WHERE {where} AND crc IS NOT {schema.crc_of(table)}"
+    rows = connection.execute(statement, values).fetchall()
+    if not rows:
+        return []
+    names = ", ".join(str(row[0]) for row in rows[:_SHOWN]) + (", …" if len(rows) > _SHOWN else "")
+    return [Damage(table, f"{len(rows)} damaged: {names}", None, None)]
+
+
+def damage_in_run(connection: sqlite3.Connection, identity: str) -> List[Damage]:
+    """Return the damage in the period of a run, also to rows of others: the run of a damaged row is not known. Raises
+    sqlite3.Error."""
+    found = damaged_rows(connection, "members", "identity = ?", identity)
+    for table, rows in (
+        ("entries", "SELECT min(id), max(id) FROM entries WHERE identity = ?"),
+        ("links", "SELECT min(rowid), max(rowid) FROM links WHERE port IN (SELECT port FROM members WHERE"
+                  " identity = ?)"),
+    ):
+        first, last = connection.execute(rows, (identity,)).fetchone()
+        if first is not None:
+            found += _holes(connection, table, first, last)
+    return found
+
+
+def _holes(
+    connection: sqlite3.Connection, table: str, first: int = 1, end: Optional[int] = None
+) -> Iterator[Damage]:
+    """Return the damaged and missing rows of a table whose rows are numbered. `end`: the last number; None: all rows
+    that were ever written."""
+    last, last_utc, bad = first - 1, None, 0
+    key = NUMBERS[table]
+    rows = connection.execute(
+        f"SELECT {key}, utc, crc IS {schema.crc_of(table)} FROM {table}"
+        f" WHERE {key} BETWEEN ? AND ? ORDER BY {key}", (first, _HIGHEST if end is None else end))
     for number, utc, is_good in rows:
         if not is_good:
             bad += 1
@@ -49,7 +81,7 @@ def _holes(connection: sqlite3.Connection, table: str, key: str) -> Iterator[Dam
         if number != last + 1:
             yield _hole(table, last + 1, number - 1, bad, last_utc, utc)
         last, last_utc, bad = number, utc, 0
-    end = _last_number(connection, table)
+    end = _last_number(connection, table) if end is None else end
     if end > last or bad:
         yield _hole(table, last + 1, max(end, last + bad), bad, last_utc, None)
 

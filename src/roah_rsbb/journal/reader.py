@@ -11,16 +11,19 @@ import pathlib
 import shutil
 import sqlite3
 import tempfile
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.journal import kinds, schema
-from roah_rsbb.journal.damage import find_damage, last_moment, text_of
+from roah_rsbb.journal.damage import damage_in_run, damaged_rows, find_damage, last_moment, text_of
 from roah_rsbb.journal.pages import has_damaged_log, has_torn_log
 
 # The box may lock the file for this time if its file system supports no write-ahead log.
 BUSY_S = 5.0
 # Number of attempts to copy, because the box may write during a copy.
 COPIES = 3
+
+# A larger journal is checked only where it is read, unless the caller wants all of it (docs/journal.md, "Damage").
+SMALL_BYTES = 4_000_000
 
 # Files that SQLite keeps next to a file in use, except those that can be rebuilt.
 LOG_SUFFIX = "-wal"
@@ -94,7 +97,8 @@ class JournalLink(NamedTuple):
     sample: Dict[str, Any]  # the core's LinkSample, without fields that have their default
 
 
-_RUN = "identity, zone, benchmark, team, round, run, scheduled, opened_utc, closed_utc, outcome"
+_OUTLINE = "identity, zone, benchmark, team, round, run, scheduled, opened_utc"
+_RUN = f"{_OUTLINE}, closed_utc, outcome"
 _ENTRY = "id, session, utc, mono, zone, identity, port, who, kind, value"
 
 
@@ -104,8 +108,10 @@ class JournalReader:
     All methods raise `JournalError`.
     """
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, checks_all: bool = True) -> None:
+        """`checks_all`: check all of a large journal, which takes seconds. A small one is always checked."""
         self.path = path
+        self._checks_all = checks_all or self._is_small()
         self._cleanup = contextlib.ExitStack()
         try:
             self._connection = self._open()
@@ -137,6 +143,16 @@ class JournalReader:
     def runs(self) -> List[JournalRun]:
         """All runs, in the order in which they were connected."""
         return [self._run(row) for row in self._rows(f"SELECT {_RUN} FROM runs ORDER BY opened_utc, identity")]
+
+    def identities(self) -> List[str]:
+        """The identities of all runs, in the same order."""
+        return [row[0] for row in self._rows("SELECT identity FROM runs ORDER BY opened_utc, identity")]
+
+    def outlines(self, fields: Sequence[str]) -> List[Tuple[Any, ...]]:
+        """All runs in the same order: identity to opened_utc, then these fields of their outcomes (None: missing). This
+        takes less time than `runs`."""
+        values = ", ".join(f"json_extract(outcome, '$.{name}')" for name in fields)
+        return self._rows(f"SELECT {_OUTLINE}, {values} FROM runs ORDER BY opened_utc, identity")
 
     def run(self, identity: str) -> Optional[JournalRun]:
         """A run; None if it does not exist."""
@@ -189,9 +205,13 @@ class JournalReader:
 
     @property
     def damage(self) -> List[str]:
-        """Return what is damaged or missing in the journal, and the periods. The rest can be read."""
+        """Return what is damaged or missing in the journal, and the periods. The rest can be read.
+
+        Of a journal that is not checked completely, these are the records of runs; `damage_of` checks a run.
+        """
         try:
-            found = [text_of(damage) for damage in find_damage(self._connection)]
+            tables = find_damage(self._connection) if self._checks_all else damaged_rows(self._connection, "runs")
+            found = [text_of(damage) for damage in tables]
             if self._has(has_damaged_log):
                 found.append(f"the write-ahead log: what happened after {last_moment(self._connection)} cannot be read")
             elif self._has(has_torn_log):
@@ -200,6 +220,20 @@ class JournalReader:
         except (sqlite3.Error, UnicodeDecodeError) as error:
             raise self._damaged(str(error)) from None
         return found
+
+    def damage_of(self, identity: str) -> List[str]:
+        """Return what is damaged or missing in the period of a run, if `damage` did not check it."""
+        if self._checks_all:
+            return []
+        try:
+            return [text_of(damage) for damage in damage_in_run(self._connection, identity)]
+        except (sqlite3.Error, UnicodeDecodeError) as error:
+            raise self._damaged(str(error)) from None
+
+    def _is_small(self) -> bool:
+        with contextlib.suppress(OSError):
+            return os.path.getsize(self.path) <= SMALL_BYTES
+        return True
 
     def _has(self, damage: Callable[[str], bool]) -> bool:
         """Check for damage again if a box wrote at the same time."""
@@ -287,7 +321,7 @@ class JournalReader:
                 f"{self.path}: its tables have version {version}, which this version of roah_rsbb no longer reads: "
                 "read it with the version that wrote it"
             )
-        found = _pragma(connection, "integrity_check(1)")
+        found = _pragma(connection, "integrity_check(1)") if self._checks_all else "ok"
         if found != "ok":
             raise self._damaged(str(found))
         if version != schema.VERSION:

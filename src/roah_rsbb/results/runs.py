@@ -1,7 +1,7 @@
 """A run with everything that the journal recorded about it."""
 
 from functools import partial
-from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.restart.saved import BadState, thaw
@@ -52,6 +52,46 @@ def records(reader: JournalReader, warn: Callable[[str], None]) -> List[RunRecor
     return [_record(run, warn) for run in reader.runs()]
 
 
+class RunHead(NamedTuple):
+    """What the list of runs shows of a record."""
+
+    identity: str
+    zone: str
+    benchmark: str
+    team: str
+    round: int
+    run: int
+    scheduled: float
+    opened_utc: float
+    started_utc: float
+    closed_utc: float
+    end_reason: str
+    elapsed_s: float
+    sign_off: Optional[float]  # UTC seconds; None: not signed off
+
+
+def heads(reader: JournalReader, warn: Callable[[str], None]) -> List[RunHead]:
+    """Return the heads of all runs in the order of connecting. This takes less time than all records."""
+    return [_head(row, warn) for row in reader.outlines(
+        ("started_utc", "closed_utc", "end_reason", "elapsed_s", "sign_off.utc"))]
+
+
+def _head(row: Tuple[Any, ...], warn: Callable[[str], None]) -> RunHead:
+    *run, started, closed, end, took, signed = row
+    try:
+        return RunHead(*run, float(started or 0.0), float(closed or 0.0), str(end or ""), float(took or 0.0), signed)
+    except (TypeError, ValueError) as error:
+        warn(_unreadable(run[0], error))
+        return RunHead(*run, 0.0, 0.0, "", 0.0, None)
+
+
+def find_record(reader: JournalReader, word: str, warn: Callable[[str], None]) -> Tuple[int, RunRecord]:
+    """Return the number and the record of the run that `find` finds. Raises `NoSuchRun`."""
+    known = reader.identities()
+    place = find(known, word)
+    return place + 1, _record(reader.run(known[place]), warn)
+
+
 def run_result(reader: JournalReader, number: int, record: RunRecord, warn: Callable[[str], None]) -> RunResult:
     """Read the rest of a run whose record is known."""
     robots = tuple(
@@ -61,12 +101,11 @@ def run_result(reader: JournalReader, number: int, record: RunRecord, warn: Call
     return RunResult(number, record, robots, tuple(reader.entries(record.identity)))
 
 
-def find(known: List[RunRecord], word: str) -> int:
-    """Return the index of the run with this number (from 1), identity, or unique prefix of an identity.
-
-    Raises `NoSuchRun`.
+def find(known: Sequence[str], word: str) -> int:
+    """Return the index of the run with this number (from 1), identity, or unique prefix of an identity. `known`: the
+    identities of all runs, in order. Raises `NoSuchRun`.
     """
-    by_identity: Dict[str, int] = {record.identity: i for i, record in enumerate(known)}
+    by_identity: Dict[str, int] = {identity: i for i, identity in enumerate(known)}
     if word in by_identity:
         return by_identity[word]
     if word.isdecimal() and 1 <= int(word) <= len(known):
@@ -75,7 +114,7 @@ def find(known: List[RunRecord], word: str) -> int:
     if len(begin) == 1:
         return begin[0]
     if begin:
-        names = ", ".join(known[i].identity for i in begin[:5])
+        names = ", ".join(known[i] for i in begin[:5])
         raise NoSuchRun(f"'{word}' matches {len(begin)} runs ({names} …): be more specific")
     numbers = f"there are 1 to {len(known)}" if known else "there are no runs yet"
     raise NoSuchRun(f"there is no run '{word}': {numbers}. 'results list' lists them")
@@ -97,8 +136,12 @@ def _record(run: JournalRun, warn: Callable[[str], None]) -> RunRecord:
         try:
             return thaw(RunRecord, run.outcome)
         except BadState as error:
-            warn(f"the record of run {run.identity} cannot be read ({error}): only its basic data is shown")
+            warn(_unreadable(run.identity, error))
     return RunRecord(*run[:8], closed_utc=run.closed_utc or 0.0)
+
+
+def _unreadable(identity: str, error: Exception) -> str:
+    return f"the record of run {identity} cannot be read ({error}): only its basic data is shown"
 
 
 def _link(reader: JournalReader, port: int, warn: Callable[[str], None]) -> Tuple[LinkSecond, ...]:

@@ -29,7 +29,7 @@ from roah_rsbb.results.export import (
 from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
 from roah_rsbb.results.printing import CannotPrint, Printer, browser, print_pdf
-from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, find, records, run_result
+from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, find, find_record, heads, records, run_result
 from roah_rsbb.results.sheet import list_lines, sheet_lines, sheet_page
 from roah_rsbb.results.standing_rules import OfRuns, Rules, read_rules
 from roah_rsbb.results.standings import Choice, Standing, index_page, standing_lines, standings, standings_page
@@ -218,8 +218,8 @@ def _add_choice(parser: argparse.ArgumentParser) -> None:
 
 
 def _list(options: argparse.Namespace) -> int:
-    with _open(options) as reader:
-        known = records(reader, _warn)
+    with _open(options, checks_all=False) as reader:
+        known = heads(reader, _warn)
     if not known:
         print("There are no runs yet.")
         return 0
@@ -229,10 +229,8 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _show(options: argparse.Namespace) -> int:
-    with _open(options) as reader:
-        known = records(reader, _warn)
-        place = find(known, options.run)
-        result = run_result(reader, place + 1, known[place], _warn)
+    with _open(options, checks_all=False) as reader:
+        result = _one_run(reader, options.run)
     strike = sys.stdout.isatty()
     for text in sheet_lines(result, options.utc, strike):
         print(text)
@@ -248,7 +246,8 @@ def _export(options: argparse.Namespace) -> int:
     now = time.time()
     with _open(options) as reader:
         known = records(reader, _warn)
-        places = sorted({find(known, word) for word in options.runs}) if options.runs else range(len(known))
+        identities = [record.identity for record in known]
+        places = sorted({find(identities, word) for word in options.runs}) if options.runs else range(len(known))
         chosen = [(place + 1, known[place]) for place in places]
         ranked = _ranked(options, known)
         if options.csv:
@@ -298,7 +297,7 @@ def _file_name(result: RunResult) -> str:
 
 
 def _standings(options: argparse.Namespace) -> int:
-    with _open(options) as reader:
+    with _open(options, checks_all=False) as reader:
         ranked = _ranked(options, records(reader, _warn))
         path = reader.path
     codes = [standing.benchmark for standing in ranked]
@@ -355,10 +354,8 @@ def _checklist(options: argparse.Namespace) -> int:
 
 
 def _bag(options: argparse.Namespace) -> int:
-    with _open(options) as reader:
-        known = records(reader, _warn)
-        place = find(known, options.run)
-        count = _write_bag(run_result(reader, place + 1, known[place], _warn), options.port, options.bag)
+    with _open(options, checks_all=False) as reader:
+        count = _write_bag(_one_run(reader, options.run), options.port, options.bag)
     print(f"{options.bag}: {count} messages")
     return 0
 
@@ -424,16 +421,28 @@ def _recover(options: argparse.Namespace) -> int:
 # -- shared -----------------------------------------------------------------------------------------
 
 
-def _open(options: argparse.Namespace) -> JournalReader:
-    reader = JournalReader(options.journal or os.path.join(os.path.expanduser(options.log_dir), FILE_NAME))
+def _open(options: argparse.Namespace, checks_all: bool = True) -> JournalReader:
+    """Open the journal. `checks_all`: check all of a large one for damage, which takes seconds."""
+    reader = JournalReader(options.journal or os.path.join(os.path.expanduser(options.log_dir), FILE_NAME), checks_all)
     try:
-        for text in reader.damage:
-            _warn(f"{reader.path} is damaged: {text}. More may be recovered with: rosrun roah_rsbb results recover "
-                  f"'{reader.path}' NEW_FILE")
+        _warn_of_damage(reader, reader.damage)
     except JournalError:
         reader.close()
         raise
     return reader
+
+
+def _one_run(reader: JournalReader, word: str) -> RunResult:
+    """Read the run with this number, identity or beginning of the identity."""
+    number, record = find_record(reader, word, _warn)
+    _warn_of_damage(reader, reader.damage_of(record.identity))
+    return run_result(reader, number, record, _warn)
+
+
+def _warn_of_damage(reader: JournalReader, damage: List[str]) -> None:
+    for text in damage:
+        _warn(f"{reader.path} is damaged: {text}. More may be recovered with: rosrun roah_rsbb results recover "
+              f"'{reader.path}' NEW_FILE")
 
 
 def _rules(options: argparse.Namespace) -> Dict[str, Rules]:
@@ -479,7 +488,8 @@ def _write_page(options: argparse.Namespace, text: str) -> None:
 
 
 def _ranked(options: argparse.Namespace, known: List[RunRecord]) -> List[Standing]:
-    without = tuple(known[find(known, word)].identity for word in options.without)
+    identities = [record.identity for record in known]
+    without = tuple(identities[find(identities, word)] for word in options.without)
     of_runs = OfRuns(options.of_runs) if options.of_runs else None
     events = {code: benchmark.rules for code, benchmark in _benchmarks(options).items()}
     return standings(known, _rules(options), Choice(options.signed_off, without, of_runs, events), _titles(options))

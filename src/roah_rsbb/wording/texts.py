@@ -9,12 +9,14 @@ def visible(text: str) -> str:
 
     Such characters could send commands to a terminal or reverse the direction of writing.
     """
+    if text.isprintable():
+        return text
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape", "replace").decode() for c in text)
 
 
 def escaped(text: str) -> str:
     """Write out every character that cannot be printed, line breaks too: the text stays in one line."""
-    return text if text.isprintable() else visible(text).replace("\n", "\\n")
+    return visible(text).replace("\n", "\\n")
 
 
 def one_line(text: str) -> str:

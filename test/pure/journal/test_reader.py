@@ -286,3 +286,51 @@ def test_damage_is_reported_with_its_times(writer):
     statement(writer.path, f"DELETE FROM entries WHERE id IN ({last - 2}, {last - 1})")
     found, = reader_damage(writer.path)
     assert f"from {utc_text(times[last - 3])} to {utc_text(times[last])}" in found
+
+
+# -- large journals ---------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def large(writer, monkeypatch):
+    """A journal with two runs that counts as large: the second run has entries and samples 6 to 8."""
+    monkeypatch.setattr("roah_rsbb.journal.reader.SMALL_BYTES", 0)
+    writer.run(OTHER, robots=((6668, "r1"),))
+    for identity, port in ((RECORD.identity, 6667), (OTHER.identity, 6668)):
+        for i in range(2 if port == 6667 else 3):
+            writer.entry("notice", {"text": str(i)}, identity)
+            writer.link(LinkSample(1.0, received=i), port)
+    writer.close()
+    return writer.path
+
+
+OTHER = RECORD._replace(identity="HNF-6668-2.000", opened_utc=UTC0)
+
+
+@pytest.mark.parametrize("change, of_records, of_run", [
+    ("UPDATE entries SET utc = 0.0 WHERE id = 7", [], "entries 7 to 7: 1 damaged"),
+    ("DELETE FROM entries WHERE id = 7", [], "entries 7 to 7: 1 missing"),
+    ("DELETE FROM links WHERE rowid = 5", [], "link samples 5 to 5: 1 missing"),
+    ("UPDATE members SET robot = 'r2' WHERE port = 6668", [], "robots of runs: 1 damaged: 6668"),
+    ("UPDATE runs SET round = 7 WHERE identity = 'HNF-6668-2.000'",
+     ["records of runs: 1 damaged: HNF-6668-2.000"], ""),
+    ("DELETE FROM entries WHERE id = 2", [], ""),  # not of this run
+])
+def test_a_large_journal_is_checked_where_it_is_read(large, change, of_records, of_run):
+    statement(large, change)
+    with JournalReader(large, checks_all=False) as reader:
+        assert reader.damage == of_records
+        found = reader.damage_of(OTHER.identity)
+    assert len(found) == bool(of_run)
+    assert not of_run or of_run in found[0]
+    with JournalReader(large) as reader:
+        assert len(reader.damage) == 1, "all of it is checked"
+        assert reader.damage_of(OTHER.identity) == [], "it is reported once"
+
+
+def test_outlines_and_identities(large):
+    with JournalReader(large) as reader:
+        assert reader.identities() == [RECORD.identity, OTHER.identity]
+        first, second = reader.outlines(("started_utc", "sign_off.who"))
+    assert first == (*RECORD[:8], None, None)
+    assert second[:1] == (OTHER.identity,)

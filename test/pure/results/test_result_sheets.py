@@ -95,8 +95,9 @@ def test_times_are_local_with_their_offset_or_utc(lisbon):
 
 
 def test_a_run_is_found_by_number_identity_or_its_beginning():
-    known = [task_record("Alpha", 1), task_record("Beta", 2), task_record("Beta", 12, benchmark="HWV")]
-    assert [find(known, word) for word in ("1", "3", known[1].identity, "HWV")] == [0, 2, 1, 2]
+    records_ = (task_record("Alpha", 1), task_record("Beta", 2), task_record("Beta", 12, benchmark="HWV"))
+    known = [record.identity for record in records_]
+    assert [find(known, word) for word in ("1", "3", known[1], "HWV")] == [0, 2, 1, 2]
     for word, text in (("0", "there are 1 to 3"), ("4", "there are 1 to 3"), ("HG", "matches 2 runs"), ("", "list"),
                        ("x", "results list")):
         with pytest.raises(NoSuchRun, match=text):

@@ -1,6 +1,7 @@
 """The program: its commands, the files that it writes, and its errors."""
 
 import base64
+import contextlib
 import csv
 import io
 import json
@@ -18,7 +19,10 @@ from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_competition
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.scoring.records import PhaseTime, RunRecord, ScoreEntry, ScoreValue
+from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results import export
+from roah_rsbb.results.runs import find_record, heads, records
+from roah_rsbb.results.sheet import list_lines
 from roah_rsbb.tools import results as program
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -57,6 +61,24 @@ def test_list_and_show(run):
     assert "2025-11-21 12:00:00Z" in out
     assert "\033" not in out, "the output is no terminal"
     assert run("show", "HNF")[1].startswith("HNF, team Alpha")
+
+
+def test_the_list_of_heads_is_that_of_the_records(journal):
+    with JournalReader(journal) as reader:
+        known = records(reader, print)
+        assert list(list_lines(heads(reader, print), True)) == list(list_lines(known, True))
+        for number, record in enumerate(known, 1):
+            assert find_record(reader, str(number), print) == (number, record)
+
+
+@pytest.mark.parametrize("change", ("'$.elapsed_s', 'long'", "'$.started_utc', json('[1]')"))
+def test_a_head_that_cannot_be_read_costs_only_itself(run, tmp_path, change):
+    path = _journal(tmp_path)
+    with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as connection:
+        connection.execute(f"UPDATE runs SET outcome = json_set(outcome, {change}) WHERE team = 'A'")
+    status, out, err = run("list", source=("--journal", path))
+    assert (status, len(out.splitlines())) == (0, 2)
+    assert "cannot be read" in err
 
 
 def test_the_journal_is_found_in_the_log_dir(run, journal, monkeypatch, tmp_path):

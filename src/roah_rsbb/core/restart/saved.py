@@ -150,13 +150,21 @@ def _exactly(kind: type, data: Any, _shift: float) -> Any:
 
 def _thaw_of_fields(hint: Any) -> _Thaw:
     fields: Optional[Dict[str, _Thaw]] = None
+    kinds: Dict[str, type] = {}  # of the fields whose values need no conversion: most of a large journal
 
     def read(data: Any, shift: float) -> Any:
         nonlocal fields
         if fields is None:
             hints = get_type_hints(hint)
             fields = {name: _thaw_of(hints[name]) for name, _ in _defaults(hint)}
-        return hint(**{name: fields[name](item, shift) for name, item in data.items() if name in fields})
+            kinds.update((name, hints[name]) for name in fields if hints[name] in (bool, int, str))
+        values = {}
+        for name, item in data.items():
+            if item.__class__ is kinds.get(name):
+                values[name] = item
+            elif name in fields:
+                values[name] = fields[name](item, shift)
+        return hint(**values)
 
     return read
 

@@ -1,0 +1,51 @@
+"""Speed of the results program with a journal of many runs, which the real core writes in simulated time."""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+from typing import Dict, List, NamedTuple
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "test" / "pure"))
+
+from helpers.many_runs import write_journal  # noqa: E402
+
+PROGRAM = ROOT / "scripts" / "results"
+REPEATS = 3
+
+
+class Taken(NamedTuple):
+    """What a command took."""
+
+    seconds: float
+    memory_mb: float
+
+
+def measure(runs: int, commands: Dict[str, List[str]]) -> Dict[str, Taken]:
+    """Measure commands with a journal of so many runs; each is repeated, and the quickest counts."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = write_journal(folder, runs)
+        megabytes = os.path.getsize(path) / 1e6
+        found = {name: _command(["--journal", path, *words], REPEATS) for name, words in commands.items()}
+        new = os.path.join(folder, "recovered")
+        taken = _command(["recover", path, new], 1)
+        found["recover, of 100 MB"] = taken._replace(seconds=taken.seconds * 100.0 / megabytes)
+    return found
+
+
+def _command(words: List[str], repeats: int) -> Taken:
+    taken = [_once([sys.executable, str(PROGRAM), *words]) for _ in range(repeats)]
+    return Taken(min(each.seconds for each in taken), max(each.memory_mb for each in taken))
+
+
+def _once(command: List[str]) -> Taken:
+    began = time.monotonic()
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    process.returncode = status
+    if status:
+        raise SystemExit(f"bench: failed: {' '.join(command)}")
+    return Taken(time.monotonic() - began, used.ru_maxrss / 1024.0)
