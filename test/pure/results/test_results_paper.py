@@ -234,6 +234,7 @@ def test_nothing_is_cut_and_the_signatures_are_at_the_bottom(document, chromium,
         assert abs(below) < 2
 
 
+@pytest.mark.long
 def test_many_pages_need_one_browser(chromium, monkeypatch, tmp_path):
     counting = tmp_path / "bin" / "chromium"
     counting.parent.mkdir()

@@ -35,6 +35,7 @@ def test_all_texts_are_translated(path):
         assert [text for text in found.forgotten if text.text not in NOT_TEXTS] == []
 
 
+@pytest.mark.long
 def test_the_lists_of_exceptions_are_up_to_date():
     forgotten = {text.text for path in texts_in_code.files() for text in texts_in_code.find_in(path).forgotten}
     files = {path.relative_to(texts_in_code.PACKAGE).as_posix() for path in texts_in_code.files()}
@@ -224,6 +225,7 @@ def test_sentences_of_the_core_are_english_in_english():
     assert sent_texts.tr_sent("No message from the robot for 4 s") == "No message from the robot for 4 s"
 
 
+@pytest.mark.long
 def test_the_core_has_all_these_sentences():
     """A failure? The core's sentence was changed: change it in wording/sent.py, too."""
     texts = {text for path in (texts_in_code.PACKAGE / "core").rglob("*.py")

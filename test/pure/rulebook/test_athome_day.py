@@ -10,6 +10,8 @@ from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.results.standings import Choice, standings
 from roah_rsbb.rulebook.config import load_benchmarks
 
+pytestmark = pytest.mark.long
+
 TEAMS = ("Aster", "Birch", "Cedar", "Daisy", "Elder", "Fern", "Gorse", "Hazel", "Iris", "Juniper", "Kale", "Linden",
          "Maple", "Nettle", "Oak")
 # What each team does, in the order of the sheet's items.

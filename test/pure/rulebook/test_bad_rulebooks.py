@@ -122,6 +122,7 @@ def place(tmp_path_factory):
     return lambda file: folders[file] / file.name
 
 
+@pytest.mark.long
 def test_there_are_enough():
     assert sum(len(cases(file)) for file in FILES) >= AT_LEAST
 

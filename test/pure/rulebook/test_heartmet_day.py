@@ -10,6 +10,8 @@ from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.results.standing_rules import read_rules
 from roah_rsbb.results.standings import Choice, standings
 
+pytestmark = pytest.mark.long
+
 TEAMS = ("Ada", "Bea", "Cyd", "Dot")
 ACHIEVEMENTS = ("Says which item the person asked for", "Reaches the place of the item", "Takes the right item",
                 "Returns to the person", "Hands the item over")
