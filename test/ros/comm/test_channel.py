@@ -1,6 +1,7 @@
 """The comm node and a box whose every datagram is the test's: topics, goals, results, order."""
 
 import itertools
+from typing import List
 
 import rospy
 from geometry_msgs.msg import Pose2D
@@ -38,8 +39,9 @@ class TestHome(ChannelCase):
         bells = self.heard("devices/bell", Empty)
         bells.wait_connected()
         ring = now()
-        self.box.beacon(devices_bell=ring, devices_switch_1=True, devices_dimmer=70, devices_blinds=20)
         devices = self.heard("devices/state", DevicesState)
+        devices.wait_connected()
+        self.box.beacon(devices_bell=ring, devices_switch_1=True, devices_dimmer=70, devices_blinds=20)
         first = devices.wait_last(lambda m: m.dimmer == 70, "the devices' state")
         self.assertEqual(
             (first.switch_1, first.switch_2, first.switch_3, first.blinds, first.door_win_detect),
@@ -69,19 +71,20 @@ class TestHome(ChannelCase):
 
     def test_tablet(self) -> None:
         calls, positions = self.heard("tablet/call", Empty), self.heard("tablet/position", Pose2D)
-        for heard in (calls, positions):
+        tablet = self.heard("tablet/state", TabletState)
+        for heard in (calls, positions, tablet):
             heard.wait_connected()
         self.box.beacon(tablet_display_map=True, tablet_position_x=0.5, tablet_position_y=-0.5)
-        tablet = self.heard("tablet/state", TabletState)
         tablet.wait_last(lambda m: m.display_map and (m.position_x, m.position_y) == (0.5, -0.5), "the tablet's state")
+        tablet.messages.clear()
         self.box.beacon(tablet_call_time=now())
         calls.wait_count(1)
         self.box.beacon(tablet_position_time=now(), tablet_position_x=1.5, tablet_position_y=-2.5)
         selected = positions.wait_count(1)
         self.assertEqual((selected.x, selected.y, selected.theta), (1.5, -2.5, 0.0))
-        tablet.wait_count(3)  # a topic of its own: it may come later
+        tablet.wait_count(2)  # a topic of its own: it may come later
         count = len(tablet.messages)
-        self.assertEqual(count, 3)
+        self.assertEqual(count, 2)
         self.box.beacon()
         called, placed = now(), self.box.beacon_message.tablet_position_time
         self.box.beacon(tablet_display_map=False, tablet_call_time=called)
@@ -208,17 +211,19 @@ class TestOrder(ChannelCase):
             before = len(self.box.received)
             # The burst for the state before is over, and nothing is due for most of a second.
             wait_until(lambda before=before: len(self.box.received) >= before + BURST + 1, "the burst is over")
-            before = len(self.box.received)
             # The box says nothing meanwhile: the call does not wait for it.
             rospy.ServiceProxy(f"/roah_rsbb/{service}", EmptySrv)()
-            wait_until(lambda before=before: len(self.box.received) > before + BURST + 1, "the burst")
-            heard = self.box.received[before:before + BURST + 2]
-            # At most one datagram of the state before: it may have been on its way.
-            new = [m for m in heard if m.robot_state == state]
-            self.assertEqual([m.robot_state for m in heard[-len(new):]], [state] * len(new))
-            self.assertGreaterEqual(len(new), BURST + 1)
-            # A burst of 0.5 s; without it they were 10 s apart.
-            self.assertLess(seconds(new[BURST].time) - seconds(new[0].time), 5.0)
+            new = wait_until(lambda before=before, state=state: self.burst(before, state), "the burst")
+            # Without a burst, they are a second apart. On a busy machine, some are.
+            times = [seconds(m.time) for m in new]
+            self.assertLess(min(later - earlier for earlier, later in zip(times, times[1:])), 0.5)
+            said = [m.robot_state for m in self.box.received[before:]]
+            self.assertEqual(said[said.index(state):], [state] * said.count(state))
+
+    def burst(self, before: int, state: RobotState) -> List[pb.RobotState]:
+        """The first messages of this state since `before`, as many as a burst has; empty: there are fewer."""
+        found = [message for message in self.box.received[before:] if message.robot_state == state]
+        return found[:BURST + 1] if len(found) > BURST else []
 
     def test_what_is_asked_for_is_sent_before_the_next_call(self) -> None:
         self.begin("HWV")
@@ -247,16 +252,18 @@ class TestOrder(ChannelCase):
         self.wait_said(SAYS_STOP)
         before = len(self.box.received)
         wait_until(lambda: len(self.box.received) >= before + BURST + 1, "the last burst is over")
-        runs = [(state, len(list(same))) for state, same in
+        runs = [(state, list(same)) for state, same in
                 itertools.groupby(self.box.received, key=lambda m: RobotState(m.robot_state))]
         self.assertEqual([state for state, _ in runs], [
             RobotState.STOP, RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING,
             RobotState.RESULT_TX, RobotState.STOP,
         ])
-        for state, count in runs:
-            if state in (RobotState.WAITING_GOAL, RobotState.RESULT_TX):
-                self.assertLess(count, BURST + 1, f"{state.name}: the answer came and was published in the burst")
-        self.assertGreaterEqual(runs[-1][1], BURST + 1)
+        for state, messages in runs:
+            if state in self.box.answered:
+                late = [m for m in messages if seconds(m.time) > self.box.answered[state]]
+                self.assertLessEqual(len(late), 1, f"{state.name}: at most one crosses the answer on its way")
+        self.assertEqual(set(self.box.answered), {RobotState.WAITING_GOAL, RobotState.RESULT_TX})
+        self.assertGreaterEqual(len(runs[-1][1]), BURST + 1)
         self.assertEqual([m.benchmark_state for m in self.states.messages],
                          [SAYS_STOP, SAYS_PREPARE, SAYS_EXECUTE, SAYS_STOP])
         times = [seconds(m.time) for m in self.box.received]
@@ -275,10 +282,11 @@ class TestRun(ChannelCase):
         self.prepare("HWV")
         self.box.send("HWV", WAITING_RESULT)
         self.wait_said(SAYS_EXECUTE)
+        before = len(self.log)
         self.box.send("HWV", STOP)
         self.wait_said(SAYS_STOP)
         self.wait_services("notifications", "activation_event", "visitor")
-        self.assertTrue(self.logged(Log.INFO)[-1].startswith("Stop: "), self.logged(Log.INFO))
+        self.wait_logged(Log.INFO, "Stop: ", since=before)
 
     def test_the_box_no_longer_lists_the_robot(self) -> None:
         self.begin("STB")
@@ -288,10 +296,9 @@ class TestRun(ChannelCase):
         self.box.beacon()
         self.wait_benchmark(0)
         self.assertEqual((self.services, self.published), (set(), ALWAYS))
-        late = self.heard("benchmark/state", BenchmarkState)
         # The next run, on another port, begins again.
         self.begin("HGTKMH")
-        self.assertEqual(late.wait_count(1).benchmark_state, SAYS_STOP)
+        self.assertEqual(self.latched("benchmark/state", BenchmarkState).benchmark_state, SAYS_STOP)
         self.assertEqual([m.benchmark for m in self.benchmarks.messages][-4:], [0, NUMBERS["STB"], 0, 1])
 
     def test_a_call_at_the_wrong_moment(self) -> None:

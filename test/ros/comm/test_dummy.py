@@ -8,9 +8,11 @@ import xmlrpc.client
 import rosgraph
 import rospy
 from support.box_case import TABLET, BoxCase
+from support.comm_case import NODE
 from support.dummy_launch import DummyRobot, launch_dummy
 from support.programs import Program, own
 from support.robots import wire
+from support.ros_connections import publishes_to
 from support.run_logs import RunLog
 from support.waiting import wait_until
 
@@ -55,7 +57,7 @@ class TestTaskBenchmarks(DummyCase):
         self.welcoming_visitors()
         self.box.wait_zone("Tasks", lambda z: z.code == "HCFGAC", "the next event is there")
         self.catering()
-        self.assertNotIn("WARN", self.robot.text)
+        self.assertEqual(self.robot.warnings, [])
         self.assertNotIn("Traceback", self.robot.text)
 
     def welcoming_visitors(self) -> None:
@@ -74,6 +76,9 @@ class TestTaskBenchmarks(DummyCase):
 
     def home_is_published(self) -> None:
         """A ring of the bell, a call and a place on the tablet's map come through to the robot."""
+        for topic in ("devices/bell", "tablet/call", "tablet/position"):
+            wait_until(lambda topic=topic: publishes_to(NODE, f"/roah_rsbb/{topic}", "/dummy_robot"),
+                       f"the dummy follows {topic}")
         publisher = rospy.Publisher("/devices/state", DevicesState, queue_size=1, latch=True)
         self.addCleanup(publisher.unregister)
         publisher.publish(DevicesState(rospy.Time.now(), False, False, False, 0, 0, False))
@@ -86,8 +91,8 @@ class TestTaskBenchmarks(DummyCase):
 
 class TestStops(DummyCase):
     def test_stopped_work_does_not_continue(self) -> None:
-        """After a stop and a new start, the dummy sends each report once."""
-        robot = self.dummy("Theta", execute_duration=9.0)  # it is silent for the first 1.5 s
+        """After a stop and a new start, the dummy sends its reports from the first one on."""
+        robot = self.dummy("Theta", execute_duration=9.0)
         self.begin("Again")
         robot.wait_printed("HWV: executing")
         self.box.command("stop", "Again")
@@ -95,8 +100,10 @@ class TestStops(DummyCase):
         self.box.start("Again")
         self.box.wait_text("Again", "Benchmark completed by the robot")
         log = self.leave("Again")
-        self.assertEqual(log.values("/activation_event"), ["the bell rang"])
-        self.assertEqual(log.values("/visitor"), ["Deli Man"])
+        sent = log.values("/notification")
+        # The first ones are of the time until the stop, which a busy machine delays.
+        self.assertIn(sent, [NOTIFICATIONS[:before] + NOTIFICATIONS for before in range(len(NOTIFICATIONS))])
+        self.assertEqual(log.values("/visitor")[-1:], ["Deli Man"])
         self.assertEqual(robot.text.count("HWV: complete"), 1, robot.text)
 
 
@@ -126,22 +133,26 @@ class TestMisbehaviour(DummyCase):
         self.assertIn("HGTKMH: executing", robot.text)
         # The text names the seconds, and changes each second.
         self.box.wait_text("Crash", "WARNING: No message from the robot for ")
-        self.assertEqual(self.box.zone_details("Crash").phase, "running")
+        self.box.wait_phase("Crash", "running")
         self.dummy("Delta")  # the same robot, repaired
         self.box.wait_text("Crash", "Benchmark completed by the robot")
 
     def test_a_comm_node_that_is_killed(self) -> None:
         """It restarts, and the box continues with it. The dummy, which kept running, begins again."""
-        robot = self._leaving(launch_dummy("Eta", execute_duration=4.0))
+        robot = self._leaving(launch_dummy("Eta", never_end=True))
         self.begin("Back")
         self.box.wait_details("Back", lambda d: d.robot_state == "EXECUTING", "the robot executes")
         robot.wait_printed("HGTKMH: executing")
-        node = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode("/roah_rsbb_comm"))
+        node = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode(NODE))
         os.kill(node.getPid("/test")[2], signal.SIGKILL)
-        self.box.wait_text("Back", "Benchmark completed by the robot")
-        # Whether the first execution ended before the comm node was back is a matter of time.
-        for what in ("preparing", "executing"):
-            self.assertEqual(robot.text.count(f"HGTKMH: {what}"), 2, robot.text)
+        robot.wait_printed("HGTKMH: executing", times=2)
+        self.assertEqual(robot.text.count("HGTKMH: preparing"), 2, robot.text)
+        stops = robot.text.count("stopped")
+        self.box.command("stop", "Back")
+        robot.wait_printed("stopped", times=stops + 1)
+        log = self.leave("Back")
+        cycle = [BoxState.PREPARE, BoxState.WAITING_RESULT]
+        self.assertEqual(log.values("/rsbb_log/rsbb_state"), [BoxState.STOP, *cycle, *cycle, BoxState.STOP])
 
     def test_lost_datagrams(self) -> None:
         self.dummy("Epsilon", loss=0.3, execute_duration=2.0)

@@ -195,6 +195,7 @@ class TestWhatWouldBeSent(OverrideCase):
         self.wait_logged(Log.DEBUG, "Sent: RobotBeacon", 'team_name: "Alpha"', 'robot_name: "Robot"')
         self.override(NUMBERS["HGTKMH"], PREPARE)
         self.wait_would_send("robot_state: PREPARING")
+        self.network.read_all()
         before, logged = beacons(), len(self.log)
         # A burst, and then one each second: longer than between two beacons.
         wait_until(lambda: len(self.logged(Log.DEBUG, logged)) > 13, "the state would be sent again and again")
@@ -258,10 +259,16 @@ class TestWhatWouldBeSent(OverrideCase):
         last = self.logged(Log.DEBUG)[-1]
         self.assertIn("devices_dimmer: 35", last)  # commands stay
         # Of the next run they are not.
+        before = self.end_override_in_log()
+        self.override(NUMBERS["HCFGAC"], STOP)
+        self.assertNotIn("devices", self.wait_would_send(since=before))
+
+    def end_override_in_log(self) -> int:
+        """End the override, and return the number of log entries up to a message after it."""
         before = len(self.log)
         self.end_override()
-        self.override(NUMBERS["HCFGAC"], STOP)
-        self.assertNotIn("devices", self.wait_would_send(since=before + 1))
+        self.wait_logged(Log.DEBUG, "Sent: RobotBeacon", since=before)
+        return len(self.log)
 
     def commanded(self, service: str, request: tuple, field: str) -> None:
         before = len(self.log)
@@ -279,10 +286,7 @@ class TestWhatWouldBeSent(OverrideCase):
         self.wait_would_send("messages_saved: 4294967295")
         # It does not count for the next run, whose first message says so.
         topic.unregister()
-        before = len(self.log)
-        self.end_override()
-        self.wait_logged(Log.DEBUG, "Sent: RobotBeacon", since=before)
-        before = len(self.log)
+        before = self.end_override_in_log()
         self.override(NUMBERS["HSUF"], STOP)
         self.assertIn("messages_saved: 0", self.wait_would_send(since=before))
 

@@ -23,6 +23,7 @@ from roah_rsbb.srv import Override
 from support.box_case import NetworkCase
 from support.raw_box import RawBox
 from support.robots import RSBB_PORT
+from support.ros_connections import is_connected
 from support.waiting import LIMIT_S, happened, wait_until
 
 NODE = "/roah_rsbb_comm"
@@ -73,8 +74,8 @@ class Heard:
         self._subscriber.unregister()
 
     def wait_connected(self) -> None:
-        """Wait until the node is connected to this listener."""
-        wait_until(self._subscriber.get_num_connections, f"{self._subscriber.name} is published")
+        """Wait until the node publishes to this listener."""
+        wait_until(lambda: is_connected(self._subscriber, NODE), f"{NODE} publishes {self._subscriber.name}")
 
     def wait_count(self, count: int) -> Any:
         """Wait until this many messages have arrived, and return the last one."""

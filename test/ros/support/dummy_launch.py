@@ -1,7 +1,7 @@
 """A comm node, and a dummy that uses its topics and services: as two programs, or as dummy_robot.launch."""
 
 import json
-from typing import Dict
+from typing import Dict, List
 
 from support.box_case import PACKAGE
 from support.programs import Program, own
@@ -48,6 +48,11 @@ class DummyRobot:
     def text(self) -> str:
         """All that both printed so far."""
         return f"{self.comm.text}\n{self._dummy.text}"
+
+    @property
+    def warnings(self) -> List[str]:
+        """The warnings of both: see `Program.warnings`."""
+        return [*self.comm.warnings, *self._dummy.warnings]
 
     def wait_printed(self, text: str, times: int = 1) -> None:
         """Wait until the dummy has printed a text."""

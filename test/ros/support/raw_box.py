@@ -25,6 +25,7 @@ class RawBox:
         self.complaints: List[str] = []  # about what came on the private channel
         # The robot's state -> what is sent as soon as it is heard, each once.
         self.answers: Dict[RobotState, Callable[[], Any]] = {}
+        self.answered: Dict[RobotState, float] = {}  # when these were sent (UTC in seconds)
         self._key = Key(PASSWORDS[team] if password is None else password)
         self._network = network
         self._public = PublicParticipant(network, host)
@@ -115,9 +116,11 @@ class RawBox:
 
     def _on_state(self, message: pb.RobotState, _sender: Tuple[str, int]) -> None:
         self.received.append(message)
-        answer = self.answers.pop(RobotState(message.robot_state), None)
+        state = RobotState(message.robot_state)
+        answer = self.answers.pop(state, None)
         if answer is not None:
             self._private.send(answer())
+            self.answered[state] = time.time()
         happened()
 
     def _on_complaint(self, text: str) -> None:

@@ -53,6 +53,11 @@ class Network:
             return function()
         return asyncio.run_coroutine_threadsafe(run(), self.loop).result(LIMIT_S)
 
+    def read_all(self) -> None:
+        """Return when every datagram that had arrived before this call has been handled."""
+        for _ in range(2):  # what has arrived is handled after the first call
+            self.do(lambda: None)
+
     def close(self) -> None:
         """End the loop."""
         self.loop.call_soon_threadsafe(self.loop.stop)
