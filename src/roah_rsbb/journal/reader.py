@@ -167,6 +167,17 @@ class JournalReader:
         )
         return [JournalMember(*row) for row in rows]
 
+    def all_members(self) -> List[JournalMember]:
+        """The robots of all runs, in the order of their ports."""
+        rows = self._rows("SELECT port, identity, team, robot, coalesce(log_file, '') FROM members ORDER BY port")
+        return [JournalMember(*row) for row in rows]
+
+    def as_of(self) -> float:
+        """The UTC seconds of the last thing in the journal; 0.0: there is none."""
+        return max(row[0] or 0.0 for row in self._rows(
+            "SELECT max(utc) FROM sessions UNION ALL SELECT utc FROM (SELECT utc FROM entries ORDER BY id DESC LIMIT 1)"
+            " UNION ALL SELECT utc FROM (SELECT utc FROM links ORDER BY rowid DESC LIMIT 1)"))
+
     def entries(self, identity: str) -> List[JournalEntry]:
         """All entries of a run, in order, except its states."""
         return self._entries("identity = ? AND kind != ?", identity, kinds.STATE)

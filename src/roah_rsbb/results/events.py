@@ -18,6 +18,8 @@ class RunEvent(NamedTuple):
     who: str  # empty: the box
     robot: str  # empty if the run has only one robot
     text: str
+    kind: str  # of the journal's entry
+    port: Optional[int]  # of the robot; None: all robots of the run, or none
     bad: bool = False  # refused, or a warning
 
 
@@ -78,7 +80,7 @@ def _stretches(changes: List[Tuple[float, str]], end_utc: float) -> List[Stretch
 
 def _run_event(result: RunResult, entry: JournalEntry, text: str) -> RunEvent:
     bad = entry.kind == kinds.NOTICE or (entry.kind == kinds.COMMAND and "refused" in _dict(entry.value))
-    return RunEvent(entry.utc, entry.who, result.robot_at(entry.port), text, bad)
+    return RunEvent(entry.utc, entry.who, result.robot_at(entry.port), text, entry.kind, entry.port, bad)
 
 
 def _robot_state(value: object) -> str:

@@ -7,6 +7,7 @@ referees; a spreadsheet program would run those that look like formulas.
 import csv
 import dataclasses
 import json
+import os
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Sequence, TextIO, Tuple, Union
 
 from roah_rsbb.core.restart.saved import freeze
@@ -23,16 +24,16 @@ Cell = Union[str, int, float, None]
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n", "|", "%", "＝", "＋", "－", "＠")
 
 # Columns about the run.
-_RUN_COLUMNS = (
+RUN_COLUMNS = (
     "run_id", "zone", "benchmark", "team", "round", "run", "robots", "scheduled", "connected", "started",
     "disconnected", "end_reason", "elapsed_s", "signed_off", "signed_off_by",
 )
 # Columns about the item or value.
-_ROW_COLUMNS = (
+SCORE_COLUMNS = (
     "kind", "group", "name", "value", "unit", "not_attempted", "corrected", "changed", "changed_by", "note", "points",
     "ratings",
 )
-RESULT_COLUMNS = _RUN_COLUMNS + _ROW_COLUMNS
+RESULT_COLUMNS = RUN_COLUMNS + SCORE_COLUMNS
 
 STANDING_COLUMNS = (
     "benchmark", "of_runs", "rank", "tied", "team", "disqualified", "criterion", "better", "number", "runs", "run_ids",
@@ -41,7 +42,10 @@ STANDING_COLUMNS = (
 
 
 def safe(cell: Cell) -> Union[str, int, float]:
-    """Make a value safe for a spreadsheet: text that looks like a formula gets an apostrophe in front."""
+    """Make a value safe for a spreadsheet: text that looks like a formula gets an apostrophe in front.
+
+    Text that begins with an apostrophe gets a second one. So the first apostrophe of a cell is never part of the text.
+    """
     if cell is None:
         return ""
     if isinstance(cell, bool):
@@ -49,13 +53,18 @@ def safe(cell: Cell) -> Union[str, int, float]:
     if not isinstance(cell, str):
         return cell
     text = visible(cell)
-    return f"'{text}" if text.lstrip(" ").startswith(_FORMULA) else text
+    return f"'{text}" if text.lstrip(" ").startswith(_FORMULA) or text.startswith("'") else text
 
 
 def write_table(file: TextIO, columns: Tuple[str, ...], rows: Iterable[Dict[str, Cell]]) -> None:
     """Write a header line and rows. Missing cells are empty."""
+    csv.writer(file).writerow(columns)
+    write_rows(file, columns, rows)
+
+
+def write_rows(file: TextIO, columns: Tuple[str, ...], rows: Iterable[Dict[str, Cell]]) -> None:
+    """Write rows below a header line."""
     writer = csv.writer(file)
-    writer.writerow(columns)
     for row in rows:
         writer.writerow([safe(row.get(column)) for column in columns])
 
@@ -63,18 +72,26 @@ def write_table(file: TextIO, columns: Tuple[str, ...], rows: Iterable[Dict[str,
 def result_rows(records: Iterable[RunRecord], in_utc: bool) -> Iterator[Dict[str, Cell]]:
     """Return the rows of all runs. A run without items and values has one row of kind "none"."""
     for record in records:
-        of_run = _of_run(record, in_utc)
-        rows = [*_item_rows(record, in_utc), *_points_rows(record), *_phase_rows(record), *_module_rows(record)]
-        for row in rows or [{"kind": "none"}]:
+        of_run = run_row(record, in_utc)
+        for row in list(score_rows(record, in_utc)) or [{"kind": "none"}]:
             yield {**of_run, **row}
 
 
-def _of_run(record: RunRecord, in_utc: bool) -> Dict[str, Cell]:
+def score_rows(record: RunRecord, in_utc: bool) -> Iterator[Dict[str, Cell]]:
+    """Return the rows of a run, without the columns about the run."""
+    yield from _item_rows(record, in_utc)
+    yield from _points_rows(record)
+    yield from _phase_rows(record)
+    yield from _module_rows(record)
+
+
+def run_row(record: RunRecord, in_utc: bool) -> Dict[str, Cell]:
+    """Return the columns about a run."""
     def at(utc: float) -> Optional[str]:
         return iso(utc, in_utc) if utc else None
 
     sign_off = record.sign_off
-    return dict(zip(_RUN_COLUMNS, (
+    return dict(zip(RUN_COLUMNS, (
         record.identity, record.zone, record.benchmark, record.team, record.round, record.run,
         ", ".join(record.robots), at(record.scheduled), at(record.opened_utc), at(record.started_utc),
         at(record.closed_utc), record.end_reason, round(record.elapsed_s, 3) if record.started_utc else None,
@@ -156,27 +173,30 @@ def standing_rows(standings: Iterable[Standing]) -> Iterator[Dict[str, Cell]]:
 
 
 FORMAT = "roah_rsbb results"
-# Incremented when a field changes its meaning or disappears.
-VERSION = 1
+# Incremented when a field changes its meaning or disappears. Version 2 has `as_of` instead of the time of writing, and
+# only the name of the journal's file, so that the same journal always gives the same bytes.
+VERSION = 2
 
 
-def exported(results: Sequence[RunResult], standings: Sequence[Standing], journal: str, utc: float) -> Dict[str, Any]:
-    """Return the runs and the standings as JSON values."""
+def exported(
+    results: Sequence[RunResult], standings: Sequence[Standing], journal: str, as_of_utc: float
+) -> Dict[str, Any]:
+    """Return the runs and the standings as JSON values. `as_of_utc`: the last moment in the journal."""
     return {
-        **_head(journal, utc),
+        **_head(journal, as_of_utc),
         "runs": [_run_value(result) for result in results],
         "standings": [_standing_value(standing) for standing in standings],
     }
 
 
-def exported_standings(standings: Sequence[Standing], journal: str, utc: float) -> Dict[str, Any]:
+def exported_standings(standings: Sequence[Standing], journal: str, as_of_utc: float) -> Dict[str, Any]:
     """Return only the standings as JSON values."""
-    return {**_head(journal, utc), "standings": [_standing_value(standing) for standing in standings]}
+    return {**_head(journal, as_of_utc), "standings": [_standing_value(standing) for standing in standings]}
 
 
-def _head(journal: str, utc: float) -> Dict[str, Any]:
-    return {"format": FORMAT, "version": VERSION, "journal": journal, "written_utc": utc,
-            "written": iso(utc, in_utc=True)}
+def _head(journal: str, as_of_utc: float) -> Dict[str, Any]:
+    return {"format": FORMAT, "version": VERSION, "journal": os.path.basename(journal), "as_of_utc": as_of_utc,
+            "as_of": iso(as_of_utc, in_utc=True)}
 
 
 def _run_value(result: RunResult) -> Dict[str, Any]:

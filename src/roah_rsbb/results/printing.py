@@ -7,6 +7,7 @@ JSON and ends with a zero byte.
 import base64
 import json
 import os
+import re
 import select
 import shutil
 import subprocess
@@ -23,6 +24,10 @@ CLOSE_S = 5.0  # for the browser to end
 _COMMANDS, _ANSWERS = 3, 4
 _PIECE = 1 << 16
 _IMAGES = "Promise.all([...document.images].map(image => image.decode().catch(() => 0)))"
+
+
+# When the file was made, which Chromium writes into it.
+_DATE = re.compile(rb"(?<=/)(CreationDate|ModDate) \(D:\d{14}")
 
 
 class CannotPrint(Exception):
@@ -101,7 +106,7 @@ class Printer:
         self._ask(until, "Target.closeTarget", targetId=target)
         draft = f"{path}.draft"
         with open(draft, "wb") as file:
-            file.write(base64.b64decode(made["data"]))
+            file.write(_undated(base64.b64decode(made["data"])))
         os.replace(draft, path)
 
     def _ask(self, until: float, method: str, session: str = "", **params: Any) -> Dict[str, Any]:
@@ -146,3 +151,8 @@ class Printer:
         said = self._errors.read().decode("utf-8", "replace").strip().splitlines()[-1:]
         return CannotPrint(f"{self._program} printed nothing ({' '.join(said) or status}): export with --html instead, "
                            "and print the pages in any browser")
+
+
+def _undated(pdf: bytes) -> bytes:
+    """Return a PDF that does not depend on the time of printing; places in the file stay the same."""
+    return _DATE.sub(lambda date: date.group()[:-14] + b"20000101000000", pdf)

@@ -482,19 +482,19 @@ def linked(text: str, identity: str, sheets: Mapping[str, str]) -> Child:
 
 
 def standings_page(
-    standings: Sequence[Standing], written_utc: float, in_utc: bool, competition: Competition = NO_COMPETITION
+    standings: Sequence[Standing], as_of_utc: float, in_utc: bool, competition: Competition = NO_COMPETITION
 ) -> str:
     """Build a page of standings only."""
     return page(
         "Standings", competition.markup(), tag("h1", "Standings"),
-        tag("p", f"As of {date_time(written_utc, in_utc)}", class_="small"),
+        tag("p", f"As of {date_time(as_of_utc, in_utc)}", class_="small"),
         *(standing_markup(standing, {}) for standing in standings),
     )
 
 
 def index_page(
     numbered: Sequence[Tuple[int, RunRecord]], sheets: Dict[str, str], standings: Sequence[Standing],
-    written_utc: float, in_utc: bool, competition: Competition = NO_COMPETITION,
+    as_of_utc: float, in_utc: bool, competition: Competition = NO_COMPETITION,
 ) -> str:
     """Build the page with the standings and links to all sheets."""
     rows = [
@@ -504,7 +504,7 @@ def index_page(
     ]
     return page(
         "Results", competition.markup(), tag("h1", "Results"),
-        tag("p", f"As of {date_time(written_utc, in_utc)}", class_="small"),
+        tag("p", f"As of {date_time(as_of_utc, in_utc)}", class_="small"),
         *(standing_markup(standing, sheets) for standing in standings),
         tag("h2", "Runs"),
         table(("No.", "Connected", "Zone", "Benchmark", "Team", "Round / run", "State", "Sheet"), rows,

@@ -6,7 +6,6 @@ import json
 import os
 import re
 import sys
-import time
 from typing import Any, Callable, Dict, Iterable, Iterator, List, NoReturn, Optional, TextIO
 
 from roah_rsbb.arguments import Parser
@@ -16,7 +15,11 @@ from roah_rsbb.journal.damage import text_of
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalError, JournalReader
 from roah_rsbb.journal.recover import recover
+from roah_rsbb.results import dataset
+from roah_rsbb.results.anonymous import names_of
+from roah_rsbb.results.bags import bag_lines
 from roah_rsbb.results.checklist import check_lines, checklist
+from roah_rsbb.results.dataset import write_dataset
 from roah_rsbb.results.export import (
     RESULT_COLUMNS,
     STANDING_COLUMNS,
@@ -135,6 +138,10 @@ def _add_views(commands: Any) -> None:
     export.add_argument("--json", metavar="FILE", help="everything that is recorded")
     export.add_argument("--html", metavar="DIR", help="a printable score sheet for each run, and index.html")
     export.add_argument("--pdf", metavar="DIR", help="the same, printed by Chromium if it is installed")
+    export.add_argument("--dataset", metavar="DIR", help="CSV tables with their description, for publication")
+    export.add_argument("--anonymous", action="store_true",
+                        help="pseudonyms instead of names, addresses and free texts in the data set")
+    export.add_argument("--licence", metavar="TEXT", default="", help="licence of the data set, such as CC-BY-4.0")
     export.add_argument("--no-appendix", action="store_true",
                         help="only the page that is signed, without the history and the link")
     _add_competition(export)
@@ -169,6 +176,8 @@ def _add_recovery(commands: Any) -> None:
     bag.add_argument("bag", metavar="FILE")
     bag.add_argument("--port", type=int, help="port of the robot, if the run had several")
     bag.set_defaults(do=_bag)
+    bags = commands.add_parser("bags", help="list the run logs (rosbags) of all runs, and what is missing")
+    bags.set_defaults(do=_bags)
     journals = commands.add_parser("journals", help="list the journals in the log_dir, including old ones")
     journals.set_defaults(do=_journals)
     recovery = commands.add_parser("recover", help="copy the readable part of a damaged journal into a new one")
@@ -238,13 +247,16 @@ def _show(options: argparse.Namespace) -> int:
 
 
 def _export(options: argparse.Namespace) -> int:
-    if not (options.csv or options.json or options.html or options.pdf):
-        raise _Usage("choose what to write: --csv FILE, --json FILE, --html DIR, --pdf DIR, or several of them")
+    if not (options.csv or options.json or options.html or options.pdf or options.dataset):
+        raise _Usage("choose what to write: --csv FILE, --json FILE, --html DIR, --pdf DIR, --dataset DIR, or several "
+                     "of them")
+    if (options.anonymous or options.licence) and not options.dataset:
+        raise _Usage("--anonymous and --licence are for a data set: name its folder with --dataset DIR")
     if options.pdf:
         browser()  # before anything is written
     _competition(options)
-    now = time.time()
     with _open(options) as reader:
+        as_of = reader.as_of()
         known = records(reader, _warn)
         identities = [record.identity for record in known]
         places = sorted({find(identities, word) for word in options.runs}) if options.runs else range(len(known))
@@ -258,19 +270,24 @@ def _export(options: argparse.Namespace) -> int:
             return (run_result(reader, number, record, _warn) for number, record in chosen)
 
         if options.json:
-            value = exported(list(results()), ranked, reader.path, now)
+            value = exported(list(results()), ranked, reader.path, as_of)
             _write(options.json, lambda file: _dump(value, file))
+        if options.dataset:
+            os.makedirs(options.dataset, exist_ok=True)
+            names = names_of(reader) if options.anonymous else None
+            write_dataset(options.dataset, results(), dataset.Options(names, options.licence, options.title))
+            print(f"the data set of {len(chosen)} runs is in {options.dataset}")
         if options.html:
-            _write_pages(options, options.html, "html", _write_html, results(), chosen, ranked, now)
+            _write_pages(options, options.html, "html", _write_html, results(), chosen, ranked, as_of)
         if options.pdf:
             with Printer() as printer:
-                _write_pages(options, options.pdf, "pdf", printer.print, results(), chosen, ranked, now)
+                _write_pages(options, options.pdf, "pdf", printer.print, results(), chosen, ranked, as_of)
     return 0
 
 
 def _write_pages(
     options, folder: str, suffix: str, write: Callable[[str, str], None], results: Iterable[RunResult], chosen,
-    ranked: List[Standing], now: float,
+    ranked: List[Standing], as_of: float,
 ) -> None:
     rules, titles, competition = _rules(options), _titles(options), _competition(options)
     sheets: Dict[str, str] = {}
@@ -282,7 +299,7 @@ def _write_pages(
                           not options.no_appendix, competition)
         write(text, os.path.join(folder, name))
     index = f"index.{suffix}"
-    write(index_page(chosen, sheets, ranked, now, options.utc, competition), os.path.join(folder, index))
+    write(index_page(chosen, sheets, ranked, as_of, options.utc, competition), os.path.join(folder, index))
     print(f"{len(sheets)} score sheets and {index} are in {folder}")
 
 
@@ -299,20 +316,19 @@ def _file_name(result: RunResult) -> str:
 def _standings(options: argparse.Namespace) -> int:
     with _open(options, checks_all=False) as reader:
         ranked = _ranked(options, records(reader, _warn))
-        path = reader.path
+        path, as_of = reader.path, reader.as_of()
     codes = [standing.benchmark for standing in ranked]
     unknown = [code for code in options.benchmarks if code not in codes]
     if unknown:
         raise _Usage(f"there are no runs of {', '.join(unknown)}; there are some of {', '.join(codes) or 'none'}")
     if options.benchmarks:
         ranked = [standing for standing in ranked if standing.benchmark in options.benchmarks]
-    now = time.time()
     if options.csv:
         _write(options.csv, lambda file: write_table(
             file, STANDING_COLUMNS, standing_rows(ranked)), "utf-8-sig")
     if options.json:
-        _write(options.json, lambda file: _dump(exported_standings(ranked, path, now), file))
-    _write_page(options, standings_page(ranked, now, options.utc, _competition(options)))
+        _write(options.json, lambda file: _dump(exported_standings(ranked, path, as_of), file))
+    _write_page(options, standings_page(ranked, as_of, options.utc, _competition(options)))
     if not (options.csv or options.json or options.html or options.pdf):
         for standing in ranked:
             for text in standing_lines(standing):
@@ -357,6 +373,14 @@ def _bag(options: argparse.Namespace) -> int:
     with _open(options, checks_all=False) as reader:
         count = _write_bag(_one_run(reader, options.run), options.port, options.bag)
     print(f"{options.bag}: {count} messages")
+    return 0
+
+
+def _bags(options: argparse.Namespace) -> int:
+    with _open(options, checks_all=False) as reader:
+        lines = list(bag_lines(reader))
+    for text in lines:
+        print(text)
     return 0
 
 

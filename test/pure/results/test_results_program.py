@@ -19,6 +19,7 @@ from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_competition
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.scoring.records import PhaseTime, RunRecord, ScoreEntry, ScoreValue
+from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results import export
 from roah_rsbb.results.runs import find_record, heads, records
@@ -153,6 +154,31 @@ def test_recover(run, journal, tmp_path):
     assert run("recover", journal, tmp_path / "new", source=())[0] == 1
 
 
+def test_the_bags_of_all_runs(run, tmp_path):
+    writer = Writer(tmp_path / "log")
+    for number in (1, 2):
+        writer.run(task_record("Team" + EVIL, number), ((6666 + number, "r1"),))
+    writer.run(task_record("None", 3), ())
+    writer.close()
+    (tmp_path / "log" / "6667.bag").write_bytes(bytes(2_000_000))  # the journal has another folder: it was copied
+    status, out, _ = run("bags", source=("--log-dir", tmp_path / "log"))
+    heading, first, second, summary = out.splitlines()
+    assert status == 0
+    assert first.endswith(f"2.0 MB   {tmp_path / 'log' / '6667.bag'}")
+    assert second.endswith("missing  /logs/6668.bag")
+    assert summary.startswith("1 of 2 bags found")
+    assert "\x1b" not in out
+
+
+def test_a_data_set(run, journal, tmp_path):
+    status, out, _ = run("export", "--dataset", tmp_path / "set", "--licence", "CC0-1.0", "--anonymous")
+    assert (status, out) == (0, f"the data set of 5 runs is in {tmp_path / 'set'}\n")
+    assert "CC0-1.0" in (tmp_path / "set" / "datapackage.json").read_text(encoding="utf-8")
+    assert "Alpha" not in (tmp_path / "set" / "runs.csv").read_text(encoding="utf-8")
+    status, _, err = run("export", "--csv", "-", "--anonymous")
+    assert (status, "--dataset" in err) == (1, True), "a CSV with names must not look anonymous"
+
+
 def test_the_journals_of_a_log_dir(run, journal, tmp_path):
     Writer(tmp_path).close()
     shutil.copy(journal, tmp_path / "roah_rsbb_journal_aside_2025-11-22_10-00-00.sqlite3")
@@ -228,8 +254,8 @@ def test_a_run_with_nothing_has_a_row_of_its_own():
 
 @pytest.mark.parametrize(("cell", "shown"), [
     ("=1+1", "'=1+1"), ("+1", "'+1"), ("-1", "'-1"), ("@SUM(A1)", "'@SUM(A1)"), ("  =1", "'  =1"), ("\t=1", "\\t=1"),
-    ("\r=1", "\\r=1"), ("＝1", "'＝1"), ("a=1", "a=1"), ("", ""), ("\x1b[1m", "\\x1b[1m"), (-1.5, -1.5), (3, 3),
-    (None, ""), (True, "true"), (False, "false"),
+    ("\r=1", "\\r=1"), ("＝1", "'＝1"), ("a=1", "a=1"), ("", ""), ("'=1", "''=1"), ("\x1b[1m", "\\x1b[1m"),
+    (-1.5, -1.5), (3, 3), (None, ""), (True, "true"), (False, "false"),
 ])
 def test_no_cell_is_a_formula(cell, shown):
     assert export.safe(cell) == shown
@@ -258,7 +284,8 @@ def test_json_has_all(run, tmp_path):
     path = tmp_path / "results.json"
     assert run("export", "--json", path)[0] == 0
     data = json.loads(path.read_text(encoding="utf-8"))
-    assert (data["format"], data["version"], len(data["runs"])) == ("roah_rsbb results", 1, 5)
+    assert (data["format"], data["version"], len(data["runs"])) == ("roah_rsbb results", 2, 5)
+    assert data["journal"] == FILE_NAME, "no path: the same journal gives the same bytes"
     first = data["runs"][0]
     assert set(RunRecord._fields) <= set(first)
     assert first["history"][1]["withdrawn_by"] == "bert"

@@ -1,0 +1,97 @@
+"""Replaces the names of teams, robots and people, addresses and free texts of a run by pseudonyms.
+
+A pseudonym is a keyed hash (HMAC). The key comes from the journal, and from parts of it that are never published: the
+same journal always has the same pseudonyms, but nobody can find a name by trying the names of all teams. Texts of the
+rulebook stay: zones, benchmarks, items, groups, units, states.
+"""
+
+import hashlib
+import hmac
+import json
+from typing import Tuple
+
+from roah_rsbb.core.scoring.records import ItemRecord, Rating, RunRecord, ScoreEntry, ScoreValue, StopRecord
+from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.results.runs import LinkSecond, RobotPart, RunResult
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
+
+# Hexadecimal digits of a pseudonym: two names of a competition never get the same one.
+_DIGITS = 12
+
+
+class Names:
+    """Makes the pseudonyms of a journal."""
+
+    def __init__(self, key: bytes) -> None:
+        self._key = key
+
+    def of(self, kind: str, name: str) -> str:
+        """Return the pseudonym of a name or text of this kind; empty stays empty."""
+        if not name:
+            return ""
+        digest = hmac.new(self._key, f"{kind}\0{name}".encode("utf-8", "surrogatepass"), hashlib.sha256)
+        return f"{kind}-{digest.hexdigest()[:_DIGITS]}"
+
+
+def names_of(reader: JournalReader) -> Names:
+    """Return the pseudonyms of a journal."""
+    secret = json.dumps([session[1:] for session in reader.sessions()])
+    return Names(hashlib.sha256(secret.encode()).digest())
+
+
+def anonymous(result: RunResult, names: Names) -> RunResult:
+    """Return a run without names. Its entries are unchanged: `Names` replaces the texts that are made of them."""
+    return result._replace(
+        record=anonymous_record(result.record, names),
+        robots=tuple(_robot(robot, names) for robot in result.robots),
+    )
+
+
+def anonymous_record(record: RunRecord, names: Names) -> RunRecord:
+    """Return a run's record without names."""
+    signed = record.sign_off
+    return record._replace(
+        team=_team(record.team, names), robots=tuple(names.of("robot", robot) for robot in record.robots),
+        items=tuple(_item(item, names) for item in record.items),
+        history=tuple(_entry(entry, names) for entry in record.history),
+        module_scores=tuple(_score(score, names) for score in record.module_scores),
+        stops=tuple(_stop(stop, names) for stop in record.stops),
+        sign_off=signed and signed._replace(who=names.of("person", signed.who)),
+    )
+
+
+def _team(team: str, names: Names) -> str:
+    return team if team == ALL_TEAMS else names.of("team", team)
+
+
+def _item(item: ItemRecord, names: Names) -> ItemRecord:
+    return item._replace(ratings=tuple(Rating(names.of("person", r.judge), r.text) for r in item.ratings))
+
+
+def _entry(entry: ScoreEntry, names: Names) -> ScoreEntry:
+    return entry._replace(
+        who=names.of("person", entry.who), note=names.of("text", entry.note), judge=names.of("person", entry.judge),
+        withdrawn_by=names.of("person", entry.withdrawn_by), withdrawn_note=names.of("text", entry.withdrawn_note),
+    )
+
+
+def _score(score: ScoreValue, names: Names) -> ScoreValue:
+    try:
+        value = json.loads(score.value)
+    except ValueError:
+        value = score.value
+    if value is None or isinstance(value, (bool, int, float)):
+        return score
+    return score._replace(value=json.dumps(names.of("text", score.value)))
+
+
+def _stop(stop: StopRecord, names: Names) -> StopRecord:
+    return stop._replace(who=names.of("person", stop.who), reason=names.of("text", stop.reason),
+                         reason_by=names.of("person", stop.reason_by), desc=names.of("text", stop.desc))
+
+
+def _robot(robot: RobotPart, names: Names) -> RobotPart:
+    link: Tuple[LinkSecond, ...] = tuple(
+        second._replace(sample=second.sample._replace(host=names.of("address", second.sample.host)))
+        for second in robot.link)
+    return RobotPart(robot.port, names.of("team", robot.team), names.of("robot", robot.robot), "", link)

@@ -1,0 +1,313 @@
+"""A data set for publication: tidy CSV tables, their dictionary, checksums and a Frictionless `datapackage.json`.
+
+The cells are those of the CSV export (`results/export.py`), with all times in UTC. The same journal and the same
+options always give the same bytes (docs/results.md, "Data set").
+"""
+
+import contextlib
+import hashlib
+import json
+import os
+import re
+import tempfile
+from typing import Any, Callable, Dict, Iterable, Iterator, NamedTuple, Optional, TextIO, Tuple
+
+from roah_rsbb.core import run_log
+from roah_rsbb.core.link.record import LinkSample
+from roah_rsbb.journal import kinds
+from roah_rsbb.results.anonymous import Names, anonymous
+from roah_rsbb.results.events import sections
+from roah_rsbb.results.export import RUN_COLUMNS, SCORE_COLUMNS, Cell, run_row, score_rows, write_rows, write_table
+from roah_rsbb.results.goals import goals
+from roah_rsbb.results.runs import RunResult
+from roah_rsbb.wording.texts import one_line
+from roah_rsbb.wording.times import iso
+
+_TITLE = "Results of a competition"
+PACKAGE, README, SUMS = "datapackage.json", "README.md", "SHA256SUMS"
+_TIME_FORMAT = "%Y-%m-%dT%H:%M:%S.%f+00:00"
+# Names that the specification allows for a licence, such as CC-BY-4.0.
+_LICENCE_NAME = re.compile(r"[-a-zA-Z0-9._]+")
+
+
+class Field(NamedTuple):
+    """A column, as the data dictionary explains it."""
+
+    name: str
+    type: str
+    description: str
+    required: bool = False
+
+
+class Table(NamedTuple):
+    """A table of the data set."""
+
+    name: str
+    description: str
+    fields: Tuple[Field, ...]
+
+
+class Options(NamedTuple):
+    """What the organisers choose."""
+
+    names: Optional[Names] = None  # pseudonyms; None: real names
+    licence: str = ""  # empty: none given
+    title: str = ""
+
+
+_RUN_ID = Field("run_id", "string", "identity of the run: benchmark, private port, UTC of connecting", True)
+_ROBOT = Field("robot", "string", "name of the robot; empty: all robots of the run, or none")
+_RUN_FIELDS = {
+    "run_id": _RUN_ID,
+    "zone": Field("zone", "string", "zone of the arena", True),
+    "benchmark": Field("benchmark", "string", "code of the benchmark", True),
+    "team": Field("team", "string", "team; ALL: all robots at once", True),
+    "round": Field("round", "integer", "round of the schedule", True),
+    "run": Field("run", "integer", "run within the round", True),
+    "robots": Field("robots", "string", "names of the robots, separated by commas; empty: scored by hand"),
+    "scheduled": Field("scheduled", "datetime", "scheduled time"),
+    "connected": Field("connected", "datetime", "when the robot was connected"),
+    "started": Field("started", "datetime", "last start; empty: never started"),
+    "disconnected": Field("disconnected", "datetime", "empty: still connected"),
+    "end_reason": Field("end_reason", "string", "why the run ended (docs/results.md, CSV); empty: never started, or "
+                                                "still running"),
+    "elapsed_s": Field("elapsed_s", "number", "seconds that counted; empty: never started"),
+    "signed_off": Field("signed_off", "datetime", "when the score sheet was signed off; empty: not signed off"),
+    "signed_off_by": Field("signed_off_by", "string", "who signed it off"),
+}
+_SCORE_FIELDS = {
+    "kind": Field("kind", "string", "item of the referee's sheet, points of a group, total points, phase of a task, or "
+                                    "value of the benchmarking module", True),
+    "group": Field("group", "string", "group of the sheet or of the module; empty: the whole run"),
+    "name": Field("name", "string", "item, phase or value"),
+    "unit": Field("unit", "string", "unit of the value; empty: none"),
+    "not_attempted": Field("not_attempted", "boolean", "the robot did not try, unlike a 0 that it earned"),
+    "corrected": Field("corrected", "boolean", "changed after the run"),
+    "changed": Field("changed", "datetime", "last change that was not withdrawn"),
+    "changed_by": Field("changed_by", "string", "who made it"),
+    "note": Field("note", "string", "note of that change; for a module's value, its description"),
+    "points": Field("points", "number", "points; empty: the sheet gives none"),
+    "ratings": Field("ratings", "string", "what each judge gave"),
+}
+# A table column has one type, so values that are texts have a column of their own.
+_VALUE_FIELDS = (
+    Field("value", "number", "number; a yes is 1, a no is 0; empty: a text, or not known"),
+    Field("text", "string", "value that is a text"),
+)
+_LINK_UNITS = {
+    "seconds": "seconds since the previous sample", "received": "messages that were newer than all before",
+    "lost": "messages that did not arrive in order", "skipped_states": "states of the robot that never arrived",
+    "duplicates": "messages that arrived twice", "stale": "messages that arrived after a newer one",
+    "unreadable": "datagrams that could not be decoded", "gap_s": "longest silence, seconds",
+    "late_s": "delay of the latest message behind the fastest, seconds",
+    "answers": "reactions of the robot to the box", "unanswered": "datagrams of the box without a reaction",
+    "round_trip_s": "shortest round trip with the robot's own delay, seconds", "round_trip_max_s": "longest round trip",
+    "skew_s": "clock of the robot minus clock of the box, lower bound, seconds", "skew_max_s": "upper bound",
+    "host": "address of the robot",
+}
+
+TABLES = (
+    Table("runs", "One row for each run.", tuple(_RUN_FIELDS[name] for name in RUN_COLUMNS)),
+    Table("scores", "One row for each item of a score sheet, each sum, each phase and each value of a module.", (
+        _RUN_ID, *(_SCORE_FIELDS[name] for name in SCORE_COLUMNS if name != "value"), *_VALUE_FIELDS)),
+    Table("goals", "One row for each goal that the box sent to a robot, such as a waypoint.", (
+        _RUN_ID, Field("goal", "integer", "number of the goal within the run", True), _ROBOT,
+        Field("time", "datetime", "when the goal was sent", True), Field("text", "string", "the goal"),
+        Field("timeout_s", "number", "seconds that the robot had"),
+        Field("seconds", "number", "seconds that it took; empty: not ended"),
+        Field("result", "string", "result as the robot reported it"))),
+    Table("events", "One row for each thing that happened in a run, in the order of time.", (
+        _RUN_ID, Field("time", "datetime", "when it happened", True), _ROBOT,
+        Field("subject", "string", "subject, as on the score sheet", True),
+        Field("by", "string", "who did it: a person, or a robot's address; empty: the box"),
+        Field("bad", "boolean", "a refused command, or a warning", True), Field("text", "string", "what happened"))),
+    Table("link", "One row for each second of a robot's link.", (
+        _RUN_ID, _ROBOT, Field("time", "datetime", "end of the second", True),
+        *(Field(name, "string" if name == "host" else "number", _LINK_UNITS[name]) for name in LinkSample._fields))),
+)
+
+FILES = tuple(sorted((PACKAGE, README, SUMS, *(f"{table.name}.csv" for table in TABLES))))
+
+
+def write_dataset(folder: str, results: Iterable[RunResult], options: Options) -> None:
+    """Write the data set into an existing folder. Old files are replaced when the new ones are complete."""
+    with contextlib.ExitStack() as files:
+        folder_of_drafts = files.enter_context(tempfile.TemporaryDirectory(prefix=".draft_", dir=folder))
+        _write_files(folder_of_drafts, results, options)
+        for name in FILES:
+            os.replace(os.path.join(folder_of_drafts, name), os.path.join(folder, name))
+
+
+def _write_files(folder: str, results: Iterable[RunResult], options: Options) -> None:
+    with contextlib.ExitStack() as files:
+        writers = []
+        for table in TABLES:
+            file = files.enter_context(_open(folder, f"{table.name}.csv"))
+            columns = tuple(field.name for field in table.fields)
+            write_table(file, columns, ())
+            writers.append((_ROWS[table.name], file, columns))
+        for result in results:
+            published = result if options.names is None else anonymous(result, options.names)
+            for rows, file, columns in writers:
+                write_rows(file, columns, rows(published, options.names))
+    with _open(folder, PACKAGE) as file:
+        json.dump(_package(folder, options), file, ensure_ascii=False, indent=1)
+        file.write("\n")
+    with _open(folder, README) as file:
+        file.write(_readme(options))
+    with _open(folder, SUMS) as file:
+        file.writelines(f"{_sha256(os.path.join(folder, name))}  {name}\n" for name in FILES if name != SUMS)
+
+
+def _open(folder: str, name: str) -> TextIO:
+    return open(os.path.join(folder, name), "w", encoding="utf-8", errors="backslashreplace", newline="")
+
+
+# -- rows -------------------------------------------------------------------------------------------
+
+
+def _run_rows(result: RunResult, _names: Optional[Names]) -> Iterator[Dict[str, Cell]]:
+    yield run_row(result.record, in_utc=True)
+
+
+def _score_rows(result: RunResult, _names: Optional[Names]) -> Iterator[Dict[str, Cell]]:
+    for row in score_rows(result.record, in_utc=True):
+        value = row.get("value")
+        is_text = isinstance(value, str)
+        number = int(value) if isinstance(value, bool) else value
+        yield {**row, "run_id": result.record.identity, "value": None if is_text else number,
+               "text": value if is_text else None}
+
+
+def _goal_rows(result: RunResult, names: Optional[Names]) -> Iterator[Dict[str, Cell]]:
+    for goal in goals(result):
+        seconds = None
+        if goal.begun_utc is not None and goal.ended_utc is not None:
+            seconds = round(goal.ended_utc - goal.begun_utc, 3)
+        yield {
+            "run_id": result.record.identity, "goal": goal.number, "robot": _robot(result, goal.port),
+            "time": iso(goal.utc, in_utc=True), "text": _text(names, goal.text), "timeout_s": goal.timeout_s,
+            "seconds": seconds, "result": _text(names, goal.result),
+        }
+
+
+def _event_rows(result: RunResult, names: Optional[Names]) -> Iterator[Dict[str, Cell]]:
+    # The sections have a fixed order, so events of the same moment do, too.
+    events = [(section.title, event) for section in sections(result) for event in section.events]
+    for subject, event in sorted(events, key=lambda line: line[1].utc):
+        text, who = event.text, event.who
+        if names is not None:
+            text = _without_names(event.kind, text, event.bad, names)
+            who = names.of("address" if event.kind in run_log.FROM_ROBOT or event.kind == kinds.ADDRESS else "person",
+                           who)
+        yield {
+            "run_id": result.record.identity, "time": iso(event.utc, in_utc=True), "robot": _robot(result, event.port),
+            "subject": subject, "by": who, "bad": event.bad, "text": text,
+        }
+
+
+def _without_names(kind: str, text: str, bad: bool, names: Names) -> str:
+    """Return the part of an event's text that the box wrote, or a pseudonym."""
+    if kind in _OF_THE_BOX:
+        return text
+    if kind == run_log.STATE_DESC:
+        return ": ".join(text.split(": ")[:2])  # box and state, without the explanation
+    if kind == kinds.COMMAND:
+        return text.split(";")[0] + ("; REFUSED" if bad else "")
+    return names.of("text", text)
+
+
+_OF_THE_BOX = frozenset((
+    run_log.CLIENT_STATE, run_log.END, kinds.TIMEOUT, *(run_log.device_topic(device) for device in run_log.DEVICES)))
+
+
+def _link_rows(result: RunResult, _names: Optional[Names]) -> Iterator[Dict[str, Cell]]:
+    for robot in result.robots:
+        for second in robot.link:
+            yield {"run_id": result.record.identity, "robot": robot.robot, "time": iso(second.utc, in_utc=True),
+                   **second.sample._asdict()}
+
+
+def _robot(result: RunResult, port: Optional[int]) -> str:
+    return next((robot.robot for robot in result.robots if robot.port == port), "")
+
+
+def _text(names: Optional[Names], text: str) -> str:
+    return text if names is None else names.of("text", text)
+
+
+_Rows = Callable[[RunResult, Optional[Names]], Iterator[Dict[str, Cell]]]
+_ROWS: Dict[str, _Rows] = {
+    "runs": _run_rows, "scores": _score_rows, "goals": _goal_rows, "events": _event_rows, "link": _link_rows,
+}
+
+
+# -- package ----------------------------------------------------------------------------------------
+
+
+def _package(folder: str, options: Options) -> Dict[str, Any]:
+    package: Dict[str, Any] = {
+        "profile": "tabular-data-package",
+        "name": "roah-rsbb-results",
+        "title": one_line(options.title) or _TITLE,
+        "description": _ANONYMOUS if options.names is not None else _WHAT,
+    }
+    if options.licence:
+        is_name = _LICENCE_NAME.fullmatch(options.licence)
+        package["licenses"] = [
+            {"name": options.licence} if is_name else {"name": "custom", "title": options.licence}]
+    package["resources"] = [_resource(folder, table) for table in TABLES]
+    return package
+
+
+def _resource(folder: str, table: Table) -> Dict[str, Any]:
+    path = os.path.join(folder, f"{table.name}.csv")
+    schema: Dict[str, Any] = {"fields": [_field(field) for field in table.fields], "missingValues": [""]}
+    if table.name == "runs":
+        schema["primaryKey"] = "run_id"
+    else:
+        schema["foreignKeys"] = [{"fields": "run_id", "reference": {"resource": "runs", "fields": "run_id"}}]
+    return {
+        "profile": "tabular-data-resource", "name": table.name, "path": f"{table.name}.csv",
+        "description": table.description, "format": "csv", "mediatype": "text/csv", "encoding": "utf-8",
+        "bytes": os.path.getsize(path), "hash": f"sha256:{_sha256(path)}", "schema": schema,
+    }
+
+
+def _field(field: Field) -> Dict[str, Any]:
+    found: Dict[str, Any] = {"name": field.name, "type": field.type, "description": field.description}
+    if field.type == "datetime":
+        found["format"] = _TIME_FORMAT
+    if field.required:
+        found["constraints"] = {"required": True}
+    return found
+
+
+_WHAT = "Runs, scores, goals, events and link quality of a competition, from the journal of roah_rsbb."
+_ANONYMOUS = f"{_WHAT} Teams, robots, people, addresses and free texts have pseudonyms."
+
+
+def _readme(options: Options) -> str:
+    """Return the data dictionary for people."""
+    lines = [
+        f"# {one_line(options.title) or _TITLE}", "",
+        _ANONYMOUS if options.names is not None else _WHAT, "",
+        f"Licence: {one_line(options.licence) or 'none given. Ask the organisers before you use the data'}", "",
+        "All files are UTF-8. Times are UTC. An empty cell is a missing value. A text that a spreadsheet program would",
+        "run as a formula starts with an apostrophe. If a text starts with an apostrophe, remove this one character.",
+        "Characters that cannot be printed are written as escapes, such as `\\x1b`.",
+        f"`{SUMS}` has the checksums: `sha256sum -c {SUMS}`.", "",
+    ]
+    for table in TABLES:
+        lines += [f"## {table.name}.csv", "", table.description, "", "| column | type | |", "|---|---|---|"]
+        lines += [f"| `{field.name}` | {field.type} | {field.description} |" for field in table.fields]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _sha256(path: str) -> str:
+    digest = hashlib.sha256()
+    with open(path, "rb") as file:
+        for piece in iter(lambda: file.read(1 << 16), b""):
+            digest.update(piece)
+    return digest.hexdigest()

@@ -1,0 +1,203 @@
+"""The data set for publication: its tables, its description, and pseudonyms."""
+
+import csv
+import datetime
+import hashlib
+import json
+import os
+
+import pytest
+
+from helpers.golden import DATA
+from helpers.journals import UTC0, Writer
+from helpers.results_of import EVIL, full_record, task_record, write_competition
+from roah_rsbb.core.link.record import LinkSample
+from roah_rsbb.core.scoring.records import ItemRecord, Rating
+from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.results.anonymous import names_of
+from roah_rsbb.results.dataset import FILES, TABLES, Options, write_dataset
+from roah_rsbb.results.runs import records, run_result
+from roah_rsbb.wording.texts import visible
+
+
+@pytest.fixture(scope="module")
+def journal(tmp_path_factory):
+    return write_competition(tmp_path_factory.mktemp("competition"))
+
+
+def written(journal, folder, anonymous=False, **options):
+    """Write the data set of a journal; returns the rows by table, and the description."""
+    folder.mkdir(exist_ok=True)
+    with JournalReader(journal) as reader:
+        names = names_of(reader) if anonymous else None
+        results = (run_result(reader, number, record, print) for number, record in enumerate(records(reader, print), 1))
+        write_dataset(str(folder), results, Options(names, **options))
+    assert sorted(os.listdir(str(folder))) == sorted(FILES)
+    tables = {}
+    for table in TABLES:
+        with open(str(folder / f"{table.name}.csv"), encoding="utf-8", newline="") as file:
+            tables[table.name] = list(csv.DictReader(file))
+    return tables, json.loads((folder / "datapackage.json").read_text(encoding="utf-8"))
+
+
+def test_what_is_written_is_described(journal, tmp_path):
+    tables, package = written(journal, tmp_path / "set", licence="CC-BY-4.0", title="ERL 2026")
+    schema = json.loads((DATA / "data_package" / "datapackage.schema.json").read_text(encoding="utf-8"))
+    pytest.importorskip("jsonschema").validate(package, schema)
+    assert package["title"] == "ERL 2026"
+    assert package["licenses"] == [{"name": "CC-BY-4.0"}]
+    identities = [row["run_id"] for row in tables["runs"]]
+    assert len(identities) == len(set(identities)) == 5
+    for resource in package["resources"]:
+        content = (tmp_path / "set" / resource["path"]).read_bytes()
+        assert resource["bytes"] == len(content)
+        assert resource["hash"] == f"sha256:{hashlib.sha256(content).hexdigest()}"
+        for row in tables[resource["name"]]:
+            assert row["run_id"] in identities
+            assert list(row) == [field["name"] for field in resource["schema"]["fields"]]
+            for field in resource["schema"]["fields"]:
+                _check(field, row[field["name"]])
+    readme = (tmp_path / "set" / "README.md").read_text(encoding="utf-8")
+    assert all(f"| `{field.name}` | {field.type} | {field.description} |" in readme
+               for table in TABLES for field in table.fields)
+
+
+def _check(field, cell):
+    """A cell has the type of its column, as Table Schema defines it."""
+    if not cell:
+        assert "constraints" not in field, field
+    elif field["type"] == "datetime":
+        assert datetime.datetime.strptime(cell, field["format"])
+    elif field["type"] in ("number", "integer"):
+        assert float(cell) == float(cell)
+        assert field["type"] == "number" or cell.lstrip("-").isdigit()
+    elif field["type"] == "boolean":
+        assert cell in ("true", "false")
+
+
+def test_checksums(journal, tmp_path):
+    written(journal, tmp_path / "set")
+    lines = (tmp_path / "set" / "SHA256SUMS").read_text(encoding="utf-8").splitlines()
+    assert len(lines) == len(FILES) - 1
+    for line in lines:
+        digest, name = line.split("  ")
+        assert hashlib.sha256((tmp_path / "set" / name).read_bytes()).hexdigest() == digest
+
+
+def test_the_rows_of_a_run(journal, tmp_path):
+    tables, _ = written(journal, tmp_path / "set")
+    record = full_record()
+    of_run = {name: [row for row in rows if row["run_id"] == record.identity] for name, rows in tables.items()}
+    assert of_run["runs"][0]["end_reason"] == "stopped"
+    assert of_run["runs"][0]["scheduled"] == "2025-11-21T12:00:00.000+00:00"
+    item = next(row for row in of_run["scores"] if row["name"] == "Detects a changed object")
+    assert (item["value"], item["corrected"], item["note"]) == ("2", "true", "from the video")
+    distance, = (row for row in of_run["scores"] if row["name"] == "distance_error")
+    assert (distance["value"], distance["unit"], distance["group"]) == ("0.12345", "m", "waypoint 1")
+    note, = (row for row in of_run["scores"] if row["name"] == "note")
+    assert note["value"] == "" and note["text"].startswith("'=cmd()"), "a text has its own column"
+    goal, = of_run["goals"]
+    assert (goal["goal"], goal["text"], goal["timeout_s"], goal["robot"]) == ("1", "waypoint 1", "120.0", "r1")
+    assert goal["result"].startswith("{class: a<script>")
+    assert len(of_run["link"]) == 300
+    assert max(float(row["gap_s"]) for row in of_run["link"]) == 9.0
+    refused = [row["text"] for row in of_run["events"] if row["bad"] == "true"]
+    assert refused[0].startswith("start; REFUSED: Robot has not answered; <script>")
+    assert [row["time"] for row in of_run["events"]] == sorted(row["time"] for row in of_run["events"])
+
+
+@pytest.mark.parametrize("licence, described", [
+    ("", None), ("ODC-By-1.0", [{"name": "ODC-By-1.0"}]),
+    ("Only for science", [{"name": "custom", "title": "Only for science"}]),
+])
+def test_licences(journal, tmp_path, licence, described):
+    _, package = written(journal, tmp_path / "set", licence=licence)
+    assert package.get("licenses") == described
+    schema = json.loads((DATA / "data_package" / "datapackage.schema.json").read_text(encoding="utf-8"))
+    pytest.importorskip("jsonschema").validate(package, schema)
+
+
+# -- pseudonyms -------------------------------------------------------------------------------------
+
+SECRETS = ("Hidden Team", "hidden robot", "10.9.8.7", "Judge Dredd", "Referee Ray", "a secret sentence")
+
+
+def _write_secrets(log_dir):
+    team, robot, address, judge, referee, text = SECRETS
+    writer = Writer(log_dir)
+    record = full_record()
+    record = record._replace(
+        team=team, robots=(robot,),
+        items=(*record.items, ItemRecord("Jury", "Poster", "rating", 7, text="7", ratings=(Rating(judge, "7"),))),
+        history=tuple(entry._replace(who=referee, note=text, withdrawn_by=referee, withdrawn_note=text)
+                      for entry in record.history),
+        stops=tuple(stop._replace(who=referee, reason=text, reason_by=referee, desc=text) for stop in record.stops),
+        sign_off=record.sign_off._replace(who=referee),
+        module_scores=tuple(score._replace(value=json.dumps(text)) for score in record.module_scores),
+    )
+    writer.run(record, ((6667, robot),))
+    writer.run(task_record(team, 2, robots=(robot,)), ((6668, robot),))
+    writer.utc = record.opened_utc
+    for kind, value, who in (
+        ("/rsbb_log/rsbb_state_str", "PREPARE", ""), ("/rsbb_log/rsbb_state_desc", text, ""),
+        ("address", address, address),
+        ("/rsbb_log/client_state", 1, address), ("command", {"command": "stop", "reason": text}, referee),
+        ("/rsbb_log/bmbox/goal", json.dumps({"text": text}), ""), ("/rsbb_log/result", text, address),
+        ("/rsbb_log/manual_operation", text, referee), ("/notification", text, address),
+        ("notice", {"level": "WARNING", "text": text}, ""), ("something_new", text, ""),
+    ):
+        writer.entry(kind, value, record.identity, who=who)
+    writer.link(LinkSample(1.0, received=1, host=address))
+    writer.close()
+    return writer.path
+
+
+def test_an_anonymous_data_set_has_no_names(tmp_path):
+    journal = _write_secrets(tmp_path / "log")
+    tables, _ = written(journal, tmp_path / "named")
+    contents = "".join((tmp_path / "named" / name).read_text(encoding="utf-8") for name in FILES)
+    assert all(secret in contents for secret in SECRETS), "this test would see them"
+    hidden, _ = written(journal, tmp_path / "hidden", anonymous=True)
+    contents = "".join((tmp_path / "hidden" / name).read_text(encoding="utf-8") for name in FILES)
+    assert not [secret for secret in SECRETS if secret in contents]
+    assert {name: len(rows) for name, rows in hidden.items()} == {name: len(rows) for name, rows in tables.items()}
+    numbers = ("points", "value", "elapsed_s", "received", "seconds", "benchmark", "name", "group")
+    for name, rows in tables.items():
+        for real, row in zip(rows, hidden[name]):
+            assert [row.get(column) for column in numbers] == [real.get(column) for column in numbers]
+    first, second = hidden["runs"]
+    assert first["team"] == second["team"], "the same team has the same pseudonym"
+    assert first["team"].startswith("team-")
+    assert {row["robot"] for row in hidden["link"]} == {first["robots"]}
+    assert "Robot: PREPARING" in {row["text"] for row in hidden["events"]}, "the box wrote this"
+
+
+def test_pseudonyms_depend_on_the_journal_and_on_what_is_not_published(tmp_path):
+    names = []
+    for number, boot in enumerate(("boot 1", "boot 2", "boot 1")):
+        writer = Writer(tmp_path / str(number))
+        writer.journal._connection.execute("UPDATE sessions SET boot_id = ?", (boot,))
+        writer.run(task_record("Alpha", 1))
+        writer.close()
+        names.append(written(writer.path, tmp_path / f"set {number}", anonymous=True)[0]["runs"][0]["team"])
+    assert names[0] == names[2] != names[1]
+
+
+# -- hostile texts ----------------------------------------------------------------------------------
+
+FORMULAS = ("=1+1", "+1", "-1", "@A1", "\t=1", "\r=1", " =1", "'=1", "''", "'", "＝1", EVIL, '"; DROP', "a\nb", "a,b")
+
+
+def _of_team(log_dir, team):
+    writer = Writer(log_dir)
+    writer.run(task_record(team, 1, opened_utc=UTC0))
+    writer.close()
+    return writer.path
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+def test_no_text_is_a_formula_and_the_rule_restores_it(tmp_path, text):
+    rows, _ = written(_of_team(tmp_path / "log", text), tmp_path / "set")
+    cell = rows["runs"][0]["team"]
+    assert not cell.lstrip(" ").startswith(("=", "+", "-", "@", "\t", "\r", "＝"))
+    assert (cell[1:] if cell.startswith("'") else cell) == visible(text)
