@@ -63,9 +63,7 @@ class TestKilledOnce(KillCase):
 
     def ends(self, zone: str) -> float:
         """Return when a zone's run will time out (UTC)."""
-        gui = wait_until(
-            lambda: next((self.box.gui for z in self.box.gui.zones if z.zone == zone and z.timer.to_sec() < 600), None),
-            "the time runs")
+        gui = self.box.wait_zone(zone, lambda z: z.timer.to_sec() < 600 and self.box.gui, "the time runs")
         return gui.clock.to_sec() + next(z.timer.to_sec() for z in gui.zones if z.zone == zone)
 
     def test_three_runs_at_once(self) -> None:
@@ -95,7 +93,7 @@ class TestKilledOnce(KillCase):
         box.wait_details("Door", lambda d: (d.phase, d.end_reason) == ("ended", "timeout"), "HWV ended by timeout")
         gamma.wait_did("stop")
         wait_until(lambda: box.timeouts, "the sound is asked for, although nobody counted the time when it was up")
-        self.assertIn((*ITEM, 1, 2), [(g, d, k, v) for g, d, k, v in box.scores("Home")])
+        box.wait_scored("Home", (*ITEM, 1, 2))
         box.set_score("Home", *ITEM, 3)
         alpha.wait_said()
         for robot, zone in ((alpha, "Home"), (beta, "Kitchen")):
@@ -122,7 +120,9 @@ class TestKilledOnce(KillCase):
         self.start()
         self.assertIn("which is stopped", self.wait_warned("Another core (process "))
         self.assertEqual(self.box.zone_details("Home").phase, "idle", "it does not know the run")
-        rospy.ServiceProxy("/core/end_other_core", Empty)()
+        # On a busy machine, the core may end before its answer is sent.
+        with contextlib.suppress(rospy.ServiceException):
+            rospy.ServiceProxy("/core/end_other_core", Empty)()
         hung.wait_ended()
         self.core.wait_ended()
         self.start()
@@ -173,7 +173,7 @@ class Referee:
 
     def step(self, resumes: bool) -> bool:
         """Do the next step. Returns False if the zone is idle and no further run is wanted."""
-        details = self._box.zone_details(self.zone)
+        details = self._box.last_details(self.zone)
         with contextlib.suppress(Refusal, AssertionError, rospy.ROSException):  # the core died, or is ahead
             if details.phase == "idle":
                 if not resumes:

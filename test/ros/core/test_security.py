@@ -1,5 +1,6 @@
 """The box's reactions to attacks and mistakes, as in docs/security.md, with real datagrams and processes."""
 
+import contextlib
 import os
 import pathlib
 import socket
@@ -10,7 +11,8 @@ from urllib.parse import urlparse
 import rosgraph
 import rospy
 from rosgraph_msgs.msg import Log
-from support.box_case import BoxCase
+from support.box_case import CORE, BoxCase
+from support.connections import wait_follows
 from support.robots import BOX, PASSWORDS, RSBB_PORT, Network, PublicParticipant, empty_beacon, host_of, wire
 from support.waiting import happened, wait_until
 
@@ -84,6 +86,7 @@ class TestAttacks(BoxCase):
         self.said: List[str] = []  # in the nodes' logs
         subscriber = rospy.Subscriber("/rosout", Log, self._on_log)
         self.addCleanup(subscriber.unregister)
+        wait_follows(CORE, "/rosout")
 
     def _on_log(self, log: Log) -> None:
         self.said.append(log.msg)
@@ -106,7 +109,12 @@ class TestAttacks(BoxCase):
         attacker.send(port, result_of(time.time() + 10.0), team="Alpha")
         self.reported("does not decrypt")
         attacker.send(port, result_of(time.time() - 3600.0), team="Epsilon")  # recorded an hour ago
-        attacker.send(port, result_of(time.time() + 10.0), team="Epsilon")
+        # While the robot is heard: after a silence of a few seconds another address may replace it.
+        def attack_after_the_robot() -> None:
+            robot.client.notify("here")
+            self.network.loop.call_soon(attacker.send, port, result_of(time.time() + 10.0), "Epsilon")
+
+        self.network.do(attack_after_the_robot)
         self.reported(f"also come from {ATTACKER}. They are ignored: the robot is at {host_of('Epsilon')}")
         attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Epsilon", robot_name="Robot", time=wire(time.time() + 9.0)))
         # A robot that is in a run is known by what it says there.
@@ -134,15 +142,13 @@ class TestAttacks(BoxCase):
     def test_a_recording_moves_no_run_while_its_robot_is_silent(self) -> None:
         box, robot = self.box, self._leaving(RecordedRobot(self.network, "Epsilon"))
         attacker = self._leaving(Attacker())
-        for _ in range(2):  # all of the first run is recorded
-            robot.beacon()
-            port = box.connect("Attacked")
-            robot.send(port, RobotState.STOP)
-            box.start("Attacked")
+        for is_last in (False, True):  # all of the first run is recorded
+            port = box.connect("Attacked", meanwhile=robot.beacon)
+            box.start("Attacked", meanwhile=lambda port=port: robot.send(port, RobotState.STOP))
             for state in (RobotState.PREPARING, RobotState.WAITING_GOAL, RobotState.EXECUTING):
                 robot.send(port, state)
             box.wait_details("Attacked", lambda d: d.box_state == "WAITING_RESULT", "the robot executes")
-            if len(robot.recorded) < 5:
+            if not is_last:
                 robot.send(port, RobotState.RESULT_TX)
                 box.wait_text("Attacked", "Benchmark completed by the robot")
                 self.leave("Attacked")
@@ -208,6 +214,7 @@ class TestPasswords(BoxCase):
         robot.wait_did("execute HWV")
         robot.request("notify", "all is well")
         robot.wait_said()
+        wait_until(lambda: b"all is well" in self.published.get("/core/to_gui", b""), "the topics are heard")
         box.connect("Guessed")
         box.wait_details("Guessed", lambda d: any("password" in r for r in d.start_off), "the referee sees the reason")
         robot.let("execute")
@@ -217,7 +224,6 @@ class TestPasswords(BoxCase):
         self.leave("Guessed")
         guessing.close()
 
-        wait_until(lambda: b"all is well" in self.published.get("/core/to_gui", b""), "the topics are heard")
         places = {f"topic {topic}": data for topic, data in self.published.items()}
         places["parameters"] = str(rospy.get_param("/")).encode()
         places.update(_files(log_dir))
@@ -231,8 +237,12 @@ class TestPasswords(BoxCase):
 
 
 def _files(folder: pathlib.Path) -> Dict[str, bytes]:
-    """All files in a folder and below."""
-    return {f"file {path}": path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    """All files in a folder and below, except those that are removed or renamed at this moment."""
+    found: Dict[str, bytes] = {}
+    for path in folder.rglob("*"):
+        with contextlib.suppress(FileNotFoundError, IsADirectoryError):
+            found[f"file {path}"] = path.read_bytes()
+    return found
 
 
 def _processes() -> Dict[str, bytes]:

@@ -2,15 +2,19 @@
 
 import contextlib
 import pathlib
+import signal
 import unittest
 from typing import Any
 
+from roah_rsbb.protocol import RobotState
 from support.box_client import BoxClient, Refusal
+from support.connections import kill
 from support.robots import Network, PublicParticipant, RawRobot, Robot
 from support.run_logs import RunLog
 from support.waiting import wait_until
 
 PACKAGE = "roah_rsbb"
+CORE = "/roah_rsbb_core"
 # Whatever is in a test beside box and robots; the teams' robots have their addresses from `robots.host_of`.
 LISTENER, TABLET = "127.0.0.3", "127.0.0.4"
 
@@ -51,6 +55,7 @@ class BoxCase(NetworkCase):
 
     def _end_runs(self) -> None:
         """Remove what a failed case left, so that it does not affect the next one."""
+        self.box.wait_current()
         for zone in self.box.details.zones:
             if zone.phase != "idle":
                 with contextlib.suppress(Refusal):
@@ -61,6 +66,21 @@ class BoxCase(NetworkCase):
         path = self.box.wait_details(zone, lambda d: d.log_file, "the run has a log")
         self.box.command("disconnect", zone)
         return self.read_log(path)
+
+    def join(self, robot: RawRobot, zone: str) -> None:
+        """Connect and start a robot of which each datagram is the test's.
+
+        Until each button is on, it repeats itself as any robot does: a single datagram may be late, which looks like a
+        slow clock.
+        """
+        robot.open_private(self.box.connect(zone, meanwhile=robot.beacon))
+        self.box.start(zone, meanwhile=lambda: robot.send(RobotState.STOP))
+
+    def kill_core(self, number: signal.Signals = signal.SIGKILL) -> None:
+        """Send a signal to the core's process, and wait until roslaunch has restarted it."""
+        uuid = self.box.details.box_uuid
+        kill(CORE, number)
+        self.box.wait_other_core(uuid)
 
     def read_log(self, path: str) -> RunLog:
         """The log of a run that was left, once it is complete."""

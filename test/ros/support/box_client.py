@@ -1,6 +1,8 @@
 """The core as a referee's program sees it: its topics, followed, and its services, called."""
 
-from typing import Callable, List, Optional, TypeVar
+import re
+import time
+from typing import Callable, ClassVar, List, Optional, TypeVar
 
 import rospy
 from std_msgs.msg import Empty
@@ -12,6 +14,10 @@ from support.waiting import LIMIT_S, happened, wait_until
 
 T = TypeVar("T")
 
+# Reasons that pass by themselves. Robots and modules of a test fall silent, or their datagrams are late, when its
+# process stops for a few seconds.
+PASSING = re.compile("No message from the robot|Clock skew of|is active: none of its beacons|module not connected")
+
 
 class Refusal(Exception):
     """A service call failed; the text is the core's own."""
@@ -20,8 +26,13 @@ class Refusal(Exception):
 class BoxClient:
     """Follows one core and commands it. `prefix` stands before all names of a core that was remapped.
 
-    Each topic comes in its own time: data of one topic may not be in the last message of another yet.
+    Each topic comes in its own time: data of one topic may not be in the last message of another yet. The attributes
+    `gui`, `details` and `public` are the last messages. `zone` and `zone_details` read what is true now. All waits
+    consider only messages that the core made after the last command.
     """
+
+    # UTC of the end of the last command of any client in this process: a later test case has another client.
+    _commanded: ClassVar[float] = 0.0
 
     def __init__(self, prefix: str = "") -> None:
         self.gui: Optional[CoreToGui] = None
@@ -49,33 +60,60 @@ class BoxClient:
 
     def wait_heard(self, limit_s: float = LIMIT_S) -> "BoxClient":
         """Wait for the core's first messages."""
-        wait_until(lambda: self.gui and self.details and self.public, "all topics of the core are heard", limit_s)
+        wait_until(lambda: self._is_current(self.gui) and self._is_current(self.details) and self.public,
+                   "all topics of the core are heard", limit_s)
         return self
 
+    def wait_other_core(self, uuid: str, what: Callable[[], str] = lambda: "another core runs") -> None:
+        """Wait until another core than the one of this identity is heard on all topics."""
+        wait_until(lambda: self.details and self.details.box_uuid != uuid and self.gui
+                   and self.gui.clock >= self.details.clock and self.public, what)
+
+    def wait_current(self) -> None:
+        """Wait until the last messages of both topics are newer than the last command."""
+        wait_until(lambda: self._is_current(self.gui) and self._is_current(self.details), "the core publishes")
+
     def zone(self, name: str) -> ZoneState:
-        """A zone in the panels' message."""
-        return next(zone for zone in self.gui.zones if zone.zone == name)
+        """A zone in the panels' message, as it is now."""
+        self._wait_newer("gui", time.time())
+        return self.last_zone(name)
 
     def zone_details(self, name: str) -> ZoneDetails:
-        """The data for which that message has no field."""
+        """The data for which that message has no field, as they are now. They come once a second without a change."""
+        self._wait_newer("details", time.time())
+        return self.last_details(name)
+
+    def last_zone(self, name: str) -> ZoneState:
+        """A zone in the last message for panels, which may be older than the last command."""
+        return next(zone for zone in self.gui.zones if zone.zone == name)
+
+    def last_details(self, name: str) -> ZoneDetails:
+        """The same for the last details."""
         return next(zone for zone in self.details.zones if zone.zone == name)
 
     def robot(self, team: str):
-        """The first active robot of a team; None: there is none."""
+        """The first active robot of a team in the last message; None: there is none."""
         return next((robot for robot in self.gui.active_robots if robot.team == team), None)
 
     def wait_zone(self, name: str, condition: Callable[[ZoneState], T], what: str, limit_s: float = LIMIT_S) -> T:
         """Wait until a condition on a zone's state holds; fails with that state."""
         return wait_until(
-            lambda: condition(self.zone(name)), lambda: f"{what}; the zone is:\n{self.zone(name)}", limit_s
+            lambda: self._is_current(self.gui) and condition(self.last_zone(name)),
+            lambda: f"{what}; the zone is:\n{self.last_zone(name)}", limit_s,
         )
 
     def wait_details(self, name: str, condition: Callable[[ZoneDetails], T], what: str, limit_s: float = LIMIT_S) -> T:
         """Wait until a condition on a zone's details holds; fails with those."""
         return wait_until(
-            lambda: condition(self.zone_details(name)),
-            lambda: f"{what}; the zone's details are:\n{self.zone_details(name)}", limit_s,
+            lambda: self._is_current(self.details) and condition(self.last_details(name)),
+            lambda: f"{what}; the zone's details are:\n{self.last_details(name)}", limit_s,
         )
+
+    def _is_current(self, message: Optional[CoreToGui]) -> bool:
+        return message is not None and message.clock.to_sec() >= BoxClient._commanded
+
+    def _wait_newer(self, topic: str, utc: float) -> None:
+        wait_until(lambda: getattr(self, topic).clock.to_sec() >= utc, f"the core publishes {topic}")
 
     def wait_text(self, zone: str, text: str) -> None:
         """Wait until the zone's state text contains a text."""
@@ -96,6 +134,8 @@ class BoxClient:
         except rospy.ServiceException as error:
             assert refusals.was_answered(str(error)), f"{name} did not answer: {error}"
             raise Refusal(refusals.reason(str(error))) from None
+        finally:
+            BoxClient._commanded = time.time()
 
     def command(self, command: str, zone: str) -> None:
         """Give a command to a zone; raises `Refusal`."""
@@ -115,23 +155,44 @@ class BoxClient:
 
     # -- ways that most tests go --------------------------------------------------------------------
 
-    def connect(self, zone: str) -> int:
-        """Connect as soon as the button is on; returns the private port once it is known."""
-        self.wait_zone(zone, lambda z: z.connect_enabled, "connect is on")
+    def connect(self, zone: str, meanwhile: Callable[[], object] = lambda: None) -> int:
+        """Connect as soon as the button is on; returns the private port once it is known.
+
+        `meanwhile` is called again and again while the button is off.
+        """
         # The details may be a moment behind, and still describe the run before.
-        old = self.zone_details(zone).port
-        self.command("connect", zone)
+        old = self.last_details(zone).port
+        self._press("connect", zone, lambda z: (meanwhile(), z.connect_enabled)[1])
         return self.wait_details(zone, lambda d: d.port != old and d.port, "the run has a port")
 
-    def start(self, zone: str) -> None:
-        """Start as soon as the button is on."""
-        self.wait_zone(zone, lambda z: z.start_enabled, "start is on")
-        self.command("start", zone)
+    def start(self, zone: str, meanwhile: Callable[[], object] = lambda: None) -> None:
+        """Start as soon as the button is on; `meanwhile`: see `connect`."""
+        self._press("start", zone, lambda z: (meanwhile(), z.start_enabled)[1])
+
+    def _press(self, command: str, zone: str, is_on: Callable[[ZoneState], bool]) -> None:
+        """Give a command as soon as its button is on.
+
+        Since the message that showed the button, a robot or a module may have fallen silent. Then the command is
+        refused, and the button is off in the core's next message. It is pressed when it is on again.
+        """
+        deadline = time.monotonic() + LIMIT_S
+        while True:
+            self.wait_zone(zone, is_on, f"{command} is on")
+            try:
+                self.command(command, zone)
+                return
+            except Refusal as refused:
+                if not PASSING.search(str(refused)) or time.monotonic() > deadline:
+                    raise
 
     def scores(self, zone: str) -> List[tuple]:
-        """All scoring items: (group, item, type, value)."""
+        """All scoring items in the last message: (group, item, type, value)."""
         return [
             (group.group_name, desc, kind, value)
-            for group in self.zone(zone).scoring
+            for group in self.last_zone(zone).scoring
             for desc, kind, value in zip(group.descriptions, group.types, group.current_values)
         ]
+
+    def wait_scored(self, zone: str, *items: tuple) -> None:
+        """Wait until these are among the scoring items."""
+        self.wait_zone(zone, lambda z: set(items) <= set(self.scores(zone)), f"the sheet has {items}")

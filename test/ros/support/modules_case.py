@@ -52,7 +52,7 @@ class FunctionalityCase(BoxCase):
     ) -> Tuple[Scores, RunLog]:
         """The rest of a run: its scores, in the details and in the log, and the log."""
         def something(details) -> bool:
-            return details.phase == "ended" or details.operation > after or self.box.zone(zone).omf_complete
+            return details.phase == "ended" or details.operation > after or self.box.last_zone(zone).omf_complete
 
         while True:
             details = self.box.wait_details(

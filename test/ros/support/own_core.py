@@ -53,17 +53,26 @@ class OwnCoreCase(NetworkCase):
         """Start the core, or one after one that ended; returns once it is heard."""
         before = self.box.details.box_uuid if self.box.details else ""
         self.core = self._leaving(Core({**params, "log_dir": log_dir}, inside))
-        wait_until(lambda: self.box.details and self.box.details.box_uuid != before,
-                   lambda: f"a core is heard; it printed\n{self.core.text}")
-        self.box.wait_heard()
+        self.box.wait_other_core(before, lambda: f"a core is heard; it printed\n{self.core.text}")
 
     def journal(self, log_dir: pathlib.Path) -> JournalReader:
-        """A copy of the present journal, as of a running box."""
+        """A copy of the present journal, as of a running box. Both of its files are of the same moment."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        for suffix in ("", "-wal"):
-            if (log_dir / f"{FILE_NAME}{suffix}").exists():
-                shutil.copy(str(log_dir / f"{FILE_NAME}{suffix}"), folder.name)
+        files = [log_dir / f"{FILE_NAME}{suffix}" for suffix in ("", "-wal")]
+
+        def state() -> List[Tuple[int, ...]]:
+            found = [file.stat() for file in files if file.exists()]
+            return [(one.st_ino, one.st_size, one.st_mtime_ns) for one in found]
+
+        def copy() -> bool:
+            before = state()
+            for file in files:
+                if file.exists():
+                    shutil.copy(str(file), folder.name)
+            return state() == before
+
+        wait_until(copy, "the journal does not change while it is copied")
         return self._leaving(JournalReader(os.path.join(folder.name, FILE_NAME)))
 
     def journaled(self, log_dir: pathlib.Path, port: int) -> List[Tuple[str, Any]]:
@@ -86,10 +95,10 @@ class OwnCoreCase(NetworkCase):
         """The log of a run that was left, once it is complete."""
         return wait_until(lambda: path.exists() and RunLog.complete(path), f"{path} is complete")
 
-    def wait_warned(self, text: str, limit_s: float = 5.0) -> str:
+    def wait_warned(self, text: str) -> str:
         """Wait until every referee is warned of something; returns the whole warning."""
         return wait_until(lambda: next((w for w in self.box.details.warnings if text in w), None),
-                          lambda: f"a warning contains '{text}'; warnings: {self.box.details.warnings}", limit_s)
+                          lambda: f"a warning contains '{text}'; warnings: {self.box.details.warnings}")
 
     def wait_no_warning(self, text: str) -> None:
         """Wait until no warning contains that text."""

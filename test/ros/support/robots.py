@@ -18,7 +18,7 @@ import yaml
 from roah_rsbb.comm.channels import PrivateChannel, PublicChannel
 from roah_rsbb.comm.ciphers import Cipher, Key
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
-from roah_rsbb.protocol import RobotState
+from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import effects as fx
 from roah_rsbb.robot.client import Behaviour, RobotClient
 from roah_rsbb.robot.link import wire_time
@@ -273,6 +273,13 @@ class RawRobot:
     def send_again(self, message: pb.RobotState) -> None:
         """Send the last datagram again."""
         self._network.do(lambda: self._private.send(message))
+
+    def wait_sent(self, state: BoxState) -> pb.BenchmarkState:
+        """Wait until the box's last message has this state; returns the message."""
+        def last() -> Optional[pb.BenchmarkState]:
+            message = self.received[-1] if self.received else None
+            return message if message is not None and message.benchmark_state == state else None
+        return wait_until(last, f"the box sends {state.name}")
 
     def wait_acknowledged(self, message: pb.RobotState) -> pb.BenchmarkState:
         """Wait until the box acknowledges a message; returns its answer."""

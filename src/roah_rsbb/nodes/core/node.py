@@ -79,6 +79,9 @@ JOURNAL_EVERY = 10
 ANSWERED_S = 0.2
 # Seconds. After a restart, the nodes that play sounds need a moment to find the core again.
 HEARD_AFTER_S = 2.0
+# Seconds. On a busy computer they need longer. Without any of them, nobody hears the sound.
+LISTENERS_S = 10.0
+LOOK_FOR_LISTENERS_S = 0.2
 
 # Seconds. The node that ends the launch may still be starting, and ending takes some time.
 END_LAUNCH_S = 10.0
@@ -292,7 +295,15 @@ class CoreNode:
 
     def _ring_timeout(self) -> None:
         """Ring at once, unless the core has just started: a run may have timed out while it was down."""
-        self._ros.loop.call_at(self._heard_from, self._publish, "timeout", Empty())
+        self._ros.loop.call_at(self._heard_from, self._ring_if_heard)
+
+    def _ring_if_heard(self) -> None:
+        """Ring. Shortly after the start, wait for the first node that listens."""
+        loop, is_heard = self._ros.loop, self._topics["timeout"].get_num_connections() > 0
+        if is_heard or loop.time() > self._heard_from + LISTENERS_S:
+            self._publish("timeout", Empty())
+        else:
+            loop.call_later(LOOK_FOR_LISTENERS_S, self._ring_if_heard)
 
     def _publish_tick(self) -> None:
         self._ros.loop.call_later(GUI_PERIOD_S, self._publish_tick)

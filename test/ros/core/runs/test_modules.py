@@ -3,7 +3,7 @@
 import math
 
 import rospy
-from support.fakes.modules import FakeModules, ModulesCase
+from support.fakes.modules import ModulesCase
 
 from roah_rsbb.core.modules.messages import Progress, Request, RequestKind
 from roah_rsbb.msg import ModulesState
@@ -17,30 +17,30 @@ class TestModulesThatComeAndGo(ModulesCase):
     def test_a_run_without_its_module(self) -> None:
         robot = self.robot("Zeta")
         self.box.connect("Gone")
-        off = self.box.wait_details("Gone", lambda d: d.robot_state == "STOP" and d.start_off, "the robot is heard")
-        self.assertEqual(len(off), 1)
-        self.assertIn("Benchmarking module not connected: no node drives HGMF", off[0])
+        off = "Benchmarking module not connected: no node drives HGMF"
+        self.box.wait_details(
+            "Gone", lambda d: d.robot_state == "STOP" and len(d.start_off) == 1 and off in d.start_off[0],
+            "the robot is heard, and start is off for the module only",
+        )
         self.assertIn("no node drives HGMF", self.box.refusal("start", "Gone"))
         problem = "HGMF.yaml:7: found x; expected y"
-        wrong = self.modules("HGMF", problems=(problem,))
+        self.fbm = self.modules("HGMF", problems=(problem,))
         self.box.wait_details("Gone", lambda d: list(d.start_off) == [problem], "start is off for what is wrong")
-        wrong.infos = self.modules("HGMF").infos
-        self.fbm = wrong
+        self.fbm.drives("HGMF")
         self.box.start("Gone")
         self.fbm.wait_attempt("Gone")
 
         self.fbm.asks("Gone", goal="[0.1, 0.2, 3]", timeout=100.0)
         robot.wait_did("execute HGMF")
         self.assertEqual((robot.goals[0].object_id, robot.goals[0].pose), (3, Pose(0.1, 0.2, 0.0)))
-        for modules in list(self._made):
-            modules.close()
+        self.fbm.close()
         details = self.box.wait_details("Gone", lambda d: d.held and d, "the run is held")
         self.assertIn("Benchmarking module not connected: the run is paused", details.warnings[0])
         left = self.box.zone("Gone").timer
         robot.let("execute")
         self.box.wait_zone("Gone", lambda z: "Goal completed by the robot" in z.log, "the robot's result is taken")
         robot.wait_state(RobotState.RESULT_TX)
-        self.assertLess(abs((self.box.zone("Gone").timer - left).to_sec()), 600 - 90, "of the run, no more of the goal")
+        self.assertGreater((self.box.zone("Gone").timer - left).to_sec(), 400, "of the run, no more of the goal")
 
         self.fbm = self.modules("HGMF", node="another process")
         run = self.fbm.wait_run("Gone", lambda run: run.steps[-1].outcome, "everything is published again")
@@ -49,11 +49,6 @@ class TestModulesThatComeAndGo(ModulesCase):
         self.fbm.says("Gone", request=run.steps[0].request)
         self.fbm.asks("Gone", REFEREE, text="next")
         self.wait_asked("Gone", "next")
-
-    def modules(self, *codes: str, **how) -> FakeModules:
-        made = super().modules(*codes, **how)
-        self._made = [*getattr(self, "_made", ()), made]
-        return made
 
     def test_late_or_foreign_messages_have_no_effect(self) -> None:
         self.fbm = self.modules("STB")
@@ -80,7 +75,8 @@ class TestModulesThatComeAndGo(ModulesCase):
         self.assertEqual(self.fbm.runs["Late"].steps, steps)
         self.leave("Late")
         self.started("Late", 1)
-        self.fbm.send(last._replace(failed="the run before"))
+        mark = self.fbm.send(last._replace(failed="the run before"))
+        self.box.wait_details("Late", lambda d: mark in d.warnings, "the core heard it")
         self.fbm.asks("Late", REFEREE, text="of the new run")
         self.wait_asked("Late", "of the new run")
         self.assertNotEqual(self.fbm.runs["Late"].run, run.run)
@@ -90,7 +86,7 @@ class TestModulesThatComeAndGo(ModulesCase):
         self.robot("Eta")
         self.started("Late")
         self.fbm.asks("Late", REFEREE, text="of the first")
-        other = self.modules("STB", node="second")
+        other = self.modules("STB", node="second", behind=self.fbm)
         two = "2 nodes drive STB: end all but one. The first one counts"
         self.box.wait_details("Late", lambda d: two in d.warnings, "the referee is warned")
         other.wait_run("Late", lambda run: run.steps, "the second one knows all")
@@ -108,8 +104,8 @@ class TestModulesThatComeAndGo(ModulesCase):
         self.robot("Eta")
         self.started("Late")
         good = Progress(self.fbm.runs["Late"].run, 1, Request(1, RequestKind.GOAL, "go", pose=(1.0, 2.0, 3.0)))
-        publisher = rospy.Publisher("/modules/state", ModulesState, queue_size=10)
-        publisher.publish(ModulesState(node="empty"))
+        # From the same process, so it is connected.
+        rospy.Publisher("/modules/state", ModulesState, queue_size=10).publish(ModulesState(node="empty"))
         self.fbm.send(good._replace(request=good.request._replace(pose=(math.nan, 0.0, 0.0))))
         self.box.wait_text("Late", "x, y and theta must be finite numbers")
         self.wait_phase("Late", "ended", "module_failed")

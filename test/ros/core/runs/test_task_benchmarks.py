@@ -44,18 +44,16 @@ class TestGettingToKnowMyHome(BoxCase):
         box.wait_text("Home", "Robot ready to accept connection: Robot of team Alpha")
         active = box.robot("Alpha")
         self.assertEqual(active.robot, "Robot")
-        self.assertLess(abs(active.skew.to_sec()), 0.1)
+        wait_until(lambda: abs(box.robot("Alpha").skew.to_sec()) < 0.1, "its clock is right")
         self.assertLess(abs(box.gui.clock.to_sec() - active.beacon.to_sec()), 5)
-        self.assertFalse(self.public_line().running)
+        wait_until(lambda: not self.public_line().running, "the public display shows no run")
 
     def connected(self) -> None:
         box = self.box
         self.port = box.connect("Home")
         self.assertIn(self.port, range(RSBB_PORT + 1, RSBB_PORT + 100))
         self.listener.wait_beacon(lambda b: ("Alpha", "Robot", self.port) in listed(b), "the beacon lists the robot")
-        box.wait_zone("Home", lambda z: z.start_enabled, "start is on")
-        zone = box.zone("Home")
-        self.assertIn("All OK for start", zone.state)
+        zone = box.wait_zone("Home", lambda z: z.start_enabled and "All OK for start" in z.state and z, "start is on")
         self.assertEqual(
             (zone.connect_enabled, zone.disconnect_enabled, zone.stop_enabled, zone.prev_enabled, zone.next_enabled),
             (False, True, False, False, False),
@@ -66,7 +64,7 @@ class TestGettingToKnowMyHome(BoxCase):
 
     def running(self) -> None:
         box = self.box
-        box.command("start", "Home")
+        box.start("Home")
         self.robot.wait_did("prepare HGTKMH")
         box.wait_details("Home", lambda d: (d.phase, d.box_state, d.robot_state) == ("running", "PREPARE", "PREPARING"),
                          "the robot prepares")
@@ -76,20 +74,18 @@ class TestGettingToKnowMyHome(BoxCase):
         self.robot.wait_did("execute HGTKMH")
         box.wait_details("Home", lambda d: (d.box_state, d.robot_state) == ("WAITING_RESULT", "EXECUTING"),
                          "the robot executes")
-        box.wait_zone("Home", lambda z: 590 < z.timer.to_sec() < 600, "the time runs")
+        box.wait_zone("Home", lambda z: 500 < z.timer.to_sec() < 600, "the time runs")
         self.robot.save(7)
         box.wait_text("Home", "Messages saved: 7")
         box.wait_details("Home", lambda d: d.messages_saved == 7, "the details have it, too")
 
     def scored(self) -> None:
         box = self.box
-        self.assertEqual({value for *_, value in box.scores("Home")}, {0})
+        box.wait_zone("Home", lambda z: {value for *_, value in box.scores("Home")} == {0}, "the sheet is empty")
         box.set_score("Home", *DOOR, 1)
         box.set_score("Home", *FURNITURE, 3)
         box.set_score("Home", *FURNITURE, 2)
-        wait_until(
-            lambda: {(*DOOR, 0, 1), (*FURNITURE, 1, 2), (*BUMPS, 1, 0)} <= set(box.scores("Home")), "the scores appear"
-        )
+        box.wait_scored("Home", (*DOOR, 0, 1), (*FURNITURE, 1, 2), (*BUMPS, 1, 0))
         for item, value, why in (
             (DOOR, 2, "0 or 1"), (BUMPS, -1, "0 or more"), (("Achievements", "Sings"), 1, "no scoring item 'Sings'"),
             (("Archievements", DOOR[1]), 1, "did you mean 'Achievements'?"),
@@ -106,7 +102,7 @@ class TestGettingToKnowMyHome(BoxCase):
         self.robot.wait_state(RobotState.STOP)
         box.wait_zone("Home", lambda z: 100 < z.timer.to_sec() <= 120, "the time after the stop runs")
         box.set_score("Home", *BUMPS, 1)  # the referee counts afterwards, too
-        wait_until(lambda: (*BUMPS, 1, 1) in box.scores("Home"), "the score appears")
+        box.wait_scored("Home", (*BUMPS, 1, 1))
 
     def left(self) -> None:
         box = self.box
@@ -197,20 +193,10 @@ class TestWelcomingVisitors(BoxCase):
         self.assertNotIn("/rsbb_log/devices/switch_1", log.types)
 
     def execute_by_hand(self, robot) -> None:
-        robot.beacon()
-        robot.open_private(self.box.connect("Wire"))
-        robot.send(RobotState.STOP)
-        self.box.start("Wire")
-        self.wait_sent(robot, PREPARE)
+        self.join(robot, "Wire")
+        self.assertEqual(robot.wait_sent(PREPARE).benchmark_type, "HWV")
         robot.send(RobotState.WAITING_GOAL)
-        self.wait_sent(robot, WAITING_RESULT)
-
-    def wait_sent(self, robot, state: BoxState) -> None:
-        """Wait until the box's last message to the robot has this state."""
-        wait_until(
-            lambda: robot.received and robot.received[-1].benchmark_state == state, f"the box sends {state.name}"
-        )
-        self.assertEqual(robot.received[-1].benchmark_type, "HWV")
+        self.assertEqual(robot.wait_sent(WAITING_RESULT).benchmark_type, "HWV")
 
 
 class TestCateringForGrannyAnnie(BoxCase):

@@ -1,7 +1,7 @@
 """A node of benchmarking modules that makes the test's requests, beside the real core."""
 
 import threading
-from typing import Any, Dict, Optional
+from typing import Any, Dict, Optional, Tuple
 
 import rospy
 
@@ -18,7 +18,7 @@ from roah_rsbb.msg import ModuleRuns
 from roah_rsbb.msg import ModulesState as ModulesStateMsg
 from roah_rsbb.nodes.modules.convert import modules_state_message, runs_of
 from support.box_case import BoxCase
-from support.waiting import happened, wait_until
+from support.waiting import LIMIT_S, happened, wait_until
 
 BEAT_S = 0.5
 
@@ -26,39 +26,66 @@ BEAT_S = 0.5
 class FakeModules:
     """Says twice a second what it drives, and where it is in each run. `close` it at the end: it falls silent.
 
-    Every test's modules are one `node`, unless two are wanted.
+    Every test's modules are one `node`, unless two are wanted. Then the second one speaks `behind` the first: if the
+    process stops for so long that both count as missing, the core hears them again in their order.
     """
 
-    def __init__(self, *codes: str, node: str = "modules of the test", problems=(), warnings=()) -> None:
+    def __init__(
+        self, *codes: str, node: str = "modules of the test", problems=(), warnings=(),
+        behind: "Optional[FakeModules]" = None,
+    ) -> None:
         self.node = node
+        self._behind = behind
         self.infos = tuple(ModuleInfo(code, tuple(problems), tuple(warnings)) for code in codes)
         self.progress: Dict[str, Progress] = {}  # by the run's identity
         self.runs: Dict[str, RunForModule] = {}  # by zone
         self.box_uuid = ""
         self._sent = 0
+        self._wild: Optional[Tuple[Progress, ...]] = None  # what is sent instead of `progress`
+        self._lock = threading.Lock()  # no beat publishes what was true before a change
         self._closed = threading.Event()
         self._publisher = rospy.Publisher("/modules/state", ModulesStateMsg, queue_size=10, latch=True)
         self._subscriber = rospy.Subscriber("/core/module_runs", ModuleRuns, self._on_runs, tcp_nodelay=True)
         wait_until(self._publisher.get_num_connections, "the core listens to /modules/state")
         wait_until(lambda: self.box_uuid, "the core publishes its runs")
-        threading.Thread(target=self._beats, name=node, daemon=True).start()
+        self._thread = threading.Thread(target=self._beats, name=node, daemon=True)
+        self._thread.start()
 
     def close(self) -> None:
         """Stop without a last message."""
         self._closed.set()
         self._subscriber.unregister()
+        self._thread.join(LIMIT_S)
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether it has fallen silent."""
+        return self._closed.is_set()
 
     def beat(self) -> None:
         """Publish the whole state now."""
-        state = ModulesState(self.node, self.infos, tuple(self.progress.values()))
-        self._publisher.publish(modules_state_message(state))
+        if self._behind is not None and not self._behind.is_closed:
+            self._behind.beat()
+        with self._lock:
+            progress = tuple(self.progress.values()) if self._wild is None else self._wild
+            self._publisher.publish(modules_state_message(ModulesState(self.node, self.infos, progress)))
+
+    def drives(self, *codes: str, problems=(), warnings=()) -> None:
+        """Drive these benchmarks from now on."""
+        self.infos = tuple(ModuleInfo(code, tuple(problems), tuple(warnings)) for code in codes)
+        self.beat()
 
     def send(self, *progress: Progress) -> str:
-        """Publish another message once. Returns a warning that it contains and that stays."""
-        self._sent += 1
-        mark = f"sent {self._sent}"
-        self.infos = tuple(info._replace(warnings=(mark,)) for info in self.infos)
-        self._publisher.publish(modules_state_message(ModulesState(self.node, self.infos, progress)))
+        """Say this until `says` or `asks` is called. Returns a warning that comes with it.
+
+        It is repeated, because the core takes only the newest one of several messages that wait for it.
+        """
+        with self._lock:
+            self._sent += 1
+            mark = f"sent {self._sent}"
+            self.infos = tuple(info._replace(warnings=(mark,)) for info in self.infos)
+            self._wild = progress
+        self.beat()
         return mark
 
     def says(self, zone: str, **fields: Any) -> Progress:
@@ -67,7 +94,9 @@ class FakeModules:
         last = self.progress.get(run.run)
         if last is None or last.attempt != run.attempt:
             last = Progress(run.run, run.attempt)
-        self.progress[run.run] = last._replace(**fields)
+        with self._lock:
+            self.progress[run.run] = last._replace(**fields)
+            self._wild = None
         self.beat()
         return self.progress[run.run]
 
@@ -98,7 +127,7 @@ class FakeModules:
         return self.runs[zone].steps[-1].outcome
 
     def _beats(self) -> None:
-        while not self._closed.is_set() and not rospy.is_shutdown():
+        while not self.is_closed and not rospy.is_shutdown():
             self.beat()
             self._closed.wait(BEAT_S)
 
