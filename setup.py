@@ -24,6 +24,9 @@ RUNTIME = "protobuf>=3.20.2,<8"
 # It brings protoc 25.1, and has wheels for Python 3.8 to 3.12.
 COMPILER = "grpcio-tools>=1.62,<1.63; python_version<'3.13'"
 
+# Modules of the wheel in packages of which it has only some.
+ONLY = {"roah_rsbb.tools": ("__init__", "team"), "roah_rsbb.results": ("__init__", "page")}
+
 COMMON = {
     "name": "roah_rsbb",
     "version": "0.1.0",
@@ -48,9 +51,10 @@ class BuildWithProtobuf(build_py):
     """Also generates roah_rsbb.pb."""
 
     def find_package_modules(self, package, package_dir):
-        """Return the modules of a package. Among the tools, only the capture program needs no ROS."""
+        """Return the modules of a package. Some packages have modules that need ROS, or that a team does not need."""
         modules = super().find_package_modules(package, package_dir)
-        return [module for module in modules if package != "roah_rsbb.tools" or module[1] == "__init__"]
+        only = ONLY.get(package)
+        return [module for module in modules if only is None or module[1] in only]
 
     def run(self):
         super().run()
@@ -87,6 +91,7 @@ def setup_for_pip():
         setup(
             packages=find_packages("src", include=[
                 "roah_rsbb", "roah_rsbb.comm*", "roah_rsbb.robot*", "roah_rsbb.rulebook*", "roah_rsbb.wording*",
+                "roah_rsbb.core*", "roah_rsbb.radio*", "roah_rsbb.bmbox*", "roah_rsbb.check*", "roah_rsbb.results",
                 "roah_rsbb.tools", "roah_rsbb.tools.capture*",
             ]),
             cmdclass={"build_py": BuildWithProtobuf},
@@ -95,6 +100,7 @@ def setup_for_pip():
             setup_requires=[] if usable_protoc() else [COMPILER],
             entry_points={
                 "console_scripts": [
+                    "roah-rsbb = roah_rsbb.tools.team:main",
                     "roah_rsbb_capture = roah_rsbb.tools.capture.program:main",
                     "roah_rsbb_dummy_robot = roah_rsbb.robot.dummy:main",
                 ],

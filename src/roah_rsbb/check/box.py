@@ -1,0 +1,270 @@
+"""The box that the check plays: the core of this package, with its own radio, and a record of all that happens."""
+
+import asyncio
+import time
+from dataclasses import dataclass, field
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.check.bad_network import BadNetwork
+from roah_rsbb.core import effects
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.effects import Effect
+from roah_rsbb.core.messages import Beacon, BenchmarkingRobot, RobotReport
+from roah_rsbb.core.modules.messages import (
+    ModuleInfo,
+    ModulesState,
+    OutcomeKind,
+    Progress,
+    Request,
+    RequestKind,
+    RunForModule,
+)
+from roah_rsbb.core.restart.restart import Saved
+from roah_rsbb.core.runs.functionality import FunctionalityRun
+from roah_rsbb.core.runs.run import Run
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.protocol import BoxState, WireTime, wire_seconds
+from roah_rsbb.radio.driver import NetworkDriver
+from roah_rsbb.radio.radio import Network, beacon_size
+from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, NO_LIMIT, Benchmark, Config, ScheduledEvent, ZonePlan
+from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind, new_profile
+
+# The check judges clocks itself, so no skew may keep the box from starting a run.
+ANY_SKEW_S = 1e12
+MODULE_BEAT_S = 0.5
+# A code that no robot knows. Competitions may define their own ones.
+UNKNOWN_CODE = "XCHECK"
+# A robot's datagram takes no longer than this. Until then, the robot may act on what the box sent before.
+STILL_VALID_S = 2.5
+
+
+class HeardReport(NamedTuple):
+    """A RobotState that arrived."""
+
+    mono: float
+    host: str
+    port: int
+    report: RobotReport
+    box: BoxState  # what the box sent at that moment
+
+
+class HeardBeacon(NamedTuple):
+    """A RobotBeacon that arrived."""
+
+    mono: float
+    host: str
+    team: str
+    robot: str
+    skew: float  # seconds; too small by the delay
+
+
+class BoxSaid(NamedTuple):
+    """A state of the box, from the first datagram on."""
+
+    mono: float
+    port: int
+    state: BoxState
+
+
+class AnotherBox(Exception):
+    """Another box runs on this network. The text names its address and the remedy."""
+
+
+@dataclass
+class Record:
+    """Everything that happened, in order. Lists only grow."""
+
+    reports: List[HeardReport] = field(default_factory=list)  # the fresh ones
+    beacons: List[HeardBeacon] = field(default_factory=list)  # of all robots
+    states: List[BoxSaid] = field(default_factory=list)
+    skews: List[Tuple[float, float]] = field(default_factory=list)  # time (monotonic) and sample
+    unreadable: List[Tuple[float, str]] = field(default_factory=list)  # on private channels
+    complaints: List[Tuple[float, str]] = field(default_factory=list)  # on the public channel
+    stale: int = 0  # reports that were not newer than the newest
+    overload: int = 0  # reports that were not read
+    commands: List[effects.SetDevice] = field(default_factory=list)
+
+
+class WatchedBox(Box):
+    """The box of the core, which records what it hears."""
+
+    def __init__(self, record: Record, news: Callable[[], None], *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._log = record
+        self._news = news
+        self.trap: Optional[Callable[[RobotReport], None]] = None  # called before the box takes a report
+        self.extra: Tuple[BenchmarkingRobot, ...] = ()  # invented robots, first in the beacon
+
+    def beacon(self) -> Beacon:
+        """See `Box.beacon`."""
+        found = super().beacon()
+        return found._replace(robots=self.extra + found.robots)
+
+    def on_robot_beacon(self, now: Now, host: str, team: str, robot: str, time: WireTime) -> None:
+        """See `Box.on_robot_beacon`."""
+        skew = wire_seconds(time) - now.utc
+        self._log.beacons.append(HeardBeacon(now.mono, host, team, robot, skew))
+        super().on_robot_beacon(now, host, team, robot, time)
+        self._news()
+
+    def on_robot_report(self, now: Now, port: int, host: str, report: RobotReport) -> None:
+        """See `Box.on_robot_report`."""
+        run = self.zones.run_at(port)
+        if run is not None:
+            before = run.link.last
+            if self.trap is not None and (before is None or report.time > before.time):
+                self.trap(report)
+            box = run.message.state
+            super().on_robot_report(now, port, host, report)
+            if run.link.last is report:
+                self._log.reports.append(HeardReport(now.mono, host, port, report, box))
+                self._log.skews.append((now.mono, wire_seconds(report.time) - now.utc))
+            else:
+                self._log.stale += 1
+        self._news()
+
+    def on_robot_overload(self, now: Now, port: int, count: int) -> None:
+        """See `Box.on_robot_overload`."""
+        self._log.overload += count
+        super().on_robot_overload(now, port, count)
+
+    def on_unreadable(self, now: Now, port: int, text: str) -> None:
+        """See `Box.on_unreadable`."""
+        self._log.unreadable.append((now.mono, text))
+        super().on_unreadable(now, port, text)
+        self._news()
+
+    def on_complaint(self, now: Now, text: str) -> None:
+        """See `Box.on_complaint`."""
+        self._log.complaints.append((now.mono, text))
+        super().on_complaint(now, text)
+        self._news()
+
+
+class Goals:
+    """The benchmarking module of the check: goals in a row, without manual operations."""
+
+    def __init__(self) -> None:
+        self.requests: List[Dict[str, Any]] = []  # fields of `Request`
+
+    def progress(self, run: RunForModule) -> Progress:
+        """Return what the module requests next."""
+        done = sum(step.outcome is not None for step in run.steps)
+        if done >= len(self.requests):
+            return Progress(run.run, run.attempt, run.steps[-1].request if run.steps else None, finished=True)
+        request = Request(done + 1, RequestKind.GOAL, **self.requests[done])
+        return Progress(run.run, run.attempt, request)
+
+
+class CheckBox(NetworkDriver):
+    """One box from its start to its end. A restart makes another one."""
+
+    box: WatchedBox
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        network: Network,
+        bad: BadNetwork,
+        team: str,
+        password: str,
+        record: Record,
+        news: Callable[[], None],
+        last_port: Optional[int] = None,
+        utc: Callable[[], float] = time.time,
+        listen_duration: float = 0.0,
+    ) -> None:
+        """`listen_duration`: seconds for which the box first only listens for another box; 0.0: it ignores others."""
+        config = configuration(team, password)
+        settings = Settings(
+            network.rsbb_port, allowed_skew=ANY_SKEW_S, check_messages_saved=False, max_datagram=network.max_datagram,
+            auto_next=False, listen_duration=listen_duration,
+            take_over=not listen_duration)
+        box = WatchedBox(record, news, config, settings, beacon_size, last_port)
+        super().__init__(loop, box, network, config.passwords, lambda text: None, utc, bad.peer)
+        self.goals = Goals()
+        self.another: Optional[str] = None  # why the check must not run: there is another box
+        self._record = record
+        self._news = news
+        self._beat: Optional[asyncio.TimerHandle] = None
+
+    def open(self, listen_duration: float = 0.0) -> None:
+        """See `NetworkDriver.open`."""
+        super().open(listen_duration)
+        self._on_beat()
+
+    def close(self) -> None:
+        """See `NetworkDriver.close`."""
+        if self._beat is not None:
+            self._beat.cancel()
+            self._beat = None
+        super().close()
+
+    def on_effect(self, effect: Effect) -> None:
+        """Record what the box sends, and let the module answer."""
+        if isinstance(effect, effects.SendState):
+            said = BoxSaid(self.now().mono, effect.port, effect.message.state)
+            last = next((one for one in reversed(self._record.states) if one.port == effect.port), None)
+            if last is None or last.state is not said.state:
+                self._record.states.append(said)
+                self._news()
+        elif isinstance(effect, effects.GiveUp):
+            self.another = effect.reason
+            self._news()
+        elif isinstance(effect, effects.SetDevice):
+            self._record.commands.append(effect)
+        elif isinstance(effect, effects.ModuleRunsChanged):
+            self._loop.call_soon(self._publish)
+
+    def run_in(self, code: str) -> Optional[Run]:
+        """The run of a benchmark that is connected; None: there is none."""
+        run = self.box.zones[code].run
+        return None if run is None else run.members()[0]
+
+    def outcomes(self, code: str) -> List[OutcomeKind]:
+        """How the goals of the run ended."""
+        run = self.run_in(code)
+        steps = run.steps if isinstance(run, FunctionalityRun) else ()
+        return [step.outcome.kind for step in steps if step.outcome is not None]
+
+    def saved(self) -> Saved:
+        """Return the state with which another box continues."""
+        zones = {zone.name: zone.saved() for zone in self.box.zones.values()}
+        return Saved(self.now().utc, self.box.saved(), zones)
+
+    def resume(self, saved: Saved) -> None:
+        """Continue the runs of a box that has ended."""
+        self.event(self.box.resume, saved)
+
+    def _on_beat(self) -> None:
+        self._beat = self._loop.call_later(MODULE_BEAT_S, self._on_beat)
+        self._publish()
+
+    def _publish(self) -> None:
+        if self._beat is None:
+            return
+        infos = tuple(ModuleInfo(code) for code in PROFILES)
+        progress = tuple(self.goals.progress(run) for run in self.box.modules.runs() if run.running)
+        self.event(self.box.modules.on_modules, ModulesState("check", infos, progress))
+
+
+def configuration(team: str, password: str) -> Config:
+    """A competition of one team: a zone for each benchmark, without limits."""
+    unknown = Benchmark(UNKNOWN_CODE, UNKNOWN_CODE, "", NO_LIMIT, NO_LIMIT, (), new_profile(BenchmarkKind.TASK))
+    found = {code: Benchmark(code, code, "", NO_LIMIT, NO_LIMIT, ()) for code in PROFILES}
+    found[UNKNOWN_CODE] = unknown
+    zones = tuple(
+        ZonePlan(code, (ScheduledEvent(
+            one, ALL_TEAMS if one.kind is BenchmarkKind.ALL_ROBOTS else team, 1, 1, 0.0),))
+        for code, one in found.items())
+    return Config(found, {team: password}, zones)
+
+
+def states_between(record: Record, port: int, begin: float, end: float) -> List[BoxState]:
+    """The states that the box sent on a port in an interval of time, and the one before."""
+    found = [said for said in record.states if said.port == port and said.mono <= end]
+    first = max((index for index, said in enumerate(found) if said.mono <= begin), default=0)
+    return [said.state for said in found[first:]]
+
+

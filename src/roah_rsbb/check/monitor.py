@@ -1,0 +1,179 @@
+"""Judges everything that a robot sent during a scenario, whatever the scenario is about."""
+
+from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.bmbox.framework.results import BadResult, read_record
+from roah_rsbb.check.box import STILL_VALID_S, HeardReport, states_between
+from roah_rsbb.check.findings import Cause, Verdict
+from roah_rsbb.check.play import Play
+from roah_rsbb.comm.frame import Reason
+from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.core.modules.texts import result_text
+from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.robot.machine import BOX_TABLE, EVENT_TABLE, box_transition
+from roah_rsbb.rulebook.registry import DEVICES, ResultForm, profile_of
+
+# Seconds without a message, after which the box warns the referee.
+SILENT_S = 3.0
+# Several reports must be old: a network may deliver a few out of order.
+STALE = 5
+# The box stops a run without saved messages after this many seconds of EXECUTING.
+SAVING_S = 5.0
+MAX_DATAGRAM = 1024
+_RESULTS = {
+    ResultForm.OBJECT: {"class": str, "instance": str, "x": float, "y": float, "theta": float},
+    ResultForm.PERSON: {"person_name": str, "x": float, "y": float},
+}
+_FRAMES = {Reason.UNDECRYPTABLE: Cause.WRONG_PASSWORD, Reason.PLAIN: Cause.PLAIN_FRAMES}
+
+
+class Mark(NamedTuple):
+    """How far the record was at the beginning of a scenario."""
+
+    reports: int
+    unreadable: int
+    complaints: int
+    stale: int
+    overload: int
+
+
+def mark(play: Play) -> Mark:
+    """Note the beginning of a scenario."""
+    record = play.record
+    return Mark(len(record.reports), len(record.unreadable), len(record.complaints), record.stale, record.overload)
+
+
+def judge(play: Play, since: Mark, code: str) -> None:
+    """Record what is wrong with the messages since the beginning of the scenario. `code`: its benchmark."""
+    record, reports = play.record, play.record.reports[since.reports:]
+    for _, text in record.unreadable[since.unreadable:]:
+        _judge_frame(play, text)
+    if play.network.largest > MAX_DATAGRAM:
+        play.fail(Cause.TOO_LARGE, f"at most {MAX_DATAGRAM} bytes in a datagram", f"{play.network.largest} bytes")
+        play.network.largest = 0
+    if record.overload > since.overload:
+        play.fail(Cause.FLOOD, "at most about 20 messages a second",
+                  f"{record.overload - since.overload} messages more than the box reads")
+    if play.judges_times and record.stale - since.stale >= STALE:
+        play.fail(Cause.TIME_NOT_RISING, "a later time in each message",
+                  f"{record.stale - since.stale} messages with the time of an earlier one, or an older time")
+    for port in sorted({heard.port for heard in reports}):
+        _judge_channel(play, [heard for heard in reports if heard.port == port], code)
+
+
+def _judge_frame(play: Play, text: str) -> None:
+    reason = next((reason for reason in Reason if f": {reason.value}: " in text), None)
+    cause = _FRAMES.get(reason, Cause.BAD_FRAMES) if reason is not None else Cause.BAD_FRAMES
+    play.fail(cause, "frames that the box can read", text)
+
+
+def _judge_channel(play: Play, reports: List[HeardReport], code: str) -> None:
+    """Judge the reports of one private channel."""
+    for before, after in zip(reports, reports[1:]):
+        _judge_step(play, before, after, code)
+        if play.judges_times and after.mono - before.mono > SILENT_S:
+            stalled = play.stalls.since(before.mono)
+            if after.mono - before.mono - stalled > SILENT_S:
+                play.fail(Cause.SILENT, "a RobotState each second", f"none for {after.mono - before.mono:.1f} s")
+    _judge_saving(play, reports, code)
+    _judge_results(play, reports, code)
+    _judge_commands(play, reports, code)
+
+
+def _judge_step(play: Play, before: HeardReport, after: HeardReport, code: str) -> None:
+    old, new = before.report.state, after.report.state
+    if old is new:
+        return
+    asked = states_between(play.record, after.port, before.mono - STILL_VALID_S, after.mono)
+    # The box reacts to the report `before`, so its state may be younger than the interval's beginning.
+    if new in _reachable(code, old, asked):
+        return
+    expected = f"a step of the protocol's table from {old.name}, after {_names(asked)}"
+    play.fail(_wrong_step(old, new), expected, f"{old.name}, then {new.name}")
+
+
+def _reachable(code: str, state: RobotState, asked: Iterable[BoxState]) -> FrozenSet[RobotState]:
+    """The states that a correct robot may report next, if it received some of these states of the box."""
+    found, fresh = {state}, [state]
+    asked = set(asked)
+    while fresh:
+        here = fresh.pop()
+        following = {box_transition(code, box, here).state for box in asked if (box, here) in BOX_TABLE}
+        following |= {after for (_, before), after in EVENT_TABLE.items() if before is here}
+        fresh += following - found
+        found |= following
+    return frozenset(found)
+
+
+def _wrong_step(old: RobotState, new: RobotState) -> Cause:
+    if old is RobotState.RESULT_TX:
+        return Cause.RESULT_LEFT
+    if new is RobotState.EXECUTING or (new is RobotState.RESULT_TX and old is not RobotState.EXECUTING):
+        return Cause.EXECUTES_EARLY
+    return Cause.FELL_TO_STOP if new is RobotState.STOP else Cause.ILLEGAL_STATE
+
+
+def _names(states: Iterable[BoxState]) -> str:
+    names: List[str] = []
+    for state in states:
+        if state.name not in names:
+            names.append(state.name)
+    return ", ".join(names) or "nothing"
+
+
+def _judge_saving(play: Play, reports: List[HeardReport], code: str) -> None:
+    if not profile_of(code).offline_data:
+        return
+    began: Optional[float] = None
+    for heard in reports:
+        report = heard.report
+        if report.messages_saved or report.state not in (RobotState.EXECUTING, RobotState.RESULT_TX):
+            began = None
+            continue
+        began = heard.mono if began is None else began
+        if report.state is RobotState.RESULT_TX or heard.mono - began > SAVING_S:
+            play.fail(Cause.NOTHING_SAVED, "messages_saved above 0 while the robot executes",
+                      f"0 in {report.state.name}, {heard.mono - began:.1f} s after EXECUTING")
+            return
+
+
+def _judge_results(play: Play, reports: List[HeardReport], code: str) -> None:
+    shape = _RESULTS.get(profile_of(code).result)
+    if shape is None:
+        return
+    for heard in reports:
+        if heard.report.state is RobotState.RESULT_TX:
+            cause, came = _wrong_result(heard.report, shape)
+            if cause is not None:
+                play.fail(cause, "{" + ", ".join(shape) + "} in every RESULT_TX message", came)
+                return
+
+
+def _wrong_result(report: RobotReport, shape: Dict[str, type]) -> Tuple[Optional[Cause], str]:
+    text = result_text(report)
+    if not text:
+        return Cause.RESULT_MISSING, "a message without a result"
+    try:
+        read_record(text, shape)
+    except BadResult as bad:
+        return Cause.RESULT_INCOMPLETE, str(bad)
+    return None, ""
+
+
+def _judge_commands(play: Play, reports: List[HeardReport], code: str) -> None:
+    if DEVICES not in profile_of(code).uses:
+        return
+    first = reports[0].report if reports else None
+    if first is not None and _commands(first):
+        play.find(Verdict.QUIRK, Cause.OLD_COMMANDS, "no device commands in the first message of a run",
+                  ", ".join(_commands(first)))
+    for heard in reports:
+        for name in ("dimmer", "blinds"):
+            value = getattr(heard.report, name)
+            if value is not None and value > 100:
+                play.fail(Cause.BAD_COMMAND, f"{name} from 0 to 100", str(value))
+
+
+def _commands(report: RobotReport) -> List[str]:
+    names = ("switch_1", "switch_2", "switch_3", "dimmer", "blinds", "display_map")
+    return [f"{name} {getattr(report, name)}" for name in names if getattr(report, name) is not None]

@@ -1,0 +1,422 @@
+"""Plays the referee for one robot: finds it, connects, starts, stops, and measures its reactions.
+
+Scenarios are written with these steps. A step that fails records its finding and raises `GaveUp`, which ends the
+scenario. All times are those of the loop, so tests run with simulated time.
+"""
+
+import asyncio
+import contextlib
+import time
+from typing import Callable, Container, Dict, List, NamedTuple, NoReturn, Optional, Tuple
+
+from roah_rsbb.check.bad_network import BadNetwork
+from roah_rsbb.check.box import AnotherBox, CheckBox, HeardReport, Record
+from roah_rsbb.check.findings import Cause, Finding, ScenarioResult, Verdict
+from roah_rsbb.check.stalls import Stalls
+from roah_rsbb.comm.channels import MakePeer
+from roah_rsbb.comm.ciphers import Cipher
+from roah_rsbb.comm.sockets import ANY_HOST
+from roah_rsbb.core.messages import RobotReport
+from roah_rsbb.core.modules.messages import OutcomeKind
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.radio.radio import Network
+from roah_rsbb.rulebook.registry import PROFILES, GoalForm, profile_of
+from roah_rsbb.wording.suggestions import did_you_mean
+
+# Seconds. A robot repeats each state in a burst and then each second, so these allow two lost datagrams.
+ANSWER_S = 5.0  # the first message on a private channel, after a beacon that lists the robot
+OBEY_S = 5.0  # a reaction to PREPARE or to a goal
+LEAVE_S = 6.0  # a beacon after the end of the run
+# A referee sees a robot that needs longer to report STOP still moving.
+STOP_S = 1.0
+STOP_LOST_S = 4.0  # then the robot ignores STOP
+STILL_S = 1.2  # for how long the robot must then stay in STOP
+# Clocks are not finer than this.
+RESOLUTION_S = 1e-4
+EXECUTING_S = 0.5  # the robot works this long before a scenario disturbs it
+
+_GOALS: Dict[GoalForm, Tuple[dict, ...]] = {
+    GoalForm.WAYPOINT: ({"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)},
+                        {"goal": "[-1.5, 0.25, -3.0]", "pose": (-1.5, 0.25, -3.0)}),
+    GoalForm.PLACEMENT: ({"goal": "[0.4, 0.3, 5]"}, {"goal": "[0.2, 0.6, 2]"}),
+    GoalForm.SWITCHES: ({"initial_state": (True, False, False), "switches": (1, 3)},
+                        {"initial_state": (False, False, True), "switches": (2,)}),
+    GoalForm.STRING: ({"goal": "{goal: GOAL 1, details: 4}"}, {"goal": "{goal: GOAL 2, details: 4}"}),
+}
+
+
+class Options(NamedTuple):
+    """What the team asks for. Durations in seconds."""
+
+    team: str
+    password: str
+    robot: str = ""  # empty: any robot of the team
+    rsbb_host: str = "10.255.255.255"
+    rsbb_port: int = 6666
+    bind_host: str = ANY_HOST
+    second_host: str = ""  # another address of this machine, for a second box; empty: none
+    cipher: Cipher = Cipher.AES_128_CBC
+    benchmarks: Tuple[str, ...] = ("HGTKMH",)
+    patience: float = 60.0  # for the robot to prepare, and to execute a goal
+    wait: float = 15.0  # for the robot's first beacon
+    seed: int = 1
+
+
+class GaveUp(Exception):
+    """The scenario cannot continue. Its finding is recorded."""
+
+
+class Work(NamedTuple):
+    """How long the robot prepared and executed."""
+
+    prepare_s: float
+    execute_s: float
+
+
+class Play:
+    """One check of one robot. All methods belong to the loop's thread."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        options: Options,
+        utc: Callable[[], float] = time.time,
+        make_peer: Optional[MakePeer] = None,
+    ) -> None:
+        self.loop = loop
+        self.options = options
+        self.record = Record()
+        self.network = BadNetwork(loop, options.seed, make_peer)
+        self.stalls = Stalls(loop)
+        self.result = ScenarioResult("", "", 0.0)  # of the present scenario
+        self.robot = options.robot  # its name, once it was found
+        self.code = ""  # of the benchmark that is connected
+        self.works: Dict[str, Work] = {}  # by code
+        self.began = loop.time()
+        self.judges_times = True  # False: the present scenario makes the network bad on purpose
+        self._utc = utc
+        self._news = asyncio.Event()
+        self.box = self._make_box(options.bind_host, None)
+
+    def _make_box(self, bind_host: str, last_port: Optional[int], listen_duration: float = 0.0) -> CheckBox:
+        options = self.options
+        network = Network(options.rsbb_host, options.rsbb_port, bind_host, options.cipher, False, 1024)
+        return CheckBox(self.loop, network, self.network, options.team, options.password, self.record,
+                        self._news.set, last_port, self._utc, listen_duration)
+
+    def open(self, listen_duration: float = 0.0) -> None:
+        """Start, and listen for another box first. Raises OSError whose text names the remedy."""
+        self.box = self._make_box(self.options.bind_host, None, listen_duration)
+        self.box.open(listen_duration)
+        self.stalls.open()
+
+    def close(self) -> None:
+        """Release all ports."""
+        self.box.close()
+        self.stalls.close()
+
+    # -- findings -----------------------------------------------------------------------------------
+
+    @property
+    def now(self) -> float:
+        """Seconds since the beginning of the check."""
+        return self.loop.time() - self.began
+
+    def find(self, verdict: Verdict, cause: Optional[Cause], expected: str, came: str) -> None:
+        """Record a finding, once for each cause."""
+        if cause is None or all(finding.cause is not cause for finding in self.result.findings):
+            self.result.findings.append(Finding(verdict, cause, expected, came, self.now))
+
+    def fail(self, cause: Cause, expected: str, came: str) -> None:
+        """Record a failure."""
+        self.find(Verdict.FAILED, cause, expected, came)
+
+    def give_up(self, cause: Cause, expected: str, came: str) -> NoReturn:
+        """Record a failure that ends the scenario."""
+        self.fail(cause, expected, came)
+        raise GaveUp
+
+    def skip(self, why: str) -> NoReturn:
+        """End the scenario, which is not possible here."""
+        self.find(Verdict.SKIPPED, None, "", why)
+        raise GaveUp
+
+    def measured(self, what: str, seconds: float) -> None:
+        """Note a measured duration."""
+        self.result.measured.append(f"{what}: {seconds * 1000:.0f} ms" if seconds < 10 else f"{what}: {seconds:.1f} s")
+
+    # -- waiting ------------------------------------------------------------------------------------
+
+    async def until(self, is_true: Callable[[], bool], limit_s: float) -> bool:
+        """Wait until a condition holds. Returns whether it does within the limit.
+
+        The checker's own stalls extend the limit.
+        """
+        begin = self.loop.time()
+        while not is_true():
+            if self.box.another is not None:
+                raise AnotherBox(self.box.another)
+            left = begin + limit_s + self.stalls.since(begin) - self.loop.time()
+            if left <= RESOLUTION_S:
+                return False
+            self._news.clear()
+            with contextlib.suppress(asyncio.TimeoutError):
+                await asyncio.wait_for(self._news.wait(), left)
+        return True
+
+    async def rest(self, seconds: float) -> None:
+        """Let the time pass."""
+        await asyncio.sleep(seconds)
+
+    # -- looking ------------------------------------------------------------------------------------
+
+    @property
+    def last(self) -> Optional[HeardReport]:
+        """The robot's newest report on the private channel that is open; None: none yet."""
+        run = self.box.run_in(self.code) if self.code else None
+        if run is None or not self.record.reports or self.record.reports[-1].port != run.port:
+            return None
+        return self.record.reports[-1]
+
+    @property
+    def state(self) -> Optional[RobotState]:
+        """The state that the robot reported last; None: no report yet."""
+        return None if self.last is None else self.last.report.state
+
+    @property
+    def box_state(self) -> Optional[BoxState]:
+        """The state that the box sends; None: no run is connected."""
+        run = self.box.run_in(self.code) if self.code else None
+        return None if run is None else run.message.state
+
+    def seen(self, states: Container[RobotState], since: int) -> bool:
+        """Whether the robot reported one of these states, in the reports from this index on."""
+        return any(heard.report.state in states for heard in self.record.reports[since:])
+
+    # -- steps --------------------------------------------------------------------------------------
+
+    async def find_robot(self) -> None:
+        """Wait for the robot's beacon."""
+        options, beacons = self.options, self.record.beacons
+
+        def mine() -> List[str]:
+            return [b.robot for b in beacons if b.team == options.team and options.robot in ("", b.robot)]
+
+        if not await self.until(lambda: bool(mine()), options.wait):
+            self._not_found()
+        self.robot = mine()[0]
+
+    def _not_found(self) -> NoReturn:
+        options, beacons = self.options, self.record.beacons
+        expected = f"a RobotBeacon of team {options.team} on UDP port {options.rsbb_port} within {options.wait:g} s"
+        robots = sorted({b.robot for b in beacons if b.team == options.team})
+        if robots:
+            self.give_up(Cause.OTHER_ROBOT, f"a beacon of robot {options.robot}", f"beacons of {', '.join(robots)}")
+        teams = sorted({b.team for b in beacons})
+        if teams:
+            self.give_up(Cause.OTHER_TEAM, expected,
+                         f"beacons of team {', '.join(teams)}{did_you_mean(options.team, teams)}")
+        complaints = [text for _, text in self.record.complaints]
+        if complaints:
+            self.give_up(Cause.BAD_FRAMES, expected, complaints[-1])
+        self.give_up(Cause.NO_BEACON, expected, "no beacon of any robot")
+
+    async def connect(self, code: str, goals: Optional[Tuple[dict, ...]] = None) -> None:
+        """Connect the robot to a run of this benchmark, and wait for its first message."""
+        if not self.robot:
+            self.skip("The robot was not found")
+        self.box.goals.requests = list(goals_of(code) if goals is None else goals)
+        is_known = await self.until(lambda: self._may_connect(code), LEAVE_S)
+        if not is_known:
+            self.give_up(Cause.CHANNEL_NOT_LEFT, "the robot's beacon before a run", "no beacon of the robot")
+        self.code = code
+        unreadable = len(self.record.unreadable)
+        began = self.loop.time()
+        if profile_of(code).kind.value == "all robots":
+            self.box.event(self.box.box.command, code, "connect")
+        else:
+            self.box.event(self.box.box.connect_robot, code, self.robot)
+        if not await self.until(lambda: self.last is not None, ANSWER_S):
+            if len(self.record.unreadable) > unreadable:
+                raise GaveUp  # the frames are judged at the end of the scenario
+            self.give_up(Cause.NO_PRIVATE_CHANNEL,
+                         f"a RobotState on UDP port {self.box.run_in(code).port} within {ANSWER_S:g} s of the beacon "
+                         "that lists the robot", "none")
+        self.measured("first message on the private channel", self.loop.time() - began)
+        await self.until(lambda: self.state is RobotState.STOP, 2.0)
+        if self.state is not RobotState.STOP:
+            self.give_up(Cause.OLD_STATE, "STOP at the beginning of a channel", f"{self.state.name}")
+
+    def _may_connect(self, code: str) -> bool:
+        return not self.box.box.commands.reasons_off(self.box.now(), self.box.box.zones[code], "connect")
+
+    def press(self, command: str) -> None:
+        """The referee presses a button."""
+        self.box.event(self.box.box.command, self.code, command)
+
+    async def start(self, again: bool = False) -> None:
+        """Start the run, and wait until the robot obeys. `again`: after a stop."""
+        since = len(self.record.reports)
+        try:
+            self.press("start")
+        except Refused as refused:
+            self.give_up(Cause.STOP_IGNORED, "a robot in STOP that can be started", str(refused))
+        await self.until(lambda: self.box_state is not BoxState.STOP, 2.0)  # a module begins first
+        began = self.loop.time()
+        moved = frozenset(RobotState) - {RobotState.STOP}
+        if not await self.until(lambda: self.seen(moved, since), OBEY_S):
+            self.give_up(
+                Cause.NO_RESTART if again else Cause.PREPARE_IGNORED,
+                f"PREPARING within {OBEY_S:g} s of PREPARE{' after a stop' if again else ''}",
+                "the robot stays in STOP")
+        self.measured("PREPARE to PREPARING", self.loop.time() - began)
+
+    async def ready(self) -> None:
+        """Wait until the robot has prepared."""
+        done = (RobotState.WAITING_GOAL, RobotState.EXECUTING, RobotState.RESULT_TX)
+        if not await self.until(lambda: self.state in done or self.over, self.options.patience):
+            self.give_up(Cause.NEVER_READY, f"WAITING_GOAL within {self.options.patience:g} s", self.state_name)
+
+    async def executing(self) -> None:
+        """Wait until the robot has prepared and executes."""
+        await self.ready()
+        done = (RobotState.EXECUTING, RobotState.RESULT_TX)
+        if not await self.until(lambda: self.state in done or self.over, OBEY_S):
+            asked = "GOAL_TX" if self.box_state is BoxState.GOAL_TX else "WAITING_RESULT"
+            self.give_up(Cause.GOAL_IGNORED, f"EXECUTING within {OBEY_S:g} s of {asked}", self.state_name)
+
+    @property
+    def over(self) -> bool:
+        """Whether the box has ended the run."""
+        run = self.box.run_in(self.code)
+        return run is None or run.end_reason is not None
+
+    @property
+    def state_name(self) -> str:
+        """The robot's state for a text."""
+        return "no message" if self.state is None else f"the robot stays in {self.state.name}"
+
+    async def complete(self) -> None:
+        """Lead a started robot through all its goals, up to the STOP at the end."""
+        run = self.box.run_in(self.code)
+        goals = max(1, len(self.box.goals.requests)) if run is not None else 1
+        for number in range(goals):
+            began = self.loop.time()
+            await self.executing()
+            prepared = self.loop.time()
+            if profile_of(self.code).runs_until_timeout:
+                await self.rest(EXECUTING_S)
+                if self.state is not RobotState.EXECUTING:
+                    self.fail(Cause.ILLEGAL_STATE, f"EXECUTING until STOP in {self.code}", self.state_name)
+                await self.stop("in EXECUTING")
+                return
+            await self._done(number)
+            self.works.setdefault(self.code, Work(prepared - began, self.loop.time() - prepared))
+            if number + 1 < goals:
+                await self._next_goal(number + 2)
+        await self.after_stop("at the end of the run")
+
+    async def _done(self, number: int) -> None:
+        """Wait until goal `number` (from 0) is complete."""
+        def is_done() -> bool:
+            return self.over or len(self.box.outcomes(self.code)) > number
+        if not await self.until(is_done, self.options.patience):
+            self.give_up(Cause.NEVER_DONE, f"RESULT_TX within {self.options.patience:g} s", self.state_name)
+        if OutcomeKind.TIMED_OUT in self.box.outcomes(self.code):
+            raise AssertionError("these goals have no timeout")
+
+    async def _next_goal(self, number: int) -> None:
+        if not await self.until(lambda: self.state is not RobotState.RESULT_TX, OBEY_S):
+            self.give_up(Cause.NEXT_GOAL_IGNORED, f"PREPARING within {OBEY_S:g} s of PREPARE for goal {number}",
+                         self.state_name)
+
+    async def stop(self, where: str) -> None:
+        """Stop the run, measure the robot's reaction, and see that it stays in STOP."""
+        self.press("stop")
+        await self.after_stop(where)
+
+    async def after_stop(self, where: str) -> None:
+        """Measure the reaction to the box's STOP."""
+        said = next(said.mono for said in reversed(self.record.states) if said.state is BoxState.STOP)
+        if not await self.until(lambda: self.state is RobotState.STOP, STOP_LOST_S):
+            self.give_up(Cause.STOP_IGNORED, f"STOP within {STOP_S:g} s of the box's STOP {where}",
+                         f"after {STOP_LOST_S:g} s {self.state_name}")
+        heard = next(heard.mono for heard in self.record.reports[self._first_stop():])
+        seconds = max(0.0, heard - said)
+        self.measured(f"STOP {where}", seconds)
+        if seconds > STOP_S and self.judges_times:
+            self.fail(Cause.STOP_LATE, f"STOP within {STOP_S:g} s of the box's STOP {where}", f"{seconds:.1f} s")
+        await self.rest(STILL_S)
+        if self.state is not RobotState.STOP:
+            self.fail(Cause.STOP_IGNORED, f"the robot stays in STOP after a stop {where}", self.state_name)
+
+    def _first_stop(self) -> int:
+        """The index of the first of the STOPs that the robot reported last."""
+        index = len(self.record.reports) - 1
+        port = self.record.reports[index].port
+        while index and self.record.reports[index - 1].port == port and (
+                self.record.reports[index - 1].report.state is RobotState.STOP):
+            index -= 1
+        return index
+
+    async def leave(self) -> None:
+        """Disconnect, and see that the robot leaves its private channel."""
+        beacons = len(self.record.beacons)
+        self.press("disconnect")
+        self.code = ""
+        if not await self.until(lambda: any(b.robot == self.robot and b.team == self.options.team
+                                            for b in self.record.beacons[beacons:]), LEAVE_S):
+            self.fail(Cause.CHANNEL_NOT_LEFT, f"the robot's beacon within {LEAVE_S:g} s of the end of the run",
+                      "no beacon")
+
+    def trap(self, state: RobotState, act: Callable[[], None]) -> None:
+        """Do something at the moment when the robot reports a state, before the box reacts to it."""
+        def on_report(report: RobotReport) -> None:
+            if report.state is state:
+                self.box.box.trap = None
+                act()
+        self.box.box.trap = on_report
+
+    # -- boxes --------------------------------------------------------------------------------------
+
+    async def restart_box(self, gap_s: float, keeps_run: bool = True, bind_host: str = "") -> None:
+        """End the box, and start another one after `gap_s`, perhaps at another address."""
+        saved = self.box.saved()
+        port = max([self.options.rsbb_port, *(heard.port for heard in self.record.states)])
+        goals = self.box.goals.requests
+        self.box.close()
+        await self.rest(gap_s)
+        self.box = self._make_box(bind_host or self.options.bind_host, port)
+        self.box.goals.requests = goals
+        self.box.open()
+        if keeps_run:
+            self.box.resume(saved)
+        else:
+            self.code = ""
+
+    # -- the end ------------------------------------------------------------------------------------
+
+    async def tidy(self) -> None:
+        """Leave the robot stopped and without a run, whatever happened before."""
+        self.network.out = self.network.back = type(self.network.out)()
+        self.box.box.trap, self.box.box.extra = None, ()
+        if not self.code or self.box.run_in(self.code) is None:
+            return
+        if not self.over:
+            with contextlib.suppress(Refused):
+                self.press("stop")
+        if self.last is not None:
+            await self.until(lambda: self.state is RobotState.STOP, STOP_LOST_S)
+        with contextlib.suppress(Refused):
+            self.press("disconnect")
+        self.code = ""
+
+
+def goals_of(code: str, count: int = 2) -> Tuple[dict, ...]:
+    """The goals that the check sends in a benchmark; none in a task benchmark."""
+    profile = PROFILES.get(code)
+    if profile is None or profile.kind.value != "functionality":
+        return ()
+    goals = _GOALS.get(profile.goal, ({}, {}))
+    return goals[:1] if profile.runs_until_timeout else goals[:count]

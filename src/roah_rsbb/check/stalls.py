@@ -1,0 +1,36 @@
+"""Measures how long the check itself was prevented from running, so that a busy machine fails no robot."""
+
+import asyncio
+from typing import List, Optional, Tuple
+
+PERIOD_S = 0.05
+# Timers are never exact.
+USUAL_S = 0.02
+
+
+class Stalls:
+    """The delays of a timer."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+        self._found: List[Tuple[float, float]] = []  # end (monotonic), seconds
+        self._timer: Optional[asyncio.TimerHandle] = None
+
+    def open(self) -> None:
+        """Begin to measure."""
+        self._timer = self._loop.call_later(PERIOD_S, self._tick, self._loop.time() + PERIOD_S)
+
+    def close(self) -> None:
+        """Stop measuring."""
+        if self._timer is not None:
+            self._timer.cancel()
+
+    def since(self, mono: float) -> float:
+        """How long the check was delayed since a time, in total (s)."""
+        return sum(seconds for end, seconds in self._found if end > mono)
+
+    def _tick(self, due: float) -> None:
+        now = self._loop.time()
+        if now - due > USUAL_S:
+            self._found.append((now, now - due))
+        self._timer = self._loop.call_at(now + PERIOD_S, self._tick, now + PERIOD_S)

@@ -1,0 +1,107 @@
+"""Drives a box without ROS and without a journal: for programs that play the box on a laptop.
+
+It passes events with their time to the box, and carries out those effects that concern the network. The core node has
+a driver of its own, which also records everything (`roah_rsbb.nodes.core.driver`).
+"""
+
+import asyncio
+import time
+from typing import Callable, Dict, Optional
+
+from roah_rsbb.comm.channels import MakePeer
+from roah_rsbb.core import effects
+from roah_rsbb.core.box import Box
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.effects import Effect
+from roah_rsbb.radio.radio import CoreRadio, Network
+
+
+class NetworkDriver:
+    """A box and its channels. All methods belong to the loop's thread."""
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        box: Box,
+        network: Network,
+        passwords: Dict[str, str],
+        warn: Callable[[str], None],
+        utc: Callable[[], float] = time.time,
+        make_peer: Optional[MakePeer] = None,
+    ) -> None:
+        """`passwords` by team. `warn` logs a text about a private channel. `utc` is the clock; the loop's clock is the
+        monotonic one. `make_peer`: see `CoreRadio`."""
+        self.box = box
+        self._loop = loop
+        self._utc = utc
+        self.radio = CoreRadio(loop, network, box, self.event, warn, make_peer)
+        self.radio.use_passwords(0, passwords)
+        self._timer: Optional[asyncio.TimerHandle] = None
+        self._carrying_out = False
+
+    def open(self, listen_duration: float = 0.0) -> None:
+        """Start. Raises OSError whose text names the remedy."""
+        self.radio.open(listen_duration)
+        self.event(self.box.tick)
+
+    def close(self) -> None:
+        """Stop without informing the robot."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        self.radio.close()
+
+    def now(self) -> Now:
+        """The present moment on both clocks."""
+        return Now(self._loop.time(), self._utc())
+
+    def event(self, method: Callable[..., object], *args: object) -> None:
+        """Pass an event to the box, then carry out the effects. Exceptions of the method are raised afterwards."""
+        try:
+            method(self.now(), *args)
+        finally:
+            self._carry_out()
+            self._set_timer()
+
+    def on_effect(self, effect: Effect) -> None:
+        """Called with each effect, after it was carried out. Override what you need."""
+
+    def _carry_out(self) -> None:
+        if self._carrying_out:
+            return  # an effect caused another event, whose effects follow later
+        self._carrying_out = True
+        try:
+            todo = self.box.take_effects()
+            while todo:
+                for effect in todo:
+                    self._do(effect)
+                    self.on_effect(effect)
+                todo = self.box.take_effects()
+        finally:
+            self._carrying_out = False
+
+    def _do(self, effect: Effect) -> None:
+        radio = self.radio
+        if isinstance(effect, effects.OpenChannel):
+            try:
+                radio.open_channel(effect.port, effect.team, effect.host, effect.version)
+            except OSError as error:
+                self.event(self.box.on_channel_failed, effect.port, str(error))
+        elif isinstance(effect, effects.AimChannel):
+            radio.aim(effect.port, effect.host)
+        elif isinstance(effect, effects.CloseChannel):
+            radio.close_channel(effect.port)
+        elif isinstance(effect, effects.SendState):
+            radio.send_state(effect.port, effect.message, effect.how)
+        elif isinstance(effect, effects.SendBeacon):
+            radio.send_beacon()
+
+    def _set_timer(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+        deadline = self.box.deadline()
+        self._timer = None if deadline is None else self._loop.call_at(deadline, self._on_timer)
+
+    def _on_timer(self) -> None:
+        self._timer = None
+        self.event(self.box.tick)
