@@ -1,19 +1,23 @@
 """Differences between two JSON values: small entries record how a large state changes.
 
 A difference is itself JSON. `[value]` replaces a value. An object has the differences of the fields that change; null
-removes a field. `[[[index, difference] …], [items]]` changes items of a list and appends others. `[number, text]`
-removes characters at the beginning of a text and appends others.
+removes a field. `[[[index, difference] …], [items]]` changes items of a list and appends others; `[index, number,
+[items]]` removes so many of its items there, and appends others. `[number, text]` removes characters at the beginning
+of a text and appends others.
 """
 
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional
 
 # The two values are equal.
 SAME = object()
 # A shorter text is replaced, and so is a list with at most this many items.
 LONG_TEXT = 64
 SHORT_LIST = 2
-# This many characters at the beginning of the new text are searched in the old one.
+# More items than these are not looked for at one place.
+MOST_REMOVED = 2
+# This many characters at the beginning of the new text are searched in the old one, and found at most so often.
 _BEGIN = 48
+MOST_PLACES = 100
 
 
 def difference(old: Any, new: Any) -> Any:
@@ -27,12 +31,11 @@ def difference(old: Any, new: Any) -> Any:
             if change is not SAME:
                 found[key] = change
         return found
-    if isinstance(old, list) and isinstance(new, list) and SHORT_LIST < len(old) <= len(new):
-        pairs = [[i, difference(*both)] for i, both in enumerate(zip(old, new))]
-        return [[pair for pair in pairs if pair[1] is not SAME], new[len(old):]]
+    if isinstance(old, list) and isinstance(new, list) and len(old) > SHORT_LIST:
+        return _of_lists(old, new)
     if isinstance(old, str) and isinstance(new, str) and min(len(old), len(new)) >= LONG_TEXT:
-        dropped = old.find(new[:_BEGIN])
-        if dropped >= 0 and new.startswith(old[dropped:]):
+        dropped = _dropped(old, new)
+        if dropped is not None:
             return [dropped, new[len(old) - dropped:]]
     return [new]
 
@@ -50,6 +53,9 @@ def changed(old: Any, by: Any) -> Any:
             return new
         if len(by) == 1:
             return by[0]
+        if len(by) == 3:
+            place, count, added = by
+            return old[:place] + old[place + count:] + added
         first, added = by
         if isinstance(added, str):
             return old[first:] + added
@@ -59,6 +65,30 @@ def changed(old: Any, by: Any) -> Any:
         return items + added
     except (TypeError, KeyError, IndexError, AttributeError) as error:
         raise ValueError(f"the change does not fit the state before it: {error}") from None
+
+
+def _dropped(old: str, new: str) -> Optional[int]:
+    """Return how many characters at the beginning of a text are missing in the new one; None: it is another text."""
+    dropped = -1
+    for _ in range(MOST_PLACES):
+        dropped = old.find(new[:_BEGIN], dropped + 1)
+        if dropped < 0:
+            return None
+        if new.startswith(old[dropped:]):
+            return dropped
+    return None
+
+
+def _of_lists(old: List[Any], new: List[Any]) -> Any:
+    place = next((i for i, (before, after) in enumerate(zip(old, new)) if before != after), min(len(old), len(new)))
+    for count in range(1, min(MOST_REMOVED, len(old) - place) + 1):
+        kept = len(old) - count
+        if place < kept <= len(new) and old[place + count:] == new[place:kept]:
+            return [place, count, new[kept:]]
+    if len(old) > len(new):
+        return [new]
+    pairs = [[i, difference(*both)] for i, both in enumerate(zip(old, new))]
+    return [[pair for pair in pairs if pair[1] is not SAME], new[len(old):]]
 
 
 # A complete state follows after this many differences, so that a damaged entry hides no more than these.

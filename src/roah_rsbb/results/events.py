@@ -40,19 +40,26 @@ class Stretch(NamedTuple):
 
 def sections(result: RunResult) -> List[Section]:
     """Return all sections that are not empty."""
-    found: Dict[str, List[RunEvent]] = {title: [] for title in _TITLES}
+    found: Dict[str, List[RunEvent]] = {title: [] for title in TITLES}
+    for title, event in in_order(result):
+        found[title].append(event)
+    return [Section(title, tuple(events)) for title, events in found.items() if events]
+
+
+def in_order(result: RunResult, with_scores: bool = False) -> Iterator[Tuple[str, RunEvent]]:
+    """Return all events in their order, each with the title of its section. `with_scores`: also each score."""
     memory = _Memory()
+    wordings = {**_WORDINGS, **_SCORE_WORDINGS} if with_scores else _WORDINGS
     for entry in result.entries:
-        known = _WORDINGS.get(entry.kind)
+        known = wordings.get(entry.kind)
         if known is None:
             if entry.kind not in _NOT_SHOWN:
-                found[_OTHER].append(_run_event(result, entry, f"{entry.kind}: {value_text(entry.value)}"))
+                yield _OTHER, _run_event(result, entry, f"{entry.kind}: {value_text(entry.value)}")
             continue
         title, wording = known
         text = wording(memory, entry)
         if text:
-            found[title].append(_run_event(result, entry, text))
-    return [Section(title, tuple(events)) for title, events in found.items() if events]
+            yield title, _run_event(result, entry, text)
 
 
 def box_states(result: RunResult, port: int, end_utc: float) -> List[Stretch]:
@@ -100,6 +107,7 @@ class _Memory:
     def __init__(self) -> None:
         self.state: Dict[Optional[int], str] = {}
         self.robot: Dict[Optional[int], str] = {}
+        self.score: object = None  # the last one, with its time
 
 
 # Makes the text of an entry; empty if it says nothing new.
@@ -157,6 +165,16 @@ def _notice(_memory: _Memory, entry: JournalEntry) -> str:
     return f"{value_text(notice.get('level', ''))}: {value_text(notice.get('text', ''))}"
 
 
+def _score(memory: _Memory, entry: JournalEntry) -> str:
+    """In a run of several robots, each robot's log has the same scores."""
+    score = entry.utc, entry.value
+    if score == memory.score:
+        return ""
+    memory.score = score
+    group, item, *values = entry.value if isinstance(entry.value, list) else ("", value_text(entry.value))
+    return ": ".join(value_text(part) for part in (group, item, *values))
+
+
 def _goal_parts(value: object) -> Iterator[str]:
     """Name the parts of a goal (`core/modules/texts.py`) that are set."""
     try:
@@ -183,7 +201,8 @@ _ONLINE_DATA = "Online data"
 _DEVICES = "Home devices and tablet"
 _WARNINGS = "Warnings"
 _OTHER = "Other"
-_TITLES = (_STATES, _GOALS, _OPERATIONS, _COMMANDS, _ONLINE_DATA, _DEVICES, _WARNINGS, _OTHER)
+SCORES = "Scores"
+TITLES = (_STATES, _GOALS, _OPERATIONS, SCORES, _COMMANDS, _ONLINE_DATA, _DEVICES, _WARNINGS, _OTHER)
 
 _WORDINGS: Dict[str, Tuple[str, _Wording]] = {
     run_log.STATE_NAME: (_STATES, _state_name),
@@ -204,6 +223,10 @@ _WORDINGS: Dict[str, Tuple[str, _Wording]] = {
     run_log.DISPLAY_MAP: (_DEVICES, _saying("display_map")),
     **{run_log.device_topic(device): (_DEVICES, _saying(device)) for device in run_log.DEVICES},
     kinds.NOTICE: (_WARNINGS, _notice),
+}
+_SCORE_WORDINGS: Dict[str, Tuple[str, _Wording]] = {
+    run_log.SCORE: (SCORES, _score),
+    run_log.MODULE_SCORE: (SCORES, _only("Score of the benchmarking module changed")),
 }
 # Entries that repeat others, or that the score sheet shows.
 _NOT_SHOWN = frozenset((

@@ -1,11 +1,13 @@
 """A run with everything that the journal recorded about it."""
 
+import re
 from functools import partial
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.restart.saved import BadState, thaw
 from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.journal.changes import ChangesReader
 from roah_rsbb.journal.reader import JournalEntry, JournalReader, JournalRun
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.times import date_time
@@ -41,6 +43,15 @@ class RunResult(NamedTuple):
         if len(self.robots) < 2:
             return ""
         return next((f"{r.robot} of team {r.team}" for r in self.robots if r.port == port), "")
+
+
+class RunMoment(NamedTuple):
+    """The state of a run after an event, as a restarted core reads it."""
+
+    utc: float  # UTC seconds
+    mono: float  # seconds on the monotonic clock of that start of the core
+    zone: Dict[str, Any]  # JSON of the core's ZoneState
+    clock: Dict[str, Any]  # the times of the run, in seconds; limits that do not exist are missing
 
 
 class NoSuchRun(Exception):
@@ -99,6 +110,26 @@ def run_result(reader: JournalReader, number: int, record: RunRecord, warn: Call
         for m in reader.members(record.identity)
     )
     return RunResult(number, record, robots, tuple(reader.entries(record.identity)))
+
+
+def run_moments(reader: JournalReader, identity: str, warn: Callable[[str], None]) -> List[RunMoment]:
+    """Return all states of a run, in order. They share what did not change. Journals before 2026-11 have none."""
+    changes, found, unreadable = ChangesReader(), [], 0
+    for entry in reader.states(identity):
+        state = changes.take(entry.value)
+        try:
+            found.append(RunMoment(entry.utc, entry.mono, state["zone"], state["clock"]))
+        except (TypeError, KeyError):
+            unreadable += 1
+    if unreadable:
+        warn(f"{unreadable} states of run {identity} cannot be read: its replay has gaps")
+    return found
+
+
+def file_name(number: int, record: RunRecord) -> str:
+    """Return the name of the files about a run, without a suffix. `number`: in the list of all runs."""
+    words = (f"{number:03d}", record.benchmark, record.team, f"round{record.round}", f"run{record.run}")
+    return "_".join(re.sub(r"[^A-Za-z0-9-]", "-", word)[:60] for word in words)
 
 
 def find(known: Sequence[str], word: str) -> int:

@@ -4,7 +4,6 @@ import argparse
 import glob
 import json
 import os
-import re
 import sys
 from typing import Any, Callable, Dict, Iterable, Iterator, List, NoReturn, Optional, TextIO
 
@@ -32,7 +31,18 @@ from roah_rsbb.results.export import (
 from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
 from roah_rsbb.results.printing import CannotPrint, Printer, browser, print_pdf
-from roah_rsbb.results.runs import NoSuchRun, RobotPart, RunResult, find, find_record, heads, records, run_result
+from roah_rsbb.results.replay_page import page_parts, replay_name, replay_of
+from roah_rsbb.results.runs import (
+    NoSuchRun,
+    RobotPart,
+    RunResult,
+    file_name,
+    find,
+    find_record,
+    heads,
+    records,
+    run_result,
+)
 from roah_rsbb.results.sheet import list_lines, sheet_lines, sheet_page
 from roah_rsbb.results.standing_rules import OfRuns, Rules, read_rules
 from roah_rsbb.results.standings import Choice, Standing, index_page, standing_lines, standings, standings_page
@@ -55,6 +65,7 @@ Examples:
   results export --html results                  a printable sheet for each run, and an index
   results export --pdf results --no-appendix     the same as PDF, one A4 page for each run
   results export --csv results.csv --json -      for spreadsheets and programs (- is standard output)
+  results replay 3                               a page that plays run 3 again
   results blank --pdf blank.pdf                  empty score sheets of all events, to be filled in by hand
   results checklist                              which events have a signed-off result, and what is missing
   results standings HGTKMH --signed-off          ranking of the teams
@@ -65,6 +76,10 @@ The exit status is 0 on success, 1 if something cannot be read or written, 2 for
 """
 _EXPORT = """\
 Exports all runs, or the runs with these numbers or identities.
+"""
+_REPLAY = """\
+Writes a page for each run (default: all runs), which plays it again in any browser, without a network: states, goals,
+scores as they grew, strings of the robot, warnings and the link, with a video beside them.
 """
 _STANDINGS = """\
 Ranks the teams of all benchmarks, or of the given ones. Runs count if they started and ended. Of an event that was
@@ -145,6 +160,12 @@ def _add_views(commands: Any) -> None:
     export.add_argument("--no-appendix", action="store_true",
                         help="only the page that is signed, without the history and the link")
     _add_competition(export)
+    replay = commands.add_parser("replay", help="write pages that play runs again", description=_REPLAY)
+    replay.add_argument("runs", metavar="RUN", nargs="*", help="only these runs")
+    replay.add_argument("--html", metavar="DIR", default=".", help="folder of the pages; default: the current one")
+    replay.add_argument("--video", metavar="ADDRESS", default="",
+                        help="show this video: a web address, or a path from the page's folder; only with one run")
+    replay.set_defaults(do=_replay)
     _add_choice(export)
     export.set_defaults(do=_export)
     ranks = commands.add_parser("standings", help="rank the teams", description=_STANDINGS, epilog=_RULES)
@@ -294,7 +315,7 @@ def _write_pages(
     os.makedirs(folder, exist_ok=True)
     for result in results:
         record = result.record
-        sheets[record.identity] = name = f"{_file_name(result)}.{suffix}"
+        sheets[record.identity] = name = f"{file_name(result.number, record)}.{suffix}"
         text = sheet_page(result, options.utc, rules.get(record.benchmark), titles.get(record.benchmark, ""),
                           not options.no_appendix, competition)
         write(text, os.path.join(folder, name))
@@ -303,14 +324,22 @@ def _write_pages(
     print(f"{len(sheets)} score sheets and {index} are in {folder}")
 
 
+def _replay(options: argparse.Namespace) -> int:
+    if options.video and len(options.runs) != 1:
+        raise _Usage("--video needs exactly one RUN, because each run has its own video")
+    parts = page_parts(os.path.join(os.path.dirname(os.path.abspath(options.config_dir)), "resource", "replay"))
+    os.makedirs(options.html, exist_ok=True)
+    with _open(options) as reader:
+        for identity in options.runs or reader.identities():
+            result = run_result(reader, *find_record(reader, identity, _warn), _warn)
+            path = os.path.join(options.html, replay_name(result.number, result.record))
+            _write_html(replay_of(reader, result, parts, options.utc, _warn, options.video), path)
+            print(path)
+    return 0
+
+
 def _write_html(text: str, path: str) -> None:
     _write(path, lambda file: file.write(text))
-
-
-def _file_name(result: RunResult) -> str:
-    record = result.record
-    words = (f"{result.number:03d}", record.benchmark, record.team, f"round{record.round}", f"run{record.run}")
-    return "_".join(re.sub(r"[^A-Za-z0-9-]", "-", word)[:60] for word in words)
 
 
 def _standings(options: argparse.Namespace) -> int:

@@ -121,7 +121,7 @@ class Moments(NamedTuple):
         """Return the lines of a log with the times at their beginnings in this time zone."""
         if self.in_utc:
             return text
-        shift_s = _offset_s(now_utc_s)
+        shift_s = offset_s(now_utc_s)
 
         def shifted(match) -> str:
             hours, minutes, seconds = map(int, match.groups())
@@ -136,7 +136,7 @@ class Moments(NamedTuple):
         return f"{_format('%Y-%m-%d %H:%M:%S', utc_s)} UTC"
 
 
-def _offset_s(utc_s: float) -> int:
+def offset_s(utc_s: float) -> int:
     """Seconds that local time is ahead of UTC."""
     try:
         return time.localtime(utc_s).tm_gmtoff

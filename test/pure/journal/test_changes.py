@@ -49,6 +49,12 @@ def test_a_list_that_grows_is_recorded_by_its_new_items():
     assert difference({"a": [1, 2, 5], "b": 0}, {"a": [1, 3, 5, 4]}) == {"a": [[[1, [3]]], [4]], "b": None}
 
 
+def test_a_list_of_limited_length_is_recorded_by_what_leaves_and_comes():
+    history = [{"number": i} for i in range(10)]
+    assert difference(history[:8], [*history[:3], *history[4:]]) == [3, 1, history[8:]]
+    assert changed(history[:8], [3, 1, history[8:]]) == [*history[:3], *history[4:]]
+
+
 def test_after_a_missing_entry_the_state_is_not_known_until_the_next_complete_one():
     writer, reader = ChangesWriter(), ChangesReader()
     entries = [writer.entry({"count": i, "text": "unchanged"}) for i in range(COMPLETE_EVERY + 2)]

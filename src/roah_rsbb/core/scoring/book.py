@@ -148,14 +148,19 @@ class FinishedResult(NamedTuple):
     points: Optional[SheetPoints] = None  # None: the sheet gives no points
 
 
+def form_of(record: RunRecord) -> SheetForm:
+    """Return the items of a run's score sheet, and their rules."""
+    return record.form or SheetForm(tuple(
+        ScoringItem(item.group, item.desc, _KINDS.get(item.kind, ScoreKind.UINT)) for item in record.items))
+
+
 class FinishedRun:
     """A finished run. Its score sheet keeps its items even if the benchmarks file has changed."""
 
     def __init__(self, record: RunRecord, benchmark: Benchmark) -> None:
         self.record = record
         self._benchmark = benchmark
-        form = record.form or SheetForm(tuple(
-            ScoringItem(item.group, item.desc, _KINDS.get(item.kind, ScoreKind.UINT)) for item in record.items))
+        form = form_of(record)
         state = BookState(
             SheetState(list(record.history)), list(record.stops), record.started_utc, record.elapsed_s)
         self._book = RunBook(form, state, over=True)

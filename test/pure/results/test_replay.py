@@ -1,0 +1,200 @@
+"""The replay page shows at any moment what the box showed then; no string of a robot breaks out of its data."""
+
+import bisect
+import html
+import json
+import pathlib
+import re
+
+import pytest
+
+from helpers.competition import DOOR
+from helpers.journals import UTC0, Writer
+from helpers.replayed import ReplayedCompetition
+from helpers.results_of import EVIL, write_full_run
+from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.results.replay import replay_data
+from roah_rsbb.results.replay_page import page_parts, replay_name, replay_of, replay_page
+from roah_rsbb.results.runs import records, run_moments, run_result
+from roah_rsbb.wording import sheets
+from roah_rsbb.wording.texts import visible
+
+PARTS = page_parts(str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "replay"))
+
+
+def data_of(reader, number):
+    record = records(reader, pytest.fail)[number - 1]
+    result = run_result(reader, number, record, pytest.fail)
+    return replay_data(result, run_moments(reader, record.identity, pytest.fail), in_utc=True), record
+
+
+@pytest.fixture(scope="module", params=[1, 2])
+def played(request, tmp_path_factory):
+    driver = ReplayedCompetition(tmp_path_factory.mktemp("replayed"), request.param)
+    path = driver.play()
+    with JournalReader(path) as reader:
+        yield driver, reader
+
+
+def value_at(track, at):
+    """What the page shows of a track: its last value up to this moment."""
+    place = bisect.bisect_right([time for time, _ in track], at)
+    return track[place - 1][1] if place else None
+
+
+def clock_at(data, at):
+    place = bisect.bisect_right([time for time, _ in data["clock"]], at) - 1
+    since, clock = data["clock"][place]
+    return clock, (at - since) / 1000
+
+
+def assert_same_clock(data, at, view):
+    clock, passed_s = clock_at(data, at)
+    for name, counting in (("elapsed", "counting"), ("goal_elapsed", "goal_counting"),
+                           ("phase_elapsed", "counting"), ("setup_elapsed", "setup_counting")):
+        shown = clock.get(name, 0.0) + (passed_s if clock.get(counting) else 0.0)
+        if name in ("phase_elapsed", "goal_elapsed") and not getattr(view.clock, name[:-8] + {
+                "phase_elapsed": "_number", "goal_elapsed": ""}[name]):
+            continue  # the page does not show it
+        assert shown == pytest.approx(getattr(view.clock, name), abs=0.01), name
+    for name in ("counting", "paused", "goal", "phase_number", "phase_name", "setup_counting"):
+        assert clock.get(name, type(getattr(view.clock, name))()) == getattr(view.clock, name), name
+
+
+def test_every_moment_is_that_of_the_box(played):
+    driver, reader = played
+    for number in (1, 2):
+        data, record = data_of(reader, number)
+        looks = driver.looks[record.identity]
+        assert len(looks) > 10
+        for look in looks:
+            at, view = (look.utc - record.opened_utc) * 1000, look.view
+            assert value_at(data["phase"], at) == [view.phase, sheets.end_reason(view.end_reason)]
+            assert value_at(data["desc"], at) == visible(look.desc)
+            assert_same_clock(data, at, view)
+            [robot] = data["robots"]
+            assert value_at(robot["box"], at) == view.robot.box_state
+            assert value_at(robot["robot"], at) == view.robot.robot_state
+            sheet = [value_at(values, at) for values in data["values"]]
+            assert [line and line[0] for line in sheet] == [
+                sheets.item_value(i.kind, i.value, i.not_attempted, i.text) for i in view.sheet.items]
+            if view.sheet.points is not None:
+                assert value_at(data["points"], at) == view.sheet.points.total
+                assert [line[1] for line in sheet] == [i.points for i in view.sheet.items]
+            modules = [line[2] for line in value_at(data["module"], at) or []]
+            assert modules == [f"{float(s.value):g} {s.unit}" for s in view.module.scores]
+
+
+def test_everything_that_happened_is_in_the_list(played):
+    _, reader = played
+    task, goals = data_of(reader, 1)[0], data_of(reader, 2)[0]
+    assert {"Timeline of states", "Scores", "Referee's commands", "Online data", "Home devices and tablet"} \
+        <= set(task["kinds"])
+    texts = [event[4] for event in goals["events"]]
+    assert any(text.startswith("Goal: ") for text in texts)
+    assert any(text.startswith("Result: ") for text in texts)
+    assert f"{DOOR.group}: {DOOR.desc}: 1" in [event[4] for event in task["events"]]
+    times = [event[0] for event in task["events"]]
+    assert times == sorted(times)
+    assert task["events"][task["latest"][0][2][0]][4].startswith("notification: at ")
+    assert task["length"] == max(times)
+    assert len(task["robots"][0]["link"]) > 20
+
+
+def test_clocks_that_only_pass_are_not_repeated(played):
+    _, reader = played
+    data, record = data_of(reader, 1)
+    assert len(data["clock"]) < len(reader.states(record.identity)) / 2
+
+
+def test_the_same_journal_makes_the_same_bytes(played, tmp_path):
+    driver, reader = played
+    again = ReplayedCompetition(tmp_path, driver.seed)
+    with JournalReader(again.play()) as other:
+        for number in (1, 2):
+            pages = {_page(each, number) for each in (reader, reader, other)}
+            assert len(pages) == 1
+
+
+def _page(reader, number, **options):
+    record = records(reader, pytest.fail)[number - 1]
+    return replay_of(reader, run_result(reader, number, record, pytest.fail), PARTS, True, pytest.fail, **options)
+
+
+# -- hostile strings --------------------------------------------------------------------------------
+
+
+def test_no_string_breaks_out_of_the_data(played):
+    _, reader = played
+    page = _page(reader, 1)
+    block = re.search(r'<script id="data" type="application/json">(.*?)</script>', page, re.S).group(1)
+    assert block.isascii()
+    assert not set(block) & set("<>&\n")
+    texts = [event[4] for event in json.loads(block)["events"]]
+    assert any(visible(EVIL) in text for text in texts)
+    assert any("</script><!--\\u2028" in text for text in texts)
+    assert page.count("<script") == 2
+    assert EVIL not in page
+
+
+def test_hostile_names_stay_text():
+    data = {"title": "</title><script>alert(1)</script>\u202e@DATA@", "video": ""}
+    page = replay_page(data, PARTS)
+    assert page.count("<script") == 2
+    assert html.escape("</title><script>alert(1)</script>\\u202e@DATA@") in page
+
+
+def test_the_page_may_load_nothing(played):
+    _, reader = played
+    page = _page(reader, 1)
+    assert "default-src &#x27;none&#x27;" in page
+    assert not re.search(r'(src|href)="', page)
+    assert "unsafe" not in page
+
+
+@pytest.mark.parametrize(("video", "source"), [
+    ("https://example.org/run.mp4?a=1", "media-src blob: https://example.org;"),
+    ("run 3.mp4", "media-src blob: &#x27;self&#x27; file:;"),
+    ("https://a;script-src *", "media-src blob: &#x27;self&#x27; file:;"),
+])
+def test_a_video_may_only_come_from_its_own_place(played, video, source):
+    page = _page(played[1], 1, video=video)
+    assert source in page.split("<title>")[0]
+    assert json.dumps(video) in page
+
+
+# -- journals that do not have everything -----------------------------------------------------------
+
+
+def test_a_journal_of_an_earlier_version_has_events_but_no_clock(tmp_path):
+    writer = Writer(tmp_path)
+    record = write_full_run(writer)
+    writer.close()
+    with JournalReader(writer.path) as reader:
+        data, _ = data_of(reader, 1)
+    assert (data["clock"], data["values"][0], data["points"]) == ([], [], [])
+    assert data["phase"] == [[round((record.closed_utc - record.opened_utc) * 1000), ["disconnected", "stopped"]]]
+    assert len(data["events"]) > 10
+    assert value_at(data["robots"][0]["box"], 3_600_000) is not None
+
+
+def test_a_damaged_state_makes_a_gap_and_is_reported(tmp_path):
+    writer = Writer(tmp_path)
+    record = write_full_run(writer)
+    state = {"zone": {"run": {"phase": "RUNNING", "end_reason": None, "book": {}}}, "clock": {"counting": True}}
+    for value in ({"number": 1, "change": [state]}, {"number": 3, "change": {"clock": {"elapsed": [1.0]}}}):
+        writer.entry("state", value, identity=record.identity)
+    writer.close()
+    reported = []
+    with JournalReader(writer.path) as reader:
+        moments = run_moments(reader, record.identity, reported.append)
+    assert [moment.clock for moment in moments] == [{"counting": True}]
+    assert reported == [f"1 states of run {record.identity} cannot be read: its replay has gaps"]
+
+
+def test_the_name_of_the_file_is_that_of_the_sheet(tmp_path):
+    writer = Writer(tmp_path)
+    record = write_full_run(writer)
+    writer.close()
+    assert replay_name(7, record) == "007_HGTKMH_Alpha_round1_run1_replay.html"
+    assert record.opened_utc > UTC0
