@@ -3,18 +3,18 @@
 Screenshots are left in build/screenshots.
 """
 
-import contextlib
 import pathlib
 import tempfile
 import unittest
 import wave
 from typing import Any, ClassVar, Dict, List
-from unittest import mock
 
 from support.browser import Browser, Page, find
 
 from helpers.replayed import Look, ReplayedCompetition
-from roah_rsbb.tools import results
+from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.results.replay_page import page_parts, replay_name, replay_of
+from roah_rsbb.results.runs import records, run_result
 from roah_rsbb.wording import sheets
 
 PROJECT = pathlib.Path(__file__).resolve().parents[3]
@@ -51,6 +51,10 @@ UNNAMED = """[...document.querySelectorAll("button, input, select, [tabindex]")]
   e => !(e.labels?.length || e.ariaLabel || e.textContent.trim())).map(e => e.outerHTML)"""
 
 
+def _fail(text: str) -> None:
+    raise AssertionError(text)
+
+
 class TestReplayPage(unittest.TestCase):
     browser: ClassVar[Browser]
     folder: ClassVar[pathlib.Path]
@@ -66,10 +70,13 @@ class TestReplayPage(unittest.TestCase):
         cls.addClassCleanup(temporary.cleanup)
         cls.folder = pathlib.Path(temporary.name)
         cls.competition = ReplayedCompetition(cls.folder)
-        arguments = ["--journal", cls.competition.play(), "replay", "--utc", "--html", str(cls.folder / "html")]
-        with contextlib.suppress(SystemExit), mock.patch("builtins.print"):
-            results.main(str(PROJECT / "config"), arguments)
-        cls.pages = sorted((cls.folder / "html").iterdir())
+        cls.pages = []
+        parts = page_parts(str(PROJECT / "resource" / "replay"))
+        with JournalReader(cls.competition.play()) as reader:
+            for number, record in enumerate(records(reader, _fail), 1):
+                path = cls.folder / replay_name(number, record)
+                path.write_text(replay_of(reader, run_result(reader, number, record, _fail), parts, True, _fail))
+                cls.pages.append(path)
         cls.browser = Browser(program)
         cls.addClassCleanup(cls.browser.close)
 
