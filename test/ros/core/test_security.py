@@ -5,7 +5,7 @@ import os
 import pathlib
 import socket
 import time
-from typing import Dict, List, Optional
+from typing import Callable, Dict, List, Optional
 from urllib.parse import urlparse
 
 import rosgraph
@@ -92,9 +92,10 @@ class TestAttacks(BoxCase):
         self.said.append(log.msg)
         happened()
 
-    def reported(self, text: str) -> None:
+    def reported(self, text: str, meanwhile: Callable[[], object] = lambda: None) -> None:
         """Wait until the box reports it; then it has read the datagram."""
-        wait_until(lambda: any(text in said for said in self.said), lambda: f"the box reports '{text}': {self.said}")
+        wait_until(lambda: (meanwhile(), any(text in said for said in self.said))[1],
+                   lambda: f"the box reports '{text}': {self.said}")
 
     def test_no_other_program_moves_a_run(self) -> None:
         box, robot = self.box, self.robot("Epsilon")
@@ -116,9 +117,9 @@ class TestAttacks(BoxCase):
 
         self.network.do(attack_after_the_robot)
         self.reported(f"also come from {ATTACKER}. They are ignored: the robot is at {host_of('Epsilon')}")
-        attacker.send(RSBB_PORT, pb.RobotBeacon(team_name="Epsilon", robot_name="Robot", time=wire(time.time() + 9.0)))
         # A robot that is in a run is known by what it says there.
-        self.reported("Two robots call themselves Robot of team Epsilon")
+        self.reported("Two robots call themselves Robot of team Epsilon", lambda: attacker.send(
+            RSBB_PORT, pb.RobotBeacon(team_name="Epsilon", robot_name="Robot", time=wire(time.time() + 9.0))))
         attacker.send(RSBB_PORT, empty_beacon())
         self.reported(f"ANOTHER RSBB is transmitting from {ATTACKER}")
         attacker.send(port, pb.BenchmarkState(benchmark_type="HGTKMH", benchmark_state=0), team="Epsilon")

@@ -14,6 +14,8 @@ from roah_rsbb.srv import Bool, BoolResponse, Percentage, PercentageResponse
 
 class DeviceCallsTest(unittest.TestCase):
     def setUp(self) -> None:
+        self.addCleanup(setattr, device_calls, "ANSWER_TIMEOUT_S", device_calls.ANSWER_TIMEOUT_S)
+        self.set_limit(60.0)
         self.reported = []
         self.calls = DeviceCalls(lambda wish, reason: self.reported.append((wish, reason)))
         self.done = []
@@ -42,6 +44,11 @@ class DeviceCallsTest(unittest.TestCase):
         if self.refuse:
             raise rospy.ServiceException(self.refuse)
         return response
+
+    @staticmethod
+    def set_limit(seconds: float) -> None:
+        """How long calls from now on may take until they are reported."""
+        device_calls.ANSWER_TIMEOUT_S = seconds
 
     def set(self, device: str, value: int) -> SetDevice:
         wish = SetDevice("zone", device, value)
@@ -82,13 +89,13 @@ class DeviceCallsTest(unittest.TestCase):
         self.assertIn("no devices node answers", self.reported[0][1])
 
     def test_a_node_that_hangs_is_reported_once_and_while_it_hangs(self) -> None:
-        limit, device_calls.ANSWER_TIMEOUT_S = device_calls.ANSWER_TIMEOUT_S, 0.2
-        self.addCleanup(setattr, device_calls, "ANSWER_TIMEOUT_S", limit)
+        self.set_limit(0.2)
         self.gate.clear()
         wish = self.set("dimmer", 7)
         wait_until(lambda: self.reported, "it is reported")
         self.assertEqual(self.reported[0][0], wish)
         self.assertIn("/devices/dimmer/set has not answered within", self.reported[0][1])
+        self.set_limit(60.0)
         self.gate.set()
         self.set("dimmer", 8)
         wait_until(lambda: self.done[-1] == ("dimmer", 8), "it answers again")

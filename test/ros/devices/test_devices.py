@@ -1,20 +1,22 @@
 """The home devices, whole: names and types, robots in HCFGAC and HWV, a referee, nodes that are killed."""
 
+import contextlib
 import os
 import pathlib
 import signal
+import socket
 import subprocess
-import xmlrpc.client
+import threading
 
-import rosgraph
-import rosnode
 import rospy
 import rosservice
 from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 from support.box_case import BoxCase
 from support.box_client import Refusal
+from support.connections import kill, process_of, wait_follows
 from support.programs import own
+from support.robots import RSBB_PORT
 from support.waiting import LIMIT_S, happened, wait_until
 
 from roah_rsbb.msg import DevicesState, DevicesStatus
@@ -22,6 +24,8 @@ from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Bool, Percentage
 
 PLAYED = pathlib.Path(os.environ.get("ROS_HOME", os.path.expanduser("~/.ros"))) / "played"
+NODE, SOUNDS, CONTROLLER = "/roah_devices", "/roah_rsbb_sounds", "/roah_devices_dummy"
+CONTROLLER_PORT = RSBB_PORT + 96  # as in devices.test
 SWITCHES, PERCENTAGES = ("switch_1", "switch_2", "switch_3"), ("dimmer", "blinds")
 # docs/ros_interface.md, "Devices node".
 SERVICES = {
@@ -44,10 +48,41 @@ def call(name, kind=EmptySrv, *request):
         raise Refusal(refusals.reason(str(error))) from None
 
 
-def kill(node):
-    """Kill a node; roslaunch restarts it."""
-    uri = rosnode.get_api_uri(rosgraph.Master("/test"), node)
-    os.kill(xmlrpc.client.ServerProxy(uri).getPid("/test")[2], signal.SIGKILL)
+class NoController:
+    """Takes the port of the controller, and closes each connection. Otherwise roslaunch soon has another one there."""
+
+    def __init__(self):
+        kill(CONTROLLER)
+        self._listener = wait_until(self._listening, "the port is free")
+        threading.Thread(target=self._refuse, name="no controller", daemon=True).start()
+
+    def close(self):
+        """Give the port up."""
+        with contextlib.suppress(OSError):
+            self._listener.shutdown(socket.SHUT_RDWR)
+        self._listener.close()
+
+    def _listening(self):
+        try:
+            return socket.create_server(("127.0.0.1", CONTROLLER_PORT))
+        except OSError:
+            pid = process_of(CONTROLLER)  # another one was first
+            if pid:
+                os.kill(pid, signal.SIGKILL)
+            return None
+
+    def _refuse(self):
+        while True:
+            try:
+                self._listener.accept()[0].close()
+            except OSError:
+                return
+
+
+def kill_if_there(process):
+    """Kill a process, unless it has ended."""
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(process, signal.SIGKILL)
 
 
 class DevicesCase(BoxCase):
@@ -114,6 +149,11 @@ class TestInterface(DevicesCase):
 
 
 class TestBell(DevicesCase):
+    def setUp(self):
+        super().setUp()
+        for listener in (rospy.get_name(), SOUNDS):
+            wait_follows(NODE, "/devices/bell", listener)
+
     def played(self, what):
         return PLAYED.read_text(encoding="utf-8").split().count(what) if PLAYED.exists() else 0
 
@@ -142,8 +182,7 @@ class TestBell(DevicesCase):
         heard = self.played("timeout")
         publisher = rospy.Publisher("/timeout", Empty, queue_size=1)
         self.addCleanup(publisher.unregister)
-        # Two listeners: this test's client of the box, and the sounds.
-        wait_until(lambda: publisher.get_num_connections() >= 2, "the sounds node listens")
+        wait_follows(rospy.get_name(), "/timeout", SOUNDS)
         publisher.publish(Empty())
         wait_until(lambda: self.played("timeout") > heard, "the sound is played")
 
@@ -153,14 +192,11 @@ class TestCatering(DevicesCase):
         robot = self.robot(team)
         self.box.connect(zone)
         self.box.start(zone)
-        robot.wait_did(f"execute {self.box.zone(zone).code}")
+        robot.wait_did(f"execute {self.box.last_zone(zone).code}")
         return robot
 
-    def log(self, zone):
-        return self.box.zone(zone).log
-
     def wait_log(self, zone, text):
-        wait_until(lambda: text in self.log(zone), lambda: f"'{text}' in the log:\n{self.log(zone)}")
+        self.box.wait_zone(zone, lambda z: text in z.log, f"'{text}' is in the log")
 
     def test_a_robot_operates_each_device_and_the_referee_has_the_last_word(self):
         robot = self.run_of("Alpha", "Catering")
@@ -188,7 +224,7 @@ class TestCatering(DevicesCase):
         robot.request("notify", "after the dimmer")
         robot.wait_said()
         self.wait_state(switch_1=False, dimmer=0)
-        self.assertEqual(self.log("Visitors").count("ignored"), 1)
+        self.assertEqual(self.box.zone("Visitors").log.count("ignored"), 1)
 
     def test_a_killed_devices_node_continues_and_a_missing_one_is_reported(self):
         robot = self.run_of("Alpha", "Catering")
@@ -199,11 +235,19 @@ class TestCatering(DevicesCase):
         bell = wait_until(lambda: self.state.bell > before and self.state.bell, "the bell")
         wait_until(lambda: rospy.get_param("/roah_devices/held", {}).get("bell") == [str(bell.secs), str(bell.nsecs)],
                    "it is kept")
-        self.state = self.status = None
-        kill("/roah_devices")
-        robot.request("set_device", "blinds", 44)  # nobody is there to take it
-        self.wait_log("Catering", "WARNING: blinds was not set to 44 as the robot commanded: no devices node answers")
+        # It hangs first, because roslaunch soon restarts a node that is killed.
+        hung = process_of(NODE)
+        os.kill(hung, signal.SIGSTOP)
+        self.addCleanup(kill_if_there, hung)
+        robot.request("set_device", "blinds", 44)
+        not_set = "WARNING: blinds was not set to 44 as the robot commanded"
+        self.wait_log("Catering", f"{not_set}: /devices/blinds/set has not answered within 3 s")
+        headers = [message._connection_header for message in (self.state, self.status)]
+        kill_if_there(hung)
+        self.wait_log("Catering", f"{not_set}: no devices node answers")
         wait_until(lambda: any("blinds was not set to 44" in w for w in self.box.details.warnings), "it is a warning")
+        wait_until(lambda: not any(message._connection_header is header for header in headers
+                                   for message in (self.state, self.status)), "another node publishes both")
         self.wait_connected()
         self.assertEqual((self.state.dimmer, self.state.bell, self.state.blinds), (33, bell, 0))
         robot.request("set_device", "blinds", 45)
@@ -213,10 +257,11 @@ class TestCatering(DevicesCase):
         def warned():
             return any("Home devices" in warning for warning in self.box.details.warnings)
         wait_until(lambda: not warned(), "no warning")
-        kill("/roah_devices_dummy")
+        no_controller = self._leaving(NoController())
         self.wait_connected(False)
         wait_until(warned, "the referee is warned")
         call("/devices/blinds/max")
         self.wait_state(blinds=100)
+        no_controller.close()
         self.wait_connected()
         wait_until(lambda: not warned(), "no warning any more")

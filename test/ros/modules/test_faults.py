@@ -1,15 +1,8 @@
 """Failures of the modules' processes and of the core, and stops at any moment."""
 
-import os
-import signal
-import xmlrpc.client
-
-import rosgraph
 from support.modules_case import FaultsCase
 from support.robots import Robot
 from support.waiting import wait_until
-
-CORE = "/roah_rsbb_core"
 
 
 class TestCrashes(FaultsCase):
@@ -43,10 +36,7 @@ class TestCrashes(FaultsCase):
         self.begin("STB 2")
         self.answer("STB 2")
         robot.wait_did("execute STB")
-        uuid = self.box.details.box_uuid
-        node = xmlrpc.client.ServerProxy(rosgraph.Master("/test_modules_faults").lookupNode(CORE))
-        os.kill(node.getPid("/test_modules_faults")[2], signal.SIGKILL)
-        wait_until(lambda: self.box.details.box_uuid != uuid, "another core runs")
+        self.kill_core()
         for times in (1, 2):
             self.goals_done(robot, times)
         scores, log = self.to_the_end("STB 2", after=1)
@@ -56,9 +46,6 @@ class TestCrashes(FaultsCase):
 
     def test_a_second_process_takes_over(self) -> None:
         """The second process has followed the run. Measurements of the first one do not change."""
-        navigation = self.folder / "HNF.yaml"
-        # Another process of modules takes seconds to start, and must not cost the first one its goal.
-        navigation.write_text(navigation.read_text().replace("goal_timeout: 3", "goal_timeout: 60"))
         first = self.modules("first")
         robot = self.robot("Theta")
         self.begin("HNF 2")

@@ -22,7 +22,7 @@ class TestHandling(FunctionalityCase):
                          ["GOAL 1", 'go: [there, "ä"]'])
 
     def test_hgmf(self) -> None:
-        robot = self.dummy_robot("Epsilon", execute_s=2.5)  # as long as the dummy world needs to carry the object
+        robot = self.dummy_robot("Epsilon", execute_s=4.0)  # the dummy world carries the object in 2 s
         scores, log = self.conduct("HGMF")
         self.assertEqual((scores["", "grasped"], scores["", "objects"]), (2, 2))
         self.assertEqual(set(self.of_each(scores, "object")), {"red cup", "blue cup"})

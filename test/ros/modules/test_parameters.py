@@ -59,6 +59,7 @@ class TestParameters(FaultsCase):
         (own / "HNF.yaml").write_text(good, encoding="utf-8")
         (own / "ground_truth.yaml").write_text("source: none\n", encoding="utf-8")
         self.box.wait_details("HNF 2", lambda d: "ground truth is off" in " ".join(d.warnings), "a warning")
+        self.box.wait_details("HNF 2", lambda d: not d.start_off, "nothing is wrong")
         self.box.start("HNF 2")
         placed = self.answer("HNF 2")
         scores, _ = self.to_the_end("HNF 2", placed, end_reason="goals_timed_out")

@@ -1,9 +1,7 @@
 """Support for the tests of the tablet: the address of its page, and tablet nodes that a test starts."""
 
 from typing import Any
-from xmlrpc.client import ServerProxy
 
-import rosgraph
 import rospy
 
 from support.programs import Program, own
@@ -32,8 +30,3 @@ def node(**params: Any) -> Program:
 def own_url() -> str:
     """The address of the page of `node`."""
     return f"http://127.0.0.1:{OWN_TABLET_PORT}/"
-
-
-def process_of(name: str) -> int:
-    """The process of a node."""
-    return ServerProxy(rosgraph.Master("/test").lookupNode(f"/{name}")).getPid("/test")[2]

@@ -13,6 +13,7 @@ from typing import ClassVar, Optional
 from support import tablet_nodes
 from support.box_case import LISTENER, BoxCase
 from support.browser import NAMES, Browser, Page, find
+from support.connections import process_of
 from support.waiting import wait_until
 
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
@@ -196,7 +197,7 @@ class TestNoConnection(BrowserCase):
         node.wait_printed("page: open")
         page = self.open("tablet_lying", tablet_nodes.own_url())
         page.wait(USABLE, "the call button can be touched")
-        number = tablet_nodes.process_of("own_tablet")
+        number = process_of("/own_tablet")
         os.kill(number, signal.SIGSTOP)
         try:
             page.wait(f"{ALARM}.includes('No connection')", "the page says that the node is silent")
