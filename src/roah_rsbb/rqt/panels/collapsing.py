@@ -5,6 +5,7 @@ expands them earlier. It works in rqt as in our window: a dock with a small maxi
 others.
 """
 
+from functools import partial
 from typing import Optional
 
 from roah_rsbb.rqt.panels.panel import Panel
@@ -89,15 +90,16 @@ class CollapsingPanel(Panel):
         self.layout().activate()
         self.setMaximumHeight(self.layout().minimumSize().height() if is_collapsed else NO_LIMIT)
         if not is_collapsed and dock is not None:
-            QTimer.singleShot(0, self._grow)
+            # An update that comes first would note the height of now.
+            QTimer.singleShot(0, partial(self._grow, self._height))
         self._on_update()
 
-    def _grow(self) -> None:
+    def _grow(self, height: int) -> None:
         """Restore the height from before."""
         window = self.window()
         scoring = scoring_in(window)
         docks = [dock_of(panel) for panel in (self, scoring) if panel is not None]
-        if len(docks) == 2 and None not in docks and isinstance(window, QMainWindow) and self._height:
+        if len(docks) == 2 and None not in docks and isinstance(window, QMainWindow) and height:
             both = sum(dock.height() for dock in docks)
-            if not self.is_collapsed and self._height < both:
-                window.resizeDocks(docks, [self._height, both - self._height], Qt.Vertical)
+            if not self.is_collapsed and height < both:
+                window.resizeDocks(docks, [height, both - height], Qt.Vertical)
