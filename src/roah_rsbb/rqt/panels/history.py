@@ -29,13 +29,13 @@ class RunSheets:
         self._owner = owner
         self._calls = calls
         self._news = news
-        self._sheets: Dict[str, RunSheet] = {}
+        self._sheets: Dict[str, Tuple[float, RunSheet]] = {}  # when it was requested (monotonic s), and the sheet
         self._asked: Dict[str, Tuple[int, float]] = {}  # requested revision, and when (monotonic s)
         self.error = ""  # why the last request failed
 
     def sheet(self, summary: RunSummary) -> Optional[RunSheet]:
         """Return the known sheet of a run at once, and requests a newer one if it exists."""
-        known = self._sheets.get(summary.identity)
+        _, known = self._sheets.get(summary.identity, (0.0, None))
         if known is None or known.summary.revision != summary.revision:
             self._ask(summary)
         return known
@@ -48,14 +48,16 @@ class RunSheets:
         self._asked[identity] = (summary.revision, now)
         self._calls.service(
             self._owner, "/core/run_sheet", GetRunSheet, (summary.zone, identity),
-            lambda outcome: self._on_sheet(identity, outcome),
+            lambda outcome: self._on_sheet(identity, now, outcome),
         )
 
-    def _on_sheet(self, identity: str, outcome: CallOutcome) -> None:
+    def _on_sheet(self, identity: str, asked_mono: float, outcome: CallOutcome) -> None:
+        if asked_mono < self._sheets.get(identity, (0.0, None))[0]:
+            return  # a later request was answered first: this sheet may be older
         self.error = outcome.error
         if outcome.result is not None:
             self._sheets.pop(identity, None)
-            self._sheets[identity] = outcome.result.sheet
+            self._sheets[identity] = asked_mono, outcome.result.sheet
             while len(self._sheets) > MAX_KEPT:
                 self._sheets.pop(next(iter(self._sheets)))
         self._asked = {i: asked for i, asked in self._asked.items() if i in self._sheets or i == identity}
