@@ -4,7 +4,7 @@ Keys: F5 twice starts, Esc twice stops, whichever panel of the process has the f
 """
 
 from functools import partial
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import Dict, FrozenSet, NamedTuple, Optional, Tuple
 
 from roah_rsbb.msg import RunSummary, ZoneDetails, ZoneState
 from roah_rsbb.rqt.model.calls import CallOutcome
@@ -48,7 +48,7 @@ class StopReasonLine(QLineEdit):
         self._answer = answer
         self._sheets = RunSheets(panel, panel.client.calls, self._show)
         self._summary: Optional[RunSummary] = None
-        self._sent_with: Optional[int] = None  # revision of the run when the text was sent: older sheets do not have it
+        self._without: FrozenSet[int] = frozenset()  # revisions of the run from before the text was sent
         self.setMaxLength(MAX_NOTE)
         self.editingFinished.connect(self._send)
 
@@ -71,7 +71,7 @@ class StopReasonLine(QLineEdit):
         self.setToolTip(basic.tip(why_fixed_now or tr(REASON_TIP)))
         self.setPlaceholderText("" if summary is None else tr(ASK_REASON))
         sheet = None if summary is None else self._sheets.sheet(summary)
-        if sheet is None or not sheet.stops or self.isModified() or sheet.summary.revision == self._sent_with:
+        if sheet is None or not sheet.stops or self.isModified() or sheet.summary.revision in self._without:
             return
         if self.text() != sheet.stops[-1].reason:
             self.setText(sheet.stops[-1].reason)
@@ -86,13 +86,14 @@ class StopReasonLine(QLineEdit):
         if summary is None or not self.isModified():
             return
         self.setModified(False)
-        self._sent_with = summary.revision
+        known = self._sheets.sheet(summary)
+        self._without = frozenset([summary.revision] if known is None else [summary.revision, known.summary.revision])
 
         def done(outcome: CallOutcome) -> None:
             self._answer.show_outcome(tr(REASON), outcome)
             if outcome.error and self._identity(self._summary) == summary.identity and self.text().strip() == reason:
                 self.setModified(True)
-                self._sent_with = None
+                self._without = frozenset()
 
         client.calls.service(
             self._panel, "/core/stop_reason", StopReason,
