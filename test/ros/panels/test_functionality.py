@@ -93,12 +93,13 @@ class TestManualOperation(PanelCase):
         for _ in range(2):
             QTest.mouseClick(self.panel.buttons[0], Qt.LeftButton)
         self.wait_call("operation", "Home A", 8, "")
+        wait_until(lambda: self.panel.text.text() == manual_operation.NOTHING, "it is gone")
         self.ask(9, "second")
         self.assertEqual(len(self.core.calls), 1)
 
     def test_a_silent_core_is_answered_nothing(self) -> None:
         self.ask(10, "Place it")
-        self.core.silent = True
+        self.fall_silent()
         wait_until(lambda: "silent" in self.panel.buttons[0].why_off, "it cannot be completed, and says why")
         self.assertEqual(self.panel.text.text(), "Place it")
 

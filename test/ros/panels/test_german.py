@@ -7,9 +7,9 @@ from typing import Dict, Iterator, List
 
 from support.fakes.core import Asked
 from support.fakes.public import FakePublic, scene
-from support.gui_testing import QTest, QWidget, show, wait_until
+from support.gui_testing import QTest, QWidget, click, show, wait_until
 from support.panel_case import BUMPS, DOOR
-from support.window_case import WindowCase, wait_still
+from support.window_case import WindowCase
 
 from helpers import catalogues
 from roah_rsbb.core.scoring.sheet import Mark
@@ -183,7 +183,7 @@ class TestGerman(WindowCase):
         for name in self.window.docks:
             self.bring(name)
             self.assert_fits(self.panel(name))
-        wait_still(self.window)
+        self.wait_quiet()
         self.assert_german(self.window)
 
     def bring(self, name: str) -> None:
@@ -208,6 +208,8 @@ class TestGerman(WindowCase):
         self.zone.asked = Asked(1, "Place the robot", ())
         self.zone.switches_asked = True
         wait_until(lambda: len(self.scoring.undo.buttons) == 4, "the marks are shown")
+        # It comes to the front by itself.
+        wait_until(lambda: self.panel("ManualOperationPanel").isVisible(), "the request is shown")
         self.look_at_all()
         dialog = self.ask_note()
         self.assert_german(dialog)
@@ -225,7 +227,7 @@ class TestGerman(WindowCase):
         wait_until(lambda: results.history.rows.texts() and results.sign.isEnabled(), "the sheet is shown")
         self.look_at_all()
         self.bring("ResultsPanel")
-        results.sign.click()
+        click(results.sign)
         dialog = self.dialog(QDialog)
         self.assert_german(dialog)
         self.assertIn("Abbrechen", [button.text() for button in dialog.findChildren(QPushButton)])
@@ -237,7 +239,7 @@ class TestGerman(WindowCase):
         wait_until(lambda: self.zone.scores.get(BUMPS) == 1, "the core has the score")
         schedule = self.panel("SchedulePanel")
         self.bring("SchedulePanel")
-        wait_until(lambda: schedule.rows.keys() != [None], "the events are shown")
+        wait_until(lambda: any(schedule.rows.keys()), "the events are shown")
         schedule.shows.setCurrentIndex(schedule.shows.findText("noch offen"))
         self.assertEqual(schedule.shows.chosen, "to come")
         self.assertIn(("Home A", 1), schedule.rows.keys())

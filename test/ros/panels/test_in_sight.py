@@ -3,9 +3,9 @@
 import os
 import pathlib
 
-from support.gui_testing import QWidget, click, wait_until
+from support.gui_testing import QWidget, click, settle, wait_until
 from support.panel_case import BUMPS
-from support.window_case import WindowCase, in_sight, wait_still
+from support.window_case import WindowCase, in_sight
 
 from roah_rsbb.bmbox.hnf import HNF
 from roah_rsbb.core.scoring.sheet import Mark
@@ -40,7 +40,7 @@ class _AtAllSizes(WindowCase):
     def at_all_sizes(self):
         for size in SIZES:
             self.window.resize(*(length // SCALE for length in size))
-            wait_still(self.window)
+            self.wait_quiet()
             yield size
 
     def assert_in_sight(self, size, **widgets: QWidget) -> None:
@@ -56,7 +56,7 @@ class TestInSight(_AtAllSizes):
 
     def test_every_item_and_every_command_is_in_sight_during_the_run(self) -> None:
         self.window.resize(*(length // SCALE for length in SIZES[0]))
-        wait_still(self.window)
+        self.wait_quiet()
         self.run_zone()
         for number in range(7):
             self.zone.mark(Mark(*BUMPS, number + 1, note=str(number)), "Anna")
@@ -79,32 +79,36 @@ class TestInSight(_AtAllSizes):
     def test_no_text_of_an_item_is_cut_off(self) -> None:
         self.run_zone()
         for size in self.at_all_sizes():
-            for row in self.scoring.rows.values():
-                needed = row.text.heightForWidth(row.text.width())
-                self.assertGreaterEqual(row.text.height(), needed, f"{row.text.text()} at {size}")
+            wait_until(lambda: not self.cut(), lambda size=size: f"no text is cut off at {size}, as {self.cut()}")
+
+    def cut(self) -> list:
+        """The texts of items that are cut off."""
+        texts = [row.text for row in self.scoring.rows.values()]
+        return [text.text() for text in texts if text.height() < text.heightForWidth(text.width())]
 
     def test_disqualifying_items_do_not_scroll_away(self) -> None:
         self.run_zone()
         click(self.panel("OverviewPanel").toggle)
         wait_until(lambda: not self.panel("OverviewPanel").is_collapsed, "the overview is back")
         self.window.resize(1366 // SCALE, 700 // SCALE)
-        wait_still(self.window)
+        self.wait_quiet()
         area = self.scoring.sheet.findChild(QScrollArea)
         bar = area.verticalScrollBar()
         for place in (bar.minimum(), bar.maximum()):
             bar.setValue(place)
+            settle(self.scoring)
             self.assertTrue(in_sight(self.scoring.rows[PERSON].more))
 
     def test_the_history_covers_neither_the_time_nor_the_commands(self) -> None:
         self.run_zone()
         for size in self.at_all_sizes():
-            self.scoring.history.click()
+            click(self.scoring.history)
             wait_until(lambda: self.window.findChild(HistoryDialog) is not None, "the history is open")
             dialog = self.window.findChild(HistoryDialog)
             wait_until(dialog.isVisible, "it is shown")
             control = QRect(self.control.mapToGlobal(QPoint()), self.control.size())
             self.assertFalse(dialog.frameGeometry().intersects(control), f"at {size}")
-            dialog.close_button.click()
+            click(dialog.close_button)
             wait_until(lambda: self.window.findChild(HistoryDialog) is None, "it is closed")
 
     def test_no_title_of_a_tab_is_shortened(self) -> None:
@@ -112,7 +116,7 @@ class TestInSight(_AtAllSizes):
         sizes = [*SIZES, (1280 * SCALE, 720 * SCALE)]
         for size in sizes:
             self.window.resize(*(length // SCALE for length in size))
-            wait_still(self.window)
+            self.wait_quiet()
             bars = [bar for bar in self.window.findChildren(QTabBar) if bar.parent() is self.window and bar.isVisible()]
             self.assertEqual(sorted(bar.count() for bar in bars), [3, 8])
             for bar in bars:
@@ -130,7 +134,7 @@ class TestFunctionalityInSight(_AtAllSizes):
 
     def test_every_item_and_the_scores_of_the_run_are_in_sight(self) -> None:
         self.window.resize(*(length // SCALE for length in SIZES[0]))
-        wait_still(self.window)
+        self.wait_quiet()
         self.run_zone()
         bumps = self.ITEMS[0]
         for number in range(7):
@@ -154,7 +158,8 @@ class TestFunctionalityInSight(_AtAllSizes):
             between = goal_time.mapToGlobal(QPoint()).x() - run_time.mapToGlobal(QPoint(run_time.width(), 0)).x()
             self.assertGreaterEqual(between, basic.em(), "the two times are not read as one")
             self.assertEqual(scores.verticalScrollBar().value(), 0)
-            self.assertGreaterEqual(scores.viewport().height(), self.height_of_the_whole_run(scores), f"at {size}")
+            wait_until(lambda: scores.viewport().height() >= self.height_of_the_whole_run(scores),
+                       lambda size=size: f"at {size}, the values of the whole run are in sight")
 
     @staticmethod
     def height_of_the_whole_run(scores) -> int:

@@ -1,14 +1,11 @@
 """Scoring with items of every type, and the points of the sheet."""
 
 from decimal import Decimal
-from functools import partial
-from unittest import mock
 
-from support import panel_case
 from support.fakes.core import FakeCore
 from support.gui_testing import QApplication, QTest, click, wait_until
 from support.panel_case import PanelCase
-from support.window_case import WindowCase, in_sight, wait_still
+from support.window_case import WindowCase, in_sight
 
 from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.sheet import Mark
@@ -37,19 +34,16 @@ def opened(kind: type):
     return found()[0]
 
 
-class PointsCase:
-    """A run with a sheet of all types; of a panel or of the whole window."""
+class TestPoints(PanelCase):
+    """A run with a sheet of all types."""
 
-    def setUp(self) -> None:
-        with mock.patch.object(panel_case, "FakeCore", partial(FakeCore, items=ITEMS)):
-            super().setUp()
+    PANEL = ScoringPanel
+
+    def new_core(self) -> FakeCore:
+        return FakeCore(items=ITEMS)
 
     def row(self, item):
         return self.scoring.rows[item.key]
-
-
-class TestPoints(PointsCase, PanelCase):
-    PANEL = ScoringPanel
 
     def setUp(self) -> None:
         super().setUp()
@@ -141,7 +135,7 @@ class TestInSight(WindowCase):
         wait_until(lambda: len(self.scoring.rows) == len(ITEMS), "the sheet is shown")
         for size in ((1366, 768), (1920, 1080)):
             self.window.resize(*size)
-            wait_still(self.window)
+            self.wait_quiet()
             parts = [self.scoring.points]
             for row in self.scoring.rows.values():
                 parts += [row.text, row.points, row.menu_button]

@@ -1,15 +1,21 @@
 """Results, histories, notes and reasons, clicked on and typed, with a fake core: real messages, real services."""
 
+import copy
+import unittest
+from types import SimpleNamespace
+from typing import Callable, List
+
 import rospy
 from support.fakes.core import NOT_ATTEMPTED
-from support.gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, question, wait_until
+from support.gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, limit, question, wait_until
 from support.panel_case import BUMPS, DOOR, PanelCase
 
 from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.sheet import Mark
-from roah_rsbb.msg import Unsaved, UnsavedParts
+from roah_rsbb.msg import RunSheet, RunSummary, Unsaved, UnsavedParts
+from roah_rsbb.rqt.model.calls import CallOutcome
 from roah_rsbb.rqt.panels import benchmark_control, scoring
-from roah_rsbb.rqt.panels.history import HistoryDialog
+from roah_rsbb.rqt.panels.history import HistoryDialog, RunSheets
 from roah_rsbb.rqt.panels.results import ResultsPanel
 from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog
 
@@ -24,6 +30,18 @@ def opened(kind: type):
 
     wait_until(is_open, f"a {kind.__name__} is open")
     return found[0]
+
+
+class TestRunSheets(unittest.TestCase):
+    def test_an_answer_that_was_overtaken_is_ignored(self) -> None:
+        done: List[Callable[[CallOutcome], None]] = []
+        sheets = RunSheets(self, SimpleNamespace(service=lambda *call: done.append(call[-1])), lambda: None)
+        runs = [RunSummary(identity="a run", revision=revision) for revision in (1, 2)]
+        for run in runs:
+            self.assertIsNone(sheets.sheet(run))
+        for number in (1, 0):
+            done[number](CallOutcome("", SimpleNamespace(sheet=RunSheet(summary=runs[number]))))
+            self.assertIs(sheets.sheet(runs[1]).summary, runs[1])
 
 
 class WordsCase(PanelCase):
@@ -124,7 +142,6 @@ class TestScoringWithWords(WordsCase):
         wait_until(lambda: self.bumps.number.text() == "1", "the entry before counts")
         dialog.close()
 
-
     def test_an_entry_that_is_not_saved_is_marked(self) -> None:
         publisher = rospy.Publisher("/core/unsaved", Unsaved, queue_size=1, latch=True)
         self.addCleanup(publisher.unregister)
@@ -158,6 +175,21 @@ class TestStopReason(WordsCase):
         QTest.keyClick(line, Qt.Key_Return)
         self.wait_words(identity, "fire alarm in the kitchen", "Anna")
         wait_until(lambda: line.text() == "fire alarm in the kitchen", "the longer one stays")
+
+    def test_a_sheet_from_before_does_not_take_the_text_away(self) -> None:
+        line = self.panel.reason
+        self.zone.command("stop")
+        wait_until(line.isEnabled, "a reason may be typed")
+        known = line._sheets.sheet
+        wait_until(lambda: known(line._summary) is not None and known(line._summary).stops, "the sheet is known")
+        before = copy.deepcopy(known(line._summary))
+        before.summary.revision += 1
+        limit(self, line._sheets, "sheet", lambda summary: before)
+        QTest.keyClicks(line, "fire alarm")
+        QTest.keyClick(line, Qt.Key_Return)
+        self.wait_words(self.zone.identity, "fire alarm", "Anna")
+        self.wait_heard()
+        self.assertEqual(line.text(), "fire alarm")
 
     def test_it_stays_visible_and_editable_until_the_sign_off(self) -> None:
         line, identity = self.panel.reason, self.zone.identity
@@ -208,6 +240,7 @@ class TestResults(WordsCase):
         self.zone.mark(Mark(*DOOR, 1), "Ben")
         self.identity = self.leave()
         self.wait_run("not signed off")
+        wait_until(lambda: self.value(DOOR) == ("yes", ""), "the newest sheet is shown")
 
     def wait_run(self, state: str) -> None:
         wait_until(lambda: any(state in row[-1] for row in self.panel.runs.texts()), f"a run is '{state}'")
@@ -285,7 +318,7 @@ class TestResults(WordsCase):
             self.assertFalse(button.isEnabled())
 
     def test_a_silent_core_shows_and_takes_nothing_new(self) -> None:
-        self.core.silent = True
+        self.fall_silent()
         wait_until(lambda: "silent" in self.panel.sign.toolTip(), "the button says why it is off")
         self.assertEqual(self.value(DOOR), ("yes", ""))
 

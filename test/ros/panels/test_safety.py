@@ -1,22 +1,21 @@
 """The window's safety for a referee under stress, with a real mouse and keyboard."""
 
 import rospy
-from support.gui_testing import QApplication, QMessageBox, QTest, click, wait_until
+from support.gui_testing import LONG_S, QApplication, QMessageBox, click, limit, places, settle, wait_until
 from support.panel_case import DOOR
-from support.real_input import click_at, middle_of, press_key
-from support.window_case import WindowCase, is_closed, places
+from support.real_input import click_on, press_key
+from support.window_case import WindowCase, is_closed
 
 from roah_rsbb.rqt.panels.history import HistoryDialog
 from roah_rsbb.rqt.qt import QTimer
+from roah_rsbb.rqt.widgets import basic
 
 STOP_HOME_A = ("stop_run", "Home A")
 
 
 class TestStop(WindowCase):
     def click_stop(self) -> None:
-        button = self.control.buttons["stop"]
-        wait_until(button.isEnabled, "STOP is enabled")
-        click_at(middle_of(button))
+        click_on(self.control.buttons["stop"])
 
     def test_the_mouse_reaches_stop_while_a_dialog_is_open(self) -> None:
         self.run_zone()
@@ -57,7 +56,7 @@ class TestStop(WindowCase):
 
         look.timeout.connect(press_in_menu)
         look.start(50)
-        click_at(middle_of(row.menu_button))
+        click_on(row.menu_button)
         wait_until(lambda: was_open and not row.more_menu.isVisible(), "the menu was open, and is closed")
         self.wait_prompt("Press Esc again")
         press_key("Escape")
@@ -73,7 +72,7 @@ class TestStop(WindowCase):
         self.assertEqual(self.core.calls, [])
         click(self.scoring.history)
         history = self.dialog(HistoryDialog)
-        click_at(middle_of(history.close_button))
+        click_on(history.close_button)
         wait_until(lambda: is_closed(history), "it also has a button")
         self.assertEqual(self.core.calls, [])
 
@@ -83,6 +82,7 @@ class TestStop(WindowCase):
             press_key("Escape")
         self.wait_call(*STOP_HOME_A)
         wait_until(lambda: self.client.model.running_zones() == [], "the run has ended")
+        self.wait_prompt("Stop Home A: done")
         for _ in range(4):
             press_key("Escape")
         self.wait_prompt("Nothing is running in Home A")
@@ -123,11 +123,15 @@ class TestZone(WindowCase):
             zone.command("connect")
         start = self.control.buttons["start"]
         wait_until(start.isEnabled, "START is enabled")
-        click_at(middle_of(self.panel("OverviewPanel").tiles["Home B"]))
+        self.wait_quiet()
+        limit(self, basic, "HOLD_MS", round(1000 * LONG_S))
+        click_on(self.panel("OverviewPanel").tiles["Home B"])
         wait_until(lambda: self.control._zones.currentText() == "Home B", "the other zone is shown")
         self.assertFalse(start.isEnabled())
         self.assertIn("background", self.control._zones.styleSheet())
-        wait_until(lambda: self.control.buttons["start"].isEnabled(), "START is enabled again")
+        for timer in (start._held, self.control._highlight):  # that time is over
+            timer.start(0)
+        wait_until(start.isEnabled, "START is enabled again")
         wait_until(lambda: self.control._zones.styleSheet() == "", "the zone is no longer highlighted")
 
     def test_an_answer_moves_nothing(self) -> None:
@@ -139,10 +143,10 @@ class TestZone(WindowCase):
             self.window.docks[name].raise_()
             wait_until(panel.isVisible, "the panel is in front")
             panel._answer.clear_answer()
-            QTest.qWait(100)
+            self.wait_quiet()
             before = places(panel)
             panel._answer.warn("Something was done. " * 5)
-            QTest.qWait(100)
+            settle(panel)
             moved += [name] if places(panel) != before else []
         self.assertEqual(moved, [])
 
@@ -155,7 +159,7 @@ class TestManyZones(WindowCase):
         for zone in self.core.zones.values():
             zone.command("connect")
         wait_until(lambda: all(tile.phase.text().startswith("●") for tile in overview.tiles.values()), "all are shown")
-        QTest.qWait(100)
+        self.wait_quiet()
         for name, tile in overview.tiles.items():
             shown = tile.name.text() if tile._compact else f"{tile.name.text()}  ·  {tile.event.text()}"
             zone, team = shown.replace("◆ ", "").split("  ·  ")[:2]

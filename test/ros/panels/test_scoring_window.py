@@ -1,16 +1,17 @@
 """What a referee scores with, in the whole window: the sheet, keys, undo, and who did what."""
 
 from support.fakes.core import EVENTS, Asked
-from support.gui_testing import QApplication, Qt, QTest, QWidget, click, wait_until
+from support.gui_testing import LONG_S, QApplication, Qt, QWidget, click, limit, wait_until
 from support.panel_case import BUMPS, DOOR
-from support.real_input import click_at, middle_of, press_key
-from support.window_case import WindowCase, in_sight, wait_still
+from support.real_input import click_on, press_key
+from support.window_case import WindowCase, in_sight
 
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.rqt.qt import QPushButton
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.keys_page import KeysDialog
 from roah_rsbb.rqt.widgets.undo import placed
+from roah_rsbb.wording import clock, times
 from roah_rsbb.wording.sheets import HistoryEntry
 
 PERSON = ("Disqualifying behaviours", "Hits Annie or another person")
@@ -22,8 +23,7 @@ class TestCollapse(WindowCase):
         self.overview, self.log = self.panel("OverviewPanel"), self.panel("LogDisplayPanel")
 
     def test_overview_and_log_come_back_when_the_run_is_left_and_not_while_it_is_scored(self) -> None:
-        wait_until(lambda: self.client.model.zone_details is not None, "the zone is known to have no run")
-        wait_still(self.window)
+        self.wait_quiet()
         before = self.window.docks["OverviewPanel"].height()
         self.run_zone()
         self.assertTrue(self.log.is_collapsed)
@@ -31,22 +31,32 @@ class TestCollapse(WindowCase):
         self.zone.command("stop")
         wait_until(lambda: "ENDED" in self.control._phase.text(), "the run has ended")
         self.assertTrue(self.overview.is_collapsed)
+        updated, again = self.client.model.updated, []
+
+        def update_again() -> None:  # as on a busy machine, before Qt comes to anything else
+            if not self.overview.is_collapsed and not again:
+                again.append(1)
+                updated.emit()
+
+        updated.connect(update_again)
+        self.addCleanup(updated.disconnect, update_again)
         self.zone.command("disconnect")
         wait_until(lambda: not self.overview.is_collapsed and not self.log.is_collapsed, "they are back")
         wait_until(lambda: abs(self.window.docks["OverviewPanel"].height() - before) < 2 * basic.em(),
                    "with the height from before")
         self.assertTrue(self.log.view.isVisible())
+        self.assertTrue(again)
 
     def test_a_sheet_that_comes_moves_no_other_panel(self) -> None:
         self.zone.command("connect")
         wait_until(lambda: self.scoring.rows, "a sheet is shown")
         self.zone.command("disconnect")
         wait_until(lambda: not self.scoring.rows, "no sheet is shown")
-        wait_still(self.window)
+        self.wait_quiet()
         before = [dock.geometry() for dock in self.window.docks.values() if dock.isVisible()]
         self.zone.command("connect")
         wait_until(lambda: self.scoring.rows, "another sheet is shown")
-        wait_still(self.window)
+        self.wait_quiet()
         self.assertEqual([dock.geometry() for dock in self.window.docks.values() if dock.isVisible()], before)
 
     def test_a_button_shows_them_during_the_run(self) -> None:
@@ -61,7 +71,7 @@ class TestCollapse(WindowCase):
         self.zone.command("connect")
         self.zone.command("start")
         wait_until(lambda: "Home A" in self.client.model.running_zones(), "the run is in progress")
-        QTest.qWait(300)
+        self.wait_heard()
         self.assertFalse(self.overview.is_collapsed)
 
 
@@ -83,7 +93,7 @@ class TestKeys(WindowCase):
         self.assertEqual(len(self.core.calls), 5)
 
     def test_a_number_in_a_text_scores_nothing(self) -> None:
-        click_at(middle_of(self.scoring.referee))
+        click_on(self.scoring.referee)
         for key in ("A", "6", "question"):
             press_key(key)
         wait_until(lambda: self.client.referee.name.lower().startswith("a6"), "it is typed")
@@ -116,7 +126,7 @@ class TestKeys(WindowCase):
     def test_a_question_mark_shows_all_keys_and_esc_closes_them(self) -> None:
         press_key("question", "Shift_L")
         page = self.dialog(KeysDialog)
-        click_at(middle_of(self.control.buttons["stop"]))
+        click_on(self.control.buttons["stop"])
         self.wait_call("stop_run", "Home A")
         page.activateWindow()
         wait_until(lambda: QApplication.activeWindow() is page, "the page has the focus")
@@ -138,7 +148,7 @@ class TestUndo(WindowCase):
         self.assertIn("Undo: Bumps into the furniture +1", undo.buttons[1].toolTip())
         self.assertIn("by Anna,", undo.buttons[1].toolTip())
         others = [undo.buttons[0], undo.buttons[2]]
-        click_at(middle_of(undo.buttons[1]))
+        click_on(undo.buttons[1])
         self.wait_call("withdraw", "Home A", 2)
         wait_until(lambda: undo.buttons == others, "it is gone, and the others stay where they are")
         self.assertEqual([entry.number for entry in self.zone.book.sheet.history if entry.withdrawn_utc], [2])
@@ -155,9 +165,11 @@ class TestUndo(WindowCase):
 
     def test_a_mark_that_has_just_come_cannot_be_undone_by_a_click_that_meant_another(self) -> None:
         self.run_zone()
+        limit(self, basic, "HOLD_MS", round(1000 * LONG_S))
         self.zone.mark(Mark(*BUMPS, 1), "Anna")
         wait_until(lambda: self.scoring.undo.buttons, "the mark is shown")
         self.assertFalse(self.scoring.undo.buttons[0].isEnabled())
+        self.scoring.undo._places[0].held.start(0)  # that time is over
         wait_until(self.scoring.undo.buttons[0].isEnabled, "it can be undone a moment later")
 
 
@@ -169,7 +181,7 @@ class TestOperation(WindowCase):
         for number in (1, 2):
             self.zone.asked = Asked(number, "Place the mug")
             wait_until(lambda: in_sight(panel.text), "the request comes to the front")
-            click_at(middle_of(panel.buttons[0])) if panel.buttons[0].isEnabled() else click(panel.buttons[0])
+            click_on(panel.buttons[0])
             wait_until(lambda: in_sight(self.scoring.history), "Scoring is back in front")
 
     def test_another_panel_that_the_referee_chose_stays_in_front(self) -> None:
@@ -181,7 +193,7 @@ class TestOperation(WindowCase):
         wait_until(lambda: in_sight(results.sign), "the referee reads the results")
         self.zone.asked = None
         wait_until(lambda: panel._request is None, "the request is over")
-        QTest.qWait(100)
+        self.wait_quiet()
         self.assertTrue(in_sight(results.sign))
 
 
@@ -203,17 +215,20 @@ class TestTimes(WindowCase):
         self.zone.command("stop")
         main = self.control.times.main
         wait_until(lambda: main.label.text() == "Final time of the run", "the label changes with the figure")
-        self.assertTrue(main.figure.text().startswith("1:3"), main.figure.text())
+        took_s = self.zone.book.state.elapsed_s
+        self.assertGreaterEqual(took_s, 92.0)
+        self.assertEqual(main.figure.text(), times.elapsed(took_s))
         self.assertIn("Time left after the stop: ", self.control.times.aside.text())
         others = [w for kind in (QPushButton,) for w in self.control.findChildren(kind)]
         self.assertGreater(main.figure.fitted_font().pixelSize(), max(w.fontInfo().pixelSize() for w in others))
 
     def test_the_last_seconds_stand_out_without_colour(self) -> None:
+        limit(self, clock, "SOON_S", 500.0)  # a busy machine may need some seconds to show it
+        limit(self, clock, "LAST_S", 250.0)
         self.run_zone()
-        left = EVENTS[0][4] - 25.0
-        self.core.pass_time(left)
+        self.core.pass_time(EVENTS[0][4] - 500.0)
         main = self.control.times.main
         wait_until(lambda: main.figure._tone is basic.OLD, "it is amber")
         self.assertFalse(main.figure._framed)
-        self.core.pass_time(16.0)
+        self.core.pass_time(250.0)
         wait_until(lambda: main.figure._framed and "LAST SECONDS" in main.label.text(), "it has a frame and words")

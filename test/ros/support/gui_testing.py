@@ -1,4 +1,4 @@
-"""What tests of panels share: a display of their own, waiting with Qt's events, clicking.
+"""What tests of panels share: a display of their own, waiting with Qt's events, clicking, and no hurry.
 
 Import it before anything of Qt: it gives this process a virtual display, also where there is a real one.
 """
@@ -8,7 +8,9 @@ import os
 import subprocess
 import tempfile
 import time
+import unittest
 from typing import Callable, Union
+from unittest import mock
 
 from support.waiting import LIMIT_S
 
@@ -38,18 +40,44 @@ _settings = tempfile.TemporaryDirectory()
 os.environ.update({"DISPLAY": _start_display(), "QT_QPA_PLATFORM": "xcb", "XDG_CONFIG_HOME": _settings.name,
                    "XDG_RUNTIME_DIR": _settings.name})
 
-from roah_rsbb.rqt.app.application import make_application  # noqa: E402
-from roah_rsbb.rqt.qt import (  # noqa: E402  (only now is there a display)  # noqa: E402
+from roah_rsbb.rqt.app.application import make_application  # noqa: E402  (only now is there a display)
+from roah_rsbb.rqt.model import calls, model, presses  # noqa: E402
+from roah_rsbb.rqt.panels import overview, panel  # noqa: E402
+from roah_rsbb.rqt.qt import (  # noqa: E402
     QApplication,
     QCheckBox,
+    QEvent,
     QMessageBox,
     QPoint,
     Qt,
     QTest,
     QWidget,
 )
+from roah_rsbb.rqt.widgets import stop_keys  # noqa: E402
 
 app = QApplication.instance() or make_application(["test"])
+
+LONG_S = 3600.0
+# Limits of the panels that depend on the machine's speed: what is a silent core, a late answer, a slow second press,
+# and how long a line about a success stays. A busy machine may stop for seconds at any moment.
+_LIMITS = (
+    (model, "SILENT_S", LONG_S), (model, "DETAILS_SILENT_S", LONG_S), (calls, "TIMEOUT_S", LONG_S),
+    (presses, "WITHIN_S", LONG_S), (stop_keys, "DONE_S", LONG_S), (stop_keys, "FAILED_S", LONG_S),
+    (overview, "DONE_S", LONG_S), (panel, "DONE_MS", round(1000 * LONG_S)),
+)
+
+
+def without_hurry(case: unittest.TestCase) -> None:
+    """Put all these limits out of reach until the test case ends."""
+    for place, name, value in _LIMITS:
+        limit(case, place, name, value)
+
+
+def limit(case: unittest.TestCase, place: object, name: str, value: object) -> None:
+    """Set a limit of the panels until the test case ends."""
+    patch = mock.patch.object(place, name, value)
+    patch.start()
+    case.addCleanup(patch.stop)
 
 
 def wait_until(condition: Callable[[], object], what: Union[str, Callable[[], str]], limit_s: float = LIMIT_S) -> None:
@@ -61,12 +89,38 @@ def wait_until(condition: Callable[[], object], what: Union[str, Callable[[], st
         QTest.qWait(20)
 
 
+def sync() -> None:
+    """Let Qt handle all events that are under way from the X server, and what follows from them at once."""
+    for _ in range(2):
+        QApplication.sync()
+        QApplication.sendPostedEvents(None, QEvent.DeferredDelete)
+
+
+def settle(widget: QWidget) -> None:
+    """Wait until the layout of a widget no longer changes."""
+    seen = [[], places(widget)]
+
+    def is_still() -> bool:
+        sync()
+        seen[:] = [seen[1], places(widget)]
+        return seen[0] == seen[1]
+
+    sync()
+    wait_until(is_still, "nothing moves")
+
+
+def places(widget: QWidget) -> list:
+    """Where all visible parts of a widget are."""
+    return [(w.objectName(), w.mapToGlobal(QPoint()), w.size()) for w in widget.findChildren(QWidget) if w.isVisible()]
+
+
 def show(widget: QWidget, width: int = 640, height: int = 700) -> None:
     """Show a widget as the active window."""
     widget.resize(width, height)
     widget.show()
     widget.activateWindow()
     wait_until(lambda: QApplication.activeWindow() is widget, "the widget is shown and has the focus")
+    sync()
 
 
 def click(button: QWidget) -> None:

@@ -1,36 +1,88 @@
 """Support for test cases of panels: a fake core, and a panel that shows its first zone."""
 
+import threading
 import unittest
 
 import rospy
 
+from roah_rsbb.rqt.model import model, zone_parameter
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.benchmark_control import BenchmarkControlPanel
 from support.fakes.core import FakeCore
-from support.gui_testing import show, wait_until
+from support.gui_testing import limit, show, wait_until, without_hurry
 
 DOOR = ("Achievements", "The robot detects the door with changed state")
 BUMPS = ("Penalized behaviours", "Bumps into the furniture")
+SILENT_S = model.SILENT_S
 
 
-class PanelCase(unittest.TestCase):
-    """A fake core, and one panel that shows its first zone."""
+class CoreCase(unittest.TestCase):
+    """A fake core in this process."""
+
+    ZONE = "Home A"
+
+    def setUp(self) -> None:
+        without_hurry(self)
+        # A client that has ended may still be writing its zone.
+        for thread in threading.enumerate():
+            if thread.name == zone_parameter.NAME:
+                thread.join()
+        rospy.set_param(zone_parameter.NAME, self.ZONE)
+        self.core = self.new_core()
+        self.addCleanup(lambda: self.core.close())  # a test may replace it
+        self.zone = self.core.zones[self.ZONE]
+
+    def new_core(self) -> FakeCore:
+        return FakeCore()
+
+    def open(self, kind: type):
+        """Open one panel, until the test ends."""
+        self.client = Client.acquire()
+        self.addCleanup(Client.release)
+        panel = kind(self.client)
+        self.addCleanup(panel.close)
+        self.addCleanup(panel.shutdown)
+        self.addCleanup(self.wait_answered)
+        self.addCleanup(lambda: self.core.answer_gate.set())
+        show(panel)
+        self.wait_heard()
+        return panel
+
+    def wait_heard(self) -> None:
+        """Wait until the panels show what the core says now. Each topic comes in its own time."""
+        now = self.core.clock()
+        wait_until(lambda: min(self.heard()) > now, "all topics are heard")
+
+    def heard(self) -> list:
+        """Return the core's clock in the newest messages on the topics that it publishes all the time."""
+        heard = self.client.model
+        return [0.0 if each is None else each.clock.to_sec() for each in (heard.gui, heard.details, heard._clocks)]
+
+    def wait_answered(self) -> None:
+        """Wait until all calls are answered, and the panels have shown the answers."""
+        wait_until(lambda: self.client.calls._threads == 0, "all calls are answered")
+
+    def wait_call(self, *call: object) -> None:
+        """Wait until the core receives this call. What it does then may take a moment."""
+        wait_until(lambda: call in self.core.calls, lambda: f"{call} is called; there were {self.core.calls}")
+
+    def hush(self) -> None:
+        """Let the core publish no more, and wait until all that it published is heard. It does not count as silent."""
+        self.core.silent = True
+        wait_until(lambda: set(self.heard()) == {self.core.said_utc_s}, "the core's last messages are heard")
+
+    def fall_silent(self) -> None:
+        """Let the core fall silent, and wait until the client notices it."""
+        self.hush()
+        limit(self, model, "SILENT_S", SILENT_S)
+        wait_until(lambda: self.client.model.is_old, "the core is silent")
+
+
+class PanelCase(CoreCase):
+    """One panel that shows the first zone of a fake core."""
 
     PANEL = BenchmarkControlPanel
 
     def setUp(self) -> None:
-        rospy.set_param("current_zone", "Home A")
-        self.core = FakeCore()
-        self.addCleanup(lambda: self.core.close())  # a test may replace it
-        self.zone = self.core.zones["Home A"]
-        self.client = Client.acquire()
-        self.addCleanup(Client.release)
-        self.panel = self.PANEL(self.client)
-        self.addCleanup(self.panel.close)
-        self.addCleanup(self.panel.shutdown)
-        self.addCleanup(lambda: self.core.answer_gate.set())
-        show(self.panel)
-        wait_until(lambda: self.client.model.zone is not None and not self.client.model.is_old, "the core is heard")
-
-    def wait_call(self, *call: object) -> None:
-        wait_until(lambda: call in self.core.calls, f"{call} is called; there were {self.core.calls}")
+        super().setUp()
+        self.panel = self.open(self.PANEL)

@@ -135,12 +135,14 @@ class FakeZone:
     @property
     def phase(self) -> str:
         """As in ZoneDetails."""
-        return "idle" if self.run is None else self.run.phase.value
+        run = self.run
+        return "idle" if run is None else run.phase.value
 
     @property
     def identity(self) -> str:
         """Of the run; may be set."""
-        return "" if self.run is None else self.run.identity
+        run = self.run
+        return "" if run is None else run.identity
 
     @identity.setter
     def identity(self, identity: str) -> None:
@@ -149,7 +151,8 @@ class FakeZone:
     @property
     def scores(self) -> Dict[tuple, int]:
         """The values of the items, without zeros."""
-        return {} if self.run is None else {(i.group, i.desc): i.value for i in self.run.sheet.items() if i.value}
+        run = self.run
+        return {} if run is None else {(i.group, i.desc): i.value for i in run.sheet.items() if i.value}
 
     def command(self, *commands: str) -> None:
         """Some referee gives commands."""
@@ -171,10 +174,11 @@ class FakeZone:
 
     def takes(self, method: str, *arguments: Any) -> bool:
         """Whether a service is about something that only this zone has; then it is done."""
-        if method == "complete_operation" and self.asked is not None:
+        asked = self.asked
+        if method == "complete_operation" and asked is not None and asked.operation == arguments[0]:
             self.asked = None
         elif method == "press_switch" and self.switches is not None:
-            self.switches ^= {arguments[0]}
+            self.switches = self.switches ^ {arguments[0]}
         elif method == "damage_switches" and self.switches is not None:
             self.damaged = arguments[0]
         elif method == "complete_switches" and self.switches is not None:
@@ -195,12 +199,13 @@ class FakeZone:
         clock.paused = self.paused or clock.paused
         for field in ("goal", "goal_limit", "goal_elapsed", "goal_counting"):
             setattr(clock, field, getattr(self.goal, field))
-        if self.asked is not None:
-            state.manual_operation = self.asked.text
-            details.operation, details.operation_asks_text = self.asked.operation, self.asked.asks_text
-            details.operation_choices = list(self.asked.choices)
-        if self.switches is not None:
-            state.omf, state.omf_switches = True, bytes(sorted(self.switches))
+        asked, switches = self.asked, self.switches  # the test or a call may change them at any moment
+        if asked is not None:
+            state.manual_operation = asked.text
+            details.operation, details.operation_asks_text = asked.operation, asked.asks_text
+            details.operation_choices = list(asked.choices)
+        if switches is not None:
+            state.omf, state.omf_switches = True, bytes(sorted(switches))
             state.omf_damaged, state.omf_complete = self.damaged, self.switches_asked
 
 
@@ -246,7 +251,9 @@ class FakeCore:
         self.refuse: Optional[str] = None  # reason with which every service fails
         self.answer_gate = threading.Event()  # cleared: services do not answer
         self.answer_gate.set()
-        self.silent = silent
+        self._silent = silent
+        self._speaking = threading.Lock()  # held while it publishes by itself
+        self.said_utc_s = 0.0  # clock of the newest messages
         self.box_warnings: List[str] = []
         self.heard_ago_s = 0.4
         self.robots = [("TestingTeam", "mbot", 0.0123), ("AnotherTeam", "amigo", -0.0871)]  # as they are published
@@ -344,9 +351,24 @@ class FakeCore:
 
     # -- topics -------------------------------------------------------------------------------------
 
+    @property
+    def silent(self) -> bool:
+        """Whether the core publishes nothing by itself."""
+        return self._silent
+
+    @silent.setter
+    def silent(self, silent: bool) -> None:
+        with self._speaking:  # after the last messages
+            self._silent = silent
+
+    def clock(self) -> float:
+        """The box's clock, UTC seconds."""
+        return self._now().utc
+
     def _tick(self, _event: object) -> None:
-        if not self.silent:
-            self.publish()
+        with self._speaking:
+            if not self._silent:
+                self.publish()
 
     def publish(self, clock: Optional[float] = None, scores: Optional[Dict[tuple, int]] = None) -> None:
         """Publish once; `clock` and `scores` (of the first zone) make it an older message."""
@@ -367,6 +389,7 @@ class FakeCore:
         self._put_into(gui)
         if clock is not None:
             gui.clock = details.clock = clocks.clock = rospy.Time.from_sec(clock)
+        self.said_utc_s = gui.clock.to_sec()
         if scores is not None:
             for group in gui.zones[0].scoring:
                 group.current_values = [scores.get((group.group_name, desc), 0) for desc in group.descriptions]

@@ -1,5 +1,6 @@
 """What a core publishes for the public display, as a test wants it: real messages without runs."""
 
+import threading
 import time
 from typing import List, Sequence, Tuple
 
@@ -42,25 +43,42 @@ def event(number: int, now_s: float = NOON) -> PublicEvent:
 class FakePublic:
     """Publishes what is in `runs`, `following` and `finished`, twice a second until `silent`."""
 
-    def __init__(self, now_s: float = NOON) -> None:
+    def __init__(self, now_s: float = NOON, silent: bool = False) -> None:
         """The box's clock begins at `now_s`, UTC seconds."""
+        self.lock = threading.RLock()  # held while it publishes; hold it for several changes that belong together
         self._ahead_of_mono_s = now_s - time.monotonic()
         self.box_uuid = "fake"
         self.results = "none"
         self.runs: List[PublicRun] = []
         self.following: List[PublicEvent] = []
         self.finished: List[PublicResult] = []
-        self.silent = False
+        self.said_utc_s = 0.0  # clock of the newest message
+        self._silent = silent
         self.ahead_s = 0.0  # of the box's clock
         self._topic = rospy.Publisher(TOPIC, PublicDetails, queue_size=1, latch=True)
         self._board = rospy.Publisher(BOARD_TOPIC, PublicBoard, queue_size=1, latch=True)
-        self._timer = rospy.Timer(rospy.Duration(PERIOD_S), lambda _event: self.silent or self.publish())
+        self._timer = rospy.Timer(rospy.Duration(PERIOD_S), self._tick)
 
     def close(self) -> None:
         """End: the topic is gone."""
         self._timer.shutdown()
         self._topic.unregister()
         self._board.unregister()
+
+    @property
+    def silent(self) -> bool:
+        """Whether it publishes nothing by itself."""
+        return self._silent
+
+    @silent.setter
+    def silent(self, silent: bool) -> None:
+        with self.lock:  # after the last message
+            self._silent = silent
+
+    def _tick(self, _event: object) -> None:
+        with self.lock:
+            if not self._silent:
+                self.publish()
 
     def now(self) -> float:
         """The box's clock, UTC seconds."""
@@ -72,9 +90,11 @@ class FakePublic:
 
     def publish(self) -> None:
         """Publish once."""
-        self._topic.publish(PublicDetails(
-            stamp(self.now()), self.box_uuid, self.results, list(self.runs), list(self.following), list(self.finished)
-        ))
+        with self.lock:
+            clock = stamp(self.now())
+            self.said_utc_s = clock.to_sec()
+            self._topic.publish(PublicDetails(
+                clock, self.box_uuid, self.results, list(self.runs), list(self.following), list(self.finished)))
 
     def publish_board(self, provisional: Sequence[PublicResult] = (), teams: Sequence[str] = TEAMS) -> None:
         """Publish the results of `finished` as signed off, others as provisional, and a standing of these teams."""
@@ -110,6 +130,11 @@ def _group(name: str, *values: int) -> ZoneScoreGroup:
 
 def scene(fake: FakePublic, runs: int, scores: bool = True) -> Tuple[int, int]:
     """Publish a busy competition with this many runs. Returns the numbers of results and coming events."""
+    with fake.lock:
+        return _scene(fake, runs, scores)
+
+
+def _scene(fake: FakePublic, runs: int, scores: bool) -> Tuple[int, int]:
     reasons = ("completed", "timeout", "stopped", "no_messages_saved", "module_failed")
     fake.runs = [fake.run(i, left_s=571.0 + i) for i in range(runs)]
     if runs > 1:
