@@ -5,7 +5,7 @@ What happens to each datagram depends on the seed and on the datagram's number o
 
 import asyncio
 import random
-from typing import Any, Callable, List, NamedTuple, Optional
+from typing import Any, Callable, Dict, List, NamedTuple, Optional
 
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.comm.peer import Address, Peer
@@ -35,6 +35,7 @@ class BadNetwork:
         self.received = 0  # datagrams on private channels
         self.sent: List[bytes] = []  # datagrams on private channels, while `keep` is set
         self.keep = False
+        self._peers: Dict[int, BadPeer] = {}  # the latest by port
         self._loop = loop
         self._random = random.Random(seed)
         self._make_peer = make_peer or Peer
@@ -51,7 +52,14 @@ class BadNetwork:
             self.received += is_private
             self.treat(self.back, lambda: on_datagram(datagram, sender))
 
-        return BadPeer(self, self._make_peer(loop, rsbb_host, port, receive, *args, **kwargs), is_private)
+        made = BadPeer(self, self._make_peer(loop, rsbb_host, port, receive, *args, **kwargs), is_private)
+        if self._peers.get(port) is None or not self._peers[port].is_open:
+            self._peers[port] = made
+        return made
+
+    def resend(self, port: int, datagram: bytes, host: str) -> None:
+        """Send any bytes from the box's socket on a port."""
+        self._peers[port].send(datagram, host)
 
     def treat(self, how: Impairment, deliver: Callable[[], Any]) -> None:
         """Deliver a datagram not at all, once or twice, now or later."""

@@ -35,8 +35,10 @@ ANY_SKEW_S = 1e12
 MODULE_BEAT_S = 0.5
 # A code that no robot knows. Competitions may define their own ones.
 UNKNOWN_CODE = "XCHECK"
-# A robot's datagram takes no longer than this. Until then, the robot may act on what the box sent before.
-STILL_VALID_S = 2.5
+# The tablet of the check, which is nowhere.
+BEACON_HOST = "192.0.2.1"
+# Datagrams take no longer than this. Until then, the robot may act on what the box sent before.
+STILL_VALID_S = 0.5
 
 
 class HeardReport(NamedTuple):
@@ -46,7 +48,7 @@ class HeardReport(NamedTuple):
     host: str
     port: int
     report: RobotReport
-    box: BoxState  # what the box sent at that moment
+    said: int  # number of the box's states (`Record.states`) before it
 
 
 class HeardBeacon(NamedTuple):
@@ -115,10 +117,10 @@ class WatchedBox(Box):
             before = run.link.last
             if self.trap is not None and (before is None or report.time > before.time):
                 self.trap(report)
-            box = run.message.state
+            said = len(self._log.states)
             super().on_robot_report(now, port, host, report)
             if run.link.last is report:
-                self._log.reports.append(HeardReport(now.mono, host, port, report, box))
+                self._log.reports.append(HeardReport(now.mono, host, port, report, said))
                 self._log.skews.append((now.mono, wire_seconds(report.time) - now.utc))
             else:
                 self._log.stale += 1
@@ -261,10 +263,8 @@ def configuration(team: str, password: str) -> Config:
     return Config(found, {team: password}, zones)
 
 
-def states_between(record: Record, port: int, begin: float, end: float) -> List[BoxState]:
-    """The states that the box sent on a port in an interval of time, and the one before."""
-    found = [said for said in record.states if said.port == port and said.mono <= end]
+def states_before(record: Record, heard: HeardReport, begin: float) -> List[BoxState]:
+    """The states that the box sent on a report's port before the report, since a time, and the one at that time."""
+    found = [said for said in record.states[:heard.said] if said.port == heard.port]
     first = max((index for index, said in enumerate(found) if said.mono <= begin), default=0)
     return [said.state for said in found[first:]]
-
-

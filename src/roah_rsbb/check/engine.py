@@ -6,25 +6,32 @@ from typing import Callable, List, Optional, Sequence
 from roah_rsbb.check import monitor
 from roah_rsbb.check.findings import Finding, ScenarioResult, Verdict
 from roah_rsbb.check.play import GaveUp, Play
-from roah_rsbb.check.scenarios import basic
+from roah_rsbb.check.scenarios import basic, boxes, goals, network
 from roah_rsbb.check.scenarios.scenario import Level, Scenario
+from roah_rsbb.rulebook.registry import PROFILES
 
 # A check that was stopped for longer than this during a scenario does not judge the robot's times.
 BUSY_S = 0.3
+# Datagrams that a bad network delayed must not arrive in the next scenario.
+LATE_S = 0.5
 
 OnResult = Callable[[ScenarioResult], None]
 
 
 def all_scenarios() -> List[Scenario]:
     """Return all scenarios, in their order."""
-    return list(basic.SCENARIOS)
+    return [*basic.SCENARIOS, *goals.SCENARIOS, *boxes.SCENARIOS, *network.SCENARIOS]
 
 
 def scenarios_of(level: Level, benchmarks: Sequence[str], names: Optional[Sequence[str]] = None) -> List[Scenario]:
     """Return the scenarios of a level, in order. `names`: only these, and the search for the robot."""
     if names is not None:
         return [one for one in all_scenarios() if one.name in names or not one.needs_robot]
-    return [one for one in all_scenarios() if level is Level.FULL or one.level is Level.BASIC]
+    if level is Level.BASIC:
+        return [one for one in all_scenarios() if one.level is Level.BASIC]
+    others = {code for code in PROFILES if code not in benchmarks}
+    done = f"run-{benchmarks[0].lower()}"  # by the scenario "run"
+    return [one for one in all_scenarios() if one.code not in others and one.name != done]
 
 
 class Engine:
@@ -70,6 +77,8 @@ class Engine:
             raise
         monitor.judge(play, since, code)
         await play.tidy()
+        if scenario.bad_network:
+            await play.rest(LATE_S)
         if play.stalls.since(began) > BUSY_S:
             _unjudge(result)
         self._end(result, began)

@@ -9,7 +9,7 @@ import contextlib
 import time
 from typing import Callable, Container, Dict, List, NamedTuple, NoReturn, Optional, Tuple
 
-from roah_rsbb.check.bad_network import BadNetwork
+from roah_rsbb.check.bad_network import PERFECT, BadNetwork
 from roah_rsbb.check.box import AnotherBox, CheckBox, HeardReport, Record
 from roah_rsbb.check.findings import Cause, Finding, ScenarioResult, Verdict
 from roah_rsbb.check.stalls import Stalls
@@ -35,6 +35,9 @@ STILL_S = 1.2  # for how long the robot must then stay in STOP
 # Clocks are not finer than this.
 RESOLUTION_S = 1e-4
 EXECUTING_S = 0.5  # the robot works this long before a scenario disturbs it
+
+# The check also sends beacons that an original box does not send.
+MAX_DATAGRAM = 8192
 
 _GOALS: Dict[GoalForm, Tuple[dict, ...]] = {
     GoalForm.WAYPOINT: ({"goal": "[1.0, 2.0, 0.5]", "pose": (1.0, 2.0, 0.5)},
@@ -96,12 +99,13 @@ class Play:
         self.began = loop.time()
         self.judges_times = True  # False: the present scenario makes the network bad on purpose
         self._utc = utc
+        self._offset = utc() - loop.time()
         self._news = asyncio.Event()
         self.box = self._make_box(options.bind_host, None)
 
     def _make_box(self, bind_host: str, last_port: Optional[int], listen_duration: float = 0.0) -> CheckBox:
         options = self.options
-        network = Network(options.rsbb_host, options.rsbb_port, bind_host, options.cipher, False, 1024)
+        network = Network(options.rsbb_host, options.rsbb_port, bind_host, options.cipher, False, MAX_DATAGRAM)
         return CheckBox(self.loop, network, self.network, options.team, options.password, self.record,
                         self._news.set, last_port, self._utc, listen_duration)
 
@@ -145,6 +149,10 @@ class Play:
     def measured(self, what: str, seconds: float) -> None:
         """Note a measured duration."""
         self.result.measured.append(f"{what}: {seconds * 1000:.0f} ms" if seconds < 10 else f"{what}: {seconds:.1f} s")
+
+    def clock_step(self) -> float:
+        """By how much the checker's own clock was set since the beginning (s)."""
+        return self._utc() - self.loop.time() - self._offset
 
     # -- waiting ------------------------------------------------------------------------------------
 
@@ -222,8 +230,13 @@ class Play:
             self.give_up(Cause.BAD_FRAMES, expected, complaints[-1])
         self.give_up(Cause.NO_BEACON, expected, "no beacon of any robot")
 
-    async def connect(self, code: str, goals: Optional[Tuple[dict, ...]] = None) -> None:
-        """Connect the robot to a run of this benchmark, and wait for its first message."""
+    async def connect(
+        self, code: str, goals: Optional[Tuple[dict, ...]] = None, missing: Optional[Cause] = None
+    ) -> None:
+        """Connect the robot to a run of this benchmark, and wait for its first message.
+
+        `missing`: the cause if there is none.
+        """
         if not self.robot:
             self.skip("The robot was not found")
         self.box.goals.requests = list(goals_of(code) if goals is None else goals)
@@ -240,7 +253,8 @@ class Play:
         if not await self.until(lambda: self.last is not None, ANSWER_S):
             if len(self.record.unreadable) > unreadable:
                 raise GaveUp  # the frames are judged at the end of the scenario
-            self.give_up(Cause.NO_PRIVATE_CHANNEL,
+            usual = Cause.PORT_NOT_FOLLOWED if self.record.reports else Cause.NO_PRIVATE_CHANNEL
+            self.give_up(missing or usual,
                          f"a RobotState on UDP port {self.box.run_in(code).port} within {ANSWER_S:g} s of the beacon "
                          "that lists the robot", "none")
         self.measured("first message on the private channel", self.loop.time() - began)
@@ -399,7 +413,7 @@ class Play:
 
     async def tidy(self) -> None:
         """Leave the robot stopped and without a run, whatever happened before."""
-        self.network.out = self.network.back = type(self.network.out)()
+        self.network.out = self.network.back = PERFECT
         self.box.box.trap, self.box.box.extra = None, ()
         if not self.code or self.box.run_in(self.code) is None:
             return

@@ -59,6 +59,7 @@ class Air:
     def __init__(self, loop):
         self.loop = loop
         self.peers = []
+        self._arrival = 0.0
         self.taken = set()  # (host, port) that another program uses
 
     def peer(self, loop, rsbb_host, port, on_datagram, on_complaint, bind_host=sockets.ANY_HOST, max_datagram=1024,
@@ -67,10 +68,12 @@ class Air:
         return _Peer(self, rsbb_host, port, on_datagram, bind_host, max_datagram, shared)
 
     def deliver(self, source, datagram, host):
+        # Timers of one moment have no order, but a wire has.
+        self._arrival = max(self.loop.time() + DELAY_S, self._arrival + 1e-7)
         for peer in list(self.peers):
             is_there = peer.port == source.port and peer is not source
             if is_there and host in (peer.bind_host, sockets.LOOPBACK_BROADCAST):
-                self.loop.call_later(DELAY_S, self._arrive, peer, datagram, (source.bind_host, source.port))
+                self.loop.call_at(self._arrival, self._arrive, peer, datagram, (source.bind_host, source.port))
 
     def _arrive(self, peer, datagram, sender):
         if peer in self.peers:

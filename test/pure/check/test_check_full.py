@@ -1,0 +1,48 @@
+"""All scenarios of the check against the dummy robot, in simulated time."""
+
+import pytest
+
+from helpers.checked_robot import Checked, usual_robot
+from roah_rsbb.check.engine import all_scenarios, scenarios_of
+from roah_rsbb.check.findings import Verdict
+from roah_rsbb.check.scenarios.scenario import Level
+from roah_rsbb.robot.dummy import DummyOptions
+from roah_rsbb.rulebook.registry import PROFILES
+
+ALL = tuple(PROFILES)
+
+
+def test_the_dummy_robot_passes_all_scenarios_within_eight_minutes(monkeypatch):
+    checked = Checked(monkeypatch, lambda loop: usual_robot(loop, DummyOptions(seed=1)), Level.FULL, benchmarks=ALL)
+    assert [(r.name, r.findings) for r in checked.engine.results if r.verdict is not Verdict.PASSED] == []
+    assert [r.name for r in checked.engine.results] == [
+        one.name for one in all_scenarios() if one.name != f"run-{ALL[0].lower()}"]
+    assert checked.seconds < 480.0
+
+
+@pytest.mark.random
+@pytest.mark.parametrize("seed", range(4))
+def test_no_bad_network_is_the_robots_fault(monkeypatch, seed):
+    robot = lambda loop: usual_robot(loop, DummyOptions(1.0, 2.0, seed=seed))  # noqa: E731
+    names = ("bad-network", "run-hwv", "run-hnf", "next-waypoint", "goal-timeout", "restart", "moved")
+    assert Checked(monkeypatch, robot, names=names, seed=seed).findings == []
+
+
+def test_a_quick_robot_is_not_blamed(monkeypatch):
+    """It prepares and executes at once, so some scenarios are not possible."""
+    checked = Checked(monkeypatch, lambda loop: usual_robot(loop, DummyOptions(0.0, 0.0, seed=1)), Level.FULL,
+                      benchmarks=ALL)
+    assert [f for f in checked.findings if f.verdict not in (Verdict.SKIPPED, Verdict.PASSED)] == []
+
+
+def test_without_a_second_address_its_scenarios_are_skipped(monkeypatch):
+    checked = Checked(monkeypatch, names=("moved", "other-box"), second_host="")
+    assert [(f.verdict, f.came) for f in checked.findings] == [
+        (Verdict.SKIPPED, "This machine has no second address: give one with --second-bind")] * 2
+
+
+def test_only_the_given_benchmarks_are_run():
+    names = [one.name for one in scenarios_of(Level.FULL, ("HNF", "HWV"))]
+    assert [name for name in names if name.startswith("run")] == ["run", "run-hwv"]
+    assert "next-waypoint" in names and "goal-timeout" not in names and "burst" not in names
+    assert "unknown-code" in names
