@@ -282,6 +282,51 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Public display</source>
+        <translation>Öffentliche Anzeige</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Overlay for video</source>
+        <translation>Einblendung für Video</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>all zones</source>
+        <translation>alle Zonen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Teams</source>
+        <translation>Teams</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Standings</source>
+        <translation>Ranglisten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Data for programs</source>
+        <translation>Daten für Programme</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>No results are public yet</source>
+        <translation>Noch keine Ergebnisse veröffentlicht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>No more events</source>
+        <translation>Keine weiteren Termine</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Nothing is known of this team</source>
+        <translation>Über dieses Team ist nichts bekannt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
         <source>getting ready</source>
         <translation>macht sich bereit</translation>
     </message>

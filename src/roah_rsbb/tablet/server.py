@@ -4,30 +4,22 @@ Anybody on the network may open it. Therefore nothing from a browser is stored o
 """
 
 import asyncio
-import errno
-import os
 import socket
 import time
-from typing import Any, Callable, Dict, List, Optional
+from typing import Callable, Dict, List, Optional
 
-from tornado import httpserver, iostream, netutil, web, websocket
+from tornado import web, websocket
 
-from roah_rsbb.comm.sockets import ANY_HOST, OpenError
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
+from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_headers
 
 # No venue has more tablets.
 MAX_PAGES = 32
-# A browser opens up to six at once. Connections that show a page are not counted.
-MAX_CONNECTIONS = 200
 # A page sends a message every two seconds. A phone that goes to sleep does not close its page.
 PAGE_SILENT_S = 6.0
 # Nobody touches a page more often than this per second.
 MAX_MESSAGES_A_SECOND = 20
-_MAX_MESSAGE_BYTES = 1024
-_MAX_BODY_BYTES = 1024
-_MAX_HEADER_BYTES = 16 * 1024
-_IDLE_S = 30.0
 _PUBLISH_PERIOD_S = 1.0
 
 # Pages load and run nothing from other sites, and no other site may show them in a frame.
@@ -38,30 +30,6 @@ _HEADERS = {
     "Cache-Control": "no-cache",
     "Server": "roah_rsbb",
 }
-
-
-class _HTTPServer(httpserver.HTTPServer):
-    """Serves a limited number of connections. If too many show no page, the oldest of them is closed.
-
-    Otherwise slow connections would use up all file descriptors of the process, and no browser could connect.
-    """
-
-    def initialize(self, *args: Any, **options: Any) -> None:
-        super().initialize(*args, **options)
-        self._waiting: Dict[iostream.IOStream, None] = {}  # oldest first
-
-    def handle_stream(self, stream: iostream.IOStream, address: Any) -> Any:
-        """Accept a connection."""
-        self._waiting[stream] = None
-        if len(self._waiting) > MAX_CONNECTIONS:
-            next(iter(self._waiting)).close()
-        # Tornado sets its own callback for connections that it serves.
-        self._waiting = {waiting: None for waiting in self._waiting if not waiting.closed()}
-        return super().handle_stream(stream, address)
-
-    def keep(self, stream: Optional[iostream.IOStream]) -> None:
-        """Stop counting a connection that shows a page: pages have their own limit."""
-        self._waiting.pop(stream, None)
 
 
 class TabletServer:
@@ -92,23 +60,15 @@ class TabletServer:
                 (r"/map\.png", MapHandler, {"plan": plan}),
                 (r"/(.*)", FileHandler, {"path": folder, "default_filename": "index.html"}),
             ],
-            websocket_max_message_size=_MAX_MESSAGE_BYTES,
+            websocket_max_message_size=MAX_MESSAGE_BYTES,
             default_handler_class=web.ErrorHandler, default_handler_args={"status_code": 404},
             log_function=lambda handler: None,
         )
-        self._http = _HTTPServer(
-            application, max_body_size=_MAX_BODY_BYTES, max_header_size=_MAX_HEADER_BYTES,
-            idle_connection_timeout=_IDLE_S, body_timeout=_IDLE_S,
-        )
+        self._http = BoundedServer(application)
 
     def open(self, host: str, port: int) -> int:
         """Start serving (port 0: any free port); returns the port. Raises OSError whose text names the remedy."""
-        try:
-            # IPv4 only, like everything else. Other programs cannot share the address.
-            self._listening = netutil.bind_sockets(port, None if host == ANY_HOST else host, socket.AF_INET)
-        except OSError as error:
-            raise OpenError(error.errno, f"cannot serve the tablet's page on {host}:{port}: "
-                                         f"{_remedy(error, port)}") from error
+        self._listening = bind(host, port, "the tablet's page", "tablet")
         self._http.add_sockets(self._listening)
         self._publish_each_second()
         return self._listening[0].getsockname()[1]
@@ -214,7 +174,7 @@ class MapHandler(web.RequestHandler):
         self._plan = plan
 
     def set_default_headers(self) -> None:
-        _set_headers(self)
+        set_headers(self, _HEADERS)
 
     def get(self) -> None:
         if self._plan is None:
@@ -227,20 +187,4 @@ class FileHandler(web.StaticFileHandler):
     """The files of the page."""
 
     def set_extra_headers(self, path: str) -> None:
-        _set_headers(self)
-
-
-def _set_headers(handler: web.RequestHandler) -> None:
-    for name, value in _HEADERS.items():
-        handler.set_header(name, value)
-
-
-def _remedy(error: OSError, port: int) -> str:
-    if error.errno == errno.EADDRINUSE:
-        return (f"another program uses the port: end it ('ss -tlpn sport = :{port}' shows it), or choose another "
-                "tablet_port")
-    if error.errno == errno.EACCES:
-        return "not permitted: choose a tablet_port above 1023"
-    if error.errno == errno.EADDRNOTAVAIL:
-        return "that is not an address of this machine: correct tablet_host"
-    return os.strerror(error.errno or 0)
+        set_headers(self, _HEADERS)

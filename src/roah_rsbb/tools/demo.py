@@ -46,10 +46,11 @@ def _free_port(kind: socket.SocketKind, host: str, first: int, step: int) -> int
 def _launch_command(gui: str, master_port: int) -> List[str]:
     udp_port = _free_port(socket.SOCK_DGRAM, BROADCAST_HOST, FIRST_UDP_PORT, UDP_PORT_STEP)
     tablet_port = _free_port(socket.SOCK_STREAM, BOX_HOST, FIRST_TABLET_PORT, 1)
+    web_port = _free_port(socket.SOCK_STREAM, BOX_HOST, tablet_port + 1, 1)
     return [
         "roslaunch", "-p", str(master_port), "roah_rsbb", "roah_rsbb_dummy.launch", f"gui:={gui}",
         f"rsbb_host:={BROADCAST_HOST}", f"bind_host:={BOX_HOST}", f"rsbb_port:={udp_port}", f"log_dir:={LOG_DIR}",
-        f"tablet_port:={tablet_port}",
+        f"tablet_port:={tablet_port}", f"web_port:={web_port}",
     ]
 
 

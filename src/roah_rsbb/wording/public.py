@@ -7,7 +7,7 @@ compares them with the clock on the wall.
 
 import math
 import time
-from typing import NamedTuple, Optional, Tuple
+from typing import Dict, NamedTuple, Optional, Tuple
 
 from roah_rsbb.wording import module_scores, sheets, times
 from roah_rsbb.wording.clock import PAUSED
@@ -96,7 +96,7 @@ def content(details: Optional[object], utc_s: float, is_old: bool, board: Option
         clock=clock,
         trouble=tr(NO_SIGNAL, time=clock) if is_old else "",
         cards=tuple(
-            card._replace(big=card.big.replace(TIME, times.countdown(_shown_s(run, utc_s, details.clock.to_sec()))))
+            card._replace(big=_at(card, run, utc_s, details.clock.to_sec()))
             for card, run in zip(cards(details), details.runs)
         ),
         following=following(details, utc_s),
@@ -110,6 +110,15 @@ def cards(details) -> Tuple[RunCard, ...]:
     """Return the texts of all runs. Their largest text has the place `TIME` for the countdown."""
     many_zones = _has_many_zones(details)
     return tuple(_card(run, many_zones) for run in details.runs)
+
+
+def still(card: RunCard, run, clock_s: float) -> str:
+    """Return the largest text of a run. If its clock runs, the text has the place `TIME` for the countdown."""
+    return card.big if run.counting else _at(card, run, clock_s, clock_s)
+
+
+def _at(card: RunCard, run, utc_s: float, clock_s: float) -> str:
+    return card.big.replace(TIME, times.countdown(_shown_s(run, utc_s, clock_s)))
 
 
 def following(details, utc_s: float) -> Tuple[ListLine, ...]:
@@ -131,6 +140,18 @@ def standings(board) -> Tuple[StandingTexts, ...]:
 def standing_title(title: str) -> str:
     """Return the title above the standing of a benchmark."""
     return tr("Standing: {benchmark}", benchmark=title)
+
+
+def page_words() -> Dict[str, str]:
+    """Return the fixed texts of the pages in browsers, by the names that the pages use."""
+    return {
+        "waiting": tr(WAITING), "nothing_runs": tr(NOTHING_RUNS), "schedule_is_done": tr(SCHEDULE_IS_DONE),
+        "no_signal": tr(NO_SIGNAL, time=TIME), "runs": tr(RUNS), "next": tr(NEXT), "results": tr(RESULTS),
+        "provisional": tr(PROVISIONAL), "display": tr("Public display"), "overlay": tr("Overlay for video"),
+        "all_zones": tr("all zones"), "teams": tr("Teams"), "standings": tr("Standings"),
+        "data": tr("Data for programs"), "no_results": tr("No results are public yet"),
+        "no_events": tr("No more events"), "not_in_schedule": tr("Nothing is known of this team"),
+    }
 
 
 def _has_many_zones(details) -> bool:

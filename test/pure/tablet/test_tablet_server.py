@@ -13,6 +13,7 @@ from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages
 from roah_rsbb.tablet.server import MAX_MESSAGES_A_SECOND, MAX_PAGES, TabletServer
 from roah_rsbb.tablet.state import NEVER, BoxPart, TabletState
+from roah_rsbb.web import serving
 
 HOST = "127.0.0.1"
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "tablet")
@@ -269,7 +270,7 @@ def test_a_page_that_is_refused_touches_nothing(served):
 
 @pytest.mark.long
 def test_too_many_slow_connections_do_not_keep_others_out(served, monkeypatch):
-    monkeypatch.setattr(server_module, "MAX_CONNECTIONS", 20)
+    monkeypatch.setattr(serving, "MAX_CONNECTIONS", 20)
     page = served.page()
     assert served.read(page)
     slow = [socket.create_connection((HOST, served.port)) for _ in range(60)]

@@ -41,7 +41,7 @@ class TestDummySetUp(NetworkCase):
         files = (f"{name}:={path}" for name, path in FILES.items())
         launched = self._leaving(Program(
             "roslaunch", PACKAGE, "roah_rsbb_dummy.launch", "robots:=3", "gui:=none", "tablet:=false",
-            "devices:=false", f"rsbb_host:={BROADCAST}", f"rsbb_port:={RSBB_PORT}", f"bind_host:={BOX}",
+            "web:=false", "devices:=false", f"rsbb_host:={BROADCAST}", f"rsbb_port:={RSBB_PORT}", f"bind_host:={BOX}",
             f"log_dir:={LOG_DIR}", *files,
         ))
         box = BoxClient()

@@ -16,7 +16,8 @@ from support.waiting import LIMIT_S
 ZONES = ["Task Benchmarks", "Functionality Benchmarks"]
 # A team that has an address in the tests; its password is a new one.
 TEAM = "Alpha"
-NETWORK = {"rsbb_port": RSBB_PORT, "bind_host": BOX, "devices": "false", "gui": "none", "tablet_port": 0}
+NETWORK = {"rsbb_port": RSBB_PORT, "bind_host": BOX, "devices": "false", "gui": "none", "tablet_port": 0,
+           "web_port": 0}
 MADE = ("--teams", f"{TEAM}, Copper Kettle", "--benchmarks", "HCFGAC,HNF,HSUF", "--days", "2026-11-28",
         "--rsbb-host", BROADCAST)
 

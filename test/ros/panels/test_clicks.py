@@ -35,7 +35,7 @@ class TestClicks(unittest.TestCase):
         self.launch = Program(
             "roslaunch", PACKAGE, "roah_rsbb_dummy.launch", "gui:=window", f"rsbb_host:={BROADCAST}",
             f"rsbb_port:={RSBB_PORT}", f"bind_host:={BOX}", f"schedule_file:={CONFIG / 'clicks.yaml'}",
-            f"log_dir:={LOG_DIR}", "tablet:=false", "devices:=false", "ground_truth:=false",
+            f"log_dir:={LOG_DIR}", "tablet:=false", "web:=false", "devices:=false", "ground_truth:=false",
             "bell_ring_command:=true", "timeout_ring_command:=true",
         )
         self.addCleanup(self.launch.close)

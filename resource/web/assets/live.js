@@ -1,0 +1,116 @@
+// Live data of the gateway: its documents, the box's clock, and whether both are current (docs/web.md, "Live data").
+
+const RECONNECT_MS = 1000;
+// The gateway sends the clock each second.
+const SILENT_S = 3.5;
+// How much slower than ours the box's clock may run.
+const DRIFT = 2e-4;
+
+export const seconds = () => performance.now() / 1000;
+
+// Estimates the box's clock: the message with the least delay gives the best estimate (box_clock.py does the same).
+export class BoxClock {
+  sample(now, clock) {
+    const offset = clock - now;
+    const isFirst = this.offset === undefined || clock < this.lastClock;
+    this.offset = isFirst ? offset : Math.max(offset, this.offset - DRIFT * (now - this.lastNow));
+    this.lastClock = clock;
+    this.lastNow = now;
+  }
+
+  at(now) {
+    return this.offset === undefined ? null : now + this.offset;
+  }
+}
+
+// `documents`: names; `onChange` is called when something on the page may change.
+export class Live {
+  constructor(documents, language, onChange) {
+    this.data = {};  // document by name
+    this.missed = 0;  // changes that were replaced by later ones before they came
+    this.clock = new BoxClock();
+    this.silentSince = null;  // the box's clock at the last sign of life, while the data is old
+    this.onChange = onChange;
+    this.numbers = {};
+    this.heardAt = -Infinity;
+    this.isHeard = false;
+    const query = new URLSearchParams({documents: documents.join(","), language});
+    this.address = `${location.protocol === "https:" ? "wss:" : "ws:"}//${location.host}/api/v1/events?${query}`;
+    this.connect();
+    setInterval(() => this.watch(), 250);
+  }
+
+  connect() {
+    const opening = new WebSocket(this.address);
+    this.socket = opening;
+    opening.onmessage = (event) => {
+      if (this.socket === opening) {
+        this.receive(JSON.parse(event.data));
+      }
+    };
+    opening.onclose = () => this.reconnect(opening);
+  }
+
+  reconnect(socket) {
+    if (this.socket === socket) {
+      this.socket = null;
+      socket.close();
+      // Not all pages of a hall at the same moment.
+      setTimeout(() => this.connect(), RECONNECT_MS * (1 + Math.random()));
+      this.watch();
+    }
+  }
+
+  receive(message) {
+    const now = seconds();
+    this.heardAt = now;
+    this.isHeard = message.heard;
+    if (message.heard) {
+      this.clock.sample(now, message.clock);
+    }
+    if (message.type === "clock") {
+      // A change was lost: begin again with a snapshot.
+      if (Object.entries(message.numbers).some(([name, number]) => this.numbers[name] !== number)) {
+        this.reconnect(this.socket);
+      }
+    } else {
+      for (const [name, document] of Object.entries(message.documents)) {
+        if (message.type === "change" && document.number !== this.numbers[name] + 1) {
+          this.missed += 1;
+        }
+        this.numbers[name] = document.number;
+        this.data[name] = document.data;
+      }
+    }
+    this.watch(message.type !== "clock");
+  }
+
+  // Notice silence: of the gateway, or of the box behind it. A lost connection sends nothing.
+  watch(hasChanged = false) {
+    const now = seconds();
+    const gatewayIsSilent = now - this.heardAt > SILENT_S;
+    if (gatewayIsSilent && this.socket && this.socket.readyState === WebSocket.OPEN) {
+      this.reconnect(this.socket);
+    }
+    const isSilent = gatewayIsSilent || !this.isHeard || !this.socket;
+    if (isSilent && this.silentSince === null) {
+      this.silentSince = this.clock.at(Math.min(now, this.lastSign()));
+      hasChanged = true;
+    } else if (!isSilent && this.silentSince !== null) {
+      this.silentSince = null;
+      hasChanged = true;
+    }
+    if (hasChanged) {
+      this.onChange();
+    }
+  }
+
+  lastSign() {
+    return this.clock.lastNow === undefined ? Infinity : this.clock.lastNow;
+  }
+
+  // The box's clock in UTC seconds. It is stopped while the data is old.
+  now() {
+    return this.silentSince === null ? this.clock.at(seconds()) : this.silentSince;
+  }
+}

@@ -1,0 +1,126 @@
+"""Node roah_rsbb_web: serves the public display and other pages to browsers, and live data to programs (docs/web.md).
+
+It only reads the public topics of the core, so it can end and start again at any time. If its port is taken, it logs
+this once with the remedy, and retries.
+
+Parameters (private): web_port (TCP, 0: any free one), web_host (address at which it is served; default: all, or this
+computer's alone if rsbb_host is), web_names (further names of this computer, separated by spaces), rsbb_host, title (of
+the competition).
+"""
+
+import asyncio
+import importlib.util
+import pathlib
+from typing import Optional
+
+import rospkg
+import rospy
+
+from roah_rsbb.comm import sockets
+from roah_rsbb.msg import PublicBoard, PublicDetails
+from roah_rsbb.ros.command_line import run_node
+from roah_rsbb.ros.feed import Feed
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.ros.params import Params
+from roah_rsbb.web.limits import own_names
+from roah_rsbb.web.store import Store
+from roah_rsbb.wording import catalogues
+
+DETAILS, BOARD = "/core/public_details", "/core/public_board"
+RETRY_S = 3.0
+# The core's computer may have lost its power: the connection then stays half open.
+RENEW_S = 5.0
+LOOPBACK = "127.0.0.1"
+
+
+class WebNode:
+    """The node. Raises `BadParams` at the start."""
+
+    def __init__(self) -> None:
+        from roah_rsbb.web.server import WebServer  # needs tornado; see `main`
+
+        resource = pathlib.Path(rospkg.RosPack().get_path("roah_rsbb"), "resource")
+        params = Params()
+        self._rsbb_host = params.text("rsbb_host", "10.255.255.255")
+        everywhere = LOOPBACK if self._rsbb_host.startswith("127.") else sockets.ANY_HOST
+        self._host = params.text("web_host", everywhere)
+        self._port = params.whole("web_port", 8081, 0, 65535)
+        names = str(rospy.get_param("~web_names", "")).lower().split()
+        title = str(rospy.get_param("~title", ""))
+        params.done()
+
+        self._ros = RosLoop()
+        asyncio.set_event_loop(self._ros.loop)  # tornado uses the thread's loop
+        self._reported = ""
+        self._store = Store(_languages(resource / "languages"), title)
+        self._server = WebServer(self._ros.loop, self._store, str(resource / "web"), own_names(names))
+        self._feed = Feed({DETAILS: PublicDetails, BOARD: PublicBoard}, lambda: self._ros.post(self._take))
+        self._renew_timer: Optional[asyncio.TimerHandle] = None
+
+    def run(self) -> None:
+        """Run until shut down."""
+        self._feed.start()
+        self._renew()
+        self._open()
+        self._ros.run()
+        self._server.close()
+        self._feed.stop()
+        self._ros.close()
+
+    def _take(self) -> None:
+        """Take the newest messages. The board comes first: results and runs change together."""
+        board, details = self._feed.take(BOARD), self._feed.take(DETAILS)
+        if board is not None:
+            self._store.on_board(board.message)
+        if details is not None:
+            self._store.on_details(details.mono, details.message)
+        if board is not None or details is not None:
+            self._server.publish()
+
+    def _renew(self) -> None:
+        """Subscribe again while the core is silent."""
+        self._renew_timer = self._ros.loop.call_later(RENEW_S, self._renew)
+        if not self._store.is_heard(self._server.now()):
+            self._feed.renew()
+
+    def _open(self) -> None:
+        try:
+            port = self._server.open(self._host, self._port)
+        except OSError as error:
+            if self._reported != str(error):
+                self._reported = str(error)
+                rospy.logerr("%s. Retrying every %.0f s. Runs are not affected", error, RETRY_S)
+            self._ros.loop.call_later(RETRY_S, self._open)
+            return
+        addresses = [f"http://{host}:{port}/" for host in self._hosts()]
+        rospy.set_param("~url", addresses[0])
+        rospy.loginfo("The web pages: open %s", " or, on this computer, ".join(addresses))
+
+    def _hosts(self) -> list:
+        if self._host != sockets.ANY_HOST:
+            return [self._host]
+        network = sockets.source_host(self._rsbb_host)
+        return [network, LOOPBACK] if network not in (None, LOOPBACK) else [LOOPBACK]
+
+
+def _languages(folder: pathlib.Path) -> dict:
+    """The languages of the files, by name."""
+    return {path.stem: catalogues.translation(path.stem, catalogues.read(path)) for path in sorted(folder.glob("*.ts"))}
+
+
+class WithoutTornado:
+    """The node where tornado is missing. It waits: restarting it again and again would fill the log."""
+
+    def run(self) -> None:
+        """Log the remedy and run until shut down."""
+        rospy.logfatal("The web pages need tornado: install it with 'sudo apt install python3-tornado', then restart "
+                       "this node with 'rosnode kill %s'. Runs are not affected", rospy.get_name())
+        loop = RosLoop()
+        loop.run()
+        loop.close()
+
+
+def main() -> None:
+    """Entry point of the node."""
+    has_tornado = importlib.util.find_spec("tornado") is not None
+    run_node("roah_rsbb_web", __doc__, WebNode if has_tornado else WithoutTornado, disable_signals=True)

@@ -1,0 +1,96 @@
+"""Limits for whoever reaches the gateway: which names it has, how much an address may ask, who may watch. No I/O."""
+
+import collections
+import ipaddress
+import socket
+from typing import Callable, Dict, FrozenSet, Generic, Iterable, List, Optional, Tuple, TypeVar
+
+T = TypeVar("T")
+
+# A page takes about ten requests. A hall behind one address may open many pages at once.
+REQUESTS_A_SECOND = 100.0
+REQUESTS_AT_ONCE = 1000.0
+MAX_ADDRESSES = 4096
+# Pages and programs that watch at the same time.
+MAX_VIEWERS = 400
+
+
+def own_names(further: Iterable[str] = ()) -> FrozenSet[str]:
+    """Return the names by which browsers may call this computer, besides its addresses."""
+    name = socket.gethostname().lower()
+    return frozenset(["localhost", name, name.partition(".")[0], f"{name.partition('.')[0]}.local", *further])
+
+
+def is_own_host(host: str, names: FrozenSet[str]) -> bool:
+    """Whether the header Host of a request names this computer: an address, or one of its names.
+
+    A page of another site can let its own name point to this computer and so pretend that our pages are its own (DNS
+    rebinding). It cannot do so with an address.
+    """
+    name = host.lower()
+    if name.startswith("[") and "]" in name:
+        name = name[1:].partition("]")[0]
+    elif name.count(":") == 1:
+        name = name.partition(":")[0]
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return name.rstrip(".") in names
+    return True
+
+
+class Rates:
+    """How many requests each address may make: a bucket of tokens for each, which fills again with time."""
+
+    def __init__(self, a_second: float = REQUESTS_A_SECOND, at_once: float = REQUESTS_AT_ONCE) -> None:
+        self._a_second = a_second
+        self._at_once = at_once
+        self._buckets: collections.OrderedDict[str, Tuple[float, float]] = collections.OrderedDict()
+
+    def allows(self, mono: float, address: str) -> bool:
+        """Take a request of an address into account; returns whether it may be answered."""
+        left, since = self._buckets.pop(address, (self._at_once, mono))
+        left = min(self._at_once, left + (mono - since) * self._a_second)
+        is_allowed = left >= 1.0
+        self._buckets[address] = (left - is_allowed, mono)
+        while len(self._buckets) > MAX_ADDRESSES:
+            self._buckets.popitem(last=False)
+        return is_allowed
+
+
+class Places(Generic[T]):
+    """The places of viewers. If all are taken, the address with the most viewers loses its oldest one.
+
+    So a single computer that takes all places cannot keep others out.
+    """
+
+    def __init__(self, close: Callable[[T], None], most: int = MAX_VIEWERS) -> None:
+        """`close` ends a viewer that loses its place."""
+        self._close = close
+        self._most = most
+        self._viewers: Dict[T, str] = {}  # to its address, oldest first
+
+    def __iter__(self):
+        return iter(list(self._viewers))
+
+    def __len__(self) -> int:
+        return len(self._viewers)
+
+    def add(self, viewer: T, address: str) -> None:
+        """Give a viewer a place."""
+        self._viewers[viewer] = address
+        loser = self._loser()
+        if loser is not None:
+            self.remove(loser)
+            self._close(loser)
+
+    def remove(self, viewer: T) -> None:
+        """Free the place of a viewer; has no effect if it has none."""
+        self._viewers.pop(viewer, None)
+
+    def _loser(self) -> Optional[T]:
+        if len(self._viewers) <= self._most:
+            return None
+        addresses: List[str] = list(self._viewers.values())
+        crowded = collections.Counter(addresses).most_common(1)[0][0]
+        return next(viewer for viewer, address in self._viewers.items() if address == crowded)

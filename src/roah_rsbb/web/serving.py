@@ -1,0 +1,80 @@
+"""A web server that bad clients cannot keep from serving others: few connections, short requests, clear errors.
+
+The gateway and the tablet's page use it.
+"""
+
+import errno
+import os
+import socket
+from typing import Any, Dict, List, Optional
+
+from tornado import httpserver, iostream, netutil, web
+
+ANY_HOST = "0.0.0.0"
+# A browser opens up to six at once. Connections that were kept are not counted.
+MAX_CONNECTIONS = 200
+MAX_MESSAGE_BYTES = 1024
+_MAX_BODY_BYTES = 1024
+_MAX_HEADER_BYTES = 16 * 1024
+_IDLE_S = 30.0
+
+
+class ServeError(OSError):
+    """A page cannot be served. The text, without the error number, names the remedy."""
+
+    def __str__(self) -> str:
+        return str(self.strerror)
+
+
+class BoundedServer(httpserver.HTTPServer):
+    """Serves a limited number of connections. If there are too many, the oldest one that was not kept is closed.
+
+    Otherwise slow connections would use up all file descriptors of the process, and no browser could connect.
+    """
+
+    def initialize(self, *args: Any, **options: Any) -> None:
+        super().initialize(*args, max_body_size=_MAX_BODY_BYTES, max_header_size=_MAX_HEADER_BYTES,
+                           idle_connection_timeout=_IDLE_S, body_timeout=_IDLE_S, **options)
+        self._waiting: Dict[iostream.IOStream, None] = {}  # oldest first
+
+    def handle_stream(self, stream: iostream.IOStream, address: Any) -> Any:
+        """Accept a connection."""
+        self._waiting[stream] = None
+        if len(self._waiting) > MAX_CONNECTIONS:
+            next(iter(self._waiting)).close()
+        # Tornado sets its own callback for connections that it serves.
+        self._waiting = {waiting: None for waiting in self._waiting if not waiting.closed()}
+        return super().handle_stream(stream, address)
+
+    def keep(self, stream: Optional[iostream.IOStream]) -> None:
+        """Stop counting a connection, such as one of a page that is open: pages have their own limit."""
+        self._waiting.pop(stream, None)
+
+
+def bind(host: str, port: int, what: str, name: str) -> List[socket.socket]:
+    """Bind a TCP port (0: any free one) on IPv4, like everything else. Other programs cannot share the address.
+
+    Raises `ServeError`. `what` is served; `name` is the beginning of the parameters NAME_host and NAME_port.
+    """
+    try:
+        return netutil.bind_sockets(port, None if host == ANY_HOST else host, socket.AF_INET)
+    except OSError as error:
+        raise ServeError(
+            error.errno, f"cannot serve {what} on {host}:{port}: {_remedy(error, port, name)}") from error
+
+
+def set_headers(handler: web.RequestHandler, headers: Dict[str, str]) -> None:
+    """Set the headers of an answer."""
+    for name, value in headers.items():
+        handler.set_header(name, value)
+
+
+def _remedy(error: OSError, port: int, name: str) -> str:
+    if error.errno == errno.EADDRINUSE:
+        return (f"another program uses the port: end it ('ss -tlpn sport = :{port}' shows it), or choose another "
+                f"{name}_port")
+    if error.errno == errno.EACCES:
+        return f"not permitted: choose a {name}_port above 1023"
+    if error.errno == errno.EADDRNOTAVAIL:
+        return f"that is not an address of this machine: correct {name}_host"
+    return os.strerror(error.errno or 0)

@@ -1,0 +1,190 @@
+"""What the gateway knows: the newest public messages, and the documents made from them. No I/O and no clock.
+
+Each document has a number, which grows by one with each change. A reader who gets a document compares its number with
+the one before and so notices changes that it missed. A document is always complete.
+"""
+
+import json
+import time
+import uuid
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
+
+from roah_rsbb.box_clock import BoxClock
+from roah_rsbb.web import documents
+from roah_rsbb.web.documents import DATA, TEXTS, Data
+from roah_rsbb.wording.language import Translate, in_language
+
+# The core publishes twice a second, with its clock in every message. A repeated message may be the latched one of a
+# core that hangs.
+SILENT_S = 2.0
+ENGLISH = "en"
+
+# A document's name, and the language of its texts; empty: it has none.
+Key = Tuple[str, str]
+
+
+class Document(NamedTuple):
+    """A document."""
+
+    number: int
+    text: str  # JSON
+
+
+EMPTY = Document(0, "null")
+
+
+class Store:
+    """The documents of the gateway."""
+
+    def __init__(self, languages: Dict[str, Translate], title: str = "", session: str = "") -> None:
+        """`languages`: those besides English, by name such as ``de``. `title`: of the competition."""
+        self.session = session or uuid.uuid4().hex  # of this process: numbers begin again with each
+        self._languages: Dict[str, Optional[Translate]] = {ENGLISH: None, **languages}
+        self._title = title
+        self._shown: Set[str] = set()  # languages that somebody has asked for
+        self._documents: Dict[Key, Document] = {}
+        self._pieces: Dict[Key, str] = {}  # parts of messages
+        self._details: Optional[Any] = None
+        self._board: Optional[Any] = None
+        self._state: Optional[Data] = None
+        self._heard_mono = float("-inf")
+        self._clock = BoxClock()
+        self._day: Optional[Tuple[int, int, int]] = None
+
+    # -- from the core --------------------------------------------------------------------------------
+
+    def on_details(self, mono: float, details) -> None:
+        """Take PublicDetails, which arrived at `mono` (monotonic seconds)."""
+        before = self._details
+        if details == before:
+            return
+        self._details, self._heard_mono = details, mono
+        self._clock.sample(mono, details.clock.to_sec())
+        day = _day(details.clock.to_sec())
+        if before is None or day != self._day:  # texts name days
+            self._day = day
+            self._make(DATA + TEXTS)
+            return
+        self._make((documents.STATE, documents.PAGE_RUNS))
+        if details.following != before.following or _zones(details) != _zones(before):
+            self._make((documents.SCHEDULE, documents.PAGE_NEXT))
+        if self._board is None and details.finished != before.finished:
+            self._make((documents.RESULTS, documents.PAGE_RESULTS))
+
+    def on_board(self, board) -> None:
+        """Take PublicBoard."""
+        self._board = board
+        if self._details is not None:
+            self._make((documents.RESULTS, documents.STANDINGS, documents.PAGE_RESULTS, documents.PAGE_STANDINGS))
+
+    def is_heard(self, mono: float) -> bool:
+        """Whether the core publishes."""
+        return mono - self._heard_mono <= SILENT_S
+
+    def clock(self, mono: float) -> Optional[float]:
+        """Return the box's clock in UTC seconds, or None before its first message."""
+        return None if self._details is None else round(self._clock.now(mono), 3)
+
+    # -- for readers ----------------------------------------------------------------------------------
+
+    def language(self, wanted: str) -> str:
+        """Return the first language that is wanted and available, else English. `wanted`: such as ``fr,de-AT``."""
+        for name in wanted.split(","):
+            name = name.partition(";")[0].strip().replace("-", "_")
+            for known in (name, name.partition("_")[0]):
+                if known in self._languages:
+                    return known
+        return ENGLISH
+
+    def keys(self, names: Iterable[str], language: str) -> List[Key]:
+        """Return the keys of documents. Texts in a language are made from the first time that it is asked for."""
+        keys = [(name, language if name in TEXTS else "") for name in names]
+        if language not in self._shown and any(name in TEXTS for name, _ in keys):
+            self._shown.add(language)
+            self._make_texts(language, (documents.WORDS,) if self._details is None else TEXTS)
+        return keys
+
+    def document(self, key: Key) -> Document:
+        """Return a document; before the core is heard it is empty."""
+        return self._documents.get(key, EMPTY)
+
+    def answer(self, name: str, mono: float) -> str:
+        """Return a document of data as the answer to a request."""
+        document = self.document((name, ""))
+        return (f'{{"session":"{self.session}","number":{document.number},{self._now(mono)},'
+                f'"data":{document.text}}}')
+
+    def message(self, kind: str, keys: Iterable[Key], mono: float) -> str:
+        """Return a message with these documents."""
+        pieces = ",".join(map(self._piece, keys))
+        return f'{{"type":"{kind}","session":"{self.session}",{self._now(mono)},"documents":{{{pieces}}}}}'
+
+    def beat(self, keys: Iterable[Key], mono: float) -> str:
+        """Return the message that repeats the clock, and the numbers of these documents."""
+        numbers = ",".join(f'"{key[0]}":{self.document(key).number}' for key in keys)
+        return f'{{"type":"clock","session":"{self.session}",{self._now(mono)},"numbers":{{{numbers}}}}}'
+
+    def _now(self, mono: float) -> str:
+        return f'"clock":{json.dumps(self.clock(mono))},"heard":{json.dumps(self.is_heard(mono))}'
+
+    def _piece(self, key: Key) -> str:
+        piece = self._pieces.get(key)
+        if piece is None:
+            document = self.document(key)
+            piece = self._pieces[key] = f'"{key[0]}":{{"number":{document.number},"data":{document.text}}}'
+        return piece
+
+    # -- making documents -----------------------------------------------------------------------------
+
+    def _make(self, names: Iterable[str]) -> None:
+        details, board = self._details, self._board
+        if documents.STATE in names:
+            self._state = documents.state(details, self._state)
+            self._put((documents.STATE, ""), self._state)
+        makers: Dict[str, Callable[[], Data]] = {
+            documents.SCHEDULE: lambda: documents.schedule(details),
+            documents.RESULTS: lambda: documents.results(details, board),
+            documents.STANDINGS: lambda: documents.standings(board),
+        }
+        for name in names:
+            if name in makers:
+                self._put((name, ""), makers[name]())
+        for language in self._shown:
+            self._make_texts(language, names)
+
+    def _make_texts(self, language: str, names: Iterable[str]) -> None:
+        details, board = self._details, self._board
+        utc_s = None if details is None else details.clock.to_sec()
+        offset_s = 0 if self._day is None else self._day[2]
+        makers: Dict[str, Callable[[], Data]] = {
+            documents.WORDS: lambda: documents.page_words(language, self._title, utc_s, offset_s),
+            documents.PAGE_RUNS: lambda: documents.page_runs(details, self._state["runs"]),
+            documents.PAGE_NEXT: lambda: documents.page_next(details, utc_s),
+            documents.PAGE_RESULTS: lambda: documents.page_results(details, board, utc_s),
+            documents.PAGE_STANDINGS: lambda: documents.page_standings(board),
+        }
+        with in_language(self._languages[language]):
+            for name in names:
+                if name in makers:
+                    self._put((name, language), makers[name]())
+
+    def _put(self, key: Key, data: Data) -> None:
+        text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
+        before = self.document(key)
+        if text != before.text:
+            self._documents[key] = Document(before.number + 1, text)
+            self._pieces.pop(key, None)
+
+
+def _zones(details) -> Set[str]:
+    """All zones: whether there are several is part of the texts."""
+    return {run.event.zone for run in details.runs} | {event.zone for event in details.following}
+
+
+def _day(utc_s: float) -> Tuple[int, int, int]:
+    """The local day, and the offset of local time to UTC in seconds."""
+    try:
+        local = time.localtime(utc_s)
+    except (OverflowError, OSError, ValueError):  # a clock that is far off must not stop the gateway
+        return (0, 0, 0)
+    return (local.tm_year, local.tm_yday, local.tm_gmtoff)

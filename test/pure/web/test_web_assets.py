@@ -1,0 +1,46 @@
+"""The files of the pages: kept libraries are unchanged, and nothing comes from elsewhere."""
+
+import hashlib
+import pathlib
+import re
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+WEB = ROOT / "resource" / "web"
+KEPT = [
+    (WEB / "assets" / "vendor" / "preact-htm.js", WEB / "assets" / "vendor" / "README.md"),
+    (ROOT / "test" / "data" / "axe" / "axe.min.js", ROOT / "test" / "data" / "axe" / "README.md"),
+]
+OURS = sorted([*WEB.glob("*.html"), *(WEB / "assets").glob("*.*")])
+FIRST_PAGE_BYTES = 150_000
+
+
+@pytest.mark.parametrize("file, page", KEPT, ids=lambda path: path.name)
+def test_a_kept_library_is_unchanged_and_has_its_licence(file, page):
+    said = page.read_text(encoding="utf-8")
+    assert hashlib.sha256(file.read_bytes()).hexdigest() in said
+    assert file.name in said and re.search(r"\d+\.\d+\.\d+", said)
+    for licence in re.findall(r"`(LICENSE[\w.]*)`", said):
+        assert "ermi" in (file.parent / licence).read_text(encoding="utf-8") or "Licen" in licence
+    assert re.findall(r"`(LICENSE[\w.]*)`", said)
+
+
+@pytest.mark.parametrize("path", OURS, ids=lambda path: path.name)
+def test_a_page_needs_nothing_from_elsewhere(path):
+    text = path.read_text(encoding="utf-8").replace("http://www.w3.org/2000/svg", "")
+    assert "http:" not in text and "https://" not in text and "//cdn" not in text
+    for name in re.findall(r'"/assets/([^"]+)"', text):
+        assert (WEB / "assets" / name).is_file(), name
+
+
+@pytest.mark.parametrize("path", sorted(WEB.glob("*.html")), ids=lambda path: path.name)
+def test_a_page_has_no_script_or_style_within_it(path):
+    text = path.read_text(encoding="utf-8")
+    assert re.findall(r"<script(?![^>]*\bsrc=)", text) == []
+    assert "<style" not in text and "style=" not in text and not re.search(r"\son\w+=", text)
+
+
+def test_the_first_page_is_small():
+    files = [path for path in WEB.rglob("*") if path.suffix in (".html", ".js", ".css", ".svg")]
+    assert sum(path.stat().st_size for path in files) < FIRST_PAGE_BYTES, "uncompressed, with all pages"

@@ -1,0 +1,330 @@
+"""The gateway's web server on real loopback sockets: pages, data, live data, and its defences."""
+
+import asyncio
+import json
+import pathlib
+import socket
+
+import pytest
+from tornado import httpclient, websocket
+
+from helpers.public_messages import NOW, board, details, event, result, run
+from roah_rsbb.web import server as server_module
+from roah_rsbb.web import serving
+from roah_rsbb.web.limits import Places, Rates
+from roah_rsbb.web.server import WebServer
+from roah_rsbb.web.store import Store
+
+HOST = "127.0.0.1"
+FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
+NAMES = frozenset({"localhost", "box.local"})
+
+
+class Served:
+    """A server, its store, and clients of it."""
+
+    def __init__(self, running):
+        self.running = running
+        self.store = Store({})
+        self.server = WebServer(running.loop, self.store, FOLDER, NAMES)
+        self.port = self.server.open(HOST, 0)
+        self.steps = 0
+
+    def change(self, size=1):
+        """The core publishes another state."""
+        self.steps += 1
+        runs = [run(zone=f"Zone {n}", left=90.0 + 10 * self.steps, counting=False) for n in range(size)]
+        self.store.on_details(self.running.loop.time(), details(runs, [event()], NOW + self.steps))
+        self.server.publish()
+
+    def get(self, path, **how):
+        client = httpclient.AsyncHTTPClient(force_instance=True)
+        return self.running.do(client.fetch(f"http://{HOST}:{self.port}{path}", raise_error=False, **how))
+
+    def viewer(self, query="", **headers):
+        request = httpclient.HTTPRequest(f"ws://{HOST}:{self.port}/api/v1/events{query}", headers=headers)
+        return self.running.do(websocket.websocket_connect(request))
+
+    def read(self, viewer, kind=None):
+        """The next message; with `kind`: the next of this kind."""
+        while True:
+            text = self.running.do(viewer.read_message())
+            message = text if text is None else json.loads(text)
+            if kind is None or message is None or message["type"] == kind:
+                return message
+
+    def silent_viewer(self):
+        """A reader that asks and then never reads."""
+        reader = socket.socket()
+        reader.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        reader.connect((HOST, self.port))
+        reader.sendall(f"GET /api/v1/events HTTP/1.1\r\nHost: {HOST}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                       "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n".encode())
+        return reader
+
+    def raw(self, data):
+        """What the server answers to these bytes, until it closes the connection."""
+        async def ask():
+            reader, writer = await asyncio.open_connection(HOST, self.port)
+            writer.write(data)
+            try:
+                return await reader.read()
+            except ConnectionError:
+                return b""
+            finally:
+                writer.close()
+        return self.running.do(ask())
+
+
+@pytest.fixture
+def served(running):
+    made = Served(running)
+    made.change()
+    yield made
+    made.server.close()
+    running.turn()
+
+
+# -- pages and data ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("path", "kind"), [
+    ("/", "text/html"), ("/display?zone=Home", "text/html"), ("/overlay", "text/html"),
+    ("/team/Copper%20Kettle", "text/html"), ("/assets/live.js", "javascript"), ("/assets/pages.css", "text/css"),
+    ("/assets/vendor/preact-htm.js", "javascript"), ("/api/v1/state", "application/json"),
+    ("/api/v1/schemas/state.json", "application/schema+json"),
+])
+def test_every_page_has_its_protection(served, path, kind):
+    answer = served.get(path)
+    assert answer.code == 200
+    assert kind in answer.headers["Content-Type"]
+    policy = answer.headers["Content-Security-Policy"]
+    assert "default-src 'none'; script-src 'self'; style-src 'self'" in policy and "unsafe" not in policy
+    assert "frame-ancestors 'none'" in policy
+    assert answer.headers["X-Content-Type-Options"] == "nosniff"
+    assert ("Access-Control-Allow-Origin" in answer.headers) == path.startswith("/api/")
+
+
+def test_the_host_in_the_policy_cannot_be_chosen(served):
+    policy = served.get("/", headers={"Host": "localhost:1; script-src *"}).headers["Content-Security-Policy"]
+    assert "script-src *" not in policy
+
+
+def test_data_is_answered_again_only_when_it_has_changed(served):
+    first = served.get("/api/v1/state")
+    assert json.loads(first.body)["data"]["runs"][0]["zone"] == "Zone 0"
+    assert first.headers["Cache-Control"] == "max-age=1"
+    tag = first.headers["Etag"]
+    again = served.get("/api/v1/state", headers={"If-None-Match": tag})
+    assert (again.code, again.body) == (304, b"")
+    assert served.get("/api/v1/state", method="HEAD").body == b""
+    served.change()
+    assert served.get("/api/v1/state", headers={"If-None-Match": tag}).code == 200
+
+
+def test_results_appear_when_they_are_public(served):
+    assert json.loads(served.get("/api/v1/results").body)["data"]["results"] == []
+    served.store.on_board(board([result()]))
+    assert json.loads(served.get("/api/v1/results").body)["data"]["results"][0]["team"] == "Alpha"
+
+
+def test_other_sites_may_read(served):
+    answer = served.get("/api/v1/state", headers={"Origin": "https://results.example"})
+    assert answer.headers["Access-Control-Allow-Origin"] == "*"
+    asked = served.get("/api/v1/state", method="OPTIONS", headers={"Origin": "https://results.example"})
+    assert (asked.code, asked.headers["Access-Control-Allow-Methods"]) == (204, "GET, HEAD, OPTIONS")
+    assert served.read(served.viewer(Origin="https://results.example"))["type"] == "snapshot"
+
+
+# -- live data --------------------------------------------------------------------------------------
+
+
+def test_readers_get_a_snapshot_then_changes(served):
+    viewers = [served.viewer(), served.viewer("?documents=state")]
+    for viewer in viewers:
+        assert served.read(viewer)["documents"]["state"]["number"] == 1
+    served.change()
+    for viewer in viewers:
+        message = served.read(viewer, "change")
+        assert {name: one["number"] for name, one in message["documents"].items()} == {"state": 2}
+
+
+def test_the_clock_comes_without_being_asked(served):
+    viewer = served.viewer("?documents=state,schedule")
+    assert served.read(viewer, "clock")["numbers"] == {"state": 1, "schedule": 1}
+
+
+def test_silence_of_the_box_is_sent(served, monkeypatch):
+    viewer = served.viewer("?documents=state")
+    assert served.read(viewer, "clock")["heard"]
+    served.server._beat_due_mono = 1e9  # the next regular one
+    monkeypatch.setattr("roah_rsbb.web.store.SILENT_S", -1.0)
+    assert not served.read(viewer)["heard"]
+
+
+def test_texts_are_in_the_language_of_the_browser(running):
+    made = Served(running)
+    made.store = made.server.store = Store({"de": lambda text, n: f"auf Deutsch: {text}"})
+    made.change()
+    for query, headers in (("&language=de-AT", {}), ("", {"Accept-Language": "de-AT,en;q=0.5"})):
+        message = made.read(made.viewer(f"?documents=page.words{query}", **headers))
+        assert message["documents"]["page.words"]["data"]["next"] == "auf Deutsch: Next"
+    made.server.close()
+
+
+@pytest.mark.parametrize("query", ["?documents=secret", "?documents=", "?documents=state,../x", "?documents=%ff"])
+def test_unknown_documents_are_refused(served, query):
+    with pytest.raises(httpclient.HTTPError) as raised:
+        served.viewer(query)
+    assert raised.value.code == 400
+
+
+# -- defences ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", ["/", "/api/v1/state", "/api/v1/events", "/assets/live.js", "/none"])
+def test_another_name_for_this_computer_is_refused(served, path):
+    answer = served.get(path, headers={"Host": "evil.example"})
+    assert answer.code == 421 and b"web_names" in answer.body
+    assert served.get("/", headers={"Host": "box.local:8081"}).code == 200
+
+
+@pytest.mark.parametrize("path", [
+    "/none", "/assets/../display.html", "/assets/..%2f..%2f..%2fpackage.xml", "/assets/%2e%2e/index.html",
+    "/assets//etc/passwd", "/assets/%00", "/assets/", "/api/v1/schemas/..%2findex.html", "/api/v2/state", "/team/",
+    "/team/a/b",
+])
+def test_nothing_else_is_served(served, path):
+    answer = served.raw(f"GET {path} HTTP/1.1\r\nHost: {HOST}\r\nConnection: close\r\n\r\n".encode())
+    assert answer.split(b" ")[1] in (b"404", b"403", b"400"), answer
+    assert b"<" not in answer and b"Traceback" not in answer
+
+
+@pytest.mark.parametrize("path", ["/", "/api/v1/state", "/api/v1/events", "/assets/live.js", "/team/Alpha"])
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "PATCH"])
+def test_nothing_can_be_written(served, path, method):
+    body = None if method == "DELETE" else "x"
+    assert served.get(path, method=method, body=body).code == 405
+
+
+@pytest.mark.parametrize("data", [
+    b"\0\1\2\r\n\r\n", b"GET\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n",
+    b"POST / HTTP/1.1\r\nContent-Length: 99999999\r\n\r\n",
+    b"GET / HTTP/1.1\r\nx: " + b"y" * 20000 + b"\r\n\r\n",
+    b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\nffffffff\r\n",
+])
+def test_broken_requests_are_cut_off_and_the_next_one_is_served(served, data):
+    assert b"200 OK" not in served.raw(data)
+    assert served.get("/").code == 200
+
+
+def test_too_many_requests_are_refused(served):
+    served.server.rates = Rates(a_second=1e-9, at_once=3.0)
+    assert [served.get("/api/v1/state").code for _ in range(4)] == [200, 200, 200, 429]
+    assert served.get("/").headers["Retry-After"]
+
+
+@pytest.mark.parametrize("message", ["hello", "x" * 5000], ids=["short", "long"])
+def test_a_reader_that_speaks_is_closed_alone(served, message):
+    bad, good = served.viewer("?documents=state"), served.viewer("?documents=state")
+    served.read(good)
+    bad.write_message(message)
+    while served.read(bad) is not None:
+        pass
+    served.change()
+    assert served.read(good, "change")
+    assert len(served.server.viewers) == 1
+
+
+def test_a_slow_reader_delays_nobody_and_has_no_backlog(served):
+    slow, good = served.silent_viewer(), served.viewer("?documents=state")
+    served.running.until(lambda: len(served.server.viewers) == 2)
+    stuck = next(iter(served.server.viewers))
+    buffer = stuck.ws_connection.stream._write_buffer
+    while not len(buffer):
+        served.change(size=200)
+        served.read(good, "change")
+    waiting = len(buffer)
+    for _ in range(20):
+        served.change(size=200)
+        assert served.read(good, "change")
+    assert len(buffer) <= waiting, "nothing is queued behind what it does not read"
+    slow.close()
+
+
+def test_a_reader_that_takes_nothing_is_ended(served, monkeypatch):
+    slow = served.silent_viewer()
+    served.running.until(lambda: len(served.server.viewers) == 1)
+    stuck = next(iter(served.server.viewers))
+    while stuck._busy_since is None:
+        served.change(size=200)
+        served.running.turn()
+    monkeypatch.setattr(server_module, "STUCK_S", -1.0)
+    served.running.until(lambda: len(served.server.viewers) == 0 and stuck.ws_connection is None)
+    slow.close()
+
+
+def test_one_address_cannot_take_all_places(served):
+    served.server.viewers = Places(lambda viewer: viewer.close(1013, "too many"), most=3)
+    first, *others = [served.viewer("?documents=state") for _ in range(4)]
+    assert served.read(first) is not None
+    assert served.read(first) is None, "the oldest was closed"
+    served.change()
+    assert all(served.read(other, "change") for other in others)
+
+
+def test_silent_connections_do_not_keep_others_out(served, monkeypatch):
+    monkeypatch.setattr(serving, "MAX_CONNECTIONS", 20)
+    viewer = served.viewer("?documents=state")
+    served.read(viewer)
+    idle = [socket.create_connection((HOST, served.port)) for _ in range(100)]
+    for number, connection in enumerate(idle):
+        connection.setblocking(False)
+        connection.send([b"x", b"GET / HT", b"POST / HTTP/1.1\r\nContent-Length: 9\r\n\r\n"][number % 3])
+    assert served.get("/").code == 200
+    served.running.until(lambda: _is_closed(idle[0]))
+    served.change()
+    assert served.read(viewer, "change"), "a reader stays"
+    for connection in idle:
+        connection.close()
+
+
+@pytest.mark.long
+def test_a_thousand_silent_connections(served):
+    resource = pytest.importorskip("resource")
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(4096, limits[1]), limits[1]))
+    viewer = served.viewer("?documents=state")
+    idle = []
+    for _ in range(1000):
+        idle.append(socket.create_connection((HOST, served.port)))
+        served.running.turn_once()
+    assert served.get("/display").code == 200
+    served.change()
+    assert served.read(viewer, "change")
+    for connection in idle:
+        connection.close()
+    served.running.turn()
+    resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+
+
+def _is_closed(sock):
+    try:
+        return sock.recv(4096) == b""
+    except BlockingIOError:
+        return False
+    except ConnectionError:
+        return True
+
+
+def test_a_port_in_use_is_reported_with_its_remedy(served):
+    second = WebServer(served.running.loop, Store({}), FOLDER, NAMES)
+    with pytest.raises(OSError, match="choose another web_port") as raised:
+        second.open(HOST, served.port)
+    assert str(served.port) in str(raised.value)
+    with pytest.raises(OSError, match="correct web_host"):
+        second.open("192.0.2.1", 0)
+    served.server.close()
+    served.running.turn()
+    assert second.open(HOST, served.port) == served.port, "it may be tried again"
+    second.close()

@@ -1,0 +1,256 @@
+"""The documents of the gateway, and what each reader is sent. Without sockets and without time."""
+
+import json
+import os
+import pathlib
+import time
+from unittest import mock
+
+import pytest
+
+from helpers import catalogues
+from helpers.public_messages import NOW, board, details, event, result, run, standing
+from roah_rsbb.web.documents import DATA, TEXTS
+from roah_rsbb.web.store import SILENT_S, Store
+from roah_rsbb.web.viewer import Viewer
+from roah_rsbb.wording.catalogues import read, translation
+
+SCHEMAS = pathlib.Path(__file__).resolve().parents[3] / "resource" / "web" / "schemas"
+MONO = 50.0
+
+
+@pytest.fixture(autouse=True)
+def _utc():
+    with mock.patch.dict(os.environ, {"TZ": "UTC"}):
+        time.tzset()
+        yield
+    time.tzset()
+
+
+@pytest.fixture
+def store():
+    german = translation("de", read(catalogues.FOLDER / "de.ts"))
+    return Store({"de": german}, title="Open", session="s1")
+
+
+def full(clock=NOW, **of_run):
+    return details([run(clock=clock, **of_run)], [event(after_s=900.0), event(zone="Hall", team="ALL")], clock)
+
+
+def data(store, name, language=""):
+    return json.loads(store.document((name, language)).text)
+
+
+def number(store, name, language=""):
+    return store.document((name, language)).number
+
+
+def sent(viewer, mono=MONO):
+    text = viewer.next(mono)
+    return None if text is None else json.loads(text)
+
+
+# -- documents --------------------------------------------------------------------------------------
+
+
+def test_the_documents_say_what_the_messages_say(store):
+    store.on_board(board([result()], [result("Beta", 1)], [standing()]))
+    store.on_details(MONO, full())
+    (shown,) = data(store, "state")["runs"]
+    assert shown == {
+        "zone": "Home", "benchmark": "Visitors", "team": "Alpha", "round": 2, "run": 3, "scheduled": NOW + 600.0,
+        "teams": ["Alpha"], "phase": "running", "end_reason": "", "activity": "", "counting": True,
+        "unlimited": False, "ends": NOW + 90.0, "counts_from": None, "left_s": None, "elapsed_s": None,
+    }
+    assert [(one["zone"], one["team"]) for one in data(store, "schedule")["events"]] == [
+        ("Home", "Alpha"), ("Hall", "ALL")]
+    assert data(store, "results")["results"][0]["groups"] == [{"name": "Achievements", "not_attempted": 0, "items": [
+        {"name": "doors", "kind": "count", "value": 3}, {"name": "greeted", "kind": "bool", "value": 1}]}]
+    assert [one["team"] for one in data(store, "results")["provisional"]] == ["Beta"]
+    assert data(store, "standings")["standings"][0]["ranks"] == [{"rank": "1", "team": "Alpha", "numbers": ["4.5"]}]
+
+
+@pytest.mark.parametrize("of_run, expected", [
+    ({"counting": False}, {"left_s": 90.0}),
+    ({"elapsed": 12.5}, {"counts_from": NOW - 12.5}),
+    ({"elapsed": 12.5, "counting": False}, {"elapsed_s": 12.5}),
+])
+def test_the_times_of_a_run(store, of_run, expected):
+    store.on_details(MONO, full(**of_run))
+    (shown,) = data(store, "state")["runs"]
+    names = ("ends", "counts_from", "left_s", "elapsed_s")
+    assert {name: shown[name] for name in names} == {**dict.fromkeys(names), **expected}
+
+
+def test_time_alone_changes_nothing(store):
+    store.keys(TEXTS, "en")
+    store.on_details(MONO, full())
+    before = {key: store.document(key) for key in store.keys(DATA + TEXTS, "en")}
+    for step in range(1, 10):
+        clock = NOW + step / 2
+        jitter = 0.001 * (step % 3)  # the end is computed from two clocks
+        store.on_details(MONO + step / 2, full(clock, left=90.0 - step / 2 + jitter))
+    assert {key: store.document(key) for key in before} == before
+    store.on_details(MONO + 5.0, full(NOW + 5.0, left=100.0))
+    assert number(store, "state") == number(store, "page.runs", "en") == 2
+
+
+def test_only_what_changed_gets_a_new_number(store):
+    store.on_details(MONO, full())
+    store.on_details(MONO + 1, full(NOW + 1.0, counting=False))
+    assert [number(store, name) for name in DATA] == [2, 1, 1, 1]
+    store.on_board(board([result()]))
+    assert [number(store, name) for name in DATA] == [2, 1, 2, 1]
+    store.on_board(board([result()]))
+    assert [number(store, name) for name in DATA] == [2, 1, 2, 1]
+
+
+def test_texts_are_made_only_in_languages_that_somebody_reads(store):
+    store.on_details(MONO, full())
+    assert store.document(("page.runs", "de")) == store.document(("page.runs", "en"))
+    store.keys(["page.runs"], "de")
+    assert data(store, "page.runs", "de")["runs"][0]["word"] == "läuft"
+    assert data(store, "page.words", "de")["next"] == "Als Nächstes"
+    assert number(store, "page.runs", "en") == 0
+    store.keys(["page.runs"], "en")
+    assert data(store, "page.runs", "en")["runs"][0]["word"] == "running"
+
+
+def test_a_page_counts_by_itself(store):
+    store.keys(TEXTS, "en")
+    store.on_details(MONO, full())
+    (shown,) = data(store, "page.runs", "en")["runs"]
+    assert (shown["big"], shown["ends"], shown["place"]) == ("▶ {time}", NOW + 90.0, "Home · round 2, run 3")
+    store.on_details(MONO + 1, full(NOW + 1.0, counting=False))
+    assert data(store, "page.runs", "en")["runs"][0]["big"] == "‖ 1:30"
+
+
+def test_the_texts_name_another_day_at_midnight(store):
+    store.keys(TEXTS, "en")
+    store.on_details(MONO, full())
+    assert data(store, "page.next", "en")["lines"][0]["time"] == "08:15"
+    assert data(store, "page.words", "en")["date"] == "Friday, 15 January 2027"
+    store.on_details(MONO + 1, full(NOW + 86400.0))
+    assert data(store, "page.next", "en")["lines"][0]["time"] == "Fri 08:15"
+    assert data(store, "page.words", "en")["date"] == "Saturday, 16 January 2027"
+
+
+def test_a_zone_more_changes_the_texts_of_the_others(store):
+    store.keys(TEXTS, "en")
+    store.on_details(MONO, details([], [event()]))
+    store.on_details(MONO + 1, details([run(zone="Hall")], [event()], NOW + 1))
+    assert data(store, "page.next", "en")["lines"][0]["last"] == "Home"
+
+
+@pytest.mark.parametrize("wanted, expected", [
+    ("", "en"), ("de", "de"), ("de-AT,en;q=0.8", "de"), ("fr-FR,de;q=0.5", "de"), ("fr", "en"), ("en-US,de", "en"),
+    ("../de", "en"), ("," * 9, "en"),
+])
+def test_the_language(store, wanted, expected):
+    assert store.language(wanted) == expected
+
+
+def test_before_the_core_is_heard_a_page_has_its_words(store):
+    keys = store.keys(TEXTS, "de")
+    viewer = Viewer(store, keys)
+    message = sent(viewer)
+    assert message["documents"]["page.words"]["data"]["waiting"] == "Warte auf die Referee-Box"
+    assert message["documents"]["page.runs"] == {"number": 0, "data": None}
+    assert (message["clock"], message["heard"]) == (None, False)
+    store.on_details(MONO, full())
+    assert sent(viewer)["documents"]["page.runs"]["data"]["runs"]
+
+
+def test_a_core_that_hangs_is_silent(store):
+    store.on_details(MONO, full())
+    store.on_details(MONO + 5.0, full())  # the latched message of a core that hangs
+    assert store.is_heard(MONO + SILENT_S) and not store.is_heard(MONO + 5.0)
+    assert store.clock(MONO + 1.0) == pytest.approx(NOW + 1.0)
+
+
+# -- readers ----------------------------------------------------------------------------------------
+
+
+def test_a_reader_gets_a_snapshot_then_changes(store):
+    store.on_details(MONO, full())
+    viewer = Viewer(store, store.keys(DATA, "en"))
+    first = sent(viewer)
+    assert first["type"] == "snapshot" and set(first["documents"]) == set(DATA)
+    assert sent(viewer) is None
+    store.on_details(MONO + 1, full(NOW + 1.0, counting=False))
+    change = sent(viewer)
+    assert change["type"] == "change" and list(change["documents"]) == ["state"]
+    assert change["documents"]["state"]["number"] == first["documents"]["state"]["number"] + 1
+
+
+def test_a_slow_reader_gets_the_newest_state_and_notices_the_gap(store):
+    store.on_details(MONO, full())
+    viewer = Viewer(store, store.keys(["state"], "en"))
+    first = sent(viewer)
+    for step in range(1, 1001):
+        store.on_details(MONO + step, full(NOW + step, counting=bool(step % 2), left=100.0 + step))
+        viewer.beat()
+    newest = sent(viewer)
+    assert newest["documents"]["state"]["number"] == first["documents"]["state"]["number"] + 1000
+    assert newest["documents"]["state"]["data"]["runs"][0]["left_s"] == 1100.0
+    assert sent(viewer)["type"] == "clock"
+    assert sent(viewer) is None, "nothing was queued"
+
+
+def test_the_clock_repeats_the_numbers(store):
+    store.on_details(MONO, full())
+    viewer = Viewer(store, store.keys(["state", "schedule"], "en"))
+    sent(viewer)
+    viewer.beat()
+    assert sent(viewer, MONO + 1.0) == {
+        "type": "clock", "session": "s1", "clock": NOW + 1.0, "heard": True, "numbers": {"state": 1, "schedule": 1}}
+
+
+# -- schemas ----------------------------------------------------------------------------------------
+
+
+def _validator(name):
+    jsonschema = pytest.importorskip("jsonschema")
+    schemas = {path.name: json.loads(path.read_text(encoding="utf-8")) for path in SCHEMAS.glob("*.json")}
+    for schema in schemas.values():
+        jsonschema.Draft7Validator.check_schema(schema)
+    known = {schema["$id"]: schema for schema in schemas.values()}
+    resolver = jsonschema.RefResolver(schemas[name]["$id"], schemas[name], store=known)
+    return jsonschema.Draft7Validator(schemas[name], resolver=resolver)
+
+
+@pytest.mark.filterwarnings("ignore:jsonschema.RefResolver")
+@pytest.mark.parametrize("of_run", [
+    {}, {"counting": False}, {"elapsed": 5.0}, {"elapsed": 5.0, "counting": False},
+    {"phase": "ended", "counting": False, "end_reason": "timeout", "activity": "phase 1 of 2"},
+])
+def test_what_is_sent_is_what_the_schemas_say(store, of_run):
+    viewer = Viewer(store, store.keys(DATA + TEXTS, "de"))
+    messages = [sent(viewer)]
+    answers = [{name: json.loads(store.answer(name, MONO)) for name in DATA}]
+    store.on_details(MONO, full(**of_run))
+    store.on_board(board([result()], [result("Beta")], [standing()]))
+    viewer.beat()
+    messages += [sent(viewer), sent(viewer)]
+    answers.append({name: json.loads(store.answer(name, MONO)) for name in DATA})
+    assert [message["type"] for message in messages] == ["snapshot", "change", "clock"]
+    for message in messages:
+        _validator("events.json").validate(message)
+    for answer in answers:
+        for name in DATA:
+            _validator(f"{name}.json").validate(answer[name])
+
+
+@pytest.mark.filterwarnings("ignore:jsonschema.RefResolver")
+@pytest.mark.parametrize("change", [
+    lambda run: run.pop("ends"), lambda run: run.update(secret=1), lambda run: run.update(phase="unknown"),
+])
+def test_the_schemas_refuse_anything_else(store, change):
+    store.on_details(MONO, full())
+    answer = json.loads(store.answer("state", MONO))
+    change(answer["data"]["runs"][0])
+    assert not _validator("state.json").is_valid(answer)
+
+
+def test_every_document_of_data_has_a_schema():
+    assert {path.stem for path in SCHEMAS.glob("*.json")} == {*DATA, "events"}

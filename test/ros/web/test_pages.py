@@ -1,0 +1,171 @@
+"""The web pages in a real browser, fed by the core; the gateway is killed in the middle of a run.
+
+Screenshots are left in build/screenshots.
+"""
+
+import json
+import os
+import pathlib
+import signal
+import sys
+import urllib.request
+from typing import Any, ClassVar, Dict, Optional
+
+from support import tablet_nodes
+from support.box_case import BoxCase
+from support.browser import NAMES, Browser, Page, find
+from support.robots import RSBB_PORT
+from support.waiting import wait_until
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+SHOTS = ROOT / "build" / "screenshots"
+AXE = (ROOT / "test" / "data" / "axe" / "axe.min.js").read_text(encoding="utf-8")
+URL = f"http://127.0.0.1:{RSBB_PORT + 95}"
+ZONE = "Room"
+# Width and height in CSS pixels.
+PHONE, TABLET, SCREEN = (360, 740), (1180, 820), (1920, 1080)
+TEXT = "document.body.innerText"
+BIG = "(document.querySelector('.big') || {}).textContent"
+
+
+def answer(name: str) -> Dict[str, Any]:
+    """A document of data."""
+    with urllib.request.urlopen(f"{URL}/api/v1/{name}", timeout=30) as opened:
+        return json.load(opened)
+
+
+def gateway() -> int:
+    """The process of the gateway."""
+    return tablet_nodes.process_of("roah_rsbb_web")
+
+
+class TestData(BoxCase):
+    """What programs read, and the gateway's death."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        wait_until(self.is_heard, "the gateway hears the core")
+
+    def is_heard(self) -> bool:
+        """Whether the gateway answers and hears the core."""
+        try:
+            return answer("state")["heard"]
+        except OSError:
+            return False
+
+    def test_a_gateway_that_is_killed_touches_no_run(self) -> None:
+        robot = self.robot("Delta")
+        self.box.connect(ZONE)
+        self.box.start(ZONE)
+        robot.wait_did("execute HCFGAC")
+        wait_until(lambda: answer("state")["data"]["runs"][0]["phase"] == "running", "the run is public")
+        session, ends = answer("state")["session"], answer("state")["data"]["runs"][0]["ends"]
+        killed = gateway()
+        os.kill(killed, signal.SIGKILL)
+        wait_until(lambda: self.is_heard() and answer("state")["session"] != session, "the gateway is back")
+        self.assertNotEqual(gateway(), killed)
+        run = answer("state")["data"]["runs"][0]
+        self.assertEqual((run["phase"], run["team"]), ("running", "Delta"))
+        self.assertAlmostEqual(run["ends"], ends, delta=0.1)
+        self.assertEqual(self.box.zone_details(ZONE).phase, "running")
+
+
+class TestPages(BoxCase):
+    """The pages in a browser."""
+
+    browser: ClassVar[Optional[Browser]] = None
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        program = find()
+        if program is None:
+            print("\n" + "!" * 100 + "\n!!! THE WEB PAGES WERE NOT TESTED: there is no Chromium here ("
+                  + ", ".join(NAMES) + ").\n!!! On Debian: apt-get install chromium\n" + "!" * 100,
+                  file=sys.stderr, flush=True)
+        else:
+            cls.browser = Browser(program)
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        if cls.browser is not None:
+            cls.browser.close()
+
+    def setUp(self) -> None:
+        if self.browser is None:
+            self.skipTest("no Chromium: on Debian apt-get install chromium")
+        super().setUp()
+
+    def open(self, path: str, width: int, height: int) -> Page:
+        """A page of the gateway."""
+        return self._leaving(self.browser.page(f"{URL}{path}", width, height))
+
+    def test_a_run_on_all_pages(self) -> None:
+        robot = self.robot("Delta")
+        display, phone = self.open("/display", *SCREEN), self.open("/display?language=de", *PHONE)
+        overlay, team = self.open(f"/overlay?zone={ZONE}", *SCREEN), self.open("/team/Delta", *PHONE)
+        pages = {"display": display, "phone": phone, "overlay": overlay, "team": team,
+                 "index": self.open("/", *PHONE), "tablet": self.open("/display?layout=board", *TABLET)}
+        display.wait(f"{TEXT}.includes('Nothing is running at the moment')", "the display says that nothing runs")
+        self.box.connect(ZONE)
+        self.box.start(ZONE)
+        robot.wait_did("execute HCFGAC")
+        for page, word in ((display, "running"), (phone, "läuft"), (overlay, "running"), (team, "running")):
+            page.wait(f"{TEXT}.includes('Delta') && {TEXT}.includes('{word}')", "the run is shown")
+        self.the_clock_is_the_box_s(display)
+        for name, page in pages.items():
+            self.assert_accessible(name, page)
+            page.screenshot(SHOTS / f"web_{name}.png")
+        self.assertEqual(overlay.get("getComputedStyle(document.body).backgroundColor"), "rgba(0, 0, 0, 0)")
+        for page in (phone, team):
+            self.assertEqual(page.get("document.scrollingElement.scrollWidth"), PHONE[0], "nothing is too wide")
+        self.nothing_of_the_board_is_cut(display)
+        self.a_silent_box_is_reported(display, overlay)
+        self.a_silent_gateway_is_reported(display)
+        self.box.command("stop", ZONE)
+        display.wait(f"{BIG} === 'ended' && {TEXT}.includes('stopped')", "the end and its reason are shown")
+        self.assertEqual([error for error in self.browser.errors if "WebSocket" not in error], [])
+
+    def the_clock_is_the_box_s(self, page: Page) -> None:
+        """The page counts by the box's clock, although the clock of its own computer is wrong."""
+        page.get("Date.now = () => 0")
+        before = answer("state")["clock"]
+        shown = page.get("live.now()")
+        self.assertGreater(shown, before - 5.0)
+        self.assertLess(shown, answer("state")["clock"] + 5.0)
+        page.wait(f"{BIG}.startsWith('▶ ')", "the countdown is shown")
+
+    def assert_accessible(self, name: str, page: Page) -> None:
+        """axe-core finds nothing."""
+        page.command("Runtime.evaluate", expression=AXE)
+        found = page.get("axe.run().then(found => found.violations.map(one => [one.id, one.nodes[0].html]))")
+        self.assertEqual(found, [], name)
+
+    def nothing_of_the_board_is_cut(self, page: Page) -> None:
+        """Everything is on the screen, which cannot be scrolled."""
+        self.assertEqual(page.get("[document.scrollingElement.scrollWidth, document.scrollingElement.scrollHeight]"),
+                         list(SCREEN))
+        self.assertEqual(page.get(
+            "[...document.querySelectorAll('#page > *, .card > *, .row > *')].filter(one => !one.closest('.copy'))"
+            ".map(one => one.getBoundingClientRect()).filter(b => b.right > innerWidth || b.bottom > innerHeight)"
+            ".length"), 0)
+
+    def a_silent_box_is_reported(self, *pages: Page) -> None:
+        """The core hangs."""
+        core = tablet_nodes.process_of("roah_rsbb_core")
+        os.kill(core, signal.SIGSTOP)
+        try:
+            for page in pages:
+                page.wait(f"{TEXT}.includes('No signal since')", "the page says that the box is silent")
+            shown = pages[0].get(BIG)
+            pages[0].screenshot(SHOTS / "web_silent.png")
+            self.assertEqual(pages[0].get(BIG), shown, "the countdown is stopped")
+        finally:
+            os.kill(core, signal.SIGCONT)
+        for page in pages:
+            page.wait(f"!{TEXT}.includes('No signal since')", "the page is current again")
+
+    def a_silent_gateway_is_reported(self, page: Page) -> None:
+        """The gateway is killed. The page says so, and continues by itself."""
+        os.kill(gateway(), signal.SIGKILL)
+        page.wait(f"{TEXT}.includes('No signal since')", "the page says that the gateway is silent")
+        page.wait(f"!{TEXT}.includes('No signal since') && {BIG}.startsWith('▶ ')", "the page works again")
