@@ -1,11 +1,14 @@
 """Builds HTML pages in which every text is escaped.
 
 The pages contain unchecked strings of robots, so `tag` escapes everything that is not `Markup`. A page has no
-external parts, and its content security policy forbids the browser to load, run or send anything.
+external parts, and its content security policy forbids the browser to load, run or send anything. Only the scripts that
+are given to `page` run, by their checksums.
 """
 
 import base64
+import hashlib
 import html
+import json
 import os
 import re
 from typing import Callable, Iterable, NamedTuple, Sequence, Union
@@ -13,6 +16,8 @@ from typing import Callable, Iterable, NamedTuple, Sequence, Union
 from roah_rsbb.wording.texts import visible
 
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'"
+# JSON in a page: without these signs, no text ends the element or begins a comment.
+_JSON_ESCAPES = {ord(sign): f"\\u{ord(sign):04x}" for sign in "<>&"}
 
 # Elements without an end tag.
 _VOID = frozenset(("br", "img", "meta", "wbr"))
@@ -159,11 +164,21 @@ def picture_address(path: str) -> str:
     return f"data:{kind};base64,{base64.b64encode(data).decode()}"
 
 
-def page(title: str, *body: Child) -> str:
-    """Build a complete page."""
+def json_block(identity: str, value: object) -> Markup:
+    """Build an element with data for a script of the page; the browser does not run it."""
+    text = json.dumps(value, separators=(",", ":"), sort_keys=True).translate(_JSON_ESCAPES)
+    return Markup(f'<script type="application/json" id="{html.escape(identity)}">{text}</script>')
+
+
+def page(title: str, *body: Child, scripts: Sequence[str] = (), style: str = "") -> str:
+    """Build a complete page. It runs these `scripts` and nothing else, whatever texts it shows."""
+    hashes = " ".join(f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+                      for text in scripts)
+    policy = f"{_POLICY}; script-src {hashes}" if scripts else _POLICY
     head = tag(
-        "head", tag("meta", charset="utf-8"), tag("meta", http_equiv="Content-Security-Policy", content=_POLICY),
+        "head", tag("meta", charset="utf-8"), tag("meta", http_equiv="Content-Security-Policy", content=policy),
         tag("meta", name="viewport", content="width=device-width"), tag("title", title),
-        tag("style", Markup(_STYLE)),
+        tag("style", Markup(_STYLE + style)),
     )
-    return "<!DOCTYPE html>\n" + tag("html", head, tag("body", *body), lang="en") + "\n"
+    ends = (Markup(f"<script>{text}</script>") for text in scripts)
+    return "<!DOCTYPE html>\n" + tag("html", head, tag("body", *body, *ends), lang="en") + "\n"

@@ -167,18 +167,20 @@ def _reason(stop: StopRecord) -> str:
 
 def sheet_page(
     result: RunResult, in_utc: bool, rules: Optional[Rules] = None, benchmark: str = "", appendix: bool = True,
-    competition: Competition = NO_COMPETITION,
+    competition: Competition = NO_COMPETITION, shown: Optional[Sequence[Section]] = None,
 ) -> str:
-    """Return the page of a run. `rules`: how its benchmark is ranked; `benchmark`: what it is called."""
+    """Return the page of a run. `rules`: how its benchmark is ranked; `benchmark`: what it is called; `shown`: its
+    sections, if the caller has them."""
     record = result.record
     title = _title(record)
     front = front_of(record, rules, benchmark, in_utc)._replace(competition=competition)
     body: List[Child] = [front_markup(front)]
+    shown = sections(result) if shown is None else shown
     if appendix:
         annex = [
             tag("h1", "Appendix"), tag("p", title), facts_table(_page_facts(result, in_utc)),
             *_items_markup(record), *_modules_markup(record), *_history_markup(record, in_utc),
-            *_stops_markup(record, in_utc), *(_section(section, in_utc) for section in sections(result)),
+            *_stops_markup(record, in_utc), *(_section(section, in_utc) for section in shown),
             *(part for robot in result.robots for part in _link(result, robot, in_utc)),
         ]
         body.append(tag("div", *annex, class_="annex"))

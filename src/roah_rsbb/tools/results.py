@@ -19,6 +19,7 @@ from roah_rsbb.results.anonymous import names_of
 from roah_rsbb.results.bags import bag_lines
 from roah_rsbb.results.checklist import check_lines, checklist
 from roah_rsbb.results.dataset import write_dataset
+from roah_rsbb.results.events import sections
 from roah_rsbb.results.export import (
     RESULT_COLUMNS,
     STANDING_COLUMNS,
@@ -32,6 +33,9 @@ from roah_rsbb.results.page import Competition, page, picture_address
 from roah_rsbb.results.paper import blank_front, front_markup
 from roah_rsbb.results.printing import CannotPrint, Printer, browser, print_pdf
 from roah_rsbb.results.replay_page import page_parts, replay_name, replay_of
+from roah_rsbb.results.report.facts import facts_of
+from roah_rsbb.results.report.pages import Compared, Site, all_pages, comparison
+from roah_rsbb.results.report.plots import Assets, assets
 from roah_rsbb.results.runs import (
     NoSuchRun,
     RobotPart,
@@ -68,6 +72,7 @@ Examples:
   results replay 3                               a page that plays run 3 again
   results blank --pdf blank.pdf                  empty score sheets of all events, to be filled in by hand
   results checklist                              which events have a signed-off result, and what is missing
+  results report --html report                   a site of pages about the competition
   results standings HGTKMH --signed-off          ranking of the teams
   results --journal /media/usb/roah_rsbb_journal.sqlite3 list
 
@@ -80,6 +85,11 @@ Exports all runs, or the runs with these numbers or identities.
 _REPLAY = """\
 Writes a page for each run (default: all runs), which plays it again in any browser, without a network: states, goals,
 scores as they grew, strings of the robot, warnings and the link, with a video beside them.
+"""
+_REPORT = """\
+Writes pages about a competition: standings, runs with their score sheets, teams, how often each item was achieved,
+ends, delays, times of phases and goals, link quality, and missing signatures. With several competitions, it also
+compares them.
 """
 _STANDINGS = """\
 Ranks the teams of all benchmarks, or of the given ones. Runs count if they started and ended. Of an event that was
@@ -168,6 +178,15 @@ def _add_views(commands: Any) -> None:
     replay.set_defaults(do=_replay)
     _add_choice(export)
     export.set_defaults(do=_export)
+    report = commands.add_parser("report", help="write a site of pages about a competition, or several",
+                                 description=_REPORT, epilog=_RULES)
+    report.add_argument("competitions", metavar="COMPETITION", nargs="*",
+                        help="folder of a competition, log_dir, or journal; default: the journal in the log_dir")
+    report.add_argument("--html", metavar="DIR", default="report", help="folder of the pages; default: report")
+    report.add_argument("--no-sheets", action="store_true", help="without a score sheet for each run")
+    _add_competition(report)
+    _add_choice(report)
+    report.set_defaults(do=_report)
     ranks = commands.add_parser("standings", help="rank the teams", description=_STANDINGS, epilog=_RULES)
     ranks.add_argument("benchmarks", metavar="CODE", nargs="*", help="only these benchmarks, such as HGTKMH")
     ranks.add_argument("--csv", metavar="FILE")
@@ -336,6 +355,63 @@ def _replay(options: argparse.Namespace) -> int:
             _write_html(replay_of(reader, result, parts, options.utc, _warn, options.video), path)
             print(path)
     return 0
+
+
+def _report(options: argparse.Namespace) -> int:
+    folder = os.path.join(os.path.dirname(os.path.abspath(options.config_dir)), "resource", "report")
+    shared = assets(folder)
+    sources = [_journal_in(source) for source in options.competitions] or [options.journal]
+    if len(sources) == 1:
+        count = len(_write_site(options, sources[0], options.html, shared).runs)
+        print(f"the report of {count} runs is in {os.path.join(options.html, 'index.html')}")
+        return 0
+    compared = []
+    for number, (source, given) in enumerate(zip(sources, options.competitions), 1):
+        name = os.path.basename(os.path.abspath(given))
+        sub_folder = re.sub(r"[^A-Za-z0-9-]", "-", f"{number}-{name}")[:60]
+        site = _write_site(options, source, os.path.join(options.html, sub_folder), shared, "../index.html")
+        compared.append(Compared(f"{number}. {name}", f"{sub_folder}/index.html", site))
+    _write_html(comparison(compared, shared), os.path.join(options.html, "index.html"))
+    print(f"the reports of {len(sources)} competitions are in {os.path.join(options.html, 'index.html')}")
+    return 0
+
+
+def _journal_in(source: str) -> str:
+    """Return the journal of a competition's folder, of a log_dir, or the journal itself."""
+    places = (source, os.path.join(source, FILE_NAME), os.path.join(source, "log", FILE_NAME))
+    found = next((path for path in places if os.path.isfile(path)), None)
+    if found is None:
+        raise _Usage(f"{source}: there is no journal: name the folder of a competition, a log_dir, or a journal")
+    return found
+
+
+def _write_site(
+    options: argparse.Namespace, journal: Optional[str], folder: str, shared: Assets, home: str = ""
+) -> Site:
+    """Write the pages of a competition."""
+    options = argparse.Namespace(**{**vars(options), "journal": journal})
+    rules, titles, competition = _rules(options), _titles(options), _competition(options)
+    os.makedirs(os.path.join(folder, "runs"), exist_ok=True)
+    sheets: Dict[str, str] = {}
+    runs = []
+    with _open(options) as reader:
+        known = records(reader, _warn)
+        ranked = _ranked(options, known)
+        for number, record in enumerate(known, 1):
+            result = run_result(reader, number, record, _warn)
+            shown = sections(result)
+            warnings = sum(event.bad for section in shown for event in section.events)
+            runs.append(facts_of(result, warnings))
+            if not options.no_sheets:
+                sheets[record.identity] = name = f"runs/{file_name(result.number, record)}.html"
+                _write_html(sheet_page(result, options.utc, rules.get(record.benchmark),
+                                       titles.get(record.benchmark, ""), True, competition, shown),
+                            os.path.join(folder, name))
+        as_of = reader.as_of()
+    site = Site(runs, ranked, sheets, {}, titles, as_of, options.utc, shared, competition, home)
+    for name, text in all_pages(site).items():
+        _write_html(text, os.path.join(folder, name))
+    return site
 
 
 def _write_html(text: str, path: str) -> None:

@@ -1,0 +1,110 @@
+"""The facts of a run that the report counts. They take little memory, so that the runs themselves need not be kept."""
+
+from typing import Dict, List, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.results.goals import goals
+from roah_rsbb.results.runs import RunResult
+from roah_rsbb.wording.sheets import is_marked
+
+Key = Tuple[str, str]  # group and name of an item
+
+
+class ItemFacts(NamedTuple):
+    """An item of the sheet of a run."""
+
+    achieved: bool
+    not_attempted: bool
+    after_s: Optional[float]  # from the start to its first mark; None: not marked during the run
+
+
+class GoalFacts(NamedTuple):
+    """A goal of a run."""
+
+    number: int
+    text: str
+    seconds: Optional[float]  # None: the robot did not end it
+
+
+class LinkFacts(NamedTuple):
+    """The link of a team within an hour."""
+
+    received: int = 0
+    lost: int = 0
+    longest_gap_s: float = 0.0
+    latest_s: float = 0.0  # the latest message was this late
+    seconds: float = 0.0
+
+    def plus(self, other: "LinkFacts") -> "LinkFacts":
+        """Return the link of both times together."""
+        return LinkFacts(
+            self.received + other.received, self.lost + other.lost, max(self.longest_gap_s, other.longest_gap_s),
+            max(self.latest_s, other.latest_s), self.seconds + other.seconds)
+
+    @property
+    def lost_share(self) -> Optional[float]:
+        """The share of the messages that were lost on the way to the box; None: none was due."""
+        due = self.received + self.lost
+        return self.lost / due if due else None
+
+
+class RunFacts(NamedTuple):
+    """A run in the report."""
+
+    number: int
+    record: RunRecord  # without the parts that take most memory
+    items: Dict[Key, ItemFacts]
+    goals: Tuple[GoalFacts, ...]
+    link: Dict[Tuple[str, float], LinkFacts]  # by team and hour (UTC seconds of its beginning)
+    warnings: int
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it was started and has ended."""
+        return bool(self.record.started_utc and self.record.end_reason)
+
+    @property
+    def delay_s(self) -> Optional[float]:
+        """Seconds from the scheduled time to the start; None: never started, or not scheduled."""
+        record = self.record
+        return record.started_utc - record.scheduled if record.started_utc and record.scheduled else None
+
+
+def facts_of(result: RunResult, warnings: int) -> RunFacts:
+    """Return the facts of a run. `warnings`: how many of its events are bad."""
+    record = result.record
+    return RunFacts(
+        result.number, record._replace(history=(), form=None), _items(record),
+        tuple(GoalFacts(goal.number, goal.text, _seconds(goal.begun_utc, goal.ended_utc)) for goal in goals(result)),
+        _link(result), warnings,
+    )
+
+
+def _items(record: RunRecord) -> Dict[Key, ItemFacts]:
+    first: Dict[Key, float] = {}
+    for entry in record.history:
+        after = entry.utc - record.started_utc
+        if not entry.withdrawn_utc and not entry.correction and is_marked(entry.value, entry.text) and after >= 0:
+            first.setdefault((entry.group, entry.desc), after)
+    return {
+        item.key: ItemFacts(is_marked(item.value, item.text), item.not_attempted, first.get(item.key))
+        for item in record.items
+    }
+
+
+def _seconds(begin: Optional[float], end: Optional[float]) -> Optional[float]:
+    return None if begin is None or end is None else end - begin
+
+
+def _link(result: RunResult) -> Dict[Tuple[str, float], LinkFacts]:
+    found: Dict[Tuple[str, float], LinkFacts] = {}
+    for robot in result.robots:
+        by_hour: Dict[int, List] = {}
+        for second in robot.link:
+            by_hour.setdefault(int(second.utc // 3600), []).append(second.sample)
+        for hour, samples in by_hour.items():
+            key = robot.team, hour * 3600.0
+            found[key] = found.get(key, LinkFacts()).plus(LinkFacts(
+                sum(s.received for s in samples), sum(s.lost for s in samples), max(s.gap_s for s in samples),
+                max(s.late_s for s in samples), sum(s.seconds for s in samples)))
+    return found
