@@ -35,7 +35,7 @@ from table import Results, quantile  # noqa: E402
 ZONES_OF_MESSAGES = (1, 20, 100)
 WINDOW_ZONES = 20
 RESUMED = 10
-FEW_RUNS = 100
+FEW_RUNS, REPORTED_RUNS = 100, 1000
 RESULTS_TARGETS = {"list": 0.5, "show": 0.5, "standings": 2.0, "recover, of 100 MB": 1.0}
 
 
@@ -233,6 +233,10 @@ class Bench:
             commands = {"list": ["list"], "show": ["show", str(runs)], "standings": ["standings"]}
             for name, taken in results_speed.measure(runs, commands).items():
                 self.results.add(f"results {name}, {runs} runs", "s", taken.seconds, RESULTS_TARGETS[name])
+        reports = results_speed.measure(REPORTED_RUNS, {"report": ["report"]}, recovers=False)
+        report = reports["report"]
+        self.results.add(f"results report, {REPORTED_RUNS} runs", "s", report.seconds, 30)
+        self.results.add(f"results report, {REPORTED_RUNS} runs: memory", "MB", report.memory_mb, 150)
 
 
 @contextlib.contextmanager

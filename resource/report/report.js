@@ -45,7 +45,7 @@ for (const place of document.querySelectorAll("[data-plot]")) {
   const isLong = plot.ticks.some(([, text]) => text.length > 6);
   const size = () => ({width: Math.max(280, place.clientWidth), height: isLong ? 340 : 280});
   const shown = new uPlot({
-    ...size(),
+    ...size(), padding: [null, isLong ? 70 : 16, null, null],
     series: [{label: plot.x, value: (self, x, _, i) => i == null ? "–" : plot.labels[i]}, ...series],
     scales: {
       x: {time: false, range: plot.bars ? (_, low, high) => [low - 0.6, high + 0.6] : undefined},

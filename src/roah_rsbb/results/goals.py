@@ -21,7 +21,7 @@ class Goal(NamedTuple):
     timeout_s: Optional[float]
     utc: float  # when it was given, UTC seconds
     begun_utc: Optional[float] = None  # when the robot began to execute it; None: never
-    ended_utc: Optional[float] = None  # when the box took its end; None: never
+    ended_utc: Optional[float] = None  # when the box took its end, or it timed out; None: never
     result: str = ""  # as the robot reported it
 
 
@@ -31,6 +31,7 @@ def goals(result: RunResult) -> List[Goal]:
     current: Dict[Optional[int], int] = {}  # places in `found` by port
     for entry in result.entries:
         if entry.kind == run_log.GOAL:
+            _end(found, current.get(entry.port), entry.utc)  # the next goal ends the one before
             current[entry.port] = len(found)
             found.append(_goal(len(found) + 1, entry.port, entry.value, entry.utc))
         place = current.get(entry.port)
@@ -41,10 +42,15 @@ def goals(result: RunResult) -> List[Goal]:
             found[place] = goal._replace(result=value_text(entry.value))
         elif entry.kind == run_log.STATE_NAME and entry.value == _WORKING and goal.begun_utc is None:
             found[place] = goal._replace(begun_utc=entry.utc)
-        elif entry.kind == run_log.STATE_NAME and entry.value in _ENDS and goal.begun_utc is not None \
-                and goal.ended_utc is None:
-            found[place] = goal._replace(ended_utc=entry.utc)
+        elif entry.kind == run_log.STATE_NAME and entry.value in _ENDS:
+            _end(found, place, entry.utc)
     return found
+
+
+def _end(found: List[Goal], place: Optional[int], utc: float) -> None:
+    """End a goal on which the robot works."""
+    if place is not None and found[place].begun_utc is not None and found[place].ended_utc is None:
+        found[place] = found[place]._replace(ended_utc=utc)
 
 
 def _goal(number: int, port: Optional[int], value: object, utc: float) -> Goal:

@@ -90,7 +90,8 @@ def tag(name: str, /, *children: Child, **attributes: object) -> Markup:
     parts = [f"<{name}"]
     for key, value in attributes.items():
         if value is not None:
-            parts.append(f' {key.rstrip("_").replace("_", "-")}="{html.escape(visible(str(value)))}"')
+            text = str(value) if value.__class__ in (int, float) else html.escape(visible(str(value)))
+            parts.append(f' {key.rstrip("_").replace("_", "-")}="{text}"')
     if name in _VOID:
         return Markup("".join(parts) + ">")
     escape = html_escaped if name in _TEXT_ONLY else breakable
@@ -104,6 +105,8 @@ def html_escaped(text: str) -> Markup:
 
 def breakable(text: str) -> Markup:
     """Escape a text, and mark where words of excessive length may break."""
+    if len(text) <= LONGEST_WORD and text.isprintable():
+        return Markup(html.escape(text))
     return Markup("".join(
         "<wbr>".join(html.escape(piece) for piece in _PIECE.findall(part)) if _LONG_WORD.fullmatch(part)
         else html.escape(part)

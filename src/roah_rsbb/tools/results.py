@@ -183,7 +183,7 @@ def _add_views(commands: Any) -> None:
     report.add_argument("competitions", metavar="COMPETITION", nargs="*",
                         help="folder of a competition, log_dir, or journal; default: the journal in the log_dir")
     report.add_argument("--html", metavar="DIR", default="report", help="folder of the pages; default: report")
-    report.add_argument("--no-sheets", action="store_true", help="without a score sheet for each run")
+    report.add_argument("--no-replays", action="store_true", help="without a page for each run that plays it again")
     _add_competition(report)
     _add_choice(report)
     report.set_defaults(do=_report)
@@ -346,7 +346,7 @@ def _write_pages(
 def _replay(options: argparse.Namespace) -> int:
     if options.video and len(options.runs) != 1:
         raise _Usage("--video needs exactly one RUN, because each run has its own video")
-    parts = page_parts(os.path.join(os.path.dirname(os.path.abspath(options.config_dir)), "resource", "replay"))
+    parts = page_parts(_resource(options, "replay"))
     os.makedirs(options.html, exist_ok=True)
     with _open(options) as reader:
         for identity in options.runs or reader.identities():
@@ -358,8 +358,7 @@ def _replay(options: argparse.Namespace) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
-    folder = os.path.join(os.path.dirname(os.path.abspath(options.config_dir)), "resource", "report")
-    shared = assets(folder)
+    shared = assets(_resource(options, "report"))
     sources = [_journal_in(source) for source in options.competitions] or [options.journal]
     if len(sources) == 1:
         count = len(_write_site(options, sources[0], options.html, shared).runs)
@@ -368,12 +367,17 @@ def _report(options: argparse.Namespace) -> int:
     compared = []
     for number, (source, given) in enumerate(zip(sources, options.competitions), 1):
         name = os.path.basename(os.path.abspath(given))
-        sub_folder = re.sub(r"[^A-Za-z0-9-]", "-", f"{number}-{name}")[:60]
+        sub_folder = f"competition{number}"
         site = _write_site(options, source, os.path.join(options.html, sub_folder), shared, "../index.html")
         compared.append(Compared(f"{number}. {name}", f"{sub_folder}/index.html", site))
     _write_html(comparison(compared, shared), os.path.join(options.html, "index.html"))
     print(f"the reports of {len(sources)} competitions are in {os.path.join(options.html, 'index.html')}")
     return 0
+
+
+def _resource(options: argparse.Namespace, name: str) -> str:
+    """Return a folder in the package's folder resource."""
+    return os.path.join(os.path.dirname(os.path.abspath(options.config_dir)), "resource", name)
 
 
 def _journal_in(source: str) -> str:
@@ -391,8 +395,10 @@ def _write_site(
     """Write the pages of a competition."""
     options = argparse.Namespace(**{**vars(options), "journal": journal})
     rules, titles, competition = _rules(options), _titles(options), _competition(options)
+    parts = None if options.no_replays else page_parts(_resource(options, "replay"))
     os.makedirs(os.path.join(folder, "runs"), exist_ok=True)
     sheets: Dict[str, str] = {}
+    replays: Dict[str, str] = {}
     runs = []
     with _open(options) as reader:
         known = records(reader, _warn)
@@ -400,15 +406,15 @@ def _write_site(
         for number, record in enumerate(known, 1):
             result = run_result(reader, number, record, _warn)
             shown = sections(result)
-            warnings = sum(event.bad for section in shown for event in section.events)
-            runs.append(facts_of(result, warnings))
-            if not options.no_sheets:
-                sheets[record.identity] = name = f"runs/{file_name(result.number, record)}.html"
-                _write_html(sheet_page(result, options.utc, rules.get(record.benchmark),
-                                       titles.get(record.benchmark, ""), True, competition, shown),
-                            os.path.join(folder, name))
+            runs.append(facts_of(result, sum(event.bad for section in shown for event in section.events)))
+            sheets[record.identity] = name = f"runs/{file_name(number, record)}.html"
+            _write_html(sheet_page(result, options.utc, rules.get(record.benchmark), titles.get(record.benchmark, ""),
+                                   competition=competition, shown=shown), os.path.join(folder, name))
+            if parts is not None:
+                replays[record.identity] = name = f"runs/{replay_name(number, record)}"
+                _write_html(replay_of(reader, result, parts, options.utc, _warn), os.path.join(folder, name))
         as_of = reader.as_of()
-    site = Site(runs, ranked, sheets, {}, titles, as_of, options.utc, shared, competition, home)
+    site = Site(runs, ranked, sheets, replays, titles, as_of, options.utc, shared, competition, home)
     for name, text in all_pages(site).items():
         _write_html(text, os.path.join(folder, name))
     return site

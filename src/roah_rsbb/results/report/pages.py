@@ -6,7 +6,7 @@ from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, j
 from roah_rsbb.results.report import statistics
 from roah_rsbb.results.report.facts import LinkFacts, RunFacts
 from roah_rsbb.results.report.plots import Assets, Axes, plot
-from roah_rsbb.results.runs import run_state_text, signature_of
+from roah_rsbb.results.runs import run_state_text
 from roah_rsbb.results.standings import Standing, standing_markup
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.texts import one_line
@@ -22,7 +22,7 @@ table.u-legend { width: auto; } .u-legend td, .u-legend th { border: 0; min-widt
 @media print { nav { display: none; } .wide { overflow: visible; } body { font-size: 8pt; }
   @page { size: A4 landscape; } }
 """
-# More lines in a plot cannot be told apart.
+# More lines in a plot cannot be distinguished.
 MAX_SERIES = 24
 
 
@@ -100,7 +100,7 @@ def _runs(site: Site) -> List[Child]:
     rows = [
         (str(run.number), date_time(r.opened_utc, site.in_utc), r.zone, _linked(r.benchmark, site.sheets, r.identity),
          r.team, f"{r.round} / {r.run}", elapsed(r.elapsed_s) if r.started_utc else NOTHING, _points(run),
-         run_state_text(r), str(len(r.stops)), str(run.warnings), signature_of(r, site.in_utc),
+         run_state_text(r), str(len(r.stops)), str(run.warnings), sheets.sheet_state(r.closed_utc, r.sign_off),
          _linked("replay", site.replays, r.identity, ""))
         for run in site.runs for r in (run.record,)
     ]
@@ -108,7 +108,7 @@ def _runs(site: Site) -> List[Child]:
         ("No.", "Connected", "Zone", "Benchmark", "Team", "Round / run", "Time", "Points", "State", "Ends", "Warnings",
          "Sheet", *(("Replay",) if site.replays else ())),
         [row if site.replays else row[:-1] for row in rows],
-        ("number", "when", "", "", "team", "", "number", "number", "", "number", "number", "who"))]
+        ("number", "when", "", "", "team", "", "number", "number", "", "number", "number"))]
 
 
 def _linked(text: str, files: Mapping[str, str], identity: str, otherwise: Optional[str] = None) -> Child:
