@@ -1,11 +1,12 @@
 """Support for tests on real loopback sockets: a loop, free ports, and inboxes."""
 
 import asyncio
-import socket
 
 import pytest
 
-TIMEOUT_S = 10
+from helpers.small_box import free_ports
+
+TIMEOUT_S = 60
 
 
 class Inbox(list):
@@ -43,10 +44,8 @@ def inbox(loop):
 
 @pytest.fixture
 def port():
-    """A UDP port that is free on all addresses of this machine."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("", 0))
-        return probe.getsockname()[1]
+    """A UDP port that nobody else uses."""
+    return free_ports()
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 import os
 import pathlib
 import queue
+import signal
 import subprocess
 import sys
 import time
@@ -111,14 +112,21 @@ def test_a_missing_player_is_one_warning(sound, troubles):
     assert troubles.empty()
 
 
-def test_a_player_that_hangs_is_ended(tmp_path, sound, troubles):
-    player = Player(tmp_path)
-    bell = sound(player.command, limit_s=0.5)
+def test_a_player_that_hangs_is_ended(sound, troubles, monkeypatch):
+    players = queue.Queue()
+
+    class Popen(subprocess.Popen):
+        def __init__(self, *arguments, **options):
+            super().__init__(*arguments, **options)
+            players.put(self)
+
+    monkeypatch.setattr(subprocess, "Popen", Popen)
+    bell = sound("sleep 1000", limit_s=0.1)
     bell.ring()
-    player.wait_begun()
-    assert "played for more than 0.5 s" in troubles.get(timeout=LIMIT_S)
+    assert "played for more than 0.1 s" in troubles.get(timeout=LIMIT_S)
+    assert players.get(timeout=LIMIT_S).returncode == -signal.SIGKILL
     bell.ring()
-    player.wait_begun()
+    assert players.get(timeout=LIMIT_S).args == ["sleep", "1000"]
 
 
 def test_closing_silences(tmp_path, sound, troubles):

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-TIMEOUT_S = 10
+TIMEOUT_S = 60
 
 
 class Running:

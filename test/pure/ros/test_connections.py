@@ -29,6 +29,7 @@ def _protected(monkeypatch):
 def port(monkeypatch):
     """The port of rospy's server for topics and services. It answers a handshake with an error."""
     monkeypatch.setattr(tcpros_base, "_error_connection_handler", lambda sock, address, header: "no such service")
+    monkeypatch.setattr(connections, "DEADLINE_S", 10 * TIMEOUT_S)
     server = tcpros_base.TCPROSServer()
     server.start_server()
     yield server.tcp_ros_server.port
@@ -91,8 +92,7 @@ def test_a_handshake_may_come_in_pieces(port, connect):
 
 
 @pytest.mark.parametrize("sent", [b"GET / HTTP/1.1\r\n\r\n", b"POST / HTTP/1.1\r\n", b"\xff\xff\xff\xff"])
-def test_a_connection_without_a_handshake_is_closed_at_once(port, connect, sent, monkeypatch):
-    monkeypatch.setattr(connections, "DEADLINE_S", 10 * TIMEOUT_S)
+def test_a_connection_without_a_handshake_is_closed_at_once(port, connect, sent):
     assert is_closed(connect(port, sent))
 
 
@@ -103,7 +103,6 @@ def test_a_silent_connection_is_closed_after_the_deadline(port, connect, begin, 
 
 
 def test_of_too_many_silent_connections_the_oldest_gives_way(port, connect, monkeypatch):
-    monkeypatch.setattr(connections, "DEADLINE_S", 10 * TIMEOUT_S)
     monkeypatch.setattr(connections, "MAX_WAITING", 3)
     silent = [connect(port) for _ in range(5)]
     assert is_closed(silent[0])
@@ -195,7 +194,7 @@ def test_a_silent_connection_to_the_api_is_closed_after_the_deadline(api, connec
 
 
 def test_a_program_may_keep_its_connection(api, monkeypatch):
-    monkeypatch.setattr(connections._RequestHandler, "timeout", 5.0)
+    monkeypatch.setattr(connections._RequestHandler, "timeout", TIMEOUT_S)
     connection = http.client.HTTPConnection("127.0.0.1", api.port, timeout=TIMEOUT_S)
     for _ in range(2):
         connection.request("POST", "/", CALL, {"Content-Type": "text/xml"})

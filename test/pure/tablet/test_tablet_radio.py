@@ -5,13 +5,13 @@ import itertools
 import os
 import pathlib
 import signal
-import socket
 import subprocess
 import sys
 
 import pytest
 
 import roah_rsbb
+from helpers.small_box import free_ports
 from roah_rsbb.comm.channels import PublicChannel
 from roah_rsbb.pb import roah_rsbb_msgs_pb2 as pb
 from roah_rsbb.tablet import dummy
@@ -25,9 +25,7 @@ class OneBox:
     """A box that repeats the tablet's data if the test wants it."""
 
     def __init__(self, running, bind_host):
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            probe.bind(("", 0))
-            self.port = probe.getsockname()[1]
+        self.port = free_ports()
         self.heard = []
         self.answers = False
         self.display_map = False
