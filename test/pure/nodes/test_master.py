@@ -10,6 +10,8 @@ import xmlrpc.client
 
 import pytest
 
+from helpers.small_box import free_ports
+
 pytest.importorskip("rosmaster")
 
 PROGRAM = pathlib.Path(__file__).resolve().parents[3] / "scripts" / "protected_master"
@@ -21,9 +23,7 @@ REGISTER = xmlrpc.client.dumps(("/roah_rsbb_core", "/core/stop", "rosrpc://10.0.
 @pytest.fixture
 def port(tmp_path):
     """The port of a protected master."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_ports()
     environment = {
         **os.environ, "ROS_MASTER_URI": f"http://127.0.0.1:{port}", "ROS_IP": "127.0.0.1", "ROS_LOG_DIR": str(tmp_path),
         "PYTHONPATH": os.pathsep.join([str(PROGRAM.parents[1] / "src"), *sys.path]),

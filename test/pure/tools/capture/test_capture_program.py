@@ -3,6 +3,7 @@
 import os
 import socket
 import sys
+from types import SimpleNamespace
 
 import pytest
 
@@ -114,7 +115,9 @@ def test_a_file_that_exists_is_not_written_over(network, tmp_path):
     assert path.read_text() == "precious"
 
 
-def test_it_ends_after_its_duration(network, capsys):
+def test_it_ends_after_its_duration(network, capsys, monkeypatch):
+    # At its beginning, before the datagram, and after it.
+    monkeypatch.setattr(program, "time", SimpleNamespace(monotonic=iter([100.0, 100.1, 100.2]).__next__))
     network(beacon(), ends=False)
     main(["--plain", "--duration", "0.2"])
     assert len(capsys.readouterr().out.splitlines()) == 1
