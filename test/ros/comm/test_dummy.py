@@ -1,18 +1,14 @@
 """Whole runs of box, comm node and dummy robot, each with real sockets and ROS between them; and misbehaviours."""
 
-import os
-import signal
 import time
-import xmlrpc.client
 
-import rosgraph
 import rospy
 from support.box_case import TABLET, BoxCase
 from support.comm_case import NODE
+from support.connections import kill, wait_follows
 from support.dummy_launch import DummyRobot, launch_dummy
 from support.programs import Program, own
 from support.robots import wire
-from support.ros_connections import publishes_to
 from support.run_logs import RunLog
 from support.waiting import wait_until
 
@@ -77,8 +73,7 @@ class TestTaskBenchmarks(DummyCase):
     def home_is_published(self) -> None:
         """A ring of the bell, a call and a place on the tablet's map come through to the robot."""
         for topic in ("devices/bell", "tablet/call", "tablet/position"):
-            wait_until(lambda topic=topic: publishes_to(NODE, f"/roah_rsbb/{topic}", "/dummy_robot"),
-                       f"the dummy follows {topic}")
+            wait_follows(NODE, f"/roah_rsbb/{topic}", "/dummy_robot")
         publisher = rospy.Publisher("/devices/state", DevicesState, queue_size=1, latch=True)
         self.addCleanup(publisher.unregister)
         publisher.publish(DevicesState(rospy.Time.now(), False, False, False, 0, 0, False))
@@ -143,8 +138,7 @@ class TestMisbehaviour(DummyCase):
         self.begin("Back")
         self.box.wait_details("Back", lambda d: d.robot_state == "EXECUTING", "the robot executes")
         robot.wait_printed("HGTKMH: executing")
-        node = xmlrpc.client.ServerProxy(rosgraph.Master("/test").lookupNode(NODE))
-        os.kill(node.getPid("/test")[2], signal.SIGKILL)
+        kill(NODE)
         robot.wait_printed("HGTKMH: executing", times=2)
         self.assertEqual(robot.text.count("HGTKMH: preparing"), 2, robot.text)
         stops = robot.text.count("stopped")

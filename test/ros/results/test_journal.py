@@ -122,8 +122,7 @@ class TestResults(ResultsCase):
 class TestLinkRecord(ResultsCase):
     def test_problems_of_a_link_are_recorded(self) -> None:
         robot = self.raw_robot("Alpha")
-        robot.beacon()
-        port = self.box.connect(ZONE)
+        port = self.box.connect(ZONE, meanwhile=robot.beacon)
         robot.open_private(port)
         robot.wait_acknowledged(robot.send(RobotState.STOP))
         last = robot.send(RobotState.STOP)

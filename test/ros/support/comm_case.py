@@ -21,9 +21,9 @@ from roah_rsbb.referee.ros_client import Client
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Override
 from support.box_case import NetworkCase
+from support.connections import wait_sends
 from support.raw_box import RawBox
 from support.robots import RSBB_PORT
-from support.ros_connections import is_connected
 from support.waiting import LIMIT_S, happened, wait_until
 
 NODE = "/roah_rsbb_comm"
@@ -75,7 +75,7 @@ class Heard:
 
     def wait_connected(self) -> None:
         """Wait until the node publishes to this listener."""
-        wait_until(lambda: is_connected(self._subscriber, NODE), f"{NODE} publishes {self._subscriber.name}")
+        wait_sends(NODE, self._subscriber)
 
     def wait_count(self, count: int) -> Any:
         """Wait until this many messages have arrived, and return the last one."""

@@ -1,8 +1,10 @@
 """Connections between nodes. rospy drops a message that is published before its subscriber is connected."""
 
+import contextlib
 import os
 import signal
 import xmlrpc.client
+from typing import List, Set
 
 import rosgraph
 import rospy
@@ -31,12 +33,36 @@ def kill(node: str, number: signal.Signals = signal.SIGKILL) -> None:
 def wait_follows(publisher: str, topic: str, subscriber: str = "") -> None:
     """Wait until the node `publisher` sends its messages on a topic to the node `subscriber`, or to this one."""
     follower = subscriber or rospy.get_name()
+    wait_until(lambda: any(entry[_TO] == follower for entry in _followers(publisher, topic)),
+               f"{publisher} sends {topic} to {follower}")
 
-    def follows() -> bool:
-        try:
-            info = xmlrpc.client.ServerProxy(master().lookupNode(publisher)).getBusInfo(rospy.get_name())[2]
-        except (OSError, rosgraph.MasterException, xmlrpc.client.Error):
-            return False
-        return any(entry[1] == follower and entry[2] == "o" and entry[4] == topic for entry in info)
 
-    wait_until(follows, f"{publisher} sends {topic} to {follower}")
+def wait_sends(publisher: str, subscriber: rospy.Subscriber) -> None:
+    """Wait until the node `publisher` sends its messages to this subscriber of this node.
+
+    It may still have the connection of an earlier subscriber, and rospy counts one that is not made yet.
+    """
+    wait_until(lambda: any(f":{port} on socket" in entry[_HOW] for port in _ports(subscriber)
+                           for entry in _followers(publisher, subscriber.name)),
+               f"{publisher} sends {subscriber.name} to this subscriber")
+
+
+# The parts of an entry of getBusInfo.
+_TO, _DIRECTION, _TOPIC, _HOW = 1, 2, 4, 6
+
+
+def _followers(publisher: str, topic: str) -> List[list]:
+    """The connections over which a node sends its messages on a topic; none if it does not answer."""
+    try:
+        info = xmlrpc.client.ServerProxy(master().lookupNode(publisher)).getBusInfo(rospy.get_name())[2]
+    except (OSError, rosgraph.MasterException, xmlrpc.client.Error):
+        return []
+    return [entry for entry in info if (entry[_DIRECTION], entry[_TOPIC]) == ("o", topic)]
+
+
+def _ports(subscriber: rospy.Subscriber) -> Set[int]:
+    found = set()
+    for connection in subscriber.impl.connections:
+        with contextlib.suppress(AttributeError, OSError):  # it is not made yet, or has ended
+            found.add(connection.socket.getsockname()[1])
+    return found
