@@ -69,6 +69,10 @@ class BuildWithProtobuf(build_py):
         if status != 0:
             raise SystemExit(f"roah_rsbb: protoc could not read {PROTO}")
         (package / "__init__.py").touch()
+        # The rules for dummy-box.
+        shipped = pathlib.Path(self.build_lib, "roah_rsbb", "shipped")
+        shutil.copytree("config/modules", str(shipped / "modules"), dirs_exist_ok=True)
+        shutil.copy("config/benchmarks.yaml", str(shipped))
 
 
 def _compiler():

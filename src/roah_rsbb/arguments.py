@@ -39,3 +39,10 @@ def number(low: float, high: float) -> Callable[[str], float]:
             raise argparse.ArgumentTypeError(f"{text!r} is not a number from {low:g} to {high:g}")
         return value
     return number_between
+
+
+def public_port(text: str) -> int:
+    """A type for argparse: a public UDP port, with space for private ports above it."""
+    if not text.isdigit() or not 1 <= int(text) <= 65000:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a UDP port from 1 to 65000. Private ports are above it")
+    return int(text)

@@ -27,7 +27,7 @@ BIN = pathlib.Path(sys.executable).parent
 PROGRAMS = ("roah_rsbb_capture", "roah_rsbb_dummy_robot")
 FOREIGN = ("rospy", "genpy", "rospkg", "catkin_pkg", "numpy", "tornado")
 LEFT_OUT = ("nodes", "journal", "devices", "tablet", "referee", "run_logs", "rqt", "results.sheet", "tools.demo")
-TEAM_COMMANDS = ("check-robot", "capture", "dummy-robot")
+TEAM_COMMANDS = ("check-robot", "capture", "dummy-robot", "dummy-box")
 
 
 def check_imports():
@@ -80,8 +80,16 @@ async def complete_a_benchmark():
     assert lines[2:] == ["stopped: the box sent STOP"], printed
 
 
+def check_shipped():
+    """The rules for dummy-box are in the wheel."""
+    from roah_rsbb.check.shipped import shipped_folder
+    assert shipped_folder() == pathlib.Path(roah_rsbb.__file__).parent / "shipped"
+    assert (shipped_folder() / "modules" / "HNF.yaml").is_file()
+
+
 check_imports()
 check_programs()
+check_shipped()
 asyncio.run(complete_a_benchmark())
 packages = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in ("protobuf", "cryptography", "PyYAML"))
 print(f"pip test: Python {sys.version.split()[0]}, {packages}: the example completed a benchmark")

@@ -10,7 +10,7 @@ import sys
 import time
 from typing import Callable, List, Optional, Sequence, Tuple
 
-from roah_rsbb.arguments import Parser, number
+from roah_rsbb.arguments import Parser, number, public_port
 from roah_rsbb.check import report
 from roah_rsbb.check.box import AnotherBox
 from roah_rsbb.check.engine import Engine, all_scenarios, scenarios_of
@@ -100,7 +100,7 @@ def _parser() -> argparse.ArgumentParser:
     network = parser.add_argument_group("network")
     network.add_argument("--host", default="10.255.255.255", metavar="BROADCAST",
                          help="the network's broadcast address; 'ip -4 addr' shows it as brd (default: %(default)s)")
-    network.add_argument("--port", type=_port, default=6666, help="public UDP port (default: %(default)s)")
+    network.add_argument("--port", type=public_port, default=6666, help="public UDP port (default: %(default)s)")
     network.add_argument("--bind", default=sockets.ANY_HOST, metavar="HOST",
                          help="local address, if robot and check share a machine (default: %(default)s)")
     network.add_argument("--second-bind", default="", metavar="HOST",
@@ -128,12 +128,6 @@ def _parser() -> argparse.ArgumentParser:
     output.add_argument("--junit", metavar="FILE", help="write the results as JUnit XML, for CI servers")
     output.add_argument("--html", metavar="FILE", help="write the results as a page")
     return parser
-
-
-def _port(text: str) -> int:
-    if not text.isdigit() or not 1 <= int(text) <= 65000:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a UDP port from 1 to 65000. Private ports are above it")
-    return int(text)
 
 
 def read_options(arguments: Optional[Sequence[str]] = None) -> Tuple[argparse.Namespace, Optional[Options]]:
