@@ -6,6 +6,7 @@ with. The types of 2020 are those of roah_rsbb. For another generation, the type
 node starts.
 """
 
+import functools
 import pathlib
 from typing import Any, Callable, Dict, List, NamedTuple, Set, Tuple, Type
 
@@ -67,7 +68,6 @@ def report_refused(generation: str, warn: Callable[[str], None]) -> None:
     """
     server = tcpros_base._tcpros_server
     accept = server.topic_connection_handler
-    known = _by_md5()
     seen: Set[Tuple[str, str, str]] = set()
 
     def handle(sock: Any, address: Any, header: Dict[str, str]) -> Any:
@@ -76,19 +76,24 @@ def report_refused(generation: str, warn: Callable[[str], None]) -> None:
         who = (topic, node, md5)
         if error and topic.startswith("/roah_rsbb/") and who not in seen and len(seen) < MAX_KNOWN:
             seen.add(who)
-            warn(_refusal(generation, topic, node, known.get(md5, [])))
+            warn(_refusal(generation, topic, node, _generations_with(md5)))
         return error
 
     server.topic_connection_handler = handle
 
 
-def _by_md5() -> Dict[str, List[str]]:
-    """Return the generations that have a type with each MD5 sum, for types that differ between generations."""
-    found: Dict[str, List[str]] = {}
-    for generation in GENERATIONS:
-        for kind in types_of(generation):
-            found.setdefault(kind._md5sum, []).append(generation)
-    return found
+def _generations_with(md5: str) -> List[str]:
+    """Return the generations that have a type with this MD5 sum. Only a refused program needs them: they cost time."""
+    try:
+        return [generation for generation in GENERATIONS if md5 in _md5_sums(generation)]
+    except OSError:
+        return []
+
+
+@functools.lru_cache(maxsize=None)
+def _md5_sums(generation: str) -> Set[str]:
+    """Return the MD5 sums of a generation's types, of those that differ between generations."""
+    return {kind._md5sum for kind in types_of(generation)}
 
 
 def _refusal(generation: str, topic: str, node: str, generations: List[str]) -> str:
