@@ -5,6 +5,7 @@ import random
 import pytest
 
 from helpers.competition import competition, event
+from helpers.examples import few
 from helpers.linked_world import FakeLink, World, assert_legal
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.protocol import BoxState, RobotState
@@ -44,7 +45,7 @@ def _ended(world, zone="tbm"):
 
 
 @pytest.mark.parametrize("code", ["HGTKMH", "HWV", "HCFGAC"])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(few(3)))
 @pytest.mark.parametrize("link", LINKS)
 def test_every_task_benchmark_completes(link, seed, code):
     world = _world(link, f"{seed}{code}", code)
@@ -86,7 +87,7 @@ def test_a_change_is_answered_at_once():
     assert world.mono - started < 3.0 + 6 * 0.001
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(few(3)))
 @pytest.mark.parametrize("link", LINKS)
 def test_every_string_is_logged_exactly_once(link, seed):
     world = _world(link, seed, "HWV")
@@ -111,7 +112,7 @@ def _says_strings(world, robot, rng):
     return said
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(few(5)))
 def test_stale_datagrams_come_and_move_nothing(seed):
     """The world itself checks the effect of each stale message: see `World._at_box`."""
     world = _world("everything", seed, "HWV")
@@ -121,7 +122,7 @@ def test_stale_datagrams_come_and_move_nothing(seed):
     assert world.stale > 5
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(few(4)))
 def test_stop_and_start_again(seed):
     world = _world("everything", seed, "HGTKMH")
     robot = _connected(world, execute_s=8.0)
@@ -138,7 +139,7 @@ def test_stop_and_start_again(seed):
     assert_legal(world, port, robot)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(few(4)))
 def test_a_timeout_reaches_the_robot(seed):
     world = _world("everything", seed, "HGTKMH", timeout=20.0)
     robot = _connected(world, execute_s=1000.0)

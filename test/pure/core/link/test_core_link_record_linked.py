@@ -5,6 +5,7 @@ import random
 import pytest
 
 from helpers.competition import competition, event
+from helpers.examples import few
 from helpers.golden import PASSWORD, SESSIONS, load
 from helpers.linked_world import PUBLIC_PORT, FakeLink, World
 from roah_rsbb.comm.ciphers import Key
@@ -74,7 +75,7 @@ def test_an_undisturbed_link_has_no_losses():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(few(3)))
 @pytest.mark.parametrize("loss", [0.1, 0.3])
 def test_recorded_losses_never_exceed_the_real_ones(seed, loss):
     world = CountingWorld(FakeLink(random.Random(seed), loss=loss)).runs(5)
@@ -98,7 +99,7 @@ def test_a_robot_that_hears_nothing_answers_nothing():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(few(3)))
 def test_late_and_duplicate_datagrams_are_not_losses(seed):
     world = CountingWorld(FakeLink(random.Random(seed), double=0.3, late=0.2, longest_delay=0.3)).runs(4)
     assert world.total("duplicates") + world.total("stale") == world.stale

@@ -5,6 +5,7 @@ import random
 import pytest
 
 from helpers.competition import TEAMS, competition, event
+from helpers.examples import few
 from helpers.linked_world import FakeLink, World, assert_legal
 from roah_rsbb.core.scoring.records import EndReason, Phase
 from roah_rsbb.core.settings import Settings
@@ -33,7 +34,7 @@ def _started(world):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(few(4)))
 def test_all_complete_on_a_bad_link(seed):
     world = _world(seed, TEAMS, BAD)
     run = _started(world)
@@ -59,7 +60,7 @@ def test_thirty_robots_complete():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(few(3)))
 def test_a_robot_that_crashes_and_returns_starts_again_and_the_others_do_not(seed):
     world = _world(seed, TEAMS)
     run = _started(world)
@@ -71,7 +72,7 @@ def test_a_robot_that_crashes_and_returns_starts_again_and_the_others_do_not(see
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(few(3)))
 def test_stop_reaches_all_and_all_start_again(seed):
     world = _world(seed, TEAMS, BAD)
     run = _started(world)

@@ -7,6 +7,7 @@ from fractions import Fraction
 import pytest
 
 from helpers.competition import UTC0, benchmark, event
+from helpers.examples import few
 from helpers.random_sheets import TIME_LIMIT_S, random_form, random_mark
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
@@ -279,7 +280,7 @@ def _expected(form, sheet, elapsed_s, reason):
     return total, groups
 
 
-@pytest.mark.parametrize("seed", range(150))
+@pytest.mark.parametrize("seed", range(few(150)))
 def test_random_sheets_have_the_points_of_a_second_implementation(seed):
     chance = random.Random(seed)
     form = random_form(chance)
