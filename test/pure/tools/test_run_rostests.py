@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
-from typing import List
+from typing import Any, List
 
 import pytest
 
@@ -23,6 +23,36 @@ cases() {
 good() { cases "<testcase name='a'/>"; }
 . "$1"
 """
+# run_rostests forks a rostest in Python. This one becomes the stand-in above.
+FORKED_ROSTEST = """#!/usr/bin/python3
+import os, sys
+os.execv(f"{sys.path[0]}/executed", sys.argv)
+"""
+# One that starts a node as roslaunch does, and waits until the node has written its note.
+STARTS_A_NODE = """#!/usr/bin/python3
+import os
+import roslaunch.nodeprocess
+
+here = os.environ["HERE"]
+os.mkfifo(f"{here}/begun")
+with open(f"{here}/node.log", "w") as log:
+    node = roslaunch.nodeprocess.subprocess.Popen(
+        [f"{here}/node", "of the test"], cwd=here, stdout=log, env={**os.environ, "OF": "the node"}, close_fds=True,
+        preexec_fn=os.setsid)
+open(f"{here}/begun").close()
+assert node.poll() is None
+"""
+NODE = """#!/usr/bin/python3
+import os, sys, time
+
+is_forked = "forking_parent" in open("/proc/self/cmdline").read()
+print(sys.argv[1:], os.environ["OF"], os.getcwd(), os.getsid(0) == os.getpid(), is_forked, flush=True)
+with open("pid", "w") as file:
+    file.write(str(os.getpid()))
+open("begun", "w").close()
+time.sleep(60)
+"""
+both = pytest.mark.parametrize("runner", ["executed", "forked"], indirect=True)
 
 
 class Runner:
@@ -31,8 +61,12 @@ class Runner:
     def __init__(self, path: pathlib.Path) -> None:
         self.path = path
         (path / "bin").mkdir()
-        (path / "bin" / "rostest").write_text(ROSTEST)
-        (path / "bin" / "rostest").chmod(0o755)
+        self.add("bin/rostest", ROSTEST)
+
+    def add(self, name: str, text: str) -> None:
+        """Add a program."""
+        (self.path / name).write_text(text)
+        (self.path / name).chmod(0o755)
 
     def start(self, *options: str, **tests: str) -> "subprocess.Popen[str]":
         """Start the program on tests of these names and texts."""
@@ -59,8 +93,12 @@ class Runner:
 
 
 @pytest.fixture
-def runner(tmp_path: pathlib.Path) -> Runner:
-    return Runner(tmp_path)
+def runner(tmp_path: pathlib.Path, request: Any) -> Runner:
+    made = Runner(tmp_path)
+    if getattr(request, "param", "executed") == "forked":
+        made.add("bin/executed", ROSTEST)
+        made.add("bin/rostest", FORKED_ROSTEST)
+    return made
 
 
 def ended(pid: int) -> bool:
@@ -128,6 +166,7 @@ def test_each_failure_is_listed_at_the_end(runner: Runner) -> None:
     assert (runner.path / "results" / "failed.txt").read_text().splitlines() == end[:-1]
 
 
+@both
 def test_a_result_file_of_all_tests(runner: Runner) -> None:
     runner.run("--junit", str(runner.path / "new" / "all.xml"), one="good", two=f"cases '{FAILURE}'")
     suite = ElementTree.parse(str(runner.path / "new" / "all.xml")).getroot()
@@ -153,6 +192,7 @@ def test_the_longest_test_of_the_run_before_starts_first(runner: Runner) -> None
     assert runner.lines("order")[3] == "b"
 
 
+@both
 def test_a_test_that_hangs_is_ended(runner: Runner) -> None:
     (runner.path / "pid").touch()  # on a busy machine, the test may be ended before it writes
     done = runner.run("--time-limit", "0.3", one="echo $$ > $HERE/pid; sleep 60")
@@ -161,12 +201,23 @@ def test_a_test_that_hangs_is_ended(runner: Runner) -> None:
     assert all(ended(int(pid)) for pid in runner.lines("pid"))
 
 
+@both
 def test_what_a_test_left_running_is_ended(runner: Runner) -> None:
     done = runner.run(one="setsid sleep 60 & echo $! > $HERE/pid; good")
     assert done.returncode == 0
     assert ended(int(*runner.lines("pid")))
 
 
+def test_a_node_is_a_fork_and_ends_with_its_test(runner: Runner) -> None:
+    runner.add("bin/rostest", STARTS_A_NODE)
+    runner.add("node", NODE)
+    done = runner.run(one="")
+    assert "it ran no test case" in done.stdout
+    assert (runner.path / "node.log").read_text() == f"['of the test'] the node {runner.path} True True\n"
+    assert ended(int(*runner.lines("pid")))
+
+
+@both
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_ends_all_tests(runner: Runner, number: int) -> None:
     os.mkfifo(str(runner.path / "begun"))
@@ -181,6 +232,7 @@ def test_an_interrupt_ends_all_tests(runner: Runner, number: int) -> None:
     assert not (runner.path / "two").exists()
 
 
+@both
 def test_tests_side_by_side_have_slots_and_folders_of_their_own(runner: Runner) -> None:
     # Each opens the pipe at one end, so both continue only when both are running.
     os.mkfifo(str(runner.path / "meet"))
@@ -202,6 +254,7 @@ def test_two_runs_on_one_machine_have_slots_of_their_own(runner: Runner) -> None
     assert len(set(runner.lines("slots"))) == 2
 
 
+@both
 def test_the_environment_of_the_shell_does_not_reach_the_master(runner: Runner) -> None:
     done = runner.run(one='[ -z "$ROS_MASTER_URI$ROS_HOSTNAME" ] && [ $ROS_IP = 127.0.0.1 ] && good')
     assert done.returncode == 0

@@ -17,97 +17,22 @@ import socket
 import subprocess
 import sys
 import threading
-from typing import Dict, Optional, Sequence, Union
+from typing import Dict, Optional, Sequence, Tuple, Union
 
 from support.waiting import happened
 
 Files = Sequence[int]  # standard input, output and error output
-# The parent of the programs. It imports what a program imports, and then forks; the fork becomes the program.
-_PARENT = r"""
-import array, ast, ctypes, gc, importlib, io, os, pickle, random, runpy, signal, socket, sys, time
-
-requests = socket.socket(fileno=int(sys.argv[1]))
-imported = set()
-
-
-def import_for(path):
-    with open(path, encoding="utf-8") as file:
-        for node in ast.parse(file.read()).body:
-            if isinstance(node, ast.Assign) and node.targets[0].id == "python_script":
-                import_for(node.value.value)  # catkin's relay to the program in the source folder
-            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            for name in names + ([node.module] if isinstance(node, ast.ImportFrom) else []):
-                importlib.import_module(name)
-
-
-def report_ended(*_):
-    while True:
-        try:
-            pid, status = os.waitpid(-1, os.WNOHANG)
-        except ChildProcessError:
-            return
-        if not pid:
-            return
-        code = -os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)
-        requests.send(pickle.dumps(("ended", pid, code)))
-
-
-def become(files, arguments, environment):
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGCHLD])
-    ctypes.CDLL(None).prctl(1, signal.SIGINT)  # PR_SET_PDEATHSIG: a test that is killed leaves no program behind
-    for number, file in enumerate(files):
-        os.dup2(file, number)
-        os.close(file)
-    requests.close()
-    sys.stdin = open(0, encoding=sys.stdin.encoding, closefd=False)
-    for number, name in ((1, "stdout"), (2, "stderr")):
-        old = getattr(sys, name)
-        made = io.TextIOWrapper(open(number, "wb", 0, closefd=False), old.encoding, old.errors, write_through=True)
-        setattr(sys, name, made)
-    os.environ.clear()
-    os.environ.update(environment)
-    time.tzset()
-    random.seed()
-    sys.argv[:] = arguments  # the same list, to which default arguments of functions refer
-    if "rospy" in sys.modules:
-        sys.modules["rospy"].names.reload_mappings(arguments)  # it reads them when it is imported
-
-
-def next_program():
-    while True:
-        request, ancillary, _, _ = requests.recvmsg(1 << 20, socket.CMSG_SPACE(3 * 4))
-        if not request:
-            sys.exit()
-        files = array.array("i")
-        files.frombytes(ancillary[0][2])
-        path, arguments, environment = pickle.loads(request)
-        if path not in imported:
-            import_for(path)
-            imported.add(path)
-            gc.freeze()  # a program that ends would look through all that was imported: 0.2 s of CPU
-        signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGCHLD])  # its beginning is reported before its end
-        pid = os.fork()
-        if not pid:
-            become(files, arguments, environment)
-            return path
-        requests.send(pickle.dumps(("began", pid, 0)))
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGCHLD])
-        for file in files:
-            os.close(file)
-
-
-signal.signal(signal.SIGCHLD, report_ended)
-runpy.run_path(next_program(), run_name="__main__")
-"""
+_PARENT = str(pathlib.Path(__file__).resolve().parent / "forking_parent.py")
+_INTERPRETERS = (b"#!/usr/bin/python3", b"#!/usr/bin/env python3")
 
 
 class Forked:
     """A program that runs; like a `subprocess.Popen`."""
 
-    def __init__(self, parent: "_Parent", pid: int) -> None:
+    def __init__(self, parent: "Parent", pid: int) -> None:
         self.pid = pid
         self.returncode: Optional[int] = None
+        self.cpu_s = 0.0  # when it has ended: of itself and of the processes that it waited for
         self._parent = parent
 
     def poll(self) -> Optional[int]:
@@ -133,32 +58,30 @@ class Forked:
         self.send_signal(signal.SIGKILL)
 
     def _look(self) -> Optional[int]:
-        self.returncode = self._parent.ended.get(self.pid)
+        if self.returncode is None and self.pid in self._parent.ended:
+            self.returncode, self.cpu_s = self._parent.ended[self.pid]
+        elif self.returncode is None and self._parent.has_ended:
+            self.returncode = -signal.SIGKILL  # the kernel sends it when the parent ends
         return self.returncode
 
 
-class _Parent:
+class Parent:
     """The process that forks."""
 
-    def __init__(self) -> None:
-        self.ended: Dict[int, int] = {}  # process to its exit status
+    def __init__(self, requests: socket.socket) -> None:
+        self.ended: Dict[int, Tuple[int, float]] = {}  # process to its exit status and its CPU seconds
         self.news = threading.Condition()
+        self.has_ended = False
         self._began: Optional[int] = None
         self._starting = threading.Lock()
-        self._socket, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        for end in (self._socket, theirs):
-            end.settimeout(None)  # parts of ROS change the default
-        self._process = subprocess.Popen(
-            [sys.executable, "-u", "-c", _PARENT, str(theirs.fileno())], pass_fds=(theirs.fileno(),),
-            stdin=subprocess.DEVNULL,
-        )
-        theirs.close()
+        self._socket = requests
         threading.Thread(target=self._read, name="forking", daemon=True).start()
-        atexit.register(self._close)
 
-    def start(self, path: str, arguments: Sequence[str], files: Files, environment: Dict[str, str]) -> Forked:
-        """Start a Python program. Its arguments begin with its name."""
-        request = pickle.dumps((path, list(arguments), environment))
+    def start(
+            self, path: str, arguments: Sequence[str], files: Files, environment: Dict[str, str],
+            **options: Union[str, bool]) -> Forked:
+        """Start a Python program. Its arguments begin with its name; for the options, see `become` of the parent."""
+        request = pickle.dumps((path, list(arguments), environment, options))
         handles = [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", files))]
         with self._starting:
             self._began = None
@@ -171,24 +94,53 @@ class _Parent:
     def _read(self) -> None:
         while True:
             message = self._socket.recv(4096)
-            kind, pid, status = pickle.loads(message) if message else ("began", 0, 0)
+            kind, pid, status, cpu_s = pickle.loads(message) if message else ("began", 0, 0, 0.0)
             with self.news:
+                self.has_ended = not message
                 if kind == "began":
                     self._began = pid
                     self.ended.pop(pid, None)
                 else:
-                    self.ended[pid] = status
+                    self.ended[pid] = status, cpu_s
                 self.news.notify_all()
             happened()
             if not message:
                 return
 
-    def _close(self) -> None:
-        self._socket.shutdown(socket.SHUT_RDWR)
-        self._process.wait()
+    def close(self) -> None:
+        """End the process that forks. Programs that still run are ended, too."""
+        with contextlib.suppress(OSError):  # it has ended
+            self._socket.shutdown(socket.SHUT_RDWR)
 
 
-_parent: Optional[_Parent] = None
+def executed(*programs: str, **environment: str) -> Parent:
+    """Start a process that forks. It imports what these programs import at once, and the others' imports on demand."""
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    for end in (ours, theirs):
+        end.settimeout(None)  # parts of ROS change the default
+    # A session of its own: an interruption of a test does not end it before the test's programs.
+    process = subprocess.Popen(
+        [sys.executable, "-u", _PARENT, str(theirs.fileno()), *programs], pass_fds=(theirs.fileno(),),
+        stdin=subprocess.DEVNULL, env={**os.environ, **environment}, start_new_session=True,
+    )
+    theirs.close()
+    parent = Parent(ours)
+
+    def end() -> None:
+        parent.close()
+        process.wait()
+
+    atexit.register(end)
+    return parent
+
+
+def is_python(path: str) -> bool:
+    """Whether a program can be forked."""
+    with open(path, "rb") as file:
+        return file.readline().rstrip() in _INTERPRETERS
+
+
+_parent: Optional[Parent] = None
 
 
 def start(command: Sequence[str], files: Files, **environment: str) -> Union[Forked, "subprocess.Popen[bytes]"]:
@@ -197,11 +149,9 @@ def start(command: Sequence[str], files: Files, **environment: str) -> Union[For
     path = shutil.which(command[0])
     assert path, f"{command[0]} cannot be found: source build/devel/setup.bash"
     made = {**os.environ, **environment}
-    with pathlib.Path(path).open("rb") as file:
-        is_python = file.readline().rstrip() in (b"#!/usr/bin/python3", b"#!/usr/bin/env python3")
-    if is_python:
-        _parent = _parent or _Parent()
-        return _parent.start(path, [path, *command[1:]], files, made)
+    if is_python(path):
+        _parent = _parent or executed()
+        return _parent.start(path, [path, *command[1:]], files, made, death_signal="SIGINT")
     return subprocess.Popen(command, stdin=files[0], stdout=files[1], stderr=files[2], env=made,
                             preexec_fn=_end_with_parent)
 
