@@ -18,6 +18,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 sys.path.insert(0, str(ROOT / "test" / "ros"))
 
+import gateway  # noqa: E402
 import hostile  # noqa: E402
 import load  # noqa: E402
 import processes  # noqa: E402
@@ -35,6 +36,7 @@ from table import Results, quantile  # noqa: E402
 ZONES_OF_MESSAGES = (1, 20, 100)
 WINDOW_ZONES = 20
 RESUMED = 10
+MANY_VIEWERS = 200
 FEW_RUNS, REPORTED_RUNS = 100, 1000
 RESULTS_TARGETS = {"list": 0.5, "show": 0.5, "standings": 2.0, "recover, of 100 MB": 1.0}
 
@@ -215,6 +217,33 @@ class Bench:
             cpu = panels.window_cpu(self.extent.idle_seconds)
         self.results.add(f"client window, all panels, {WINDOW_ZONES} zones in runs: CPU", "% of a core", cpu, 20)
 
+    # -- browsers -----------------------------------------------------------------------------------
+
+    def web(self) -> None:
+        """The gateway with one reader and with many; the core with and without it."""
+        count, results = self.extent.starts, self.results
+        with Box(1) as box:
+            costs = [("without the gateway", gateway.change(box, None, None, count))]
+            served = gateway.Gateway()
+            try:
+                costs.append(("with the gateway, nobody reads", gateway.change(box, served, None, count)))
+                for readers in (1, MANY_VIEWERS):
+                    viewers = gateway.Viewers(served.port, readers)
+                    cost = gateway.change(box, served, viewers, count)
+                    viewers.close()
+                    name = f"{readers} reader{'s' * (readers > 1)}"
+                    costs.append((f"with the gateway, {name}", cost))
+                    results.add_spread(f"call that changes the core to {name}", "ms", cost.late_ms, {0.95: 100})
+                memory = served.process.memory_mb()
+            finally:
+                served.close()
+            costs.append(("without the gateway again", gateway.change(box, None, None, count)))
+        for name, cost in costs:
+            results.add(f"core {name}: CPU", "% of a core", cost.core_percent)
+        results.add("gateway, nobody reads: CPU", "% of a core", costs[1][1].gateway_percent)
+        results.add(f"gateway, {MANY_VIEWERS} readers: CPU", "% of a core", costs[3][1].gateway_percent, 40)
+        results.add(f"gateway, after {MANY_VIEWERS} readers: memory", "MB", memory, 80)
+
     # -- time ---------------------------------------------------------------------------------------
 
     def day(self) -> None:
@@ -260,7 +289,7 @@ def profile(robots: int, seconds: float) -> None:
 
 
 PARTS: Dict[str, str] = {name: getattr(Bench, name).__doc__ for name in (
-    "one", "resume", "many", "hundred", "hostile", "messages", "window", "day", "journal")}
+    "one", "resume", "many", "hundred", "hostile", "messages", "window", "web", "day", "journal")}
 
 
 def main() -> int:

@@ -208,7 +208,7 @@ class CoreNode:
             "module_runs": rospy.Publisher("/core/module_runs", ModuleRuns, queue_size=1, latch=True),
             "timeout": rospy.Publisher("/timeout", Empty, queue_size=1),
         }
-        CoreServices(self._box, self._ros, self._event, self._journal.ticket, self._store.why_not_saved)
+        CoreServices(self._box, self._ros, self._referee_event, self._journal.ticket, self._store.why_not_saved)
         ReloadService(self._box, self._configuration, self._ros, self._event, self._use)
         rospy.Service("/core/end_other_core", EmptySrv, self._end_other_core)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
@@ -238,6 +238,11 @@ class CoreNode:
 
     def _event(self, method: Callable[..., object], *args: object) -> None:
         self._driver.event(method, *args)
+
+    def _referee_event(self, method: Callable[..., object], *args: object) -> None:
+        """As `_event`. What the public sees of it is published at once, not at the next tick, but after the answer."""
+        self._ros.loop.call_soon(lambda: self._publish_public_details(self._driver.now()))
+        self._event(method, *args)
 
     def _on_devices(self, message: DevicesState) -> None:
         devices = devices_of(message)
