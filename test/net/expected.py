@@ -1,5 +1,6 @@
 """Checks of a run after it has ended, for any quality of the network."""
 
+import itertools
 from typing import Any, Dict, List, Tuple
 
 from crew import Robot
@@ -58,7 +59,9 @@ def faults(result: Result, robot: Robot, reboots: int = 0) -> List[str]:
 
     same("end", result.end_reason, "completed")
     seen, should = [BoxState(state) for state in result.values(BOX_STATES)], box_states(result.code, reboots)
-    heard_executing = result.values(CLIENT_STATES).count(RobotState.EXECUTING)
+    # The log has an entry for each message that differs, so a goal may have several.
+    heard = [state for state, _ in itertools.groupby(result.values(CLIENT_STATES))]
+    heard_executing = heard.count(RobotState.EXECUTING)
     if result.code in _EXPLICIT and heard_executing < should.count(BoxState.WAITING_RESULT):
         same("times in WAITING_RESULT", seen.count(BoxState.WAITING_RESULT), heard_executing)
         seen, should = ([s for s in states if s is not BoxState.WAITING_RESULT] for states in (seen, should))

@@ -11,7 +11,6 @@ from typing import Any, Dict, List, Optional, Sequence
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunClocks, RunSheet, Schedule, ScheduleEvent
 from roah_rsbb.referee import ros_client
-from roah_rsbb.referee.changes import SILENT_S
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.ros_client import Client, Late, RosError, ServiceError, Subscription
 from roah_rsbb.referee.sheets import RunLine, run_of
@@ -40,8 +39,11 @@ GUI_TOPIC, DETAILS_TOPIC, RESULTS_TOPIC = "/core/to_gui", "/core/details", "/cor
 CLOCKS_TOPIC, SCHEDULE_TOPIC = "/core/clocks", "/core/schedule"
 _FOLLOWED = {GUI_TOPIC: CoreToGui, DETAILS_TOPIC: CoreDetails, CLOCKS_TOPIC: RunClocks}
 
-# Time limits: for the master, for the core's first messages, for a service.
-MASTER_S, CORE_S, ANSWER_S = 2.0, 2.0, 6.0
+# Time limits: for the master, for the core's first messages, for a service. A busy computer may take seconds, and a
+# command such as stop must not fail because of that.
+MASTER_S, CORE_S, ANSWER_S = 6.0, 6.0, 6.0
+# For one attempt to connect to a topic.
+CONNECT_S = 2.0
 # A missing master or core is tried again after this time.
 AGAIN_S = 0.2
 # An older first message may be the latched one of a core that hangs: wait for a second one.
@@ -74,7 +76,8 @@ class Link:
         self.box: Optional[BoxSnapshot] = None
 
     def open(self, wait_s: float = 0.0) -> BoxSnapshot:
-        """Connect; raises `NoCore` in 2 to 3 s, or after `wait_s` if master and core may still be starting."""
+        """Connect; raises `NoCore` at once or after the time limits, or after `wait_s` if master and core may still be
+        starting."""
         deadline = self.now() + wait_s
         while True:
             problem = self._problem()
@@ -133,7 +136,7 @@ class Link:
             if topic in self._feeds and not is_silent:
                 continue
             try:
-                feed = self._ros.follow(topic, kind, CORE_S)
+                feed = self._ros.follow(topic, kind, CONNECT_S)
             except RosError:
                 break  # the silence is reported; it is tried again
             self._drop(topic)
@@ -163,8 +166,8 @@ class Link:
         clock = self._call("/core/clock", GetClock).clock
         deadline = self.now() + DETAILS_S
         while self._gui.clock <= clock or self._details.clock <= clock:
-            if self.next(min(SILENT_S, max(0.0, deadline - self.now()))) is None:
-                raise NoCore(NO_DETAILS if self.silence_s < SILENT_S else self._why_silent())
+            if self.next(min(CORE_S, max(0.0, deadline - self.now()))) is None:
+                raise NoCore(NO_DETAILS if self.silence_s < CORE_S else self._why_silent())
         assert self.box is not None, "both topics were heard"
         return self.box
 
