@@ -12,7 +12,7 @@ import rosgraph
 import rospy
 from rosgraph_msgs.msg import Log
 from support.box_case import CORE, BoxCase
-from support.connections import wait_follows
+from support.connections import wait_sends
 from support.robots import BOX, PASSWORDS, RSBB_PORT, Network, PublicParticipant, empty_beacon, host_of, wire
 from support.waiting import happened, wait_until
 
@@ -86,7 +86,7 @@ class TestAttacks(BoxCase):
         self.said: List[str] = []  # in the nodes' logs
         subscriber = rospy.Subscriber("/rosout", Log, self._on_log)
         self.addCleanup(subscriber.unregister)
-        wait_follows(CORE, "/rosout")
+        wait_sends(CORE, subscriber)
 
     def _on_log(self, log: Log) -> None:
         self.said.append(log.msg)

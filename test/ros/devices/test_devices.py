@@ -14,7 +14,7 @@ from std_msgs.msg import Empty
 from std_srvs.srv import Empty as EmptySrv
 from support.box_case import BoxCase
 from support.box_client import Refusal
-from support.connections import kill, process_of, wait_follows
+from support.connections import kill, process_of, wait_follows, wait_sends
 from support.programs import own
 from support.robots import RSBB_PORT
 from support.waiting import LIMIT_S, happened, wait_until
@@ -96,7 +96,8 @@ class DevicesCase(BoxCase):
         ):
             subscriber = rospy.Subscriber(topic, kind, lambda m, hear=hear: (hear(m), happened()), queue_size=10)
             self.addCleanup(subscriber.unregister)
-        # Both are latched: a late listener has them.
+        self.bell = subscriber
+        # The other two are latched: a late listener has them.
         self.wait_connected()
         for device in SWITCHES:
             call(f"/devices/{device}/off")
@@ -151,8 +152,8 @@ class TestInterface(DevicesCase):
 class TestBell(DevicesCase):
     def setUp(self):
         super().setUp()
-        for listener in (rospy.get_name(), SOUNDS):
-            wait_follows(NODE, "/devices/bell", listener)
+        wait_sends(NODE, self.bell)
+        wait_follows(NODE, "/devices/bell", SOUNDS)
 
     def played(self, what):
         return PLAYED.read_text(encoding="utf-8").split().count(what) if PLAYED.exists() else 0

@@ -7,14 +7,13 @@ import unittest
 from typing import Any
 
 from roah_rsbb.protocol import RobotState
-from support.box_client import BoxClient, Refusal
+from support.box_client import CORE, BoxClient, Refusal
 from support.connections import kill
 from support.robots import Network, PublicParticipant, RawRobot, Robot
 from support.run_logs import RunLog
 from support.waiting import wait_until
 
 PACKAGE = "roah_rsbb"
-CORE = "/roah_rsbb_core"
 # Whatever is in a test beside box and robots; the teams' robots have their addresses from `robots.host_of`.
 LISTENER, TABLET = "127.0.0.3", "127.0.0.4"
 

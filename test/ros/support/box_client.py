@@ -10,9 +10,12 @@ from std_msgs.msg import Empty
 from roah_rsbb.msg import CoreDetails, CoreToGui, CoreToPublic, Score, ZoneDetails, ZoneState
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Zone, ZoneScore
+from support.connections import wait_sends
 from support.waiting import LIMIT_S, happened, wait_until
 
 T = TypeVar("T")
+
+CORE = "/roah_rsbb_core"
 
 # Reasons that pass by themselves. Robots and modules of a test fall silent, or their datagrams are late, when its
 # process stops for a few seconds.
@@ -63,6 +66,10 @@ class BoxClient:
         wait_until(lambda: self._is_current(self.gui) and self._is_current(self.details) and self.public,
                    "all topics of the core are heard", limit_s)
         return self
+
+    def wait_timeouts_heard(self) -> None:
+        """Wait until the launched core sends /timeout to this client: the topic is not latched."""
+        wait_sends(CORE, self._subscribers[-1])
 
     def wait_other_core(self, uuid: str, what: Callable[[], str] = lambda: "another core runs") -> None:
         """Wait until another core than the one of this identity is heard on all topics."""

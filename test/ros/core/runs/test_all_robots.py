@@ -50,6 +50,7 @@ class TestOneFails(AllRobotsCase):
 
     def test_one_is_killed_and_the_others_complete(self) -> None:
         box, zone = self.box, "All"
+        box.wait_timeouts_heard()
         self.killed, *self.others = robots = self.robots_of(*TEAMS, prepares=False)
         ports = self.connected(zone, robots)
         self.assertEqual(len(set(ports)), 3)

@@ -2,8 +2,7 @@
 
 import socket
 
-from support.box_case import CORE, LISTENER, BoxCase
-from support.connections import wait_follows
+from support.box_case import LISTENER, BoxCase
 from support.robots import BOX, RSBB_PORT, host_of, listed
 from support.waiting import wait_until
 
@@ -18,7 +17,7 @@ class TestTime(BoxCase):
 
     def test_a_timeout_ends_the_run_for_good(self) -> None:
         box, robot = self.box, self.robot("Alpha")
-        wait_follows(CORE, "/timeout")
+        box.wait_timeouts_heard()
         first_port = box.connect("Timeout")
         self.assertEqual(box.timeouts, 0)
         box.start("Timeout")
