@@ -351,6 +351,16 @@
         <translation>{weekday}, {day}. {month} {year}</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/replay.py"/>
+        <source>REPLAY</source>
+        <translation>WIEDERGABE</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/replay.py"/>
+        <source>REPLAY: not live</source>
+        <translation>WIEDERGABE: nicht live</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/schedule.py"/>
         <source>● connected</source>
         <translation>● verbunden</translation>
@@ -787,6 +797,11 @@
         <location filename="../../src/roah_rsbb/wording/sent.py"/>
         <source>Benchmarking module not connected: the run is paused until it is back</source>
         <translation>Benchmark-Modul nicht verbunden: Der Lauf ist pausiert, bis es wieder da ist</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/sent.py"/>
+        <source>This is a replay of {run}: nothing here is live, and commands have no effect</source>
+        <translation>Dies ist die Wiedergabe von {run}: nichts hier ist live, und Befehle bewirken nichts</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/sent.py"/>

@@ -26,7 +26,7 @@ from roah_rsbb.core.scoring.desk import ScoreDesk
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
-from roah_rsbb.core.zones import EventKey, Zones
+from roah_rsbb.core.zones import EventKey, Zones, ZoneState
 from roah_rsbb.protocol import WireTime
 from roah_rsbb.rulebook.benchmarks import Config
 from roah_rsbb.rulebook.registry import DEVICES, TABLET
@@ -73,6 +73,7 @@ class Box:
         # Time.
         self._clock = ClockWatch()
         self._calm_until: Optional[float] = None  # see `_tick_if_due`
+        self._replay = ""  # see `begin_replay`
 
     # -- driving ------------------------------------------------------------------------------------
 
@@ -140,6 +141,8 @@ class Box:
 
     def warnings(self, now: Now) -> List[str]:
         """Return the current warnings for every referee."""
+        if self._replay:
+            return [self._replay]
         uses = frozenset().union(*(zone.event.benchmark.profile.uses for zone in self.zones.values()))
         devices = self.watches.devices_warnings() if DEVICES in uses else []
         ports = self._connections.warnings()
@@ -175,6 +178,17 @@ class Box:
         self.tablet.restore(saved.box.tablet)
         self._restart.resume(now, saved)
         self.tick(now)
+
+    # -- replays ------------------------------------------------------------------------------------
+
+    def begin_replay(self, run: str) -> None:
+        """Only show earlier states of a run from now on. That is the only warning, and why every command is refused."""
+        self._replay = f"This is a replay of {run}: nothing here is live, and commands have no effect"
+        self.commands.close(self._replay)
+
+    def show(self, now: Now, zone_name: str, state: Optional[ZoneState]) -> None:
+        """Put an earlier state into a zone; None: the zone had no run. Raises ValueError. Do not call `tick`."""
+        self._restart.show(now, self.zones[zone_name], state)
 
     # -- the organiser ------------------------------------------------------------------------------
 

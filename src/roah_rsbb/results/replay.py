@@ -14,7 +14,7 @@ from roah_rsbb.core.scoring.points import Counted
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreValue
 from roah_rsbb.journal import kinds
 from roah_rsbb.results.events import TITLES, RunEvent, Stretch, box_states, in_order, robot_states
-from roah_rsbb.results.runs import RobotPart, RunMoment, RunResult
+from roah_rsbb.results.runs import RobotPart, RunMoment, RunResult, run_state_of
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.texts import visible
@@ -40,7 +40,7 @@ def replay_data(result: RunResult, moments: Sequence[RunMoment], in_utc: bool) -
     begin, end = record.opened_utc, _end_utc(result, moments)
     events = list(in_order(result, with_scores=True))
     titles = [title for title in TITLES if any(title == each for each, _ in events)]
-    known = [moment for moment in moments if _run_of(moment)]
+    known = [moment for moment in moments if run_state_of(moment)]
     return {
         "title": visible(sheets.run_name(record.benchmark, record.team, record.round, record.run)),
         "facts": [
@@ -55,7 +55,7 @@ def replay_data(result: RunResult, moments: Sequence[RunMoment], in_utc: bool) -
                     visible(event.robot), visible(event.text), int(event.bad)] for title, event in events],
         "latest": _latest([event for _, event in events]),
         "phase": _phases(record, known),
-        "desc": _track(begin, ((m.utc, visible(str(_run_of(m).get("desc", "")))) for m in known)),
+        "desc": _track(begin, ((m.utc, visible(str(run_state_of(m).get("desc", "")))) for m in known)),
         "clock": _clocks(begin, moments),
         **_sheet(record, known),
         "module": _track(begin, ((m.utc, _module_scores(m)) for m in known)),
@@ -85,21 +85,14 @@ def _end_utc(result: RunResult, moments: Sequence[RunMoment]) -> float:
     return max([*ends, *(robot.link[-1].utc for robot in result.robots if robot.link)])
 
 
-def _run_of(moment: RunMoment) -> Dict[str, Any]:
-    """Return the state of the run as a whole."""
-    zone = moment.zone
-    found = zone.get("run") or zone.get("all_robots") or zone.get("by_hand")
-    return found if isinstance(found, dict) else {}
-
-
 def _end_of(moment: RunMoment) -> str:
     """Return the name of the reason why the run has ended; empty: it has not."""
-    return str(_run_of(moment).get("end_reason") or "").lower()
+    return str(run_state_of(moment).get("end_reason") or "").lower()
 
 
 def _phases(record: RunRecord, known: Sequence[RunMoment]) -> Track:
     """Return the phases, each with the end of the run in words."""
-    phases = [(m.utc, [str(_run_of(m).get("phase", "")).lower(), sheets.end_reason(_end_of(m))]) for m in known]
+    phases = [(m.utc, [str(run_state_of(m).get("phase", "")).lower(), sheets.end_reason(_end_of(m))]) for m in known]
     closed = [(record.closed_utc, [DISCONNECTED, sheets.end_reason(record.end_reason)])] if record.closed_utc else []
     return _track(record.opened_utc, phases + closed)
 
@@ -170,7 +163,7 @@ def _counted(record: RunRecord, known: Sequence[RunMoment]) -> Iterable[Tuple[fl
     """Return the score sheet after each of its changes."""
     form, last = form_of(record), None
     for moment in known:
-        state, end = _run_of(moment).get("book"), _end_of(moment)
+        state, end = run_state_of(moment).get("book"), _end_of(moment)
         if last is not None and last == (state, end):
             continue
         last = state, end

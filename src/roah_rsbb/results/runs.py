@@ -54,6 +54,13 @@ class RunMoment(NamedTuple):
     clock: Dict[str, Any]  # the times of the run, in seconds; limits that do not exist are missing
 
 
+def run_state_of(moment: RunMoment) -> Dict[str, Any]:
+    """Return the state of the run as a whole."""
+    zone = moment.zone
+    found = zone.get("run") or zone.get("all_robots") or zone.get("by_hand")
+    return found if isinstance(found, dict) else {}
+
+
 class NoSuchRun(Exception):
     """The run does not exist. The text says which runs do."""
 

@@ -12,6 +12,7 @@ from typing import Dict, NamedTuple, Optional, Tuple
 from roah_rsbb.wording import module_scores, sheets, times
 from roah_rsbb.wording.clock import PAUSED
 from roah_rsbb.wording.language import tr, tr_later
+from roah_rsbb.wording.replay import is_replay
 
 ALL_TEAMS = "ALL"
 WAITING = tr_later("Waiting for the referee box")
@@ -76,6 +77,7 @@ class PublicContent(NamedTuple):
     provisional: Tuple[ListLine, ...] = ()  # not signed off
     standings: Tuple[StandingTexts, ...] = ()
     is_known: bool = True  # False: the core has never been heard
+    is_replay: bool = False
 
 
 NOTHING = PublicContent("", "", "", (), (), (), is_known=False)
@@ -103,6 +105,7 @@ def content(details: Optional[object], utc_s: float, is_old: bool, board: Option
         results=result_lines(details.finished if board is None else board.results, utc_s),
         provisional=() if board is None else result_lines(board.provisional, utc_s),
         standings=() if board is None else standings(board),
+        is_replay=is_replay(details.box_uuid),
     )
 
 

@@ -82,6 +82,7 @@ SENTENCES: Tuple[str, ...] = (
     tr_later("No message from the robot for {time} s"),
     tr_later("Clock skew of {robot} is {skew}, but must be below {limit} s: synchronise the robot's clock"),
     tr_later("Benchmarking module not connected: the run is paused until it is back"),
+    tr_later("This is a replay of {run}: nothing here is live, and commands have no effect"),
     tr_later("ANOTHER RSBB is transmitting from {address}: stop it, robots obey both"),
 )
 

@@ -42,7 +42,8 @@ def _run(phase="running", counting=True, left=90.0, end_reason="", elapsed=None,
 
 
 def _details(runs=(), following=(), finished=()):
-    return SimpleNamespace(clock=_Time(NOW), runs=list(runs), following=list(following), finished=list(finished))
+    return SimpleNamespace(clock=_Time(NOW), box_uuid="", runs=list(runs), following=list(following),
+                           finished=list(finished))
 
 
 def _content(*args, utc_s=NOW, is_old=False, **kwargs):
@@ -109,6 +110,13 @@ def test_times_are_local_and_name_another_day():
 
 def test_a_clock_that_is_far_off_stops_nothing():
     assert _content(utc_s=1e300).clock == "?"
+
+
+def test_a_replay_is_marked():
+    details = _details()
+    assert not public_content.content(details, NOW, is_old=False).is_replay
+    details.box_uuid = "REPLAY 1f691652"
+    assert public_content.content(details, NOW, is_old=False).is_replay
 
 
 def test_old_data_is_reported():

@@ -16,6 +16,7 @@ import rosgraph
 import rospy
 from PyQt5 import sip
 from std_srvs.srv import Empty
+from support.fakes.core import FakeCore
 from support.gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, question, show, wait_until
 from support.panel_case import CoreCase
 
@@ -33,6 +34,7 @@ from roah_rsbb.rqt.widgets.focus_ring import FocusRing
 from roah_rsbb.rqt.widgets.reload_dialog import ReloadDialog
 from roah_rsbb.rqt.widgets.sheet_view import ARRANGEMENTS, SheetView
 from roah_rsbb.srv import Reload, ReloadResponse
+from roah_rsbb.wording.replay import PREFIX
 
 PLUGIN_XML = pathlib.Path(__file__).resolve().parents[3] / "plugin.xml"
 
@@ -64,6 +66,24 @@ class Row(QWidget):
         font = self.button.font()
         font.setPointSizeF(9.0 if is_compact else 22.0)
         self.button.setFont(font)
+
+
+class TestReplay(CoreCase):
+    """A replay identifies itself in the messages. Nobody may take it for a live box."""
+
+    def new_core(self) -> FakeCore:
+        return FakeCore(box_uuid=f"{PREFIX}fake")
+
+    def test_every_panel_is_marked_until_a_live_core_is_heard(self) -> None:
+        panels = [self.open(kind) for kind in (LogDisplayPanel, CoreStatusPanel)]
+        for panel in panels:
+            wait_until(lambda panel=panel: panel._news.text() == "⏵ REPLAY: not live", "the panel is marked")
+            self.assertEqual(panel.windowTitle(), f"REPLAY – {panel.TITLE}")
+        self.core.close()
+        self.core = FakeCore()
+        for panel in panels:
+            wait_until(lambda panel=panel: panel._news.text() == "● live", "the mark is gone")
+            self.assertEqual(panel.windowTitle(), panel.TITLE)
 
 
 class TestSheetView(unittest.TestCase):

@@ -23,6 +23,7 @@ from roah_rsbb.rqt.public.display import BOARD_TOPIC, OLD_BACKGROUND, RUNNING, T
 from roah_rsbb.rqt.public.node import ScreenChoice
 from roah_rsbb.rqt.qt import QColor, QPixmap, Qt
 from roah_rsbb.srv import UInt8
+from roah_rsbb.wording.replay import PREFIX
 
 LAUNCH = pathlib.Path(__file__).resolve().parents[3] / "launch" / "roah_rsbb_public.launch"
 SIZES = ((1280, 720), (1920, 1080), (3840, 2160))
@@ -286,6 +287,13 @@ class TestTrouble(DisplayCase):
         self.core.silent = False
         self.wait(lambda: not self.trouble() and "running" in self.texts(), "it is live again")
         self.assertEqual(self.count(OLD_BACKGROUND), 0)
+
+    def test_a_replay_is_marked(self) -> None:
+        self.assertNotIn("REPLAY", self.texts())
+        self.core.box_uuid = f"{PREFIX}fake"
+        self.wait(lambda: "REPLAY" in self.texts(), "the display is marked")
+        self.assertGreater(self.count(OLD_BACKGROUND), 3)
+        self.assertTrue(self.display.windowTitle().startswith("REPLAY – "))
 
     def test_a_repeated_message_is_not_a_sign_of_life(self) -> None:
         self.fall_silent()

@@ -168,6 +168,12 @@ class RobotLink:
         """The link record since the last sample. `unreadable`: all unreadable datagrams of this channel so far."""
         return self.record.sample(now, self.skew, self.host, unreadable)
 
+    def show_heard(self, heard: Optional[Now], skew: Optional[float]) -> None:
+        """Set when the robot was heard last, and the skew of its clock (s), for a replay."""
+        if heard is not None:
+            self.state.last_heard, self._listens_since = heard, heard.mono
+            self.state.skew = None if skew is None else SkewSample(heard.mono, skew)
+
     def tick(self, now: Now) -> List[str]:
         """Return the notices that are due by now."""
         if self.is_silent(now) and not self._reported_silent:

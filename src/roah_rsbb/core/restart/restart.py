@@ -81,6 +81,20 @@ class Restart:
             self._watches.restarted(now, text)
             self._outbox.emit(effects.SendBeacon())
 
+    def show(self, now: Now, zone: Zone, state: Optional[ZoneState]) -> None:
+        """Put an earlier state into a zone, to look at it; None: the zone has no run. Raises ValueError."""
+        if state is None:
+            if zone.run is not None:
+                zone.leave(auto_next=False)
+            return
+        zone.run = None
+        if not zone.resume_at(state):
+            raise ValueError(f"the schedule of zone '{zone.name}' has no event {state.event.benchmark}, team "
+                             f"{state.event.team}, round {state.event.round}, run {state.event.run} at this time")
+        place = self._outbox.place()
+        self._connections.reopen(now, zone, state)
+        self._outbox.drop_since(place)
+
     def warnings(self, now: Now, run: ZoneRun) -> List[str]:
         """Return the warning about the restart for the referee of a run, for a while."""
         if self._restarted is None or now.mono - self._restarted[0] > MARK_S:

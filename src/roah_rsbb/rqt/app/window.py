@@ -15,6 +15,7 @@ from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
 from roah_rsbb.rqt.panels.panel import Panel
 from roah_rsbb.rqt.qt import QApplication, QDockWidget, QMainWindow, QSettings, Qt
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.marked_title import MarkedTitle
 from roah_rsbb.wording.language import tr
 
 # Increase it when the set of panels changes: an older layout would hide new panels.
@@ -34,6 +35,9 @@ class Window(QMainWindow):
         self.setWindowTitle(tr("RoAH RSBB – referee"))
         self.setObjectName("RoahRsbbWindow")
         client = Client.acquire()
+        self._model = client.model
+        self._title = MarkedTitle(self)
+        self._model.updated.connect(self._mark)
         self.panels: Dict[str, Panel] = {}
         self.docks: Dict[str, QDockWidget] = {}
         for kind in PANELS:
@@ -53,11 +57,15 @@ class Window(QMainWindow):
         """Save the layout and the panels' settings, and close the panels."""
         self._settings.setValue("geometry", self.saveGeometry())
         self._settings.setValue("layout", self.saveState(LAYOUT_VERSION))
+        self._model.updated.disconnect(self._mark)
         for name, panel in self.panels.items():
             panel.save_settings(PanelSettings(self._settings, name))
             panel.shutdown()
         self._settings.sync()
         Client.release()
+
+    def _mark(self) -> None:
+        self._title.show(self._model.is_replay)
 
     def closeEvent(self, event) -> None:
         if self._of_launch:

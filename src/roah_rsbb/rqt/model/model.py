@@ -21,6 +21,7 @@ from roah_rsbb.msg import (
 )
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
 from roah_rsbb.wording.clock import Clock, clock_of
+from roah_rsbb.wording.replay import is_replay
 
 GUI_TOPIC = "/core/to_gui"
 DETAILS_TOPIC = "/core/details"
@@ -115,6 +116,11 @@ class Model(QObject):
         """Whether the state shown may be out of date."""
         silence = self.silence_s
         return silence is None or silence > SILENT_S
+
+    @property
+    def is_replay(self) -> bool:
+        """Whether the state shown is that of an earlier run, which is replayed."""
+        return self.details is not None and is_replay(self.details.box_uuid)
 
     @property
     def clock_s(self) -> float:

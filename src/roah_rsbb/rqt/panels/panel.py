@@ -18,9 +18,11 @@ from roah_rsbb.rqt.qt import (
     QWidget,
 )
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.marked_title import MarkedTitle
 from roah_rsbb.srv import StopRun
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.language import tr
+from roah_rsbb.wording.replay import NOT_LIVE
 
 # More than all panels of a window have.
 MOST_CONTROLS = 1000
@@ -45,6 +47,7 @@ class Panel(QWidget):
         self._where = basic.enlarged(basic.ShortenedLabel(), self.WHERE_FACTOR, bold=True)
         self._where.setSizePolicy(QSizePolicy.Ignored, QSizePolicy.Preferred)
         self._news = basic.Badge()
+        self._title = MarkedTitle(self)
         self.heading = QHBoxLayout()
         self.heading.addWidget(self._where, 1)
         self.heading.addWidget(self._news)
@@ -112,8 +115,11 @@ class Panel(QWidget):
         self._where.setToolTip(self.where_tip())
         if self.model.is_old:
             self._news.show_text(f"⚠ {times.silence(self.model.silence_s)}", basic.OLD)
+        elif self.model.is_replay:
+            self._news.show_text(f"⏵ {tr(NOT_LIVE)}", basic.OLD)
         else:
             self._news.show_text(tr("● live"), basic.OFF)
+        self._title.show(self.model.is_replay)
         self.show_model()
 
 

@@ -10,9 +10,11 @@ from roah_rsbb.box_clock import BoxClock
 from roah_rsbb.rqt.public import layout
 from roah_rsbb.rqt.public.layout import Rect, Screen
 from roah_rsbb.rqt.qt import QColor, QFont, QFontMetricsF, QPainter, QPixmap, QRectF, QSizeF, Qt, QWidget
+from roah_rsbb.rqt.widgets.marked_title import MarkedTitle
 from roah_rsbb.wording import public as content
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.public import ListLine, PublicContent, RunCard
+from roah_rsbb.wording.replay import MARK
 
 # A long text shrinks to at most this share of its size. If it is still too long, it is shortened: it must stay legible.
 SMALLEST = 0.7
@@ -126,6 +128,7 @@ class PublicDisplay(QWidget):
         """`page_s`: how long each page is shown if there are several, seconds. `title`, `logo`: of the competition."""
         super().__init__(parent)
         self.setWindowTitle(tr("RoAH RSBB – public display"))
+        self._marked_title = MarkedTitle(self)
         self.setCursor(Qt.BlankCursor)
         self.setFocusPolicy(Qt.NoFocus)
         self.written: List[Written] = []  # everything on the screen
@@ -154,6 +157,7 @@ class PublicDisplay(QWidget):
         shown = (content.content(self._details, utc_s, is_old, self._board), int(now / self._page_s))
         if shown != (self.content, self._page):
             self.content, self._page = shown
+            self._marked_title.show(self.content.is_replay)
             self.update()
 
     @property
@@ -203,7 +207,11 @@ class PublicDisplay(QWidget):
             writer.write(date, self.content.date, FAINT, 0.62)
         else:
             writer.write(date, self.content.date, FAINT, 0.4)
-        writer.write(middle, page, FAINT, 0.4, Qt.AlignHCenter)
+        if self.content.is_replay:
+            painter.fillRect(QRectF(*middle), OLD_BACKGROUND)
+            writer.write(middle, tr(MARK), TEXT, 0.5, Qt.AlignHCenter, bold=True)
+        else:
+            writer.write(middle, page, FAINT, 0.4, Qt.AlignHCenter)
         writer.write(clock, self.content.clock, TEXT, 0.7, Qt.AlignRight)
 
     def _paint_logo(self, painter: QPainter, head: Rect, screen: Screen) -> Rect:

@@ -1,0 +1,222 @@
+"""`rosrun roah_rsbb replay`: panels and public displays show an earlier run again (docs/results.md, "On panels and
+displays").
+
+The node publishes what the core published then: the topics that panels, terminal and public display read. A box of the
+core's own code makes the messages from the states in the journal. Everything is marked as a replay, and the core's
+services refuse every command.
+"""
+
+import os
+import socket
+import sys
+import uuid
+from typing import Any, Callable, List, Optional
+
+import rosgraph
+import rosgraph.network
+import rospy
+
+from roah_rsbb.arguments import Parser, number
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.views.public import PublicResults, public_view
+from roah_rsbb.journal.reader import JournalError, JournalReader
+from roah_rsbb.msg import (
+    CoreDetails,
+    CoreToGui,
+    CoreToPublic,
+    PublicBoard,
+    PublicDetails,
+    Results,
+    RunClocks,
+    Schedule,
+    Unsaved,
+)
+from roah_rsbb.nodes.core import public_convert
+from roah_rsbb.nodes.core.panel_messages import PanelMessages
+from roah_rsbb.nodes.core.public_board import PublicBoardMaker
+from roah_rsbb.nodes.core.results_convert import ResultsBoard
+from roah_rsbb.nodes.core.schedule_convert import ScheduleBoard
+from roah_rsbb.nodes.core.services import CoreServices
+from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
+from roah_rsbb.results.runs import NoSuchRun
+from roah_rsbb.ros import connections
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.rulebook.errors import ConfigErrors
+from roah_rsbb.wording.replay import PREFIX
+
+NAME = "roah_rsbb_replay"
+GUI_TOPIC = "/core/to_gui"
+PERIOD_S = 0.1  # of the panels' messages, as in the core
+PUBLIC_EVERY = 5
+CORE_EVERY = 20  # ticks between two looks for a core
+FASTEST = 64.0
+CONNECT_S = 0.5
+LONGEST_TICK_S = 2 * PERIOD_S
+# The replay begins when somebody listens to one of these: a panel, a terminal or a public display.
+BEGINS_WITH = (CoreDetails, PublicDetails)
+
+_DESCRIPTION = """\
+Publishes what the core published in an earlier run, for training referees and for testing displays. Start panels and
+public displays as usual: the run begins with the first one. They are marked with REPLAY, and every command is refused.
+After the end of the run, its last moment stays. End the replay with Ctrl-C.
+"""
+_EPILOG = """\
+Examples:
+  replay ~/.ros/roah_rsbb/roah_rsbb_journal.sqlite3 3
+  replay /media/usb/roah_rsbb_journal.sqlite3 HNF-6667 --speed 8
+
+RUN is a run's number in 'rosrun roah_rsbb results list', its identity, or the beginning of its identity. A ROS master
+must run, and no core. The benchmarks and the schedule come from configuration.json beside the journal.
+The exit status is 1 if the run cannot be replayed, or if a core is running.
+"""
+
+
+def live_core() -> Optional[str]:
+    """Return the node that publishes the core's topics, other than this one; None: there is none. Raises OSError."""
+    master = rosgraph.Master(f"/{NAME}")
+    nodes = (node for topic, nodes in master.getSystemState()[0] if topic == GUI_TOPIC for node in nodes)
+    return next((node for node in nodes if node != f"/{NAME}" and _answers(master, node)), None)
+
+
+def _answers(master: rosgraph.Master, node: str) -> bool:
+    """Whether a node runs: the master also lists nodes that have crashed."""
+    try:
+        host, port = rosgraph.network.parse_http_host_and_port(master.lookupNode(node))
+        with socket.create_connection((host, port), CONNECT_S):
+            return True
+    except socket.timeout:
+        return True  # it hangs, or its network does
+    except (OSError, ValueError, rosgraph.MasterException):
+        return False
+
+
+def beside_a_core(node: str) -> str:
+    """Return why no replay can run beside a core."""
+    return (f"the core {node} is running: a replay beside it would mix with its messages. End the core first, or use "
+            "another ROS master: 'roscore -p 11312', and ROS_MASTER_URI=http://localhost:11312 for the replay and its "
+            "panels")
+
+
+class ReplayNode:
+    """Shows the moments of a run one after the other."""
+
+    def __init__(self, shown: ReplayedBox, speed: float) -> None:
+        self._shown = shown
+        self._speed = speed
+        self._uuid = f"{PREFIX}{uuid.uuid4()}"
+        self._ros = RosLoop()
+        self._status = 0
+        self._ticks = 0
+        self._last_s = 0.0  # of the loop's clock
+        self._has_begun = self._said_end = False
+        box = shown.box
+        self._panels = PanelMessages(box, self._uuid, "")
+        self._results = ResultsBoard(box, self._uuid)
+        self._schedule = ScheduleBoard(box, self._uuid)
+        self._board = PublicBoardMaker(box, self._uuid, {}, {})
+        self._topics = {
+            kind: rospy.Publisher(name, kind, queue_size=1, latch=True) for name, kind in (
+                (GUI_TOPIC, CoreToGui), ("/core/details", CoreDetails), ("/core/clocks", RunClocks),
+                ("/core/results", Results), ("/core/schedule", Schedule), ("/core/unsaved", Unsaved),
+                ("/core/to_public", CoreToPublic), ("/core/public_details", PublicDetails),
+                ("/core/public_board", PublicBoard),
+            )
+        }
+        CoreServices(box, self._ros, self._event)
+
+    def run(self) -> int:
+        """Run until shut down; returns the exit status."""
+        self._topics[Unsaved].publish(Unsaved(self._uuid, []))
+        self._last_s = self._ros.loop.time()
+        self._tick()
+        self._ros.run()
+        self._ros.close()
+        return self._status
+
+    def _event(self, method: Callable[..., Any], *arguments: object) -> None:
+        """Answer who only reads; refuse every command."""
+        if arguments:
+            raise Refused(self._shown.box.warnings(self._shown.now))
+        method(self._shown.now)
+
+    def _tick(self) -> None:
+        self._ros.loop.call_later(PERIOD_S, self._tick)
+        now_s = self._ros.loop.time()
+        # Nothing is skipped when this process was stopped for a while.
+        passed_s, self._last_s = min(now_s - self._last_s, LONGEST_TICK_S), now_s
+        self._has_begun = self._has_begun or any(self._topics[kind].get_num_connections() for kind in BEGINS_WITH)
+        if not self._has_begun:
+            passed_s = 0.0
+        try:
+            self._shown.show(self._shown.now.utc + passed_s * self._speed)
+            core = live_core() if self._ticks % CORE_EVERY == CORE_EVERY - 1 else None
+        except CannotReplay as error:
+            self._fail(str(error))
+            return
+        except OSError:  # the master is gone, and no core can start
+            core = None
+        if core is not None:
+            self._fail(beside_a_core(core))
+            return
+        self._publish()
+        if self._shown.is_over and not self._said_end:
+            self._said_end = True
+            rospy.loginfo("The run is over. Its last moment stays: end the replay with Ctrl-C")
+        self._ticks += 1
+
+    def _publish(self) -> None:
+        box, now = self._shown.box, self._shown.now
+        self._results.on_record_changed()
+        messages: List[Any] = [
+            self._panels.to_gui(now, {}), self._panels.details(now), self._panels.clocks(now),
+            self._results.take(now) if self._ticks % PUBLIC_EVERY == 0 else None,
+        ]
+        if self._ticks % PUBLIC_EVERY == 0:
+            public = public_convert.to_public(box, now)
+            public.clock = f"{PREFIX}{public.clock}"
+            view = public_view(box, now, PublicResults.NONE)
+            messages += [public, public_convert.public_details(view, now, self._uuid), self._board.take(view),
+                         self._schedule.take(now)]
+        for message in messages:
+            if message is not None:
+                publisher = next(topic for kind, topic in self._topics.items() if isinstance(message, kind))
+                publisher.publish(message)
+
+    def _fail(self, text: str) -> None:
+        rospy.logfatal("%s", text)
+        self._status = 1
+        self._ros.stop(text)
+
+
+def _options(arguments: List[str]) -> Any:
+    parser = Parser("replay", _DESCRIPTION, _EPILOG)
+    parser.add_argument("journal", metavar="JOURNAL", help="the journal, or a copy of it")
+    parser.add_argument("run", metavar="RUN", help="number in the list of runs, or identity")
+    parser.add_argument("--speed", metavar="N", type=number(1.0, FASTEST), default=1.0,
+                        help="how many times as fast; 1 to 64, default 1")
+    parser.add_argument("--benchmarks-file", metavar="YAML", help="instead of the one that the core kept")
+    parser.add_argument("--schedule-file", metavar="YAML", help="instead of the one that the core kept")
+    return parser.parse_args(arguments)
+
+
+def main() -> None:
+    """Run the program."""
+    options = _options(rospy.myargv()[1:])
+    try:
+        with JournalReader(options.journal) as reader:
+            warnings: List[str] = []
+            run = read_run(reader, options.run, warnings)
+        log_dir = os.path.dirname(os.path.abspath(options.journal))
+        shown = ReplayedBox(run, configuration(log_dir, run, options.benchmarks_file, options.schedule_file))
+        for text in warnings:
+            print(f"replay: {text}", file=sys.stderr)
+        core = live_core()
+    except (JournalError, NoSuchRun, CannotReplay, ConfigErrors) as error:
+        sys.exit(f"replay: {error}")
+    except OSError:
+        sys.exit(f"replay: no ROS master answers at {rosgraph.get_master_uri()}: start one with 'roscore'")
+    if core is not None:
+        sys.exit(f"replay: {beside_a_core(core)}")
+    connections.init_node(NAME, disable_signals=True)
+    rospy.loginfo("Replaying %s", run.name)
+    sys.exit(ReplayNode(shown, options.speed).run())

@@ -1,0 +1,135 @@
+"""The replayed box shows at any moment what the box showed then, and takes no command."""
+
+import itertools
+import os
+
+import pytest
+
+from helpers.replayed import ReplayedCompetition
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.commands import COMMANDS
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.views import views
+from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.nodes.replayed_box import CannotReplay, ReplayedBox, configuration, read_run
+from roah_rsbb.wording.replay import PREFIX, is_replay
+
+# What depends on things that the journal does not have, or on the commands, which are off.
+NOT_COMPARED = {"off", "state", "warnings", "robots_to_choose", "module"}
+TIMES = {"timer", "clock", "robot"}
+CLOCK_TIMES = ("elapsed", "goal_elapsed", "setup_elapsed", "phase_elapsed", "after_stop")
+
+
+@pytest.fixture(scope="module")
+def played(tmp_path_factory):
+    driver = ReplayedCompetition(tmp_path_factory.mktemp("replayed"))
+    path = driver.play()
+    with JournalReader(path) as reader:
+        yield driver, reader
+
+
+def replayed(played, word="1"):
+    driver, reader = played
+    return ReplayedBox(read_run(reader, word, []), driver.config)
+
+
+def assert_same(found, expected):
+    for name, value in expected._asdict().items():
+        if name in TIMES or name in NOT_COMPARED:
+            continue
+        assert getattr(found, name) == value, name
+    for name in CLOCK_TIMES:
+        assert getattr(found.clock, name) == pytest.approx(getattr(expected.clock, name), abs=0.001), name
+    no_times = dict.fromkeys(CLOCK_TIMES, 0.0)
+    assert found.clock._replace(**no_times) == expected.clock._replace(**no_times)
+    assert found.timer == pytest.approx(expected.timer, abs=0.001)
+    assert found.robot.without_time() == expected.robot.without_time()
+    # Between two samples of the link, the newest reports are not known yet.
+    assert found.robot.last_heard == pytest.approx(expected.robot.last_heard, abs=2.1)
+    assert found.module._replace(status="") == expected.module._replace(status="")
+
+
+def test_every_moment_is_that_of_the_box(played):
+    driver, _ = played
+    box = replayed(played)
+    looks = sorted((look for looks in driver.looks.values() for look in looks), key=lambda look: look.utc)
+    assert len(looks) > 50
+    for look in looks:
+        box.show(look.utc)
+        found = {view.zone: view for view in views.zones(box.box, box.now)}
+        assert_same(found[look.view.zone], look.view)
+
+
+def test_a_silent_robot_is_reported_when_it_was(played):
+    driver, reader = played
+    run = read_run(reader, "1", [])
+    [port] = [robot for robot in run.links if robot == driver.looks[next(iter(driver.looks))][0].view.robot.port]
+    box = ReplayedBox(run, driver.config)
+    for second in run.links[port]:
+        box.show(second.utc)
+        warned = any("No message" in text for text in box.box.warnings_of(box.now, "tbm"))
+        assert warned == (second.sample.gap_s > 3.0)
+
+
+def test_the_run_begins_connected_and_ends_left(played):
+    box = replayed(played)
+    assert box.box.zones["tbm"].run is not None
+    assert box.box.zones["tbm"].event.benchmark.code == "HCFGAC"
+    while not box.is_over:
+        box.show(box.now.utc + 1e6)
+    assert box.box.zones["tbm"].run is None
+    assert "Disconnected" not in views.zones(box.box, box.now)[0].state
+
+
+def test_no_phase_is_skipped_however_fast(played):
+    box, phases = replayed(played), []
+    while not box.is_over:
+        phases.append(views.zones(box.box, box.now)[0].phase)
+        box.show(box.now.utc + 1e6)
+    phases.append(views.zones(box.box, box.now)[0].phase)
+    assert [phase for phase, _ in itertools.groupby(phases)] == ["connected", "running", "ended", "idle"]
+
+
+def test_all_commands_are_refused_with_the_reason(played):
+    driver, _ = played
+    box = replayed(played)
+    reason = ("This is a replay of HCFGAC, team Alpha, round 1, run 1: nothing here is live, and commands have no "
+              "effect")
+    for view in views.zones(box.box, box.now):
+        assert view.off == ((reason,),) * len(COMMANDS)
+    for command in COMMANDS:
+        with pytest.raises(Refused) as refused:
+            box.box.commands.give(box.now, "tbm", command)
+        assert refused.value.reasons == [reason]
+    assert views.box_status(box.box, Now(0.0, 0.0)) == reason
+    assert driver.troubles is not None
+
+
+def test_only_a_replay_is_marked_as_one():
+    assert is_replay(f"{PREFIX}1f691652")
+    assert not is_replay("1f691652-bd12-41b6-ba41-403569205c35")
+
+
+# -- what cannot be replayed ------------------------------------------------------------------------
+
+
+def test_a_run_without_states_is_refused_with_the_remedy(tmp_path):
+    from helpers.journals import Writer
+    from helpers.results_of import write_full_run
+
+    writer = Writer(tmp_path)
+    write_full_run(writer)
+    writer.close()
+    with JournalReader(writer.path) as reader, pytest.raises(CannotReplay, match="results replay 1"):
+        read_run(reader, "1", [])
+
+
+def test_missing_and_other_files_are_refused_with_the_remedy(played, tmp_path):
+    driver, reader = played
+    run = read_run(reader, "1", [])
+    with pytest.raises(CannotReplay, match="configuration.json is missing .*--benchmarks-file and --schedule-file"):
+        configuration(str(tmp_path), run, None, None)
+    folder = os.path.join(os.path.dirname(__file__), "..", "..", "..", "config")
+    files = [os.path.join(folder, name) for name in ("benchmarks.yaml", "schedule.yaml")]
+    with pytest.raises(CannotReplay, match="the schedule has no zone"):
+        ReplayedBox(run, configuration(str(tmp_path), run, *files))

@@ -1,0 +1,64 @@
+"""An earlier run is published again: as it was, marked as a replay, without commands, and never beside a core."""
+
+import itertools
+import pathlib
+import tempfile
+from typing import List
+
+import rospy
+from support.box_client import Refusal
+from support.own_core import OwnCoreCase
+from support.programs import Program, own, run
+from support.waiting import wait_until
+
+from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.msg import CoreDetails
+from roah_rsbb.wording.replay import PREFIX
+
+REASON = ("This is a replay of HGTKMH, team Alpha, round 1, run 1: nothing here is live, and commands have no effect")
+
+
+class TestReplay(OwnCoreCase):
+    def test_panels_see_the_run_again(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        log_dir = pathlib.Path(folder.name)
+        journal = str(log_dir / FILE_NAME)
+        self.start_core(log_dir)
+        robot = self.robot("Alpha")
+        self.box.connect("Home")
+        identity = self.box.zone_details("Home").identity
+        self.box.start("Home")
+        robot.wait_did("execute HGTKMH")
+        self.box.command("stop", "Home")
+        self.box.command("disconnect", "Home")
+
+        refused = run(own("replay"), journal, "1")
+        self.assertEqual((refused.returncode, refused.stdout), (1, ""))
+        self.assertRegex(refused.stderr, "replay: the core /roah_rsbb_core.* is running: .*End the core first")
+
+        self.core.kill()  # the master still lists it
+        self.box.public = None
+        heard: List[CoreDetails] = []
+        followed = rospy.Subscriber("/core/details", CoreDetails, heard.append)
+        self.addCleanup(followed.unregister)
+        replay = self._leaving(Program(own("replay"), journal, identity))
+        replay.wait_printed("The run is over. Its last moment stays")
+        wait_until(lambda: heard[-1].zones[0].phase == "idle", "the end of the run is heard")
+        wait_until(lambda: self.box.public and self.box.public.clock.startswith(PREFIX), "the public display is marked")
+        messages = [message for message in heard if message.box_uuid.startswith(PREFIX)]
+        zones = [zone for message in messages for zone in message.zones]
+        phases = [phase for phase, _ in itertools.groupby(zone.phase for zone in zones)]
+        self.assertEqual(phases, ["connected", "running", "ended", "idle"])
+        for zone in zones:
+            self.assertEqual((zone.zone, zone.stop_off, zone.connect_off), ("Home", [REASON], [REASON]))
+        ended = next(zone for zone in zones if zone.phase == "ended")
+        self.assertEqual((ended.identity, ended.end_reason, ended.robot_state), (identity, "stopped", "STOP"))
+        self.assertEqual((messages[0].warnings, self.box.gui.status), ([REASON], REASON))
+        with self.assertRaisesRegex(Refusal, REASON):
+            self.box.command("stop", "Home")
+
+        # A core that starts beside it ends it.
+        self.start_core(log_dir)
+        self.assertEqual(replay.wait_ended(), 1)
+        self.assertIn("is running: a replay beside it would mix", replay.text)
