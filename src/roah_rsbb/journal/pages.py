@@ -9,7 +9,7 @@ import collections
 import contextlib
 import os
 import struct
-from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Callable, Container, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
 PAGE_SIZE = 4096
 _LOG_MAGIC = {0x377F0682: "<", 0x377F0683: ">"}
@@ -144,14 +144,18 @@ def _size_of_file(content: bytes) -> int:
 # -- rows -------------------------------------------------------------------------------------------
 
 
-def page_records(image: bytes) -> Iterator[PageRecord]:
-    """Return every readable record of all pages, including unused pages."""
+# What is known of a page, given one of its records: the numbers of rows that are known, or None if it has no rows.
+KnownOnPage = Callable[[PageRecord], Optional[Container[object]]]
+
+
+def page_records(image: bytes, known_on_page: KnownOnPage) -> Iterator[PageRecord]:
+    """Return every readable record of all pages, including unused pages, except known rows."""
     size = _size_of_file(bytearray(image[:100]))
     for at in range(0, len(image) - size + 1, size):
-        yield from _records_of_page(image, at, size)
+        yield from _records_of_page(image, at, size, known_on_page)
 
 
-def _records_of_page(image: bytes, at: int, size: int) -> Iterator[PageRecord]:
+def _records_of_page(image: bytes, at: int, size: int, known_on_page: KnownOnPage) -> Iterator[PageRecord]:
     head = at + (100 if at == 0 else 0)
     kind = image[head]
     if kind not in (_TABLE_LEAF, _INDEX_LEAF, _INDEX_INTERIOR):
@@ -160,9 +164,23 @@ def _records_of_page(image: bytes, at: int, size: int) -> Iterator[PageRecord]:
     pointers = head + (12 if kind == _INDEX_INTERIOR else 8)
     if pointers + 2 * count > at + size:
         return
+    known: Optional[Container[object]] = ()
     for place in struct.unpack_from(f">{count}H", image, pointers):
         with contextlib.suppress(IndexError, struct.error, ValueError):
-            yield _record(image, at + place, size, kind)
+            if kind == _TABLE_LEAF and known and _rowid(image, at + place) in known:
+                continue
+            record = _record(image, at + place, size, kind)
+            known = known or known_on_page(record)
+            if known is None:
+                return
+            if record.rowid is None or record.rowid not in known:
+                yield record
+
+
+def _rowid(image: bytes, at: int) -> int:
+    """Return the number of a row without reading the row."""
+    _, at = _varint(image, at)
+    return _varint(image, at)[0]
 
 
 def _record(image: bytes, at: int, size: int, kind: int) -> PageRecord:

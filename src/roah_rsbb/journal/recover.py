@@ -1,22 +1,28 @@
 """Copies the readable part of a damaged journal to a new one. The damaged file is not changed.
 
-Rows that SQLite can read come first, because SQLite knows the present version of each row. Then all pages are searched
-for rows that SQLite no longer finds. If the tables have the present version, rows need a correct checksum.
+Rows that SQLite can read come first, because SQLite knows the present version of each row. If it cannot read all, the
+pages are searched for rows that SQLite no longer finds. If the tables have the present version, rows need a correct
+checksum.
 """
 
 import contextlib
 import os
 import sqlite3
 import tempfile
-from typing import Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Container, Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 from roah_rsbb.journal import pages, schema
-from roah_rsbb.journal.damage import Damage, find_damage
+from roah_rsbb.journal.damage import Damage, missing_rows
 from roah_rsbb.journal.reader import JournalError
 
 Row = Tuple[object, ...]
-# By table, then by key: the row's number, or the first column if the table has no numbers.
-Found = Dict[str, Dict[object, Row]]
+# By table: the row's number, or the first column if the table has no numbers.
+Keys = Dict[str, Set[object]]
+_NUMBERED = ("entries", "links", "members", "sessions")
+# A search beyond an unreadable row ends here.
+_LARGEST_STEP = 1 << 32
+# Rows that are written at once.
+_BATCH = 2000
 
 COLUMNS = {
     "meta": ("key", "value"),
@@ -45,32 +51,41 @@ def recover(path: str, new: str) -> Recovered:
         raise JournalError(f"{new}: the file exists: name another one")
     try:
         image = pages.read_image(path)
-        found = _read(image)
-        if not any(found[table] for table in schema.CHECKED):
-            raise JournalError(
-                f"{path}: no part of this journal is readable. Look for another copy, and for the run logs (.bag)")
-        return _write(found, _last_number(image), new)
+        is_whole_log = all(frame.is_good for frame in pages.read_frames(f"{path}-wal"))
+        with contextlib.closing(sqlite3.connect(new, isolation_level=None)) as out:
+            recovered = _recover(image, is_whole_log, out)
     except OSError as error:
         raise JournalError(f"{error.filename}: {error.strerror}: name a journal, and a new file for it") from None
     except sqlite3.Error as error:
-        with contextlib.suppress(FileNotFoundError):
-            os.remove(new)
+        _remove(new)
         raise JournalError(f"{new}: cannot be written ({error}): name another place, or free space there") from None
+    if not any(recovered.rows[table] for table in schema.CHECKED):
+        _remove(new)
+        raise JournalError(
+            f"{path}: no part of this journal is readable. Look for another copy, and for the run logs (.bag)")
+    return recovered
 
 
-def _read(image: bytes) -> Found:
-    found: Found = {table: {} for table in COLUMNS}
-    for table, row in _rows_of_sqlite(image):
-        found[table].setdefault(row[0], row)
-    by_key: Dict[Tuple[str, object], List[Row]] = {}
-    for table, row in _rows_of_pages(image):
-        if row[0] not in found[table]:
-            by_key.setdefault((table, row[0]), []).append(row)
-    for (table, key), rows in by_key.items():
-        row = _newest(table, rows)
-        if row is not None:
-            found[table][key] = row
-    return found
+def _remove(path: str) -> None:
+    with contextlib.suppress(FileNotFoundError):
+        os.remove(path)
+
+
+def _recover(image: bytes, is_whole_log: bool, out: sqlite3.Connection) -> Recovered:
+    schema.create(out)
+    out.execute("PRAGMA synchronous = OFF")  # a file that is not complete is removed
+    out.execute("BEGIN")
+    indexes = [statement for statement in schema.SCHEMA if statement.startswith("CREATE INDEX")]
+    for statement in indexes:
+        out.execute(f"DROP INDEX {statement.split()[2]}")  # it is quicker to build them at the end
+    is_complete = _take_from_sqlite(image, out)
+    if not (is_complete and is_whole_log and not missing_rows(out)):
+        _take_from_pages(image, out)
+    for statement in indexes:
+        out.execute(statement)
+    rows = {table: out.execute(f"SELECT count(*) FROM {table}").fetchone()[0] for table in COLUMNS}
+    out.execute("COMMIT")
+    return Recovered(rows, missing_rows(out))
 
 
 def _newest(table: str, rows: List[Row]) -> Optional[Row]:
@@ -85,30 +100,105 @@ def _newest(table: str, rows: List[Row]) -> Optional[Row]:
 # -- through SQLite ---------------------------------------------------------------------------------
 
 
-def _rows_of_sqlite(image: bytes) -> Iterator[Tuple[str, Row]]:
-    """Return all rows up to the first unreadable one, from both ends of each table."""
+def _take_from_sqlite(image: bytes, out: sqlite3.Connection) -> bool:
+    """Take all rows up to the first unreadable one, from both ends of each table. Returns whether these are all."""
+    is_complete = True
     with tempfile.TemporaryDirectory(prefix="roah_rsbb_journal_") as directory:
         copy = os.path.join(directory, "journal.sqlite3")
         with open(copy, "wb") as file:
             file.write(image)
         with contextlib.closing(sqlite3.connect(copy)) as connection:
             connection.text_factory = bytes
-            schema.add_functions(connection)
-            for table, columns in COLUMNS.items():
-                for order in ("ASC", "DESC"):
-                    yield from _rows_in_order(connection, table, columns, order)
+            for table in COLUMNS:
+                is_complete &= _take_table(connection, table, out)
+            for (number,) in _last_number(connection):
+                _set_last_number(out, number)
+            is_complete = is_complete and _is_sound(connection)
+    return is_complete
 
 
-def _rows_in_order(
-    connection: sqlite3.Connection, table: str, columns: Tuple[str, ...], order: str
-) -> Iterator[Tuple[str, Row]]:
+def _last_number(connection: sqlite3.Connection) -> List[Row]:
     with contextlib.suppress(sqlite3.DatabaseError):
-        has_crc = any(row[1] == b"crc" for row in connection.execute(f"PRAGMA table_info({table})"))
-        names = ", ".join((*columns, "crc") if has_crc else columns)
-        for values in connection.execute(f"SELECT {names} FROM {table} ORDER BY {columns[0]} {order}"):
-            row = _checked(table, values)
-            if row is not None:
-                yield table, row
+        return connection.execute("SELECT seq FROM sqlite_sequence WHERE name = 'entries'").fetchall()
+    return []
+
+
+def _is_sound(connection: sqlite3.Connection) -> bool:
+    with contextlib.suppress(sqlite3.DatabaseError):
+        return connection.execute("PRAGMA quick_check(1)").fetchone()[0] == b"ok"
+    return False
+
+
+def _take_table(connection: sqlite3.Connection, table: str, out: sqlite3.Connection) -> bool:
+    """Take the rows of a table. Returns whether all of them could be read and are good."""
+    rows = _Rows(connection, table)
+    good: List[Row] = []
+    is_good = True
+    for values in rows.numbered() if table in _NUMBERED else rows.from_both_ends():
+        row = _verified(table, values)
+        if row is None:
+            is_good = False
+            continue
+        good.append(row)
+        if len(good) == _BATCH:
+            _insert(out, table, good)
+            good = []
+    _insert(out, table, good)
+    return is_good and rows.are_all
+
+
+class _Rows:
+    """Reads the rows of a table as far as SQLite can, with their checksums if it has any."""
+
+    def __init__(self, connection: sqlite3.Connection, table: str) -> None:
+        self._connection, self._table = connection, table
+        self._key = COLUMNS[table][0]
+        self.are_all = True  # so far
+
+    def from_both_ends(self) -> Iterator[Row]:
+        """Return the rows up to the first unreadable one, from both ends."""
+        for order in ("ASC", "DESC"):
+            yield from self._read(f"ORDER BY {self._key} {order}")
+            if self.are_all:
+                break
+
+    def numbered(self) -> Iterator[Row]:
+        """Return the rows in the order of their numbers. Unreadable ones are skipped in growing steps."""
+        last, step = 0, 0
+        while step < _LARGEST_STEP:
+            before = self.are_all
+            self.are_all = True
+            for row in self._read(f"WHERE {self._key} > {last + step} ORDER BY {self._key}"):
+                last, step = int(row[0]), 0
+                yield row
+            is_end, self.are_all = self.are_all, self.are_all and before
+            if is_end:
+                break
+            step = max(1, 2 * step)
+
+    def _read(self, condition: str) -> Iterator[Row]:
+        columns = COLUMNS[self._table]
+        try:
+            has_crc = any(row[1] == b"crc" for row in self._connection.execute(f"PRAGMA table_info({self._table})"))
+            names = ", ".join((*columns, "crc") if has_crc else columns)
+            yield from self._connection.execute(f"SELECT {names} FROM {self._table} {condition}")
+        except sqlite3.DatabaseError:
+            self.are_all = False
+
+
+def _verified(table: str, values: Row) -> Optional[Row]:
+    """Return a row of the table with its checksum; None if it is invalid. Rows with a checksum need no other test,
+    because the box wrote them."""
+    columns, checked = COLUMNS[table], schema.CHECKED.get(table)
+    if checked is not None and len(values) > len(columns):
+        return values if schema.row_crc(*values[-1 - len(checked):-1]) == values[-1] else None
+    return _with_crc(table, _checked(table, values))
+
+
+def _with_crc(table: str, row: Optional[Row]) -> Optional[Row]:
+    if row is None or table not in schema.CHECKED:
+        return row
+    return (*row, schema.row_crc(*row[-len(schema.CHECKED[table]):]))
 
 
 def _checked(table: str, values: Row) -> Optional[Row]:
@@ -143,14 +233,33 @@ def _value(table: str, name: str, value: object) -> object:
 # -- from the pages ---------------------------------------------------------------------------------
 
 
-def _rows_of_pages(image: bytes) -> Iterator[Tuple[str, Row]]:
-    """Return all rows of the journal's tables in all pages."""
-    for record in pages.page_records(image):
+def _take_from_pages(image: bytes, out: sqlite3.Connection) -> None:
+    """Take the rows in all pages that SQLite did not find."""
+    known: Keys = {
+        table: {row[0] for row in out.execute(f"SELECT {columns[0]} FROM {table}")}
+        for table, columns in COLUMNS.items()
+    }
+
+    def known_on_page(record: pages.PageRecord) -> Optional[Container[object]]:
+        """Return the numbers of rows that are known, on the page of a record; None: it is a page of an index."""
+        if record.rowid is None:
+            is_index = len(record.values) == 2 and isinstance(record.values[1], int)
+            return None if is_index else ()
+        return next((known[table] for table in _NUMBERED if _row_of(table, record) is not None), ())
+
+    found: Dict[Tuple[str, object], List[Row]] = {}
+    for record in pages.page_records(image, known_on_page):
+        if record.rowid is not None and record.values[:1] == ("entries",) and len(record.values) == 2:
+            _set_last_number(out, record.values[1])  # of the latest entry that was ever written
         for table in COLUMNS:
             row = _row_of(table, record)
             if row is not None:
-                yield table, row
+                if row[0] not in known[table]:
+                    found.setdefault((table, row[0]), []).append(row)
                 break
+    for table in COLUMNS:
+        newest = (_with_crc(table, _newest(table, rows)) for (of, _), rows in found.items() if of == table)
+        _insert(out, table, [row for row in newest if row is not None])
 
 
 def _row_of(table: str, record: pages.PageRecord) -> Optional[Row]:
@@ -170,35 +279,19 @@ def _row_of(table: str, record: pages.PageRecord) -> Optional[Row]:
     return _checked(table, values)
 
 
-def _last_number(image: bytes) -> int:
-    """Return the number of the latest entry that was ever written, if it is readable."""
-    numbers = [
-        record.values[1] for record in pages.page_records(image)
-        if record.rowid is not None and record.values[:1] == ("entries",) and len(record.values) == 2
-    ]
-    return max((n for n in numbers if isinstance(n, int)), default=0)
-
-
 # -- writing ----------------------------------------------------------------------------------------
 
 
-def _write(found: Found, last_number: int, new: str) -> Recovered:
-    with contextlib.closing(sqlite3.connect(new, isolation_level=None)) as out:
-        schema.add_functions(out)
-        schema.create(out)
-        out.execute("BEGIN")
-        for table, rows in found.items():
-            _insert(out, table, sorted(rows.values(), key=lambda row: row[0]))
-        if last_number:
-            out.execute("UPDATE sqlite_sequence SET seq = max(seq, ?) WHERE name = 'entries'", (last_number,))
-        out.execute("COMMIT")
-        damage = find_damage(out)
-    return Recovered({table: len(rows) for table, rows in found.items()}, damage)
-
-
 def _insert(out: sqlite3.Connection, table: str, rows: List[Row]) -> None:
+    """Write rows with their checksums. Rows that are there already stay."""
     columns = COLUMNS[table]
-    marks = ", ".join("?" for _ in columns)
-    out.executemany(f"INSERT INTO {table} ({', '.join(columns)}) VALUES ({marks})", rows)
+    values = ["?" if name in _REALS | _WHOLES else "CAST(? AS TEXT)" for name in columns]
     if table in schema.CHECKED:
-        out.execute(f"UPDATE {table} SET crc = {schema.crc_of(table)}")
+        columns, values = (*columns, "crc"), [*values, "?"]
+    out.executemany(f"INSERT OR IGNORE INTO {table} ({', '.join(columns)}) VALUES ({', '.join(values)})", rows)
+
+
+def _set_last_number(out: sqlite3.Connection, number: object) -> None:
+    """Keep the highest number that an entry ever had."""
+    if isinstance(number, int):
+        out.execute("UPDATE sqlite_sequence SET seq = max(seq, ?) WHERE name = 'entries'", (number,))

@@ -72,7 +72,7 @@ def row_crc(*values: object) -> int:
         b"s" + value if value.__class__ is bytes else
         b"-" if value is None else
         b"s" + value.encode("utf-8", errors="replace") if value.__class__ is str else
-        repr(float(value)).encode("ascii")
+        b"%a" % float(value)
         for value in values
     ]))
 

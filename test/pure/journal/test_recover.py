@@ -91,6 +91,28 @@ def test_both_sides_of_a_damaged_page_of_runs(tmp_path):
     assert len(found) > 50
 
 
+@pytest.mark.parametrize("spares_pages", [False, True])
+def test_what_lies_between_damaged_pages(path, tmp_path, monkeypatch, spares_pages):
+    """SQLite alone reads it; the search of all pages finds no more."""
+    if spares_pages:
+        monkeypatch.setattr(recover_module, "_take_from_pages", lambda *_: None)
+    lost = set()
+    for text in ('"100 100', '"300 300'):
+        page = page_of(path, text)
+        with open(path, "rb") as file:
+            file.seek(page * PAGE)
+            content = file.read(PAGE)
+        lost |= {n for n in range(1, COUNT + 1) if f'"{n - 1} {n - 1} '.encode() in content}
+        spoil(path, page)
+    new = str(tmp_path / "new")
+    damage = recover(path, new).damage
+    assert len(lost) >= 4
+    skipped = set(range(1, COUNT + 1)) - set(numbers(new))
+    assert lost <= skipped
+    assert len(skipped) <= (4 * len(lost) if spares_pages else len(lost))
+    assert len(damage) == 2
+
+
 def test_a_journal_whose_first_page_is_damaged(path, tmp_path):
     spoil(path, 0)
     new = str(tmp_path / "new")
