@@ -11,6 +11,7 @@ import pytest
 
 from helpers.small_box import BOX, BROADCAST, PASSWORD, ROBOT, free_ports
 from roah_rsbb.check import program
+from roah_rsbb.check.engine import all_scenarios
 from roah_rsbb.check.findings import Cause
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -61,6 +62,16 @@ def test_every_page_of_a_cause_exists():
         headings = re.findall(r"^#+ (.*)$", (ROOT / page).read_text(encoding="utf-8"), re.MULTILINE)
         anchors = {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
         assert anchor in anchors, (cause, sorted(anchors))
+
+
+def test_the_pages_name_every_scenario():
+    names = [one.name for one in all_scenarios()]
+    guide = (ROOT / "docs" / "check_robot.md").read_text(encoding="utf-8")
+    field = (ROOT / "docs" / "robots_in_the_field.md").read_text(encoding="utf-8")
+    own = [name for name in names if not name.startswith("run-")]
+    assert [name for name in own if f"`{name}`" not in guide] == []
+    assert [name for name in names if f"| `{name}` |" not in field] == ["run-hgtkmh"]  # the scenario "run"
+    assert set(re.findall(r"^\| `([\w-]+)` \|", field, re.MULTILINE)) <= set(names)
 
 
 def test_a_short_check_on_loopback(tmp_path):

@@ -12,7 +12,7 @@ from roah_rsbb.protocol import RobotState
 from roah_rsbb.rulebook.registry import PROFILES
 
 # A goal ends this long after the robot began to execute it.
-INTO_EXECUTING_S = 0.7
+INTO_EXECUTING_S = 0.5
 # The robot may complete its goal at the same moment.
 SAME_MOMENT_S = 0.3
 UNKNOWN_S = 3.0
