@@ -12,7 +12,7 @@ from typing import Dict, NamedTuple, Optional, Tuple
 from roah_rsbb.wording import module_scores, sheets, times
 from roah_rsbb.wording.clock import PAUSED
 from roah_rsbb.wording.language import tr, tr_later
-from roah_rsbb.wording.replay import is_replay
+from roah_rsbb.wording.replay import MARK, is_replay
 
 ALL_TEAMS = "ALL"
 WAITING = tr_later("Waiting for the referee box")
@@ -110,9 +110,13 @@ def content(details: Optional[object], utc_s: float, is_old: bool, board: Option
 
 
 def cards(details) -> Tuple[RunCard, ...]:
-    """Return the texts of all runs. Their largest text has the place `TIME` for the countdown."""
+    """Return the texts of all runs. Their largest text has the place `TIME` for the countdown. Those of a replay say
+    so."""
     many_zones = _has_many_zones(details)
-    return tuple(_card(run, many_zones) for run in details.runs)
+    found = tuple(_card(run, many_zones) for run in details.runs)
+    if not is_replay(details.box_uuid):
+        return found
+    return tuple(card._replace(word=f"{tr(MARK)} · {card.word}" if card.word else tr(MARK)) for card in found)
 
 
 def still(card: RunCard, run, clock_s: float) -> str:

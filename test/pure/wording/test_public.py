@@ -115,8 +115,12 @@ def test_a_clock_that_is_far_off_stops_nothing():
 def test_a_replay_is_marked():
     details = _details()
     assert not public_content.content(details, NOW, is_old=False).is_replay
+    details = _details([_run()])
+    [word] = [card.word for card in public_content.content(details, NOW, is_old=False).cards]
     details.box_uuid = "REPLAY 1f691652"
-    assert public_content.content(details, NOW, is_old=False).is_replay
+    content = public_content.content(details, NOW, is_old=False)
+    assert content.is_replay
+    assert [card.word for card in content.cards] == [f"REPLAY · {word}"]
 
 
 def test_old_data_is_reported():
