@@ -22,6 +22,7 @@ from roah_rsbb.tablet.state import TabletState
 RSBB_PORT = 6666
 ROBOT = "Robot"  # the name of each team's first one
 PREPARE_S = 0.5
+HELD_S = 0.05
 # The dummy world needs so long to drive there, or to carry an object.
 EXECUTE_S = {"HNF": 2.0, "HGMF": 3.0, "HCFGAC": 6.0}
 USUAL_EXECUTE_S = 3.0
@@ -46,9 +47,10 @@ class Moment(NamedTuple):
 class _Noting(DummyRobot):
     """The dummy robot, noting when it is in which state."""
 
-    def __init__(self, options: DummyOptions, note: Callable[..., None]) -> None:
+    def __init__(self, options: DummyOptions, note: Callable[..., None], is_held: Callable[[], bool]) -> None:
         super().__init__(options)
         self._note = note
+        self._is_held = is_held
 
     async def prepare(self, benchmark: str) -> None:
         self._note(RobotState.PREPARING.name)
@@ -58,6 +60,8 @@ class _Noting(DummyRobot):
     async def execute(self, benchmark: str, goal: Any) -> Any:
         self._note(RobotState.EXECUTING.name, goal)
         result = await super().execute(benchmark, goal)
+        while self._is_held():
+            await asyncio.sleep(HELD_S)
         self._note(RobotState.RESULT_TX.name)
         return result
 
@@ -80,6 +84,7 @@ class Robot:
         self.moments: List[Moment] = []
         self.troubles: List[fx.Report] = []
         self.clock_s: Optional[float] = None  # what its clock shows instead of the time
+        self.held = False  # it completes no goal
         self._options = DummyOptions(PREPARE_S, execute_s, seed=seed)
         self._running: Any = None
         self.begin()
@@ -98,7 +103,7 @@ class Robot:
             self._running = None
 
     async def _live(self) -> None:
-        behaviour = _Noting(self._options, self._note)
+        behaviour = _Noting(self._options, self._note, lambda: self.held)
         behaviour.on_report = self.troubles.append
         await RobotClient(
             self.team, password_of(self.team), behaviour, self.name, BROADCAST, RSBB_PORT, clock=self._clock,
@@ -187,8 +192,10 @@ class Stranger:
 class Impostor:
     """Knows a team's password, and sends false messages to the box on the robot's private channel."""
 
-    def __init__(self, station: Station, team: str, port: int, box: str) -> None:
+    def __init__(self, station: Station, team: str, port: int, box: str, speaks: Callable[[], bool]) -> None:
+        """`speaks`: whether it sends now."""
         self._host = station.host
+        self._speaks = speaks
         self._channel = PrivateChannel(
             self._host.loop, BROADCAST, port, Key(password_of(team)), lambda message, sender: None, lambda text: None)
         self._channel.remote = box
@@ -198,7 +205,7 @@ class Impostor:
         self._channel.open()
         try:
             while True:
-                for seconds in (-1, 2 ** 32, 2 ** 62, time.time()):
+                for seconds in (-1, 2 ** 32, 2 ** 62, time.time()) if self._speaks() else ():
                     self._channel.send(pb.RobotState(
                         time=wire(seconds), messages_saved=1, robot_state=int(RobotState.RESULT_TX),
                         notifications=["not what the robot says"]))

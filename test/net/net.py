@@ -87,6 +87,8 @@ class Round:
 
     def conduct(self, troubles: Dict[str, Trouble]) -> Dict[str, Result]:
         """All runs, each with its trouble."""
+        for code in troubles:
+            self.robots[code].held = True  # a trouble begins in its first goal, however busy the machine is
         connected = threading.Barrier(len(self.codes) + 1)
         with concurrent.futures.ThreadPoolExecutor(2 * len(self.codes)) as pool:
             runs = {code: pool.submit(self._conduct, code, connected) for code in self.codes}

@@ -18,6 +18,8 @@ PULLED_S = 3.0
 OFF_S = 1.0
 WILD_S = 1.0
 WILD_TIMES = (-1, 2 ** 32, -2 ** 62, 2 ** 62)
+# From a cable to the box, and how long a robot counts as heard.
+WAY_S, HEARD_S = 0.1, 1.4
 # The port of no run.
 NO_PORT = 9999
 LIMIT_S = 60.0
@@ -45,9 +47,10 @@ def pulled_cable(the_round, code: str) -> None:
 
 def reboot(the_round, code: str) -> None:
     """The robot is switched off and on, and knows nothing."""
-    robot, _ = _executing(the_round, code)
+    robot, _ = _executing(the_round, code, held=True)
     began = time.time()
     robot.end()
+    robot.held = False
     time.sleep(OFF_S)
     robot.begin()
     the_round.reboots[code] += 1
@@ -80,10 +83,16 @@ def wild_clock(the_round, code: str) -> None:
 
 def impostors(the_round, code: str) -> None:
     """A host with the password impersonates the robot, and so does a second robot of the same name."""
-    robot, _ = _executing(the_round, code)
+    robot, cable = _executing(the_round, code)
+
+    def is_heard() -> bool:
+        # Whoever has the password speaks for a robot that is silent for two and a half seconds (core, link). If this
+        # process stops for that long, the robot's next message comes first.
+        return cable.how.longest_s + WAY_S < time.monotonic() - cable.out.passed_mono < HEARD_S
+
     with contextlib.ExitStack() as leaving:
-        port = the_round.box.zone_details(code).port
-        leaving.callback(Impostor(the_round.impostor, robot.team, port, the_round.lan.box).close)
+        port = the_round.box.last_details(code).port
+        leaving.callback(Impostor(the_round.impostor, robot.team, port, the_round.lan.box, is_heard).close)
         leaving.callback(Robot(the_round.twin, robot.team, 1.0, 1).end)
         the_round.wait_ended(code)
 
@@ -99,9 +108,11 @@ def second_robot(the_round, code: str) -> None:
     assert not second.states, f"it is in no run, but was {second.states}"
 
 
-def _executing(the_round, code: str):
+def _executing(the_round, code: str, held: bool = False):
+    """Wait until the robot executes its first goal. `held`: it does not complete it before it is released."""
     robot = the_round.robots[code]
     robot.wait_did(RobotState.EXECUTING, LIMIT_S)
+    robot.held = held
     return robot, the_round.lan.wire(robot.station.number)
 
 

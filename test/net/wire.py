@@ -11,6 +11,7 @@ import fcntl
 import os
 import random
 import struct
+import time
 from typing import NamedTuple
 
 # linux/if_tun.h
@@ -59,6 +60,7 @@ class _Direction:
         self._wire, self._source, self._target = wire, source, target
         self._fates = random.Random(seed)
         self.passed = self.lost = self.doubled = 0
+        self.passed_mono = float("-inf")  # when the last one passed
 
     def read(self) -> None:
         """Take the datagrams that the source sent."""
@@ -78,6 +80,7 @@ class _Direction:
             self.lost += 1
             return
         self.passed += 1
+        self.passed_mono = time.monotonic()
         self._later(frame, 0.0 if overtakes < how.reorder else how.delay_s + how.jitter_s * (2 * late - 1))
         if doubled < how.duplicate:
             self.doubled += 1
