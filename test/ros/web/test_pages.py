@@ -11,9 +11,9 @@ import sys
 import urllib.request
 from typing import Any, ClassVar, Dict, Optional
 
-from support import tablet_nodes
 from support.box_case import BoxCase
 from support.browser import NAMES, Browser, Page, find
+from support.connections import kill, process_of
 from support.robots import RSBB_PORT
 from support.waiting import wait_until
 
@@ -21,7 +21,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
 AXE = (ROOT / "test" / "data" / "axe" / "axe.min.js").read_text(encoding="utf-8")
 URL = f"http://127.0.0.1:{RSBB_PORT + 95}"
-ZONE = "Room"
+ZONE, GATEWAY = "Room", "/roah_rsbb_web"
 # Width and height in CSS pixels.
 PHONE, TABLET, SCREEN = (360, 740), (1180, 820), (1920, 1080)
 TEXT = "document.body.innerText"
@@ -32,11 +32,6 @@ def answer(name: str) -> Dict[str, Any]:
     """A document of data."""
     with urllib.request.urlopen(f"{URL}/api/v1/{name}", timeout=30) as opened:
         return json.load(opened)
-
-
-def gateway() -> int:
-    """The process of the gateway."""
-    return tablet_nodes.process_of("roah_rsbb_web")
 
 
 class TestData(BoxCase):
@@ -60,10 +55,10 @@ class TestData(BoxCase):
         robot.wait_did("execute HCFGAC")
         wait_until(lambda: answer("state")["data"]["runs"][0]["phase"] == "running", "the run is public")
         session, ends = answer("state")["session"], answer("state")["data"]["runs"][0]["ends"]
-        killed = gateway()
-        os.kill(killed, signal.SIGKILL)
+        killed = process_of(GATEWAY)
+        kill(GATEWAY)
         wait_until(lambda: self.is_heard() and answer("state")["session"] != session, "the gateway is back")
-        self.assertNotEqual(gateway(), killed)
+        self.assertNotEqual(process_of(GATEWAY), killed)
         run = answer("state")["data"]["runs"][0]
         self.assertEqual((run["phase"], run["team"]), ("running", "Delta"))
         self.assertAlmostEqual(run["ends"], ends, delta=0.1)
@@ -151,7 +146,8 @@ class TestPages(BoxCase):
 
     def a_silent_box_is_reported(self, *pages: Page) -> None:
         """The core hangs."""
-        core = tablet_nodes.process_of("roah_rsbb_core")
+        core = process_of("/roah_rsbb_core")
+        self.assertNotEqual(core, 0)
         os.kill(core, signal.SIGSTOP)
         try:
             for page in pages:
@@ -166,6 +162,6 @@ class TestPages(BoxCase):
 
     def a_silent_gateway_is_reported(self, page: Page) -> None:
         """The gateway is killed. The page says so, and continues by itself."""
-        os.kill(gateway(), signal.SIGKILL)
+        kill(GATEWAY)
         page.wait(f"{TEXT}.includes('No signal since')", "the page says that the gateway is silent")
         page.wait(f"!{TEXT}.includes('No signal since') && {BIG}.startsWith('▶ ')", "the page works again")
