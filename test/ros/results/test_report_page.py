@@ -1,0 +1,81 @@
+"""The report of a competition in a real browser, from a folder: plots are drawn, tables are sorted, nothing is loaded.
+
+Screenshots are left in build/screenshots.
+"""
+
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+from typing import ClassVar
+
+from support.browser import Browser, find
+
+from helpers.replayed import ReplayedCompetition
+
+PROJECT = pathlib.Path(__file__).resolve().parents[3]
+SHOTS = PROJECT / "build" / "screenshots"
+SCREENS = {"360x740": (360, 740), "1920x1080": (1920, 1080)}
+PLOTS = {"runs.html": 0, "items.html": 2, "times.html": 1, "link.html": 1}
+# How many points of each plot are neither white nor grey: something is drawn there.
+COLOURS = """[...document.querySelectorAll(".plot canvas")].map(canvas => {
+  const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+  let coloured = 0;
+  for (let i = 0; i < data.length; i += 4) {
+    const [red, green, blue, opaque] = data.slice(i, i + 4);
+    coloured += opaque > 0 && Math.max(red, green, blue) - Math.min(red, green, blue) > 60;
+  }
+  return coloured;
+})"""
+FIRST_COLUMN = "[...document.querySelectorAll('table.sorted tbody tr')].map(row => row.cells[{}].textContent)"
+CLICK = "document.querySelectorAll('table.sorted th')[{}].click()"
+
+
+class TestReportPages(unittest.TestCase):
+    browser: ClassVar[Browser]
+    folder: ClassVar[pathlib.Path]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        program = find()
+        if program is None:
+            raise unittest.SkipTest("no Chromium: on Debian apt-get install chromium")
+        temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(temporary.cleanup)
+        cls.folder = pathlib.Path(temporary.name)
+        journal = ReplayedCompetition(cls.folder / "log").play()
+        subprocess.run([sys.executable, str(PROJECT / "scripts" / "results"), "--journal", journal, "--utc", "report",
+                        "--html", str(cls.folder / "report")], check=True, stdout=subprocess.DEVNULL)
+        cls.browser = Browser(program)
+        cls.addClassCleanup(cls.browser.close)
+
+    def test_pages_at_both_widths(self) -> None:
+        for name, plots in PLOTS.items():
+            path = self.folder / "report" / name
+            for screen, size in SCREENS.items():
+                page = self.browser.page(path.as_uri(), *size)
+                drawn = page.get(COLOURS)
+                self.assertEqual(len(drawn), plots, name)
+                self.assertTrue(all(points > 10 for points in drawn), (name, drawn))
+                self.assertLessEqual(page.get("document.documentElement.scrollWidth"), size[0], (name, screen))
+                page.screenshot(SHOTS / f"report_{path.stem}_{screen}.png")
+                page.close()
+        self.assertEqual(self.browser.errors, [])
+
+    def test_a_click_sorts_and_texts_stay_texts(self) -> None:
+        page = self.browser.page((self.folder / "report" / "runs.html").as_uri(), *SCREENS["1920x1080"])
+        self.addCleanup(page.close)
+        rows = page.get(FIRST_COLUMN.format(0))
+        self.assertEqual(rows, ["1", "2"])
+        for expected in (rows, rows[::-1]):
+            page.get(CLICK.format(0))
+            self.assertEqual(page.get(FIRST_COLUMN.format(0)), expected)
+        teams = page.get(FIRST_COLUMN.format(4))
+        page.get(CLICK.format(4))
+        self.assertEqual(page.get(FIRST_COLUMN.format(4)), sorted(teams))
+        items = self.browser.page((self.folder / "report" / "items.html").as_uri(), *SCREENS["1920x1080"])
+        self.addCleanup(items.close)
+        self.assertIn("objects <b>brought</b>", items.get("document.body.innerText"))
+        self.assertEqual(items.get("document.querySelectorAll('td b').length"), 0)
+        self.assertEqual(self.browser.errors, [])
