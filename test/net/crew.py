@@ -76,9 +76,13 @@ class _Noting(DummyRobot):
 
 
 class Robot:
-    """A robot on a host; it begins at once. `execute_s`: seconds for each goal."""
+    """A robot on a host; it begins at once."""
 
-    def __init__(self, station: Station, team: str, execute_s: float, seed: int, name: str = ROBOT) -> None:
+    def __init__(
+        self, station: Station, team: str, execute_s: float, seed: int, name: str = ROBOT,
+        speaks: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """`execute_s`: seconds for each goal. `speaks`: whether it sends and hears now."""
         self.station, self.team, self.name = station, team, name
         self.address = station.address
         self.moments: List[Moment] = []
@@ -86,6 +90,7 @@ class Robot:
         self.clock_s: Optional[float] = None  # what its clock shows instead of the time
         self.held = False  # it completes no goal
         self._options = DummyOptions(PREPARE_S, execute_s, seed=seed)
+        self._speaks = speaks
         self._running: Any = None
         self.begin()
 
@@ -107,6 +112,7 @@ class Robot:
         behaviour.on_report = self.troubles.append
         await RobotClient(
             self.team, password_of(self.team), behaviour, self.name, BROADCAST, RSBB_PORT, clock=self._clock,
+            passes=self._speaks,
         ).run()
 
     def _clock(self) -> float:

@@ -93,7 +93,7 @@ def impostors(the_round, code: str) -> None:
     with contextlib.ExitStack() as leaving:
         port = the_round.box.last_details(code).port
         leaving.callback(Impostor(the_round.impostor, robot.team, port, the_round.lan.box, is_heard).close)
-        leaving.callback(Robot(the_round.twin, robot.team, 1.0, 1).end)
+        leaving.callback(Robot(the_round.twin, robot.team, 1.0, 1, speaks=is_heard).end)
         the_round.wait_ended(code)
 
 
