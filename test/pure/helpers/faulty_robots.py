@@ -281,7 +281,7 @@ FAULTS = (
     Fault("cannot start again", deaf(_no_restart), ("stop-executing",), Cause.NO_RESTART),
     # States.
     Fault("ignores PREPARE", deaf_to(BoxState.PREPARE, RobotState.STOP), ("run",), Cause.PREPARE_IGNORED),
-    Fault("is never ready", options(prepare_duration=1e6), ("run",), Cause.NEVER_READY),
+    Fault("is never ready", options(prepare_duration=300.0), ("run",), Cause.NEVER_READY),
     Fault("never completes its goal", options(never_end=True), ("run",), Cause.NEVER_DONE),
     Fault("cannot read goals", _value(machine, "read_goal", _bad_goal), ("run-hnf",), Cause.GOAL_IGNORED),
     Fault("executes without its goal", patched(machine.RobotProgress, "end_prepare", _too_early), ("run-hgmf",),
