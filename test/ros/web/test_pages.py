@@ -8,14 +8,18 @@ import os
 import pathlib
 import signal
 import sys
+import unittest
 import urllib.request
-from typing import Any, ClassVar, Dict, Optional
+from typing import Any, ClassVar, Dict, List, Optional
+from unittest import mock
 
 from support.box_case import BoxCase
 from support.browser import NAMES, Browser, Page, find
 from support.connections import kill, process_of
 from support.robots import RSBB_PORT
 from support.waiting import wait_until
+
+from roah_rsbb.nodes import web
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"
@@ -63,6 +67,23 @@ class TestData(BoxCase):
         self.assertEqual((run["phase"], run["team"]), ("running", "Delta"))
         self.assertAlmostEqual(run["ends"], ends, delta=0.1)
         self.assertEqual(self.box.zone_details(ZONE).phase, "running")
+
+
+class TestWithoutTornado(unittest.TestCase):
+    """The node where tornado is missing."""
+
+    def test_it_logs_the_remedy_and_waits(self) -> None:
+        """It does not end: it would be restarted again and again."""
+        made: List[type] = []
+        with mock.patch.object(web, "run_node", lambda name, doc, make, **options: made.append(make)):
+            for found in (None, object()):
+                with mock.patch("importlib.util.find_spec", return_value=found):
+                    web.main()
+        self.assertEqual(made, [web.WithoutTornado, web.WebNode])
+        with mock.patch.object(web, "RosLoop") as loop, mock.patch.object(web.rospy, "logfatal") as logged:
+            web.WithoutTornado().run()
+        self.assertIn("apt install python3-tornado", logged.call_args[0][0])
+        loop.return_value.run.assert_called_once_with()
 
 
 class TestPages(BoxCase):
