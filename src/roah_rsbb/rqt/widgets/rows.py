@@ -64,10 +64,17 @@ class Rows(QTableWidget):
         self.blockSignals(True)
         if [row.key for row in rows] != [row.key for row in self._rows]:
             self.setCurrentItem(None)
+        before, self._rows = self._rows, rows
+        # The header would measure all rows again for each item: two seconds for 40 rows.
+        header = self.horizontalHeader()
+        modes = [header.sectionResizeMode(column) for column in range(header.count())]
+        header.setSectionResizeMode(QHeaderView.Fixed)
         self.setRowCount(len(rows))
-        self._rows = rows
         for index, row in enumerate(rows):
-            self._fill(index, row)
+            if index >= len(before) or before[index] != row:
+                self._fill(index, row)
+        for column, mode in enumerate(modes):
+            header.setSectionResizeMode(column, mode)
         self.choose(chosen)
         self.blockSignals(False)
         self.verticalScrollBar().setValue(place)
