@@ -17,7 +17,7 @@ import socket
 import subprocess
 import sys
 import threading
-from typing import Dict, Optional, Sequence, Tuple, Union
+from typing import Callable, Dict, Optional, Sequence, Tuple, Union
 
 from support.waiting import happened
 
@@ -125,13 +125,13 @@ def executed(*programs: str, **environment: str) -> Parent:
     )
     theirs.close()
     parent = Parent(ours)
-
-    def end() -> None:
-        parent.close()
-        process.wait()
-
-    atexit.register(end)
+    atexit.register(_end, parent, process.wait)
     return parent
+
+
+def _end(parent: Parent, wait: Callable[[], object]) -> None:
+    parent.close()
+    wait()
 
 
 def is_python(path: str) -> bool:
@@ -141,6 +141,13 @@ def is_python(path: str) -> bool:
 
 
 _parent: Optional[Parent] = None
+
+
+def use(parent: Parent, wait: Callable[[], object]) -> None:
+    """Start all programs as forks of this process. `wait` waits for its end."""
+    global _parent
+    _parent = parent
+    atexit.register(_end, parent, wait)
 
 
 def start(command: Sequence[str], files: Files, **environment: str) -> Union[Forked, "subprocess.Popen[bytes]"]:

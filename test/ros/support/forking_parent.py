@@ -28,10 +28,18 @@ import time
 import types
 
 sys.path.insert(1, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+from support import forking
 from support.forking import Parent, is_python
 
 del sys.path[1]
 PR_SET_PDEATHSIG = 1
+# The modules of ROS that start programs.
+STARTERS = ("roslaunch.nodeprocess", "rosunit.baretest")
+# What these import only when they begin.
+LATER = {
+    "rostest": (*STARTERS, "rostest.rostest_main", "rostest.runner", "rostest.rostest_parent", "roslaunch.parent"),
+    "rosmaster": ("rosmaster.main", "rosmaster.master_api"),
+}
 imported = set()
 
 
@@ -46,7 +54,8 @@ def import_for(path):
                 import_for(node.value.value)  # catkin's relay to the program in the source folder
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
             for name in names + ([node.module] if isinstance(node, ast.ImportFrom) else []):
-                importlib.import_module(name)
+                for each in (name, *LATER.get(name, ())):
+                    importlib.import_module(each)
     gc.freeze()  # a program that ends would look through all that was imported: 0.2 s of CPU
 
 
@@ -131,12 +140,16 @@ class Forks:
         os._exit(code if code >= 0 else 128 - code)
 
 
-def become(files, arguments, environment, death_signal="SIGKILL", folder="", is_leader=False, is_test=False):
+def become(
+        files, arguments, environment, death_signal="SIGKILL", folder="", is_leader=False, is_test=False,
+        has_programs=False):
     """Turn this process into a program: its arguments, environment, files and, if given, folder and session.
 
     It gets the signal of that name when its parent ends: a test that is killed leaves no program behind.
     """
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    for number in (signal.SIGCHLD, signal.SIGHUP, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where a script runs the tests in the background
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGCHLD])
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, getattr(signal, death_signal))
     if is_leader:
@@ -165,6 +178,8 @@ def become(files, arguments, environment, death_signal="SIGKILL", folder="", is_
         names._caller_id = f"{names._caller_namespace}unnamed"
     if is_test:
         become_rostest()
+    elif has_programs:
+        fork_parent()
 
 
 def become_rostest():
@@ -185,12 +200,25 @@ def become_rostest():
         if path is None or not is_python(path) or subprocess.PIPE in (stdout, stderr):
             return subprocess.Popen(arguments, cwd=cwd, stdout=stdout, stderr=stderr, env=env, **others)
         files = [0, *(number if file is None else file.fileno() for number, file in ((1, stdout), (2, stderr)))]
-        return parent.start(path, [path, *arguments[1:]], files, dict(env), folder=cwd, is_leader=True)
+        return parent.start(path, [path, *arguments[1:]], files, dict(env), folder=cwd, is_leader=True,
+                            has_programs=os.path.basename(path) == "run_cases.py")
 
     stand_in = types.SimpleNamespace(**{**vars(subprocess), "Popen": start_program})
-    for name in ("roslaunch.nodeprocess", "rosunit.baretest"):
+    for name in STARTERS:
         if name in sys.modules:
             sys.modules[name].subprocess = stand_in
+
+
+def fork_parent():
+    """Fork the parent of the programs that this process, the cases of a test, will start."""
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    pid = os.fork()
+    if not pid:
+        ours.close()
+        os.setsid()  # an interruption of the cases does not end it before their programs
+        raise Served(Forks(theirs).serve())
+    theirs.close()
+    forking.use(Parent(ours), lambda: os.waitpid(pid, 0))
 
 
 class Served(Exception):
