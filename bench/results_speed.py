@@ -24,7 +24,7 @@ class Taken(NamedTuple):
     memory_mb: float
 
 
-def measure(runs: int, commands: Dict[str, List[str]], recovers: bool = True) -> Dict[str, Taken]:
+def measure(runs: int, commands: Dict[str, List[str]], recovers: bool) -> Dict[str, Taken]:
     """Measure commands with a journal of so many runs; each is repeated, and the quickest counts. `recovers`: measure
     `recover`, too."""
     with tempfile.TemporaryDirectory() as folder:
