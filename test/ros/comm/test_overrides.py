@@ -363,8 +363,10 @@ class TestEnd(OverrideCase):
         for _ in range(6):
             self.override(NUMBERS["HGTKMH"], PREPARE)
             self.wait_said(SAYS_PREPARE)
+            listener = self.listener("benchmark/state", BenchmarkState)
+            self.assertEqual(self.next_of(listener).benchmark_state, SAYS_PREPARE)
             self.end_override()
-            self.wait_said(SAYS_STOP)
+            self.assertEqual(self.next_of(listener).benchmark_state, SAYS_STOP)
 
 
 class TestBadOverrides(OverrideCase):

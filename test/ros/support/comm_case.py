@@ -17,7 +17,7 @@ from std_srvs.srv import Empty as EmptySrv
 
 from roah_rsbb.msg import Benchmark, BenchmarkState, GoalHGMF, GoalOMF
 from roah_rsbb.protocol import BoxState, RobotState
-from roah_rsbb.referee.ros_client import Client
+from roah_rsbb.referee.ros_client import Client, Subscription
 from roah_rsbb.ros import refusals
 from roah_rsbb.srv import Override
 from support.box_case import NetworkCase
@@ -120,15 +120,28 @@ class CommCase(NetworkCase):
         It needs a connection of its own. A second subscriber of one process of rospy receives the last message from
         the first one, but not if that one connected in the moment between registration and latching of the publisher.
         """
-        listener = Client(rosgraph.get_master_uri(), "/late_listener").follow(f"/roah_rsbb/{name}", kind, LIMIT_S)
+        listener = self.listener(name, kind)
         try:
-            while True:
-                message = listener.take()
-                if message is not None:
-                    return message
-                self.assertTrue(select.select([listener], (), (), LIMIT_S)[0], f"{name} sent nothing")
+            return self.next_of(listener)
         finally:
             listener.close()
+
+    def listener(self, name: str, kind: type) -> Subscription:
+        """A connection to a topic from now on.
+
+        It has all that was sent before the topic ended. rospy drops what it has not read yet when it notices the end.
+        """
+        listener = Client(rosgraph.get_master_uri(), "/late_listener").follow(f"/roah_rsbb/{name}", kind, LIMIT_S)
+        self.addCleanup(listener.close)
+        return listener
+
+    def next_of(self, listener: Subscription) -> Any:
+        """Wait for a new message, and return the newest."""
+        while True:
+            message = listener.take()
+            if message is not None:
+                return message
+            self.assertTrue(select.select([listener], (), (), LIMIT_S)[0], "nothing is sent")
 
     def _on_log(self, message: Log) -> None:
         if message.name == NODE:
