@@ -56,7 +56,7 @@ class TestReplay(OwnCoreCase):
         self.assertEqual(phases, ["connected", "running", "ended", "idle"])
         for zone in zones:
             self.assertEqual((zone.zone, zone.stop_off, zone.connect_off), ("Home", [REASON], [REASON]))
-        ended = next(zone for zone in zones if zone.phase == "ended")
+        *_, ended = (zone for zone in zones if zone.phase == "ended")
         self.assertEqual((ended.identity, ended.end_reason, ended.robot_state), (identity, "stopped", "STOP"))
         self.assertEqual(messages[0].warnings, [REASON])
         wait_until(lambda: self.box.gui.status == REASON, "the status says it, too")
