@@ -63,7 +63,7 @@ After the end of the run, its last moment stays. End the replay with Ctrl-C.
 _EPILOG = """\
 Examples:
   replay ~/.ros/roah_rsbb/roah_rsbb_journal.sqlite3 3
-  replay /media/usb/roah_rsbb_journal.sqlite3 HNF-6667 --speed 8
+  replay /media/usb/roah_rsbb_journal.sqlite3 3 --speed 8
 
 RUN is a run's number in 'rosrun roah_rsbb results list', its identity, or the beginning of its identity. A ROS master
 must run, and no core. The benchmarks and the schedule come from configuration.json beside the journal.

@@ -123,9 +123,10 @@ class _Usage(Exception):
 
 def main(config_dir: str, arguments: Optional[List[str]] = None) -> NoReturn:
     """Run the program; `config_dir` contains the default rules of the standings."""
+    if arguments is None:  # the process's own output, too
+        sys.stdout.reconfigure(errors="backslashreplace")  # escape characters that this terminal cannot show
     options = _parser().parse_args(sys.argv[1:] if arguments is None else arguments)
     options.config_dir = config_dir
-    sys.stdout.reconfigure(errors="backslashreplace")  # escape characters that this terminal cannot show
     try:
         status = options.do(options)
     except (JournalError, _NoBag, NoSuchRun, _Usage, CannotPrint) as error:

@@ -139,7 +139,7 @@ def test_a_reader_that_closes_early_is_not_an_error(journal):
 
 
 def test_a_terminal_that_knows_only_ascii(journal):
-    script = "import sys; from roah_rsbb.tools.results import main; main(sys.argv[1], sys.argv[2:])"
+    script = "import sys; from roah_rsbb.tools.results import main; main(sys.argv.pop(1))"
     command = [sys.executable, "-c", script, str(ROOT / "config"), "--journal", journal, "list"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "PYTHONIOENCODING": "ascii"}
     shown = subprocess.run(command, stdout=subprocess.PIPE, env=environment, check=True).stdout.decode("ascii")
