@@ -133,6 +133,7 @@ class Forks:
 
     def end_test(self, code):
         """End programs that rostest has left, and this process."""
+        signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGCHLD])  # their ends must not be handled in between
         for pid in self.running:
             os.kill(pid, signal.SIGKILL)
         for pid in self.running:
