@@ -119,15 +119,19 @@ class Journal:
         self._release()
         self._unlock()
 
-    def entries_of(self, port: int) -> List[NewEntry]:
-        """All entries of a robot in a run, including waiting ones, in order."""
+    def entries_of(self, port: int) -> Optional[List[NewEntry]]:
+        """All entries of a robot in a run, including waiting ones, in order; None: earlier ones cannot be read now."""
         found: List[NewEntry] = []
         if self._connection is not None:
-            with contextlib.suppress(sqlite3.Error):
+            try:
                 rows = self._connection.execute(
                     "SELECT utc, mono, zone, identity, port, who, kind, value FROM entries WHERE identity ="
                     " (SELECT identity FROM members WHERE port = ?) AND port = ? ORDER BY id", (port, port))
                 found = [NewEntry(*row) for row in rows]
+            except sqlite3.Error:
+                return None
+        elif self._session_id or self.previous is not NOTHING:
+            return None  # the file has some, and is not open
         return found + [entry for entry in self._pending.entries if entry.port == port]
 
     # -- trouble ------------------------------------------------------------------------------------

@@ -63,12 +63,12 @@ class RunLogWriter:
     def __init__(
         self, log_dir: str, box_uuid: str, on_problem: Callable[[str], None],
         on_repaired: Optional[Callable[[str, str], None]] = None,
-        entries_of: Callable[[int], Sequence[LogEntry]] = lambda port: (),
+        entries_of: Callable[[int], Optional[Sequence[LogEntry]]] = lambda port: (),
         post: Callable[[Callable[[], None]], None] = lambda function: function(),
     ) -> None:
         """`on_problem` is called in the writer's thread with a problem and its remedy; `on_repaired` with the text of
         a problem that is solved and with what to report instead. `entries_of` returns all entries of the run with
-        this port, in order; it is called in the loop's thread, through `post`."""
+        this port, in order, or None if they cannot be read now; it is called in the loop's thread, through `post`."""
         self._log_dir = log_dir
         self._box_uuid = box_uuid
         self._on_problem = on_problem
@@ -149,9 +149,11 @@ class RunLogWriter:
     def _answer(self, port: int) -> None:
         """Give the thread a run's entries. Entries that are logged later follow in the queue."""
         try:
-            entries = list(self._entries_of(port))
+            entries = self._entries_of(port)
         except Exception:
             rospy.logerr("internal error, please report it: no entries for a run log", exc_info=True)
+            entries = None
+        if entries is None:
             self._jobs.put(lambda: self._not_now(port))
             return
         self._skipped.discard(port)

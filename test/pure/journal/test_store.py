@@ -17,6 +17,7 @@ import pytest
 from helpers.journals import make_old
 from helpers.small_disk import CannotMount, SmallDisk
 from roah_rsbb.journal import disk as disks
+from roah_rsbb.journal import file as files
 from roah_rsbb.journal import schema
 from roah_rsbb.journal import store as stores
 from roah_rsbb.journal.batch import Batch, LinkRow, Member, NewEntry, OutcomeRow, RunRow
@@ -203,6 +204,26 @@ def test_unwritten_entries_wait_in_their_order(journals, monkeypatch):
     assert journal.troubles[-1] == REPAIRED
     assert rows(journal, "value") == [("0",), ("1",), ("2",)]
     assert rows(journal, "name, state", "states") == [("zone:Home", "2")]
+
+
+def test_entries_are_not_given_in_part(journals, monkeypatch):
+    before = journals()
+    before.write(BATCH)
+    before.close()
+    real, failures = files.prepare, ["attempt to write a readonly database"]
+
+    def prepare(connection, competition):
+        if failures:
+            raise sqlite3.OperationalError(failures.pop())
+        real(connection, competition)
+
+    monkeypatch.setattr(files, "prepare", prepare)
+    again = journals()
+    again.write(Batch(entries=[ENTRY]))
+    assert again.previous is not NOTHING
+    assert again.entries_of(6667) is None  # the disk can be written again, but the file is not open yet
+    again.look()
+    assert len(again.entries_of(6667)) == 2
 
 
 def test_a_removed_folder_is_written_again(journals, tmp_path):

@@ -331,10 +331,11 @@ def test_a_journal_that_cannot_answer_is_asked_again(loop, log_dir, monkeypatch)
     def fail(port):
         raise RuntimeError("test")
 
-    with monkeypatch.context() as context:
-        context.setattr(loop.writer, "_entries_of", fail)
-        loop.writer.resumed(PORT, NAME)
-        loop.answer()
+    loop.writer.resumed(PORT, NAME)
+    for answer in (fail, lambda port: None):
+        with monkeypatch.context() as context:
+            context.setattr(loop.writer, "_entries_of", answer)
+            loop.answer()
     loop.answer()
     loop.close()
     assert complete(log_dir / NAME) == plain(entries(3))

@@ -117,11 +117,11 @@ class CoreJournal:
         """Record the path of a robot's run log."""
         self._journal.write(Batch(log_files={port: path}))
 
-    def log_entries(self, port: int) -> List[Tuple[str, object, float]]:
-        """All entries of a robot's run log so far: topic, value and UTC seconds, in order."""
-        return [
-            (entry.kind, json.loads(entry.value), entry.utc)
-            for entry in self._journal.entries_of(port) if entry.kind in run_log.KINDS
+    def log_entries(self, port: int) -> Optional[List[Tuple[str, object, float]]]:
+        """All entries of a robot's run log so far: topic, value and UTC seconds, in order; None: not readable now."""
+        entries = self._journal.entries_of(port)
+        return None if entries is None else [
+            (entry.kind, json.loads(entry.value), entry.utc) for entry in entries if entry.kind in run_log.KINDS
         ]
 
     def log_file_before(self, port: int) -> str:
