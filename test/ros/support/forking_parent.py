@@ -18,6 +18,7 @@ import os
 import pickle
 import random
 import runpy
+import select
 import shutil
 import signal
 import socket
@@ -87,11 +88,21 @@ class Forks:
 
     def serve(self):
         """Fork for each request. Returns in the forks, with the path of the program."""
-        signal.signal(signal.SIGCHLD, self.report_ended)
+        # The handler does nothing: it may interrupt an import, which must not import anything (CPython issue 106176).
+        awake, wake = os.pipe()
+        os.set_blocking(wake, False)
+        signal.set_wakeup_fd(wake, warn_on_full_buffer=False)
+        signal.signal(signal.SIGCHLD, lambda number, frame: None)
+        self.report_ended()  # before the handler was set
         while True:
+            ready, _, _ = select.select([self.requests, awake], [], [])
+            if awake in ready:
+                os.read(awake, 4096)
+                self.report_ended()
+            if self.requests not in ready:
+                continue
             message, ancillary, _, _ = self.requests.recvmsg(1 << 20, socket.CMSG_SPACE(3 * 4))
             if not message:
-                signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGCHLD])
                 while self.test:
                     self.report_ended(wait=True)  # rostest has closed its socket, and ends
                 sys.exit()
@@ -99,15 +110,16 @@ class Forks:
             files.frombytes(ancillary[0][2])
             path, arguments, environment, options = pickle.loads(message)
             import_for(path)
-            signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGCHLD])  # its beginning is reported before its end
             pid = os.fork()
             if not pid:
+                signal.set_wakeup_fd(-1)
+                for file in (awake, wake):
+                    os.close(file)
                 self.requests.close()
                 become(files, arguments, environment, **options)
                 return path
             self.running.add(pid)
             self.report("began", pid)
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGCHLD])
             for file in files:
                 os.close(file)
 
@@ -116,7 +128,7 @@ class Forks:
         with contextlib.suppress(OSError):  # it has ended
             self.requests.send(pickle.dumps((*news, 0, 0.0)[:4]))
 
-    def report_ended(self, *_, wait=False):
+    def report_ended(self, wait=False):
         """Report all programs that have ended."""
         while True:
             try:
@@ -133,7 +145,6 @@ class Forks:
 
     def end_test(self, code):
         """End programs that rostest has left, and this process."""
-        signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGCHLD])  # their ends must not be handled in between
         for pid in self.running:
             os.kill(pid, signal.SIGKILL)
         for pid in self.running:
@@ -151,7 +162,6 @@ def become(
     for number in (signal.SIGCHLD, signal.SIGHUP, signal.SIGTERM):
         signal.signal(number, signal.SIG_DFL)
     signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where a script runs the tests in the background
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGCHLD])
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, getattr(signal, death_signal))
     if is_leader:
         os.setsid()
