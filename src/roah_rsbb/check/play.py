@@ -329,6 +329,8 @@ class Play:
             self.works.setdefault(self.code, Work(prepared - began, self.loop.time() - prepared))
             if number + 1 < goals:
                 await self._next_goal(number + 2)
+        # The robot's last result and the box's STOP are two events; asyncio may run this in between (Python 3.13 does).
+        await self.until(lambda: self.record.states[-1].state is BoxState.STOP, OBEY_S)
         await self.after_stop("at the end of the run")
 
     async def _done(self, number: int) -> None:
