@@ -11,7 +11,7 @@ from typing import Callable, Dict, Optional
 from roah_rsbb.comm.channels import MakePeer
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
+from roah_rsbb.core.clock import Now, one_moment
 from roah_rsbb.core.effects import Effect
 from roah_rsbb.radio.radio import CoreRadio, Network
 
@@ -53,7 +53,7 @@ class NetworkDriver:
 
     def now(self) -> Now:
         """The present moment on both clocks."""
-        return Now(self._loop.time(), self._utc())
+        return one_moment(self._loop.time, self._utc)
 
     def event(self, method: Callable[..., object], *args: object) -> None:
         """Pass an event to the box, then carry out the effects. Exceptions of the method are raised afterwards."""

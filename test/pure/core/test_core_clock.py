@@ -2,7 +2,7 @@
 
 import pytest
 
-from roah_rsbb.core.clock import ClockWatch, Now
+from roah_rsbb.core.clock import MAX_READINGS, ClockWatch, Now, one_moment
 from roah_rsbb.protocol import wire_ns, wire_seconds
 from roah_rsbb.wording import times
 
@@ -29,6 +29,29 @@ def test_wire_times_of_any_size_are_exact(wire_time, ns):
 
 def test_a_time_for_the_referee():
     assert times.time_with_zone(1_800_000_000.9) == "08:00:00Z"
+
+
+class PausedClocks:
+    """Both clocks of a process that pauses each time it has read UTC."""
+
+    def __init__(self, pauses):
+        self.mono, self.pauses = 10.0, list(pauses)
+
+    def read_utc(self):
+        utc = 1000.0 + self.mono
+        self.mono += self.pauses.pop(0)
+        return utc
+
+
+def test_a_pause_between_both_readings_is_no_step_of_the_clock():
+    clocks = PausedClocks([0.3, 0.2, 0.0])
+    assert one_moment(lambda: clocks.mono, clocks.read_utc) == Now(10.5, 1010.5)
+
+
+def test_a_machine_that_always_pauses_gets_its_last_reading():
+    clocks = PausedClocks([0.3] * MAX_READINGS)
+    now = one_moment(lambda: clocks.mono, clocks.read_utc)
+    assert (now.mono, clocks.pauses) == (clocks.mono, [])
 
 
 def test_a_step_of_the_clock_is_reported_once_and_with_its_sign():

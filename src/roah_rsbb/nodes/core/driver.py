@@ -11,17 +11,13 @@ import rospy
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
+from roah_rsbb.core.clock import Now, one_moment
 from roah_rsbb.core.effects import Effect, Level
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.nodes.core.journal import CoreJournal
 from roah_rsbb.radio.radio import CoreRadio
 from roah_rsbb.run_logs.writer import RunLogWriter
 from roah_rsbb.wording.texts import escaped
-
-# Two clock readings count as simultaneous within this time; a busy machine may need several attempts.
-SAME_MOMENT_S = 0.005
-MAX_READINGS = 10
 
 _LOG = {Level.INFO: rospy.loginfo, Level.WARNING: rospy.logwarn, Level.ERROR: rospy.logerr}
 
@@ -81,15 +77,8 @@ class CoreDriver:
 
     @staticmethod
     def now() -> Now:
-        """The present moment on both clocks; the loop's clock is the monotonic one.
-
-        A pause of this process between both readings would look like a step of the clock. Then they are read again.
-        """
-        for _ in range(MAX_READINGS):
-            before, utc, mono = time.monotonic(), time.time(), time.monotonic()
-            if mono - before < SAME_MOMENT_S:
-                break
-        return Now(mono, utc)
+        """The present moment on both clocks; the loop's clock is the monotonic one."""
+        return one_moment(time.monotonic, time.time)
 
     def event(self, method: Callable[..., object], *args: object) -> None:
         """Pass an event to the box, then carry out the effects. Exceptions of the method are raised afterwards."""

@@ -13,7 +13,6 @@ import os
 import signal
 import sys
 import threading
-import time
 import uuid
 from typing import Callable, Dict, Optional, Tuple
 
@@ -152,7 +151,8 @@ class CoreNode:
         self._last_unsaved: Optional[Tuple[object, ...]] = None
         ports = PortRecord(log_dir)
         last_port, port_warnings = ports.read()
-        session = CoreSession(time.time(), time.monotonic(), boot_id(), os.getpid(), self._uuid, launch)
+        now = CoreDriver.now()
+        session = CoreSession(now.utc, now.mono, boot_id(), os.getpid(), self._uuid, launch)
         self._store = Journal(log_dir, session, competition(loaded), resume, self._on_journal_trouble)
         box = Box(loaded, settings, beacon_size, max(last_port or 0, self._store.previous.last_port or 0), version)
         self._radio = CoreRadio(

@@ -15,7 +15,7 @@ from unittest import mock
 import rospy
 
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.clock import Now
+from roah_rsbb.core.clock import Now, one_moment
 from roah_rsbb.core.effects import RecordChanged
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.referee import Refused, RunName
@@ -260,6 +260,8 @@ class FakeCore:
         self.tablet_heard = True
         self._lock = threading.RLock()
         self._passed_s = 0.0
+        begin = one_moment(time.monotonic, time.time)
+        self._utc_at_0 = begin.utc - begin.mono
         self._hosts = {
             RobotId(team, name if not other else f"{name} {other + 1}"): f"10.0.{number}.{other + 2}"
             for number, (team, name) in enumerate(ROBOTS.items()) for other in range(len(zones))
@@ -317,7 +319,9 @@ class FakeCore:
                 self.box.take_changed()
 
     def _now(self) -> Now:
-        return Now(time.monotonic() + self._passed_s, time.time() + self._passed_s)
+        # One clock only: a pause between the readings of two would be a step of the clock.
+        mono = time.monotonic() + self._passed_s
+        return Now(mono, mono + self._utc_at_0)
 
     def _robots_speak(self) -> None:
         """All robots say what they have to say."""
