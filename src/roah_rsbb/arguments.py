@@ -2,7 +2,9 @@
 
 import argparse
 import os
-from typing import Any, Callable, NoReturn
+from typing import Any, Callable, NoReturn, TypeVar
+
+T = TypeVar("T")
 
 
 class Parser(argparse.ArgumentParser):
@@ -39,6 +41,23 @@ def number(low: float, high: float) -> Callable[[str], float]:
             raise argparse.ArgumentTypeError(f"{text!r} is not a number from {low:g} to {high:g}")
         return value
     return number_between
+
+
+def read_by(read: Callable[[str], T]) -> Callable[[str], T]:
+    """A type for argparse: what `read` returns. The text of its ValueError is the error."""
+    def read_argument(text: str) -> T:
+        try:
+            return read(text)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
+    return read_argument
+
+
+def add_password(to: "argparse._ArgumentGroup") -> None:
+    """Add the ways to give one team's password (`comm.passwords.own_password`)."""
+    password = to.add_mutually_exclusive_group()
+    password.add_argument("--password", help="the team's password, for tests (see below)")
+    password.add_argument("--password-file", metavar="FILE", help="a file whose first line is the password")
 
 
 def public_port(text: str) -> int:

@@ -15,7 +15,7 @@ import time
 from types import SimpleNamespace
 from typing import Callable, List, Optional, Sequence
 
-from roah_rsbb.arguments import Parser, number, public_port
+from roah_rsbb.arguments import Parser, add_password, number, public_port
 from roah_rsbb.bmbox.framework.dummy_world import DummyWorld
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, Pose2D, Pose3
 from roah_rsbb.bmbox.framework.parameters import read_parameters
@@ -266,9 +266,7 @@ def _parser() -> argparse.ArgumentParser:
     who = parser.add_argument_group("robot")
     who.add_argument("--team", required=True, help="team name, exactly as the robot sends it")
     who.add_argument("--robot", default="", help="robot name, if the team has several robots (default: any)")
-    password = who.add_mutually_exclusive_group()
-    password.add_argument("--password", help="the team's password, for tests (see below)")
-    password.add_argument("--password-file", metavar="FILE", help="a file whose first line is the password")
+    add_password(who)
     network = parser.add_argument_group("network")
     network.add_argument("--host", default="10.255.255.255", metavar="BROADCAST",
                          help="the network's broadcast address; 'ip -4 addr' shows it as brd (default: %(default)s)")

@@ -10,7 +10,7 @@ import sys
 import time
 from typing import Callable, List, Optional, Sequence, Tuple
 
-from roah_rsbb.arguments import Parser, number, public_port
+from roah_rsbb.arguments import Parser, add_password, number, public_port, read_by
 from roah_rsbb.check import report
 from roah_rsbb.check.box import AnotherBox
 from roah_rsbb.check.engine import Engine, all_scenarios, scenarios_of
@@ -59,13 +59,6 @@ exit status: 0 passed, 1 the robot has faults, 2 wrong arguments, 3 the check co
 """
 
 
-def _cipher(label: str) -> Cipher:
-    try:
-        return cipher_by_label(label)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
 def _codes(text: str) -> Tuple[str, ...]:
     codes = tuple(code.strip() for code in text.split(",") if code.strip())
     for code in codes:
@@ -94,9 +87,7 @@ def _parser() -> argparse.ArgumentParser:
     who = parser.add_argument_group("robot")
     who.add_argument("--team", help="team name, exactly as the robot sends it")
     who.add_argument("--robot", default="", help="robot name, if the team has several robots (default: any)")
-    password = who.add_mutually_exclusive_group()
-    password.add_argument("--password", help="the team's password, for tests (see below)")
-    password.add_argument("--password-file", metavar="FILE", help="a file whose first line is the password")
+    add_password(who)
     network = parser.add_argument_group("network")
     network.add_argument("--host", default="10.255.255.255", metavar="BROADCAST",
                          help="the network's broadcast address; 'ip -4 addr' shows it as brd (default: %(default)s)")
@@ -106,7 +97,7 @@ def _parser() -> argparse.ArgumentParser:
     network.add_argument("--second-bind", default="", metavar="HOST",
                          help="another address of this machine, for the scenarios with a second box (default: none; on "
                               "loopback, the address after --bind)")
-    network.add_argument("--cipher", type=_cipher, default=Cipher.AES_128_CBC, metavar="NAME",
+    network.add_argument("--cipher", type=read_by(cipher_by_label), default=Cipher.AES_128_CBC, metavar="NAME",
                          help="cipher of the box's messages, such as aes-256-cbc (default: aes-128-cbc)")
     what = parser.add_argument_group("what is checked")
     what.add_argument("--level", choices=[level.value for level in Level], default=Level.BASIC.value,

@@ -16,7 +16,7 @@ import time
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
-from roah_rsbb.arguments import Parser, number
+from roah_rsbb.arguments import Parser, add_password, number, read_by
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.comm.sockets import ANY_HOST
@@ -211,28 +211,19 @@ On the same machine as the box, give each participant its own address, for examp
 """
 
 
-def _cipher(label: str) -> Cipher:
-    try:
-        return cipher_by_label(label)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
     who = parser.add_argument_group("identity")
     who.add_argument("--team", required=True, help="team name, as in the box's schedule and passwords")
     who.add_argument("--robot", default="DummyRobot", help="robot name (default: %(default)s)")
-    password = who.add_mutually_exclusive_group()
-    password.add_argument("--password", help="the team's password, for tests (see below)")
-    password.add_argument("--password-file", metavar="FILE", help="a file whose first line is the password")
+    add_password(who)
     network = parser.add_argument_group("network")
     network.add_argument("--host", default="10.255.255.255",
                          help="the network's broadcast address, or the box's address (default: %(default)s)")
     network.add_argument("--port", type=int, default=6666, help="public UDP port (default: %(default)s)")
     network.add_argument("--bind", default=ANY_HOST, metavar="HOST",
                          help="local address, if participants share a machine (default: %(default)s)")
-    network.add_argument("--cipher", type=_cipher, default=Cipher.AES_128_CBC, metavar="NAME",
+    network.add_argument("--cipher", type=read_by(cipher_by_label), default=Cipher.AES_128_CBC, metavar="NAME",
                          help="cipher of its messages, such as aes-256-cbc (default: aes-128-cbc)")
     _add_behaviour(parser)
     return parser

@@ -14,7 +14,7 @@ import sys
 import time
 from typing import List, Optional, Tuple
 
-from roah_rsbb.arguments import Parser
+from roah_rsbb.arguments import Parser, read_by
 from roah_rsbb.comm.sockets import ANY_HOST
 from roah_rsbb.tablet.radio import TabletRadio
 from roah_rsbb.tablet.state import TabletState
@@ -50,17 +50,10 @@ def _position(text: str) -> Tuple[float, float]:
     return x, y
 
 
-def _position_argument(text: str) -> Tuple[float, float]:
-    try:
-        return _position(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
     parser.add_argument("--call", action="store_true", help="call at the start")
-    parser.add_argument("--position", type=_position_argument, metavar="X,Y",
+    parser.add_argument("--position", type=read_by(_position), metavar="X,Y",
                         help="select a position at the start, in metres (--position=-1,2 if it begins with a minus)")
     parser.add_argument("--once", action="store_true", help="end when the box has published it")
     parser.add_argument("--host", default="10.255.255.255",
