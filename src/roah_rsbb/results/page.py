@@ -167,17 +167,24 @@ def picture_address(path: str) -> str:
     return f"data:{kind};base64,{base64.b64encode(data).decode()}"
 
 
+def json_text(value: object) -> str:
+    """Return JSON that can stand in an element of a page, whatever texts it contains."""
+    return json.dumps(value, separators=(",", ":"), sort_keys=True).translate(_JSON_ESCAPES)
+
+
 def json_block(identity: str, value: object) -> Markup:
     """Build an element with data for a script of the page; the browser does not run it."""
-    text = json.dumps(value, separators=(",", ":"), sort_keys=True).translate(_JSON_ESCAPES)
-    return Markup(f'<script type="application/json" id="{html.escape(identity)}">{text}</script>')
+    return Markup(f'<script type="application/json" id="{html.escape(identity)}">{json_text(value)}</script>')
+
+
+def checksum(text: str) -> str:
+    """Return what a content security policy calls a script or style that it allows."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
 def page(title: str, *body: Child, scripts: Sequence[str] = (), style: str = "") -> str:
     """Build a complete page. It runs these `scripts` and nothing else, whatever texts it shows."""
-    hashes = " ".join(f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
-                      for text in scripts)
-    policy = f"{_POLICY}; script-src {hashes}" if scripts else _POLICY
+    policy = f"{_POLICY}; script-src {' '.join(map(checksum, scripts))}" if scripts else _POLICY
     head = tag(
         "head", tag("meta", charset="utf-8"), tag("meta", http_equiv="Content-Security-Policy", content=policy),
         tag("meta", name="viewport", content="width=device-width"), tag("title", title),

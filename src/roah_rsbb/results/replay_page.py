@@ -4,10 +4,7 @@ The page's own script is the only one that its content security policy lets the 
 in a block of JSON, where `<` is escaped, and the script sets them as text only.
 """
 
-import base64
-import hashlib
 import html
-import json
 import os
 import re
 import urllib.parse
@@ -15,13 +12,12 @@ from typing import Any, Callable, Dict, NamedTuple
 
 from roah_rsbb.core.scoring.records import RunRecord
 from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.results.page import checksum, json_text
 from roah_rsbb.results.replay import replay_data
 from roah_rsbb.results.runs import RunResult, file_name, run_moments
 from roah_rsbb.wording.texts import visible
 
 _PART = re.compile("@([A-Z]+)@")
-# JSON in a page: no end tag, comment or line separator, and only ASCII.
-_ESCAPES = {ord(sign): f"\\u{ord(sign):04x}" for sign in "<>&"}
 
 
 class PageParts(NamedTuple):
@@ -59,23 +55,18 @@ def replay_page(data: Dict[str, Any], parts: PageParts, video: str = "") -> str:
     """Return the page with the data that `replay.replay_data` returns."""
     if video:
         data = {**data, "video": video}
-    text = json.dumps(data, separators=(",", ":"), sort_keys=True).translate(_ESCAPES)
     values = {
         "POLICY": html.escape(_policy(parts, video)), "TITLE": html.escape(f"Replay: {visible(str(data['title']))}"),
-        "STYLE": parts.style, "SCRIPT": parts.script, "DATA": text,
+        "STYLE": parts.style, "SCRIPT": parts.script, "DATA": json_text(data),
     }
     return _PART.sub(lambda match: values.get(match.group(1), match.group()), parts.page)
 
 
 def _policy(parts: PageParts, video: str) -> str:
     return "; ".join((
-        "default-src 'none'", f"script-src '{_hash(parts.script)}'", f"style-src '{_hash(parts.style)}'",
+        "default-src 'none'", f"script-src {checksum(parts.script)}", f"style-src {checksum(parts.style)}",
         f"media-src blob:{_source(video)}", "base-uri 'none'", "form-action 'none'",
     ))
-
-
-def _hash(text: str) -> str:
-    return f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}"
 
 
 def _source(video: str) -> str:
