@@ -5,11 +5,10 @@ Screenshots are left in build/screenshots.
 
 import pathlib
 import tempfile
-import unittest
 import wave
 from typing import Any, ClassVar, Dict, List
 
-from support.browser import Browser, Page, find
+from support.browser import NeedsBrowser, Page
 
 from helpers.replayed import Look, ReplayedCompetition
 from roah_rsbb.journal.reader import JournalReader
@@ -55,17 +54,17 @@ def _fail(text: str) -> None:
     raise AssertionError(text)
 
 
-class TestReplayPage(unittest.TestCase):
-    browser: ClassVar[Browser]
+class TestReplayPage(NeedsBrowser):
+    PAGES = "the page of a replay"
     folder: ClassVar[pathlib.Path]
     competition: ClassVar[ReplayedCompetition]
     pages: ClassVar[List[pathlib.Path]]
 
     @classmethod
     def setUpClass(cls) -> None:
-        program = find()
-        if program is None:
-            raise unittest.SkipTest("no Chromium: on Debian apt-get install chromium")
+        super().setUpClass()
+        if cls.browser is None:
+            return
         temporary = tempfile.TemporaryDirectory()
         cls.addClassCleanup(temporary.cleanup)
         cls.folder = pathlib.Path(temporary.name)
@@ -77,8 +76,6 @@ class TestReplayPage(unittest.TestCase):
                 path = cls.folder / replay_name(number, record)
                 path.write_text(replay_of(reader, run_result(reader, number, record, _fail), parts, True, _fail))
                 cls.pages.append(path)
-        cls.browser = Browser(program)
-        cls.addClassCleanup(cls.browser.close)
 
     def open(self, number: int, screen: str, dark: bool = False) -> Page:
         page = self.browser.page(self.pages[number].as_uri(), *SCREENS[screen])

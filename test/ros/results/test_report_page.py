@@ -7,10 +7,9 @@ import pathlib
 import subprocess
 import sys
 import tempfile
-import unittest
 from typing import ClassVar
 
-from support.browser import Browser, find
+from support.browser import NeedsBrowser
 
 from helpers.replayed import ReplayedCompetition
 
@@ -32,23 +31,21 @@ FIRST_COLUMN = "[...document.querySelectorAll('table.sorted tbody tr')].map(row 
 CLICK = "document.querySelectorAll('table.sorted th')[{}].click()"
 
 
-class TestReportPages(unittest.TestCase):
-    browser: ClassVar[Browser]
+class TestReportPages(NeedsBrowser):
+    PAGES = "the pages of a report"
     folder: ClassVar[pathlib.Path]
 
     @classmethod
     def setUpClass(cls) -> None:
-        program = find()
-        if program is None:
-            raise unittest.SkipTest("no Chromium: on Debian apt-get install chromium")
+        super().setUpClass()
+        if cls.browser is None:
+            return
         temporary = tempfile.TemporaryDirectory()
         cls.addClassCleanup(temporary.cleanup)
         cls.folder = pathlib.Path(temporary.name)
         journal = ReplayedCompetition(cls.folder / "log").play()
         subprocess.run([sys.executable, str(PROJECT / "scripts" / "results"), "--journal", journal, "--utc", "report",
                         "--html", str(cls.folder / "report")], check=True, stdout=subprocess.DEVNULL)
-        cls.browser = Browser(program)
-        cls.addClassCleanup(cls.browser.close)
 
     def test_pages_at_both_widths(self) -> None:
         for name, plots in PLOTS.items():

@@ -11,9 +11,11 @@ import json
 import pathlib
 import shutil
 import subprocess
+import sys
 import tempfile
 import threading
-from typing import Any, Dict, List, Optional, Tuple
+import unittest
+from typing import Any, ClassVar, Dict, List, Optional, Tuple
 
 from tornado import websocket
 
@@ -197,3 +199,27 @@ class Page:
         """Save what is shown as a PNG file."""
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(base64.b64decode(self.command("Page.captureScreenshot", format="png")["data"]))
+
+
+class NeedsBrowser(unittest.TestCase):
+    """Test cases with a browser. Without one they are skipped, and say so loudly."""
+
+    PAGES = ""  # which pages they test
+    browser: ClassVar[Optional[Browser]] = None
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        super().setUpClass()
+        program = find()
+        if program is None:
+            print("\n" + "!" * 100 + f"\n!!! NOT TESTED: {cls.PAGES}. There is no Chromium here ("
+                  + ", ".join(NAMES) + ").\n!!! On Debian: apt-get install chromium\n" + "!" * 100,
+                  file=sys.stderr, flush=True)
+        else:
+            cls.browser = Browser(program)
+            cls.addClassCleanup(cls.browser.close)
+
+    def setUp(self) -> None:
+        if self.browser is None:
+            self.skipTest("no Chromium: on Debian apt-get install chromium")
+        super().setUp()

@@ -6,13 +6,12 @@ Screenshots are left in build/screenshots.
 import os
 import pathlib
 import signal
-import sys
 import time
-from typing import ClassVar, Optional
+from typing import Optional
 
 from support import tablet_nodes
 from support.box_case import LISTENER, BoxCase
-from support.browser import NAMES, Browser, Page, find
+from support.browser import NeedsBrowser, Page
 from support.connections import process_of
 from support.waiting import wait_until
 
@@ -37,30 +36,10 @@ SAID = "document.getElementById('said').textContent"
 ALARM = "(document.getElementById('alarm').hidden ? '' : document.getElementById('alarm').textContent)"
 
 
-class BrowserCase(BoxCase):
+class BrowserCase(NeedsBrowser, BoxCase):
     """A test case with a browser."""
 
-    browser: ClassVar[Optional[Browser]] = None
-
-    @classmethod
-    def setUpClass(cls) -> None:
-        program = find()
-        if program is None:
-            print("\n" + "!" * 100 + "\n!!! THE TABLET'S PAGE WAS NOT TESTED: there is no Chromium here ("
-                  + ", ".join(NAMES) + ").\n!!! On Debian: apt-get install chromium\n" + "!" * 100,
-                  file=sys.stderr, flush=True)
-        else:
-            cls.browser = Browser(program)
-
-    @classmethod
-    def tearDownClass(cls) -> None:
-        if cls.browser is not None:
-            cls.browser.close()
-
-    def setUp(self) -> None:
-        if self.browser is None:
-            self.skipTest("no Chromium: on Debian apt-get install chromium")
-        super().setUp()
+    PAGES = "the tablet's page"
 
     def open(self, screen: str, url: Optional[str] = None) -> Page:
         """The page, on a screen."""

@@ -7,14 +7,13 @@ import json
 import os
 import pathlib
 import signal
-import sys
 import unittest
 import urllib.request
-from typing import Any, ClassVar, Dict, List, Optional
+from typing import Any, Dict, List
 from unittest import mock
 
 from support.box_case import BoxCase
-from support.browser import NAMES, Browser, Page, find
+from support.browser import NeedsBrowser, Page
 from support.connections import kill, process_of
 from support.robots import RSBB_PORT
 from support.waiting import wait_until
@@ -86,30 +85,10 @@ class TestWithoutTornado(unittest.TestCase):
         loop.return_value.run.assert_called_once_with()
 
 
-class TestPages(BoxCase):
+class TestPages(NeedsBrowser, BoxCase):
     """The pages in a browser."""
 
-    browser: ClassVar[Optional[Browser]] = None
-
-    @classmethod
-    def setUpClass(cls) -> None:
-        program = find()
-        if program is None:
-            print("\n" + "!" * 100 + "\n!!! THE WEB PAGES WERE NOT TESTED: there is no Chromium here ("
-                  + ", ".join(NAMES) + ").\n!!! On Debian: apt-get install chromium\n" + "!" * 100,
-                  file=sys.stderr, flush=True)
-        else:
-            cls.browser = Browser(program)
-
-    @classmethod
-    def tearDownClass(cls) -> None:
-        if cls.browser is not None:
-            cls.browser.close()
-
-    def setUp(self) -> None:
-        if self.browser is None:
-            self.skipTest("no Chromium: on Debian apt-get install chromium")
-        super().setUp()
+    PAGES = "the pages of the gateway"
 
     def open(self, path: str, width: int, height: int) -> Page:
         """A page of the gateway."""
