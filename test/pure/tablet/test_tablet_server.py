@@ -1,6 +1,5 @@
 """The tablet's web server on real sockets: its pages, and its protection from bad clients."""
 
-import asyncio
 import json
 import pathlib
 import socket
@@ -10,6 +9,7 @@ from types import SimpleNamespace
 import pytest
 from tornado import httpclient, websocket
 
+from helpers.http_clients import HOST, HttpClients
 from roah_rsbb.tablet import server as server_module
 from roah_rsbb.tablet import state as state_module
 from roah_rsbb.tablet.maps import Map
@@ -18,12 +18,11 @@ from roah_rsbb.tablet.server import MAX_MESSAGES_A_SECOND, MAX_PAGES, TabletServ
 from roah_rsbb.tablet.state import NEVER, BoxPart, TabletState
 from roah_rsbb.web import serving
 
-HOST = "127.0.0.1"
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "tablet")
 PLAN = Map(b"\x89PNG image", 200, 100, 0.05, (0.0, 0.0, 0.0), False)
 
 
-class Served:
+class Served(HttpClients):
     """A server, its tablet, and clients of it."""
 
     def __init__(self, running, plan=PLAN):
@@ -41,10 +40,6 @@ class Served:
     def hears_box(self):
         self.state.on_box(self.running.loop.time(), BoxPart(False, NEVER, NEVER))
 
-    def get(self, path, **how):
-        client = httpclient.AsyncHTTPClient(force_instance=True)
-        return self.running.do(client.fetch(f"http://{HOST}:{self.port}{path}", raise_error=False, **how))
-
     def page(self, origin=None):
         request = httpclient.HTTPRequest(
             f"ws://{HOST}:{self.port}/pages", headers={"Origin": origin or f"http://{HOST}:{self.port}"})
@@ -53,19 +48,6 @@ class Served:
     def read(self, page):
         text = self.running.do(page.read_message())
         return text if text is None else json.loads(text)
-
-    def raw(self, data):
-        """What the server answers to these bytes, until it closes the connection."""
-        async def ask():
-            reader, writer = await asyncio.open_connection(HOST, self.port)
-            writer.write(data)
-            try:
-                return await reader.read()
-            except ConnectionError:
-                return b""
-            finally:
-                writer.close()
-        return self.running.do(ask())
 
 
 @pytest.fixture

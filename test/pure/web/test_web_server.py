@@ -1,6 +1,5 @@
 """The gateway's web server on real loopback sockets: pages, data, live data, and its defences."""
 
-import asyncio
 import json
 import pathlib
 import socket
@@ -8,6 +7,7 @@ import socket
 import pytest
 from tornado import httpclient, websocket
 
+from helpers.http_clients import HOST, HttpClients
 from helpers.public_messages import NOW, board, details, event, result, run
 from roah_rsbb.web import server as server_module
 from roah_rsbb.web import serving
@@ -15,12 +15,11 @@ from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
 
-HOST = "127.0.0.1"
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
 NAMES = frozenset({"localhost", "box.local"})
 
 
-class Served:
+class Served(HttpClients):
     """A server, its store, and clients of it."""
 
     def __init__(self, running):
@@ -36,10 +35,6 @@ class Served:
         runs = [run(zone=f"Zone {n}", left=90.0 + 10 * self.steps, counting=False) for n in range(size)]
         self.store.on_details(self.running.loop.time(), details(runs, [event()], NOW + self.steps))
         self.server.publish()
-
-    def get(self, path, **how):
-        client = httpclient.AsyncHTTPClient(force_instance=True)
-        return self.running.do(client.fetch(f"http://{HOST}:{self.port}{path}", raise_error=False, **how))
 
     def viewer(self, query="", **headers):
         request = httpclient.HTTPRequest(f"ws://{HOST}:{self.port}/api/v1/events{query}", headers=headers)
@@ -61,19 +56,6 @@ class Served:
         reader.sendall(f"GET /api/v1/events HTTP/1.1\r\nHost: {HOST}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
                        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n".encode())
         return reader
-
-    def raw(self, data):
-        """What the server answers to these bytes, until it closes the connection."""
-        async def ask():
-            reader, writer = await asyncio.open_connection(HOST, self.port)
-            writer.write(data)
-            try:
-                return await reader.read()
-            except ConnectionError:
-                return b""
-            finally:
-                writer.close()
-        return self.running.do(ask())
 
 
 @pytest.fixture

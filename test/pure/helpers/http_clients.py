@@ -1,0 +1,28 @@
+"""Clients of an HTTP server on a real loopback socket."""
+
+import asyncio
+
+from tornado import httpclient
+
+HOST = "127.0.0.1"
+
+
+class HttpClients:
+    """For a class that has the loop, `running`, and the server's `port`."""
+
+    def get(self, path, **how):
+        client = httpclient.AsyncHTTPClient(force_instance=True)
+        return self.running.do(client.fetch(f"http://{HOST}:{self.port}{path}", raise_error=False, **how))
+
+    def raw(self, data):
+        """What the server answers to these bytes, until it closes the connection."""
+        async def ask():
+            reader, writer = await asyncio.open_connection(HOST, self.port)
+            writer.write(data)
+            try:
+                return await reader.read()
+            except ConnectionError:
+                return b""
+            finally:
+                writer.close()
+        return self.running.do(ask())
