@@ -10,10 +10,12 @@ import os
 import socket
 import sys
 import uuid
+import xmlrpc.client
+from http.client import HTTPConnection, HTTPException
 from typing import Any, Callable, List, Optional
+from xml.parsers.expat import ExpatError
 
 import rosgraph
-import rosgraph.network
 import rospy
 
 from roah_rsbb.arguments import Parser, number
@@ -50,7 +52,7 @@ PERIOD_S = 0.1  # of the panels' messages, as in the core
 PUBLIC_EVERY = 5
 CORE_EVERY = 20  # ticks between two looks for a core
 FASTEST = 64.0
-CONNECT_S = 0.5
+ANSWER_S = 0.5
 LONGEST_TICK_S = 2 * PERIOD_S
 # The replay begins when somebody listens to one of these: a panel, a terminal or a public display.
 BEGINS_WITH = (CoreDetails, PublicDetails)
@@ -75,18 +77,30 @@ def live_core() -> Optional[str]:
     """Return the node that publishes the core's topics, other than this one; None: there is none. Raises OSError."""
     master = rosgraph.Master(f"/{NAME}")
     nodes = (node for topic, nodes in master.getSystemState()[0] if topic == GUI_TOPIC for node in nodes)
-    return next((node for node in nodes if node != f"/{NAME}" and _answers(master, node)), None)
+    return next((node for node in nodes if node != f"/{NAME}" and _publishes(master, node)), None)
 
 
-def _answers(master: rosgraph.Master, node: str) -> bool:
-    """Whether a node runs: the master also lists nodes that have crashed."""
+class _Impatient(xmlrpc.client.Transport):
+    """Calls of `ANSWER_S` at most."""
+
+    def make_connection(self, host: Any) -> HTTPConnection:
+        connection = super().make_connection(host)
+        connection.timeout = ANSWER_S
+        return connection
+
+
+def _publishes(master: rosgraph.Master, node: str) -> bool:
+    """Whether a node publishes the core's topics. The master also lists nodes that have crashed, and by now, another
+    process may have the port of such a node, even this one."""
     try:
-        host, port = rosgraph.network.parse_http_host_and_port(master.lookupNode(node))
-        with socket.create_connection((host, port), CONNECT_S):
-            return True
+        uri = master.lookupNode(node)
+        if uri == rospy.get_node_uri():
+            return False
+        topics = xmlrpc.client.ServerProxy(uri, _Impatient()).getPublications(f"/{NAME}")[2]
+        return GUI_TOPIC in [topic for topic, _ in topics]
     except socket.timeout:
         return True  # it hangs, or its network does
-    except (OSError, ValueError, rosgraph.MasterException):
+    except (OSError, HTTPException, xmlrpc.client.Error, ExpatError, ValueError, TypeError, rosgraph.MasterException):
         return False
 
 

@@ -1,10 +1,15 @@
 """An earlier run is published again: as it was, marked as a replay, without commands, and never beside a core."""
 
+import contextlib
 import itertools
 import pathlib
 import tempfile
+import threading
 from typing import List
+from urllib.parse import urlsplit
+from xmlrpc.server import SimpleXMLRPCServer
 
+import rosgraph
 import rospy
 from support.box_client import Refusal
 from support.own_core import OwnCoreCase
@@ -41,7 +46,9 @@ class TestReplay(OwnCoreCase):
         self.assertEqual((refused.returncode, refused.stdout), (1, ""))
         self.assertRegex(refused.stderr, "replay: the core /roah_rsbb_core.* is running: .*End the core first")
 
+        port = urlsplit(rosgraph.Master("/test").lookupNode(refused.stderr.split()[3])).port
         self.core.kill()  # the master still lists it
+        self._occupy(port)
         self.box.public = None
         heard: List[CoreDetails] = []
         followed = rospy.Subscriber("/core/details", CoreDetails, heard.append)
@@ -67,6 +74,14 @@ class TestReplay(OwnCoreCase):
         self.start_core(log_dir)
         self.assertEqual(replay.wait_ended(), 1)
         self.assertIn("is running: a replay beside it would mix", replay.text)
+
+    def _occupy(self, port: int) -> None:
+        """Another program gets the port of the core."""
+        with contextlib.suppress(OSError):  # another program has got it already
+            server = SimpleXMLRPCServer(("", port), logRequests=False)
+            self.addCleanup(server.server_close)
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            self.addCleanup(server.shutdown)
 
     def let_pass(self) -> None:
         """Let a second pass by the core's clock."""
