@@ -78,11 +78,8 @@ class _Noting(DummyRobot):
 class Robot:
     """A robot on a host; it begins at once."""
 
-    def __init__(
-        self, station: Station, team: str, execute_s: float, seed: int, name: str = ROBOT,
-        speaks: Callable[[], bool] = lambda: True,
-    ) -> None:
-        """`execute_s`: seconds for each goal. `speaks`: whether it sends and hears now."""
+    def __init__(self, station: Station, team: str, execute_s: float, seed: int, name: str = ROBOT) -> None:
+        """`execute_s`: seconds for each goal."""
         self.station, self.team, self.name = station, team, name
         self.address = station.address
         self.moments: List[Moment] = []
@@ -90,7 +87,6 @@ class Robot:
         self.clock_s: Optional[float] = None  # what its clock shows instead of the time
         self.held = False  # it completes no goal
         self._options = DummyOptions(PREPARE_S, execute_s, seed=seed)
-        self._speaks = speaks
         self._running: Any = None
         self.begin()
 
@@ -112,7 +108,6 @@ class Robot:
         behaviour.on_report = self.troubles.append
         await RobotClient(
             self.team, password_of(self.team), behaviour, self.name, BROADCAST, RSBB_PORT, clock=self._clock,
-            passes=self._speaks,
         ).run()
 
     def _clock(self) -> float:
@@ -198,10 +193,8 @@ class Stranger:
 class Impostor:
     """Knows a team's password, and sends false messages to the box on the robot's private channel."""
 
-    def __init__(self, station: Station, team: str, port: int, box: str, speaks: Callable[[], bool]) -> None:
-        """`speaks`: whether it sends now."""
+    def __init__(self, station: Station, team: str, port: int, box: str) -> None:
         self._host = station.host
-        self._speaks = speaks
         self._channel = PrivateChannel(
             self._host.loop, BROADCAST, port, Key(password_of(team)), lambda message, sender: None, lambda text: None)
         self._channel.remote = box
@@ -211,7 +204,7 @@ class Impostor:
         self._channel.open()
         try:
             while True:
-                for seconds in (-1, 2 ** 32, 2 ** 62, time.time()) if self._speaks() else ():
+                for seconds in (-1, 2 ** 32, 2 ** 62, time.time()):
                     self._channel.send(pb.RobotState(
                         time=wire(seconds), messages_saved=1, robot_state=int(RobotState.RESULT_TX),
                         notifications=["not what the robot says"]))

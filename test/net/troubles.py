@@ -18,8 +18,6 @@ PULLED_S = 3.0
 OFF_S = 1.0
 WILD_S = 1.0
 WILD_TIMES = (-1, 2 ** 32, -2 ** 62, 2 ** 62)
-# From a cable to the box, and how long a robot counts as heard.
-WAY_S, HEARD_S = 0.1, 1.4
 # The port of no run.
 NO_PORT = 9999
 LIMIT_S = 60.0
@@ -84,17 +82,18 @@ def wild_clock(the_round, code: str) -> None:
 def impostors(the_round, code: str) -> None:
     """A host with the password impersonates the robot, and so does a second robot of the same name."""
     robot, cable = _executing(the_round, code)
-
-    def is_heard() -> bool:
-        # Whoever has the password speaks for a robot that is silent for two and a half seconds (core, link). If this
-        # process stops for that long, the robot's next message comes first.
-        return cable.how.longest_s + WAY_S < time.monotonic() - cable.out.passed_mono < HEARD_S
-
+    port = the_round.box.last_details(code).port
     with contextlib.ExitStack() as leaving:
-        port = the_round.box.last_details(code).port
-        leaving.callback(Impostor(the_round.impostor, robot.team, port, the_round.lan.box, is_heard).close)
-        leaving.callback(Robot(the_round.twin, robot.team, 1.0, 1, speaks=is_heard).end)
+        # Whoever has the password speaks for a robot that is silent for two and a half seconds (core, link). However
+        # long the machine stops, the box hears the robot first.
+        cables = [the_round.lan.wire(station.number) for station in (the_round.impostor, the_round.twin)]
+        for each in cables:
+            leaving.enter_context(each.follows(cable, port))
+        leaving.callback(Impostor(the_round.impostor, robot.team, port, the_round.lan.box).close)
+        leaving.callback(Robot(the_round.twin, robot.team, 1.0, 1).end)
+        before = [each.out.passed for each in cables]
         the_round.wait_ended(code)
+        assert all(each.out.passed > count for each, count in zip(cables, before)), "both spoke to the box"
 
 
 def second_robot(the_round, code: str) -> None:

@@ -6,13 +6,13 @@ through such a device is read from its file, and what is written to the file has
 """
 
 import asyncio
+import collections
 import contextlib
 import fcntl
 import os
 import random
 import struct
-import time
-from typing import NamedTuple
+from typing import Deque, Iterator, NamedTuple, Optional, Tuple
 
 # linux/if_tun.h
 _TUNSETIFF = 0x400454CA
@@ -20,6 +20,7 @@ _IFF_TAP, _IFF_NO_PI = 0x0002, 0x1000
 _MAX_FRAME = 65536
 _IPV4 = b"\x08\x00"
 _READS = 50  # at most, before others have their turn
+_HELD = 8  # datagrams that wait for another host's: the newest
 
 
 class Impairment(NamedTuple):
@@ -60,7 +61,8 @@ class _Direction:
         self._wire, self._source, self._target = wire, source, target
         self._fates = random.Random(seed)
         self.passed = self.lost = self.doubled = 0
-        self.passed_mono = float("-inf")  # when the last one passed
+        self._held: Optional[Deque[bytes]] = None
+        self._followers: Tuple[Tuple[int, _Direction], ...] = ()  # each with a port
 
     def read(self) -> None:
         """Take the datagrams that the source sent."""
@@ -74,13 +76,15 @@ class _Direction:
             if how is not GONE:
                 self._deliver(frame)
             return
+        if self._held is not None:
+            self._held.append(frame)
+            return
         # The same number of draws for each datagram, so that each one's fate is its own.
         lost, doubled, overtakes, late, later = (self._fates.random() for _ in range(5))
         if lost < how.loss:
             self.lost += 1
             return
         self.passed += 1
-        self.passed_mono = time.monotonic()
         self._later(frame, 0.0 if overtakes < how.reorder else how.delay_s + how.jitter_s * (2 * late - 1))
         if doubled < how.duplicate:
             self.doubled += 1
@@ -96,6 +100,31 @@ class _Direction:
         # A device that is down takes nothing, and that is what it is for.
         with contextlib.suppress(OSError):
             os.write(self._target, frame)
+        for port, follower in self._followers:
+            if _port(frame) == port:
+                follower.release()
+
+    def lead(self, port: int, follower: "_Direction") -> None:
+        """After each datagram to `port`, release what `follower` holds."""
+        follower._held = collections.deque(maxlen=_HELD)
+        self._followers += ((port, follower),)
+
+    def lead_no_more(self, follower: "_Direction") -> None:
+        """Let `follower` deliver at once again."""
+        self._followers = tuple(each for each in self._followers if each[1] is not follower)
+        follower._held = None
+
+    def release(self) -> None:
+        """Deliver what is held."""
+        while self._held:
+            self.passed += 1
+            self._deliver(self._held.popleft())
+
+
+def _port(frame: bytes) -> int:
+    """The UDP port that an IPv4 frame is for."""
+    begin = 14 + 4 * (frame[14] & 0x0F) + 2
+    return int.from_bytes(frame[begin:begin + 2], "big")
 
 
 class Wire:
@@ -112,6 +141,15 @@ class Wire:
         """Begin to carry."""
         for file, direction in self._ends:
             asyncio.get_event_loop().add_reader(file, direction.read)
+
+    @contextlib.contextmanager
+    def follows(self, other: "Wire", port: int) -> Iterator[None]:
+        """Meanwhile, what this host sends arrives only right after a datagram from the other host to `port`."""
+        other.out.lead(port, self.out)
+        try:
+            yield
+        finally:
+            other.out.lead_no_more(self.out)
 
     def close(self) -> None:
         """End, with both devices."""
