@@ -1,11 +1,11 @@
 """The terminal's output."""
 
 import re
-import time
 
 import pytest
 
 from helpers.referee_box import EVENTS, ITEMS, UTC0, box, robot, running_zone, zone
+from helpers.time_zones import local_time
 from roah_rsbb.referee import view
 from roah_rsbb.referee.changes import Change, changes
 from roah_rsbb.referee.state import AllRobotsSnapshot, ManualOperation, ModuleScoreLine, SheetItem, SwitchesSnapshot
@@ -69,10 +69,8 @@ def test_a_pause_comes_before_the_times():
     assert "Home A: RUNNING\n    PAUSED: place the \\x1b mug\n    Run: time left 8:33" in _status(paused)
 
 
-def test_times_are_local_unless_utc_is_asked_for(monkeypatch):
-    monkeypatch.setenv("TZ", "Brest-02:30")
-    time.tzset()
-    try:
+def test_times_are_local_unless_utc_is_asked_for():
+    with local_time("Brest-02:30"):
         old, new = box(running_zone()), box(running_zone(log="16:26:38Z PREPARE: x\n", online_data="23:59:59Z y\n"))
         local = view.Style()
         assert view.status(new, local)[0] == "RSBB at 127.255.255.255:6666, 18:56:40 Brest: OK"
@@ -82,9 +80,6 @@ def test_times_are_local_unless_utc_is_asked_for(monkeypatch):
         assert shown == ["18:56:38 Home A: PREPARE: x", "02:29:59 Home A: online data: y"]
         assert view.change_line(Change(UTC0, "core", "", {"what": "back"}), local) == "18:56:40 core is back"
         assert view.schedule_lines([_event(1)], local)[1].startswith("Home A  1    2015-11-08 18:56  ~19:08  +12 min")
-    finally:
-        monkeypatch.undo()
-        time.tzset()
 
 
 def test_what_the_referee_has_to_do():

@@ -7,6 +7,7 @@ import pytest
 
 from helpers.journals import UTC0, Writer
 from helpers.results_of import EVIL, full_record, task_record, write_full_run
+from helpers.time_zones import local_time
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.scoring.records import PhaseTime
 from roah_rsbb.journal.reader import JournalReader
@@ -18,14 +19,10 @@ from roah_rsbb.wording import texts, times
 
 
 @pytest.fixture
-def lisbon(monkeypatch):
+def lisbon():
     """Local time in November is UTC + 1 h in Madrid."""
-    monkeypatch.setenv("TZ", "Europe/Madrid")
-    import time
-    time.tzset()
-    yield
-    monkeypatch.undo()
-    time.tzset()
+    with local_time("Europe/Madrid"):
+        yield
 
 
 def read(writer, place=0):

@@ -1,15 +1,13 @@
 """The documents of the gateway, and what each reader is sent. Without sockets and without time."""
 
 import json
-import os
 import pathlib
-import time
-from unittest import mock
 
 import pytest
 
 from helpers import catalogues
 from helpers.public_messages import NOW, board, details, event, result, run, standing
+from helpers.time_zones import local_time
 from roah_rsbb.web.documents import DATA, TEXTS
 from roah_rsbb.web.store import SILENT_S, Store
 from roah_rsbb.web.viewer import Viewer
@@ -21,10 +19,8 @@ MONO = 50.0
 
 @pytest.fixture(autouse=True)
 def _utc():
-    with mock.patch.dict(os.environ, {"TZ": "UTC"}):
-        time.tzset()
+    with local_time("UTC"):
         yield
-    time.tzset()
 
 
 @pytest.fixture

@@ -1,12 +1,10 @@
 """The texts of the public display."""
 
-import os
-import time
 from types import SimpleNamespace
-from unittest import mock
 
 import pytest
 
+from helpers.time_zones import local_time
 from roah_rsbb.wording import public as public_content
 
 NOW = 1_800_000_000.0  # 2027-01-15 08:00:00 UTC
@@ -19,10 +17,8 @@ class _Time(float):
 
 @pytest.fixture(autouse=True)
 def _utc():
-    with mock.patch.dict(os.environ, {"TZ": "UTC"}):
-        time.tzset()
+    with local_time("UTC"):
         yield
-    time.tzset()
 
 
 def _event(zone="Home", team="Alpha", after_s=600.0):
@@ -101,8 +97,7 @@ def test_all_teams():
 def test_times_are_local_and_name_another_day():
     lines = [_event(), _event(after_s=86400.0)]
     assert [line.time for line in _content((), lines).following] == ["08:10", "Sat 08:00"]
-    with mock.patch.dict(os.environ, {"TZ": "UTC-3"}):
-        time.tzset()
+    with local_time("UTC-3"):
         content = _content((), lines)
     assert [line.time for line in content.following] == ["11:10", "Sat 11:00"]
     assert (content.date, content.clock) == ("Friday, 15 January 2027", "11:00:00")

@@ -1,10 +1,10 @@
 """The schedule in words: states, delays, filters, and what is missing."""
 
-import time
 import types
 
 import pytest
 
+from helpers.time_zones import local_time
 from roah_rsbb.wording import schedule
 from roah_rsbb.wording.schedule import Event, EventFilter, Show
 
@@ -41,12 +41,9 @@ UNSIGNED = line(state="done", identity="r2", end_reason="timeout")
 
 
 @pytest.fixture
-def madrid(monkeypatch):
-    monkeypatch.setenv("TZ", "Europe/Madrid")
-    time.tzset()
-    yield
-    monkeypatch.undo()
-    time.tzset()
+def madrid():
+    with local_time("Europe/Madrid"):
+        yield
 
 
 def test_events_are_numbered_in_their_zones():

@@ -1,9 +1,9 @@
 """The wording of times, durations and skews."""
 
-import time
 
 import pytest
 
+from helpers.time_zones import local_time
 from roah_rsbb.wording import times
 
 NOON = 1446379200.0  # 2015-11-01 12:00:00 UTC
@@ -59,13 +59,10 @@ def test_zero_on_the_ros_interface_means_never():
 
 
 @pytest.fixture
-def in_lisbon_summer(monkeypatch):
+def in_lisbon_summer():
     """A local time one hour ahead of UTC."""
-    monkeypatch.setenv("TZ", "WEST-1")
-    time.tzset()
-    yield
-    monkeypatch.undo()
-    time.tzset()
+    with local_time("WEST-1"):
+        yield
 
 
 def test_panels_show_local_time_or_utc_and_say_which(in_lisbon_summer):

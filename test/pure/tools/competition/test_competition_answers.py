@@ -2,11 +2,11 @@
 
 import datetime
 import functools
-import time
 
 import pytest
 
 from helpers.config_files import SHIPPED
+from helpers.time_zones import local_time
 from roah_rsbb.rulebook.errors import Place, Report
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.tools.competition import answers, plan
@@ -166,18 +166,13 @@ def test_time_zones(zone, hour):
     assert clock.local(moment).time() == datetime.time(9)
 
 
-def test_the_local_time_zone_has_summers(monkeypatch):
-    monkeypatch.setenv("TZ", "CET-1CEST,M3.5.0,M10.5.0/3")
-    time.tzset()
-    try:
+def test_the_local_time_zone_has_summers():
+    with local_time("CET-1CEST,M3.5.0,M10.5.0/3"):
         clock = read(plan.read_clock, "local")
         for month, hour in ((1, 8), (7, 7)):
             moment = clock.utc(datetime.date(2026, month, 10), datetime.time(9))
             assert moment.hour == hour
             assert clock.local(moment).hour == 9
-    finally:
-        monkeypatch.undo()
-        time.tzset()
 
 
 def test_wrong_time_zones():
