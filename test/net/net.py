@@ -20,7 +20,7 @@ FOLDER = pathlib.Path(__file__).resolve().parents[2] / "build" / "net"
 BOX, FLOODER, TABLET, STRANGER, TWIN, IMPOSTOR, OTHER_BOX = 1, 2, 3, 4, 5, 6, 7
 FIRST_ROBOT = 11
 ROUNDS = 40
-LIMIT_S = 180.0
+LIMIT_S = 300.0
 
 Trouble = Callable[["Round", str], None]
 

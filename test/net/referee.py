@@ -14,7 +14,7 @@ from roah_rsbb.msg import ZoneDetails
 from roah_rsbb.srv import ManualOperationAnswer, Zone, ZoneUInt8
 
 # Seconds, on a machine that does much else, with an outage in between.
-LIMIT_S = 120.0
+LIMIT_S = 240.0
 # HOMF: what the referee enters for each goal: switches, and how many are damaged.
 SWITCHES = (((2, 3), 0), ((1, 2), 1))
 
