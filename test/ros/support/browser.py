@@ -169,6 +169,14 @@ class Page:
                f"const end = performance.now() + {LIMIT_S * 1000 / 2}; look(); }})"
         assert self.get(poll), f"not so: {what}; the page says:\n{self.get('document.body.innerText')}"
 
+    def note(self, condition: str) -> str:
+        """Note from now on whether a JavaScript expression becomes true, for however short a time. Returns the
+        expression that says so."""
+        self.get(f"window.noted = {condition}; "
+                 f"new MutationObserver(() => {{ window.noted = window.noted || {condition}; }}).observe("
+                 "document.body, {subtree: true, childList: true, characterData: true, attributes: true})")
+        return "window.noted"
+
     def box(self, selector: str) -> Tuple[float, float, float, float]:
         """Left, top, width and height of an element, in CSS pixels."""
         return tuple(self.get(

@@ -162,6 +162,7 @@ class TestPages(NeedsBrowser, BoxCase):
 
     def a_silent_gateway_is_reported(self, page: Page) -> None:
         """The gateway is killed. The page says so, and continues by itself."""
+        was_silent = page.note(f"{TEXT}.includes('No signal since')")
         kill(GATEWAY)
-        page.wait(f"{TEXT}.includes('No signal since')", "the page says that the gateway is silent")
+        page.wait(was_silent, "the page says that the gateway is silent")
         page.wait(f"!{TEXT}.includes('No signal since') && {BIG}.startsWith('▶ ')", "the page works again")
