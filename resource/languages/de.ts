@@ -126,6 +126,106 @@
         <translation>{phase}: überzogen um</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Referee</source>
+        <translation>Schiedsrichter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Judge</source>
+        <translation>Jurymitglied</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Organiser</source>
+        <translation>Veranstalter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Too many wrong codes: wait a minute, then ask for a new code</source>
+        <translation>Zu viele falsche Codes: warten Sie eine Minute und lassen Sie sich dann einen neuen geben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This code is wrong, was used, or is older than two minutes: ask for a new one</source>
+        <translation>Dieser Code ist falsch, verbraucht oder älter als zwei Minuten: lassen Sie sich einen neuen geben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Too many devices are paired: end some pairings first</source>
+        <translation>Zu viele Geräte sind gekoppelt: beenden Sie erst einige Kopplungen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Type your name: it is recorded with everything that you enter</source>
+        <translation>Geben Sie Ihren Namen ein: er wird mit allem aufgezeichnet, was Sie eingeben</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>The pairing cannot be saved ({error}): free or repair the disk of log_dir</source>
+        <translation>Die Kopplung kann nicht gespeichert werden ({error}): schaffen Sie Platz auf dem Datenträger von log_dir oder reparieren Sie ihn</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{role} in {zone}</source>
+        <translation>{role} in {zone}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{role}, all zones</source>
+        <translation>{role}, alle Zonen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Pair this device</source>
+        <translation>Dieses Gerät koppeln</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>A code comes from the referee&apos;s panel (Benchmark Control, ⋯, Pair a phone), or from &apos;rosrun roah_rsbb referee pair&apos; in a terminal. It is valid for two minutes, for one device.</source>
+        <translation>Einen Code zeigt das Fenster der Schiedsrichter (Benchmark-Steuerung, ⋯, Telefon koppeln) oder &apos;rosrun roah_rsbb referee pair&apos; in einem Terminal. Er gilt zwei Minuten lang für ein Gerät.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Code</source>
+        <translation>Code</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Your name</source>
+        <translation>Ihr Name</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This device</source>
+        <translation>Dieses Gerät</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Pair</source>
+        <translation>Koppeln</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Paired: {role}</source>
+        <translation>Gekoppelt: {role}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>End the pairing of this device</source>
+        <translation>Kopplung dieses Geräts beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This connection is not encrypted: whoever can listen in this network can read and use it. Use a network of the referees only.</source>
+        <translation>Diese Verbindung ist nicht verschlüsselt: wer in diesem Netz mithören kann, kann sie lesen und benutzen. Verwenden Sie ein Netz nur für Schiedsrichter.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No answer from the box: check the network, and try again</source>
+        <translation>Keine Antwort von der Box: prüfen Sie das Netz und versuchen Sie es noch einmal</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/wording/module_scores.py"/>
         <source>Whole run</source>
         <translation>Ganzer Lauf</translation>
@@ -1909,8 +2009,18 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Choose a robot, score without a robot, no-show</source>
-        <translation>Roboter wählen, ohne Roboter werten, nicht angetreten</translation>
+        <source>Choose a robot, score without a robot, no-show, pair a phone</source>
+        <translation>Roboter wählen, ohne Roboter werten, nicht angetreten, Telefon koppeln</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Pair a phone …</source>
+        <translation>Telefon koppeln …</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
+        <source>Let a phone or tablet act as a referee; list and end pairings</source>
+        <translation>Ein Telefon oder Tablet für Schiedsrichter freigeben; Kopplungen zeigen und beenden</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
@@ -2562,6 +2672,71 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>Tasten</translation>
     </message>
     <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>Pair a phone or tablet</source>
+        <translation>Telefon oder Tablet koppeln</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>New code</source>
+        <translation>Neuer Code</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>Person</source>
+        <translation>Person</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>May act as</source>
+        <translation>Darf handeln als</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>Device</source>
+        <translation>Gerät</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>Last seen</source>
+        <translation>Zuletzt gesehen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>Scan the code with the device, or open {page} and type it. It is for one device.</source>
+        <translation>Scannen Sie den Code mit dem Gerät, oder öffnen Sie {page} und geben Sie ihn ein. Er gilt für ein Gerät.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>Open {page} on the device and type the code. It is for one device. For a QR code: {install}</source>
+        <translation>Öffnen Sie {page} auf dem Gerät und geben Sie den Code ein. Er gilt für ein Gerät. Für einen QR-Code: {install}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>Valid for {time}</source>
+        <translation>Noch {time} gültig</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>The code is too old: press New code</source>
+        <translation>Der Code ist zu alt: drücken Sie Neuer Code</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>End pairing</source>
+        <translation>Kopplung beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>End this pairing at once</source>
+        <translation>Diese Kopplung sofort beenden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/rqt/widgets/pair_dialog.py"/>
+        <source>End the pairing of {person}</source>
+        <translation>Kopplung von {person} beenden</translation>
+    </message>
+    <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/reload_dialog.py"/>
         <source>Reload configuration</source>
         <translation>Konfiguration neu laden</translation>
@@ -2585,11 +2760,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
         <source>Yes</source>
         <translation>Ja</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
-        <source>Judge</source>
-        <translation>Jurymitglied</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>

@@ -76,6 +76,7 @@ def parser() -> argparse.ArgumentParser:
     _switches(commands)
     _run(commands)
     _reload(commands)
+    _pairing(commands)
     return top
 
 
@@ -262,6 +263,19 @@ def _reload(commands) -> None:
     one.add_argument("--check", action="store_true", help="change nothing: only list errors and changes")
     one.add_argument("--yes", action="store_true", help="apply the changes without asking")
     _by(one)
+
+
+def _pairing(commands) -> None:
+    one = _add(commands, "pair", "show a code that pairs a phone or tablet: it can then act as a referee",
+               [f"{PROG} pair 'Home A'", f"{PROG} pair 'Home A' --role judge", f"{PROG} pair --role organiser"])
+    one.add_argument("zone", metavar="ZONE", nargs="?", help="where it may act; " + _ZONE)
+    one.add_argument("--role", choices=("referee", "judge", "organiser"), default="referee",
+                     help="referee (default): everything in the zone; judge: ratings only; organiser: all zones")
+    one = _add(commands, "devices", "list the paired phones and tablets, or end pairings",
+               [f"{PROG} devices", f"{PROG} devices --revoke 1f3c9a02", f"{PROG} devices --revoke-all"])
+    which = one.add_mutually_exclusive_group()
+    which.add_argument("--revoke", metavar="ID", help="end the pairing of this device at once")
+    which.add_argument("--revoke-all", action="store_true", help="end all pairings at once")
 
 
 def _type(form: str, read: Callable[[str], T]) -> Callable[[str], T]:

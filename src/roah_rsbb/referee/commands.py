@@ -4,7 +4,7 @@ import sys
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.referee import sheets, view
+from roah_rsbb.referee import pairing, sheets, view
 from roah_rsbb.referee.answers import Operations
 from roah_rsbb.referee.changes import Follower
 from roah_rsbb.referee.exits import Exit, NoCore
@@ -323,6 +323,7 @@ COMMANDS: Dict[str, Callable[[Link, Any, Output], Exit]] = {
     "withdrawn": _command, "score": _score, "runs": _runs, "sheet": _sheet,
     "withdraw": _withdraw, "reason": _reason, "sign-off": _sign_off, "schedule": _schedule, "choose": _choose,
     "done": _done, "switches": _switches, "run": _run, "reload": _reload,
+    "pair": pairing.pair, "devices": pairing.devices,
 }
 
 

@@ -9,7 +9,7 @@ import time
 from typing import Any, Dict, List, Optional, Sequence
 
 from roah_rsbb.core.referee import Refused
-from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunClocks, RunSheet, Schedule, ScheduleEvent
+from roah_rsbb.msg import CoreDetails, CoreToGui, PairedDevice, Results, RunClocks, RunSheet, Schedule, ScheduleEvent
 from roah_rsbb.referee import ros_client
 from roah_rsbb.referee.exits import NoCore
 from roah_rsbb.referee.ros_client import Client, Late, RosError, ServiceError, Subscription
@@ -24,8 +24,12 @@ from roah_rsbb.srv import (
     GetRunSheet,
     LeaveRun,
     ManualOperationAnswer,
+    PairDevice,
+    PairDeviceResponse,
+    PairedDevices,
     Reload,
     ReloadResponse,
+    RevokeDevice,
     ScoreMark,
     ScoreWithdraw,
     SignOff,
@@ -54,6 +58,7 @@ RENEW_S = 5.0
 DETAILS_S = 10.0
 
 NO_DETAILS = f"the core publishes {GUI_TOPIC}, but {DETAILS_TOPIC} or {CLOCKS_TOPIC} does not arrive: check the network"
+NO_WEB = "the web pages' node roah_rsbb_web does not run: the launch files start it unless web is false"
 # ROS's default, for a shell in which no setup file is sourced: the Debian package needs none.
 MASTER_URI = "http://localhost:11311"
 START = "start the box with 'roslaunch roah_rsbb roah_rsbb.launch'"
@@ -302,15 +307,30 @@ class Link:
         """HOMF: confirm what was entered; raises as `command` does."""
         self._call("/core/omf_switches/complete", Zone, zone)
 
-    def _call(self, name: str, kind: type, *request: object) -> Any:
+    # -- phones and tablets ---------------------------------------------------------------------------
+
+    def pair(self, role: str, zone: str) -> PairDeviceResponse:
+        """Return a code for a device; raises as `command` does."""
+        return self._call("/web/pair", PairDevice, role, zone, why=NO_WEB)
+
+    def devices(self) -> List[PairedDevice]:
+        """Return the paired devices; raises as `command` does."""
+        return self._call("/web/sessions", PairedDevices, why=NO_WEB).devices
+
+    def revoke(self, device: str) -> int:
+        """End the pairing of a device (empty: of all); returns how many. Raises as `command` does."""
+        return self._call("/web/revoke", RevokeDevice, device, why=NO_WEB).revoked
+
+    def _call(self, name: str, kind: type, *request: object, why: str = "") -> Any:
         try:
             return self._ros.call(name, kind, *request, limit_s=ANSWER_S)
         except Late:
-            raise NoCore(f"{name} did not answer within {ANSWER_S:.0f} s: the core hangs, restart it") from None
+            remedy = why or "the core hangs, restart it"
+            raise NoCore(f"{name} did not answer within {ANSWER_S:.0f} s: {remedy}") from None
         except ServiceError as error:
             raise Refused(refusals.answered_reasons(str(error))) from None
         except RosError as error:
-            raise NoCore(f"{name} could not be called ({error}): {self._why_silent()}") from None
+            raise NoCore(f"{name} could not be called ({error}): {why or self._why_silent()}") from None
 
     def _problem(self) -> str:
         """Return why there is no core; empty: the master knows one."""

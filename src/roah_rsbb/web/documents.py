@@ -12,9 +12,10 @@ Data = Dict[str, Any]
 
 STATE, SCHEDULE, RESULTS, STANDINGS = DATA = ("state", "schedule", "results", "standings")
 # The texts of our pages, in the language of the reader.
-WORDS, PAGE_RUNS, PAGE_NEXT, PAGE_RESULTS, PAGE_STANDINGS = TEXTS = (
-    "page.words", "page.runs", "page.next", "page.results", "page.standings",
+WORDS, DEVICE_WORDS, PAGE_RUNS, PAGE_NEXT, PAGE_RESULTS, PAGE_STANDINGS = TEXTS = (
+    "page.words", "page.device_words", "page.runs", "page.next", "page.results", "page.standings",
 )
+FIXED_TEXTS = (WORDS, DEVICE_WORDS)  # these need no message of the core
 # The time at which a run ends is computed from two clocks. A smaller difference is no change.
 SAME_TIME_S = 0.05
 

@@ -1,46 +1,33 @@
 """The gateway's web server: pages, data for programs, and a WebSocket for each reader of live data (docs/web.md).
 
-Reading is open to everybody who reaches the port. Nothing that a reader sends is stored or takes much time.
+Reading is open to everybody who reaches the port. Nothing that a reader sends is stored or takes much time. Only a
+paired device may write (`writing`).
 """
 
 import asyncio
 import os
-import re
 import socket
-from typing import Any, FrozenSet, List, Optional
+import time
+from typing import Any, FrozenSet, List, Optional, Set
 
-from tornado import httputil, web, websocket
+from tornado import web
 
-from roah_rsbb.web.documents import DATA, TEXTS
-from roah_rsbb.web.limits import Places, Rates, is_own_host
+from roah_rsbb.web.documents import DATA
+from roah_rsbb.web.events import EventsHandler, Reader
+from roah_rsbb.web.guarded import Guarded
+from roah_rsbb.web.limits import Places, Rates
+from roah_rsbb.web.pairing import Codes, Session, Sessions
 from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_headers
-from roah_rsbb.web.store import Key, Store
-from roah_rsbb.web.viewer import Viewer
+from roah_rsbb.web.store import Store
+from roah_rsbb.web.writing import PairHandler, SessionHandler
 
-PAGES = ("display", "overlay")
+PAGES = ("display", "overlay", "pair")
 # How often readers get the clock. Pages report silence after three of these periods.
 BEAT_S = 1.0
 # How often the server checks whether the core is silent.
 LOOK_S = 0.25
-# A reader that has not taken a message for so long is gone, or does not read.
-STUCK_S = 20.0
-# The system would otherwise hold megabytes for a reader that does not read.
-SEND_BUFFER_BYTES = 64 * 1024
 _PING_S = 20.0
-_TOO_MANY_REQUESTS, _MISDIRECTED = 429, 421
 
-_HEADERS = {
-    "X-Content-Type-Options": "nosniff",
-    "Referrer-Policy": "no-referrer",
-    "Cross-Origin-Opener-Policy": "same-origin",
-    "Server": "roah_rsbb",
-}
-# Pages load and run nothing from other sites, have no scripts within the page, and no other site may show them in a
-# frame. The WebSocket is named because older browsers do not count it as 'self'.
-_POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; font-src 'self'; "
-    "connect-src 'self' ws://{host} wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-)
 _OPEN_TO_READ = {
     "Access-Control-Allow-Origin": "*",
     "Access-Control-Allow-Methods": "GET, HEAD, OPTIONS",
@@ -52,13 +39,21 @@ _OPEN_TO_READ = {
 class WebServer:
     """Serves the documents of a store. Call all methods in the thread of the asyncio loop."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, store: Store, folder: str, names: FrozenSet[str]) -> None:
-        """`folder`: the files of the pages; `names`: of this computer (`limits.own_names`)."""
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, store: Store, folder: str, names: FrozenSet[str],
+        sessions: Optional[Sessions] = None,
+    ) -> None:
+        """`folder`: the files of the pages; `names`: of this computer (`limits.own_names`).
+
+        `sessions`: the paired devices; None: they are forgotten at the end.
+        """
         self._loop = loop
         self.store = store
         self.names = names
         self.rates = Rates()
-        self.viewers: Places[EventsHandler] = Places(
+        self.codes = Codes()
+        self.sessions = sessions or Sessions(lambda records: None)
+        self.viewers: Places[Reader] = Places(
             lambda viewer: viewer.close(1013, "too many readers of this address"))
         self._was_heard = False
         self._beat_due_mono = float("-inf")
@@ -69,6 +64,8 @@ class WebServer:
             [
                 (rf"/api/v1/({'|'.join(DATA)})", DataHandler, shared),
                 (r"/api/v1/events", EventsHandler, shared),
+                (r"/api/v1/pair", PairHandler, shared),
+                (r"/api/v1/session", SessionHandler, shared),
                 (r"/api/v1/schemas/([a-z]+\.json)", SchemaHandler,
                  {**shared, "path": os.path.join(folder, "schemas")}),
                 (r"/assets/(.*)", FileHandler, {**shared, "path": os.path.join(folder, "assets")}),
@@ -108,6 +105,19 @@ class WebServer:
         """Return the monotonic time in seconds."""
         return self._loop.time()
 
+    @staticmethod
+    def utc() -> float:
+        """Return UTC seconds of this computer, for what outlives the process."""
+        return time.time()
+
+    def revoke(self, session_id: str) -> List[Session]:
+        """End the pairing of a device; empty: of all. Raises OSError as `Sessions.revoke` does."""
+        return self.sessions.revoke(session_id)
+
+    def connected(self) -> Set[str]:
+        """Return the ids of the sessions whose devices are connected."""
+        return {viewer.session_id for viewer in self.viewers if viewer.session_id}
+
     def keep(self, stream: Any) -> None:
         """A connection became a reader: readers have their own limit."""
         self._http.keep(stream)
@@ -122,33 +132,6 @@ class WebServer:
         self._was_heard, self._beat_due_mono = is_heard, now + BEAT_S
         for viewer in self.viewers:
             viewer.beat(now)
-
-
-class Guarded(web.RequestHandler):
-    """A handler that only answers requests for this computer, and not too many of them."""
-
-    _server: WebServer
-
-    def prepare(self) -> None:
-        """Refuse what no browser in the hall would ask."""
-        if not self._server.rates.allows(self._server.now(), self.request.remote_ip or ""):
-            raise web.HTTPError(_TOO_MANY_REQUESTS, reason="Too Many Requests")
-        if not is_own_host(self.request.host, self._server.names):
-            raise web.HTTPError(_MISDIRECTED, reason="Misdirected Request")
-
-    def set_default_headers(self) -> None:
-        set_headers(self, {**_HEADERS, "Content-Security-Policy": _POLICY.format(host=_plain_host(self.request))})
-
-    def write_error(self, status_code: int, **_kwargs: Any) -> None:
-        """Answer with a line that names the remedy; never with what happened inside."""
-        self.set_header("Content-Type", "text/plain; charset=utf-8")
-        if status_code == _TOO_MANY_REQUESTS:
-            self.set_header("Retry-After", "5")
-        self.finish({
-            _MISDIRECTED: "Open this page by the address of the box's computer, or add its name to web_names.\n",
-            _TOO_MANY_REQUESTS: "This address asks too often: try again in some seconds.\n",
-            404: "There is no such page. The address / lists all pages.\n",
-        }.get(status_code, f"{status_code} {self._reason}\n"))
 
 
 class MissingHandler(Guarded):
@@ -229,87 +212,3 @@ class DataHandler(Guarded):
     def compute_etag(self) -> Optional[str]:
         """Keep the one that is set."""
         return None
-
-
-class EventsHandler(Guarded, websocket.WebSocketHandler):
-    """The connection of a reader of live data. Pages of all sites may open it: it only sends what is public."""
-
-    def initialize(self, server: WebServer) -> None:
-        self._server = server
-        self._viewer: Optional[Viewer] = None
-        self._busy_since: Optional[float] = None
-
-    def check_origin(self, origin: str) -> bool:
-        """Reading is open. A handler that takes commands must compare the origin with its own address."""
-        return True
-
-    def prepare(self) -> None:
-        """Refuse unknown documents before the connection is opened."""
-        super().prepare()
-        asked = [name for name in self.get_query_argument("documents", ",".join(DATA)).split(",") if name]
-        unknown = [name for name in asked if name not in DATA + TEXTS]
-        if unknown or not asked:
-            raise web.HTTPError(400, reason=f"Unknown documents: choose from {', '.join(DATA + TEXTS)}")
-        self._asked = list(dict.fromkeys(asked))
-
-    def open(self, *_args: str, **_kwargs: str) -> None:
-        """Send the snapshot."""
-        server = self._server
-        language = server.store.language(
-            self.get_query_argument("language", self.request.headers.get("Accept-Language", "")))
-        keys: List[Key] = server.store.keys(self._asked, language)
-        self._viewer = Viewer(server.store, keys)
-        stream = getattr(self.ws_connection, "stream", None)
-        if stream is not None and stream.socket is not None:
-            stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER_BYTES)
-        self.set_nodelay(True)
-        server.keep(stream)
-        server.viewers.add(self, self.request.remote_ip or "")
-        self.send_next()
-
-    def on_message(self, message: object) -> None:
-        """Readers have nothing to say."""
-        self.close(1003, "this address only sends")
-
-    def on_close(self) -> None:
-        """Free the place."""
-        self._server.viewers.remove(self)
-
-    def beat(self, now: float) -> None:
-        """Send the clock, unless a message is still on its way. End a reader that takes nothing."""
-        if self._busy_since is None:
-            self._viewer.beat()
-            self.send_next()
-        elif now - self._busy_since > STUCK_S:
-            self._server.viewers.remove(self)
-            stream = getattr(self.ws_connection, "stream", None)
-            if stream is not None:
-                stream.close()  # `close` would wait behind what is not taken
-
-    def send_next(self) -> None:
-        """Send the next message as soon as the one before is sent."""
-        if self._busy_since is not None or self._viewer is None:
-            return
-        now = self._server.now()
-        text = self._viewer.next(now)
-        if text is None:
-            return
-        try:
-            sent = self.write_message(text)
-        except websocket.WebSocketClosedError:
-            self._server.viewers.remove(self)
-            return
-        self._busy_since = now
-        sent.add_done_callback(self._on_sent)
-
-    def _on_sent(self, sent: "asyncio.Future[None]") -> None:
-        self._busy_since = None
-        if sent.cancelled() or sent.exception() is not None:  # the connection is closed
-            self._server.viewers.remove(self)
-        else:
-            self.send_next()
-
-
-def _plain_host(request: httputil.HTTPServerRequest) -> str:
-    """The host of a request for a header; anything but a host and a port is left out."""
-    return request.host if re.fullmatch(r"[\w.:\[\]-]+", request.host, re.ASCII) else "invalid"

@@ -7,11 +7,12 @@ the one before and so notices changes that it missed. A document is always compl
 import json
 import time
 import uuid
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
+from typing import Any, Callable, ContextManager, Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 from roah_rsbb.box_clock import BoxClock
 from roah_rsbb.web import documents
 from roah_rsbb.web.documents import DATA, TEXTS, Data
+from roah_rsbb.wording import device
 from roah_rsbb.wording.language import Translate, in_language
 
 # The core publishes twice a second, with its clock in every message. A repeated message may be the latched one of a
@@ -85,6 +86,10 @@ class Store:
         """Return the box's clock in UTC seconds, or None before its first message."""
         return None if self._details is None else round(self._clock.now(mono), 3)
 
+    def zones(self) -> List[str]:
+        """Return all zones, in alphabetical order."""
+        return [] if self._details is None else sorted(_zones(self._details))
+
     # -- for readers ----------------------------------------------------------------------------------
 
     def language(self, wanted: str) -> str:
@@ -96,12 +101,16 @@ class Store:
                     return known
         return ENGLISH
 
+    def speaking(self, language: str) -> ContextManager[None]:
+        """Translate texts to one of the known languages in a `with` block."""
+        return in_language(self._languages[language])
+
     def keys(self, names: Iterable[str], language: str) -> List[Key]:
         """Return the keys of documents. Texts in a language are made from the first time that it is asked for."""
         keys = [(name, language if name in TEXTS else "") for name in names]
         if language not in self._shown and any(name in TEXTS for name, _ in keys):
             self._shown.add(language)
-            self._make_texts(language, (documents.WORDS,) if self._details is None else TEXTS)
+            self._make_texts(language, documents.FIXED_TEXTS if self._details is None else TEXTS)
         return keys
 
     def document(self, key: Key) -> Document:
@@ -158,12 +167,13 @@ class Store:
         offset_s = 0 if self._day is None else self._day[2]
         makers: Dict[str, Callable[[], Data]] = {
             documents.WORDS: lambda: documents.page_words(language, self._title, utc_s, offset_s),
+            documents.DEVICE_WORDS: device.page_words,
             documents.PAGE_RUNS: lambda: documents.page_runs(details, self._state["runs"]),
             documents.PAGE_NEXT: lambda: documents.page_next(details, utc_s),
             documents.PAGE_RESULTS: lambda: documents.page_results(details, board, utc_s),
             documents.PAGE_STANDINGS: lambda: documents.page_standings(board),
         }
-        with in_language(self._languages[language]):
+        with self.speaking(language):
             for name in names:
                 if name in makers:
                     self._put((name, language), makers[name]())

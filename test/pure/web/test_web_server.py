@@ -9,8 +9,7 @@ from tornado import httpclient, websocket
 
 from helpers.http_clients import HOST, HttpClients
 from helpers.public_messages import NOW, board, details, event, result, run
-from roah_rsbb.web import server as server_module
-from roah_rsbb.web import serving
+from roah_rsbb.web import events, serving
 from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.server import WebServer
 from roah_rsbb.web.store import Store
@@ -243,7 +242,7 @@ def test_a_reader_that_takes_nothing_is_ended(served, monkeypatch):
     while stuck._busy_since is None:
         served.change(size=200)
         served.running.turn()
-    monkeypatch.setattr(server_module, "STUCK_S", -1.0)
+    monkeypatch.setattr(events, "STUCK_S", -1.0)
     served.running.until(lambda: len(served.server.viewers) == 0 and stuck.ws_connection is None)
     slow.close()
 

@@ -18,7 +18,7 @@ from support.connections import kill, process_of
 from support.robots import RSBB_PORT
 from support.waiting import wait_until
 
-from roah_rsbb.nodes import web
+from roah_rsbb.nodes.web import node as web
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 SHOTS = ROOT / "build" / "screenshots"

@@ -25,6 +25,7 @@ from roah_rsbb.rqt.qt import (
     QToolButton,
 )
 from roah_rsbb.rqt.widgets import basic
+from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
 from roah_rsbb.rqt.widgets.run_times import RunTimes
 from roah_rsbb.rqt.widgets.score_dialogs import MAX_NOTE
 from roah_rsbb.srv import ConnectRobot, StopReason, Zone
@@ -168,7 +169,7 @@ class BenchmarkControlPanel(Panel):
         self.reason = StopReasonLine(self, self._answer)
         self.buttons = {name: self._button(c) for name, c in COMMANDS.items()}
         self.rules = RuleButtons(self._press)
-        self.more = MoreMenu(self._connect_robot, self._press_in_menu)
+        self.more = MoreMenu(self._connect_robot, self._press_in_menu, self._pair)
         keys = QToolButton()
         keys.setText("?")
         keys.setToolTip(tr("All keys (key: ?)"))
@@ -387,6 +388,9 @@ class BenchmarkControlPanel(Panel):
         self._answer.say(f"{what} …")
         self.client.calls.service(
             self, f"/core/{service}", Zone, (zone,), lambda outcome: self._answer.show_outcome(what, outcome))
+
+    def _pair(self) -> None:
+        basic.show_alone(PairDialog(self, self.client.calls, self.client.moments, self.model.zone_name))
 
     def _connect_robot(self, robot: str) -> None:
         zone = self.model.zone_name

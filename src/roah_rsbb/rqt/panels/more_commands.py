@@ -81,12 +81,14 @@ class RuleButtons(QWidget):
 
 
 class MoreMenu(QToolButton):
-    """The team's robots to choose from, and the commands for runs without a robot."""
+    """The team's robots to choose from, the commands for runs without a robot, and pairing."""
 
-    def __init__(self, connect_robot: Callable[[str], None], press: Callable[[Command], None]) -> None:
+    def __init__(
+        self, connect_robot: Callable[[str], None], press: Callable[[Command], None], pair: Callable[[], None],
+    ) -> None:
         super().__init__()
         self.setText("⋯")
-        self.setToolTip(tr("Choose a robot, score without a robot, no-show"))
+        self.setToolTip(tr("Choose a robot, score without a robot, no-show, pair a phone"))
         self.setFocusPolicy(Qt.TabFocus)
         self.setPopupMode(QToolButton.InstantPopup)
         basic.enlarged(self, 1.3, bold=True)
@@ -101,6 +103,10 @@ class MoreMenu(QToolButton):
             action = self._menu.addAction(tr(command.label))
             action.triggered.connect(lambda _checked=False, command=command: press(command))
             self.actions_of[command.service] = action
+        self._menu.addSeparator()
+        self.pair = self._menu.addAction(tr("Pair a phone …"))
+        self.pair.setToolTip(basic.tip(tr("Let a phone or tablet act as a referee; list and end pairings")))
+        self.pair.triggered.connect(lambda: pair())
         self._line = self._menu.insertSeparator(self.actions_of["open_sheet"])
         self._line.setVisible(False)
         self.setMenu(self._menu)

@@ -1,11 +1,11 @@
 """Node roah_rsbb_web: serves the public display and other pages to browsers, and live data to programs (docs/web.md).
 
-It only reads the public topics of the core, so it can end and start again at any time. If its port is taken, it logs
-this once with the remedy, and retries.
+Reading is open: it shows the public topics of the core. Devices that are paired may do more. It can end and start again
+at any time. If its port is taken, it logs this once with the remedy, and retries.
 
 Parameters (private): web_port (TCP, 0: any free one), web_host (address at which it is served; default: all, or this
 computer's alone if rsbb_host is), web_names (further names of this computer, separated by spaces), rsbb_host, title (of
-the competition).
+the competition), log_dir (for the list of paired devices).
 """
 
 import asyncio
@@ -13,6 +13,7 @@ import importlib.util
 import pathlib
 from typing import Optional
 
+import rosgraph
 import rospkg
 import rospy
 
@@ -23,6 +24,7 @@ from roah_rsbb.ros.feed import Feed
 from roah_rsbb.ros.loop import RosLoop
 from roah_rsbb.ros.params import Params
 from roah_rsbb.web.limits import own_names
+from roah_rsbb.web.session_file import open_sessions
 from roah_rsbb.web.store import Store
 from roah_rsbb.wording import catalogues
 
@@ -37,7 +39,9 @@ class WebNode:
     """The node. Raises `BadParams` at the start."""
 
     def __init__(self) -> None:
-        from roah_rsbb.web.server import WebServer  # needs tornado; see `main`
+        # These need tornado; see `main`.
+        from roah_rsbb.nodes.web.pairing import PairingServices
+        from roah_rsbb.web.server import WebServer
 
         resource = pathlib.Path(rospkg.RosPack().get_path("roah_rsbb"), "resource")
         params = Params()
@@ -45,15 +49,19 @@ class WebNode:
         everywhere = LOOPBACK if self._rsbb_host.startswith("127.") else sockets.ANY_HOST
         self._host = params.text("web_host", everywhere)
         self._port = params.whole("web_port", 8081, 0, 65535)
-        names = str(rospy.get_param("~web_names", "")).lower().split()
+        names = [*str(rospy.get_param("~web_names", "")).lower().split(), rosgraph.network.get_local_address()]
         title = str(rospy.get_param("~title", ""))
+        log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
         params.done()
 
         self._ros = RosLoop()
         asyncio.set_event_loop(self._ros.loop)  # tornado uses the thread's loop
         self._reported = ""
         self._store = Store(_languages(resource / "languages"), title)
-        self._server = WebServer(self._ros.loop, self._store, str(resource / "web"), own_names(names))
+        sessions = open_sessions(log_dir, rospy.logerr)
+        self._server = WebServer(self._ros.loop, self._store, str(resource / "web"), own_names(names), sessions)
+        self._url = ""  # for paired devices
+        PairingServices(self._ros, self._server, self._store.zones, lambda: self._url)
         self._feed = Feed({DETAILS: PublicDetails, BOARD: PublicBoard}, lambda: self._ros.post(self._take))
         self._renew_timer: Optional[asyncio.TimerHandle] = None
 
@@ -93,6 +101,7 @@ class WebNode:
             self._ros.loop.call_later(RETRY_S, self._open)
             return
         addresses = [f"http://{host}:{port}/" for host in self._hosts()]
+        self._url = f"http://{self._referees_host()}:{port}/"
         rospy.set_param("~url", addresses[0])
         rospy.loginfo("The web pages: open %s", " or, on this computer, ".join(addresses))
 
@@ -101,6 +110,12 @@ class WebNode:
             return [self._host]
         network = sockets.source_host(self._rsbb_host)
         return [network, LOOPBACK] if network not in (None, LOOPBACK) else [LOOPBACK]
+
+    def _referees_host(self) -> str:
+        """The address of this computer for referees: that of ROS. The firewall may keep out the robots' network."""
+        host = rosgraph.network.get_local_address()
+        is_local = host == "localhost" or host.startswith("127.")
+        return self._hosts()[0] if is_local or self._host != sockets.ANY_HOST else host
 
 
 def _languages(folder: pathlib.Path) -> dict:

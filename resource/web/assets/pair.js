@@ -1,0 +1,71 @@
+// Pairs this device. The code may be in the address after #, from the QR code: so it is in no log.
+
+import {html, parameters, show, useEffect, useState} from "/assets/parts.js";
+import {ask, deviceName, reasonsText, roleText} from "/assets/device.js";
+
+const NAME = "roah_rsbb_name";
+const CODE = decodeURIComponent(location.hash.slice(1));
+
+function Field({name, text, value, ...rest}) {
+  return html`
+    <label for=${name}>${text}</label>
+    <input id=${name} name=${name} value=${value} autocomplete="off" spellcheck=${false} required maxlength="40" ...${rest} />`;
+}
+
+function Pair({live, words}) {
+  const texts = live.data["page.device_words"];
+  const [session, setSession] = useState(null);
+  const [trouble, setTrouble] = useState("");
+  const [isBusy, setBusy] = useState(false);
+  useEffect(() => {
+    ask("GET", "session").then((answer) => answer.status === 200 && setSession(answer.body));
+  }, []);
+  document.title = texts.pair_title;
+  document.body.dataset.layout = "list";
+
+  async function pair(event) {
+    event.preventDefault();
+    const typed = new FormData(event.target);
+    setBusy(true);
+    const answer = await ask("POST", "pair", {
+      code: typed.get("code"), person: typed.get("person"), device: typed.get("device"),
+      language: parameters.get("language") || "",
+    });
+    setBusy(false);
+    if (answer.status !== 200) {
+      setTrouble(reasonsText(answer, texts));
+      return;
+    }
+    localStorage.setItem(NAME, typed.get("person"));
+    history.replaceState(null, "", location.pathname + location.search);
+    setTrouble("");
+    setSession(answer.body);
+  }
+
+  async function end() {
+    const answer = await ask("DELETE", "session");
+    if (answer.status === 204 || answer.status === 401) {
+      setSession(null);
+    } else {
+      setTrouble(reasonsText(answer, texts));
+    }
+  }
+
+  const isOpen = location.protocol !== "https:" && !["localhost", "127.0.0.1"].includes(location.hostname);
+  return html`
+    ${trouble && html`<p class="alarm" role="alert">${trouble}</p>`}
+    <h1 class="title">${texts.pair_title}</h1>
+    ${session && html`
+      <p class="paired">${texts.paired_as.replace("{role}", () => roleText(session, texts))} (${session.person})</p>
+      <button type="button" onClick=${end}>${texts.end_pairing}</button>`}
+    <form onSubmit=${pair}>
+      <${Field} name="code" text=${texts.code} value=${CODE} autocapitalize="characters" />
+      <${Field} name="person" text=${texts.your_name} value=${localStorage.getItem(NAME) || ""} />
+      <${Field} name="device" text=${texts.this_device} value=${deviceName()} />
+      <button class="main" disabled=${isBusy}>${texts.pair}</button>
+    </form>
+    <p class="nothing">${texts.pair_how}</p>
+    ${isOpen && html`<p class="nothing">${texts.not_encrypted}</p>`}`;
+}
+
+show(Pair, ["page.words", "page.device_words"]);

@@ -1,0 +1,68 @@
+"""The terminal's commands for phones and tablets: pair one, list them, end pairings (docs/web.md, "Pairing")."""
+
+from typing import Any, List
+
+from roah_rsbb import qr_code
+from roah_rsbb.referee.exits import Exit
+from roah_rsbb.referee.link import Link
+from roah_rsbb.referee.output import Output
+from roah_rsbb.referee.view import BOLD, Style
+from roah_rsbb.referee.words import BadWord, pick_zone
+from roah_rsbb.wording.device import role_text
+from roah_rsbb.wording.texts import escaped
+from roah_rsbb.wording.times import countdown
+
+ORGANISER = "organiser"
+
+
+def pair(link: Link, options: Any, output: Output) -> Exit:
+    """Print a code for one device."""
+    if (options.role == ORGANISER) != (options.zone is None):
+        raise BadWord("give the zone of a referee or judge; an organiser has none, because all zones are theirs")
+    zone = "" if options.zone is None else pick_zone(options.zone, [one.zone for one in link.box.zones])
+    answer = link.pair(options.role, zone)
+    valid_s = answer.valid.to_sec()
+    if output.json:
+        output.object({"ok": True, "command": "pair", "role": options.role, "zone": zone, "code": answer.code,
+                       "url": answer.url, "valid_s": valid_s})
+        return Exit.OK
+    square = qr_code.lines_of(answer.url)
+    page = answer.url.partition("#")[0]
+    output.lines([
+        *(square or [f"No QR code: install it with '{qr_code.INSTALL}'"]),
+        f"{role_text(options.role, zone)}: open {answer.url}",
+        f"or open {page} and type the code {output.style(BOLD, answer.code)}",
+        f"The code is for one device, and valid for {countdown(valid_s)}",
+    ])
+    return Exit.OK
+
+
+def devices(link: Link, options: Any, output: Output) -> Exit:
+    """List the paired devices, or end pairings."""
+    if options.revoke is not None or options.revoke_all:
+        ended = link.revoke(options.revoke or "")
+        if not ended and options.revoke:
+            raise BadWord(f"no device has the name '{options.revoke}': 'referee devices' lists them")
+        if output.json:
+            output.object({"ok": True, "command": "devices", "revoked": ended})
+        else:
+            output.lines([f"{ended} pairings ended" if ended != 1 else "1 pairing ended"])
+        return Exit.OK
+    found = link.devices()
+    if output.json:
+        output.object({"ok": True, "command": "devices", "devices": [
+            {"id": one.id, "role": one.role, "zone": one.zone, "person": one.person, "device": one.device,
+             "paired_utc_s": one.paired.to_sec(), "seen_utc_s": one.seen.to_sec() or None, "connected": one.connected}
+            for one in found
+        ]})
+    else:
+        output.lines(_lines(found, output.style))
+    return Exit.OK
+
+
+def _lines(found: List[Any], style: Style) -> List[str]:
+    return [
+        f"{one.id}  {escaped(one.person)}, {escaped(role_text(one.role, one.zone))}, {escaped(one.device)}: "
+        + ("connected" if one.connected else f"seen {style.moments.stamp(one.seen.to_sec() or one.paired.to_sec())}")
+        for one in found
+    ] or ["no device is paired"]

@@ -1,0 +1,113 @@
+"""The WebSockets of readers: each is sent its documents as they change (docs/web.md, "Live data").
+
+All but sending is in `Viewer`: this is the connection.
+"""
+
+import asyncio
+import socket
+from typing import Any, List, Optional
+
+from tornado import web, websocket
+
+from roah_rsbb.web.documents import DATA, TEXTS
+from roah_rsbb.web.guarded import Guarded
+from roah_rsbb.web.store import Key
+from roah_rsbb.web.viewer import Viewer
+
+# A reader that has not taken a message for so long is gone, or does not read.
+STUCK_S = 20.0
+# The system would otherwise hold megabytes for a reader that does not read.
+SEND_BUFFER_BYTES = 64 * 1024
+
+
+class Reader(Guarded, websocket.WebSocketHandler):
+    """The connection of a reader. Its kinds say who may open it, and what is sent."""
+
+    session_id = ""  # of a paired device
+
+    def initialize(self, server: Any) -> None:
+        self._server = server
+        self._viewer: Optional[Viewer] = None
+        self._busy_since: Optional[float] = None
+
+    def language(self) -> str:
+        """The language that is asked for, of those that are available."""
+        return self._server.store.language(
+            self.get_query_argument("language", self.request.headers.get("Accept-Language", "")))
+
+    def start(self, viewer: Viewer) -> None:
+        """Give the reader a place, and send the first message."""
+        server = self._server
+        self._viewer = viewer
+        stream = getattr(self.ws_connection, "stream", None)
+        if stream is not None and stream.socket is not None:
+            stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER_BYTES)
+        self.set_nodelay(True)
+        server.keep(stream)
+        server.viewers.add(self, self.request.remote_ip or "")
+        self.send_next()
+
+    def on_message(self, message: object) -> None:
+        """Readers have nothing to say."""
+        self.close(1003, "this address only sends")
+
+    def on_close(self) -> None:
+        """Free the place."""
+        self._server.viewers.remove(self)
+
+    def beat(self, now: float) -> None:
+        """Send the clock, unless a message is still on its way. End a reader that takes nothing."""
+        if self._busy_since is None:
+            self._viewer.beat()
+            self.send_next()
+        elif now - self._busy_since > STUCK_S:
+            self._server.viewers.remove(self)
+            stream = getattr(self.ws_connection, "stream", None)
+            if stream is not None:
+                stream.close()  # `close` would wait behind what is not taken
+
+    def send_next(self) -> None:
+        """Send the next message as soon as the one before is sent."""
+        if self._busy_since is not None or self._viewer is None:
+            return
+        now = self._server.now()
+        text = self._viewer.next(now)
+        if text is None:
+            return
+        try:
+            sent = self.write_message(text)
+        except websocket.WebSocketClosedError:
+            self._server.viewers.remove(self)
+            return
+        self._busy_since = now
+        sent.add_done_callback(self._on_sent)
+
+    def _on_sent(self, sent: "asyncio.Future[None]") -> None:
+        self._busy_since = None
+        if sent.cancelled() or sent.exception() is not None:  # the connection is closed
+            self._server.viewers.remove(self)
+        else:
+            self.send_next()
+
+
+class EventsHandler(Reader):
+    """A reader of public documents. Pages of all sites may open it: it only sends what is public."""
+
+    def check_origin(self, origin: str) -> bool:
+        """Reading is open."""
+        return True
+
+    def prepare(self) -> None:
+        """Refuse unknown documents before the connection is opened."""
+        super().prepare()
+        asked = [name for name in self.get_query_argument("documents", ",".join(DATA)).split(",") if name]
+        unknown = [name for name in asked if name not in DATA + TEXTS]
+        if unknown or not asked:
+            raise web.HTTPError(400, reason=f"Unknown documents: choose from {', '.join(DATA + TEXTS)}")
+        self._asked = list(dict.fromkeys(asked))
+
+    def open(self, *_args: str, **_kwargs: str) -> None:
+        """Send the snapshot."""
+        store = self._server.store
+        keys: List[Key] = store.keys(self._asked, self.language())
+        self.start(Viewer(store, keys))

@@ -1,0 +1,198 @@
+"""Pairing: who may give commands by a browser, and how a device gets that right (docs/web.md, "Pairing").
+
+A referee's panel shows a code. The device that sends it first gets a session: a random token, which it keeps in a
+cookie. Only a hash of the token is kept here, so nobody who reads the file of the sessions can use one. No I/O and no
+clock.
+"""
+
+import hashlib
+import secrets
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional
+
+from roah_rsbb.web.limits import Rates
+from roah_rsbb.wording import device
+from roah_rsbb.wording.language import tr
+
+REFEREE, JUDGE, ORGANISER = ROLES = ("referee", "judge", "organiser")
+
+CODE_VALID_S = 120.0
+# Letters and digits that cannot be mistaken for each other. A code has 39 bits.
+_SIGNS = "ABCDEFGHJKMNPQRSTUVWXYZ23456789"
+_CODE_LENGTH = 8
+MAX_CODES = 20
+
+# Guesses of an address, and of all addresses together.
+GUESSES_AT_ONCE, GUESSES_A_SECOND = 10.0, 0.1
+ALL_GUESSES_AT_ONCE, ALL_GUESSES_A_SECOND = 100.0, 2.0
+
+TOKEN_BYTES = 32
+# Longer than a competition.
+SESSION_VALID_S = 14 * 24 * 3600.0
+MAX_SESSIONS = 200
+MAX_NAME = 40
+
+
+class Refused(Exception):
+    """A device is not paired. The text is for its user."""
+
+
+class TooManyGuesses(Refused):
+    """There were too many guesses of codes."""
+
+
+class Grant(NamedTuple):
+    """What a device may do."""
+
+    role: str
+    zone: str  # empty: all zones
+
+    def allows(self, zone: str) -> bool:
+        """Whether the device may act in a zone."""
+        return self.zone in ("", zone)
+
+
+class Session(NamedTuple):
+    """A paired device."""
+
+    id: str
+    grant: Grant
+    person: str
+    device: str
+    paired_utc: float
+    seen_utc: float = 0.0  # 0: never
+
+    @property
+    def who(self) -> str:
+        """Who acts, for the records: person, role and device."""
+        return f"{self.person}, {self.grant.role}, {self.device}"
+
+
+class Codes:
+    """The codes that can be used now. They are kept in memory only."""
+
+    def __init__(self) -> None:
+        self._codes: Dict[str, tuple[Grant, float]] = {}  # by hash: what it gives, and until when; oldest first
+        self._of_address = Rates(GUESSES_A_SECOND, GUESSES_AT_ONCE)
+        self._of_all = Rates(ALL_GUESSES_A_SECOND, ALL_GUESSES_AT_ONCE)
+
+    def make(self, mono: float, grant: Grant) -> str:
+        """Return a new code. If there are too many, the oldest one becomes invalid."""
+        self._forget_old(mono)
+        while len(self._codes) >= MAX_CODES:
+            del self._codes[next(iter(self._codes))]
+        code = "".join(secrets.choice(_SIGNS) for _ in range(_CODE_LENGTH))
+        self._codes[_hash(code)] = (grant, mono + CODE_VALID_S)
+        return f"{code[:4]}-{code[4:]}"
+
+    def check_guess(self, mono: float, address: str) -> None:
+        """Count a guess; raises `TooManyGuesses`."""
+        if not self._of_address.allows(mono, address) or not self._of_all.allows(mono, ""):
+            raise TooManyGuesses(tr(device.TOO_MANY_GUESSES))
+
+    def take(self, mono: float, typed: str) -> Grant:
+        """Use a code up, and return what it gives; raises `Refused`. Call `check_guess` first."""
+        self._forget_old(mono)
+        found = self._codes.pop(_hash("".join(sign for sign in typed.upper() if sign.isalnum())), None)
+        if found is None:
+            raise Refused(tr(device.WRONG_CODE))
+        return found[0]
+
+    def _forget_old(self, mono: float) -> None:
+        self._codes = {code: (grant, until) for code, (grant, until) in self._codes.items() if mono < until}
+
+
+class Sessions:
+    """The paired devices."""
+
+    def __init__(self, save: Callable[[List[Dict[str, Any]]], None], saved: Iterable[Dict[str, Any]] = ()) -> None:
+        """`save` keeps the sessions and raises OSError; `saved`: what it kept before."""
+        self._save = save
+        self._sessions: Dict[str, Session] = {}  # by hash of the token, oldest first
+        for record in saved:
+            hashed, session = _session_of(record)
+            self._sessions[hashed] = session
+
+    def listed(self, utc: float) -> List[Session]:
+        """Return all sessions, oldest first."""
+        self._forget_old(utc)
+        return list(self._sessions.values())
+
+    def check(self, utc: float, person: str) -> None:
+        """Raise `Refused` if a device of this person cannot be paired."""
+        self._forget_old(utc)
+        if len(self._sessions) >= MAX_SESSIONS:
+            raise Refused(tr(device.TOO_MANY_DEVICES))
+        if not plain(person):
+            raise Refused(tr(device.NO_NAME))
+
+    def add(self, utc: float, grant: Grant, person: str, name: str) -> str:
+        """Pair a device of that name; returns its token. Raises `Refused`."""
+        self.check(utc, person)
+        token = secrets.token_urlsafe(TOKEN_BYTES)
+        hashed = _hash(token)
+        self._sessions[hashed] = Session(
+            secrets.token_hex(4), grant, plain(person), plain(name) or "browser", utc)
+        try:
+            self._write()
+        except OSError as error:
+            del self._sessions[hashed]
+            raise Refused(tr(device.NOT_SAVED, error=error)) from error
+        return token
+
+    def of(self, utc: float, token: str) -> Optional[Session]:
+        """Return the session of a token, and note that its device was seen; None: it has none."""
+        hashed = _hash(token)
+        session = self._sessions.get(hashed)
+        if session is None or _is_old(session, utc):
+            return None
+        session = self._sessions[hashed] = session._replace(seen_utc=utc)
+        return session
+
+    def is_valid(self, utc: float, session_id: str) -> bool:
+        """Whether a session has not ended."""
+        return any(one.id == session_id and not _is_old(one, utc) for one in self._sessions.values())
+
+    def revoke(self, session_id: str) -> List[Session]:
+        """End the pairing of a device; empty: of all. Returns which were ended.
+
+        Raises OSError if that cannot be saved: the pairing has ended, but would be valid again after a restart.
+        """
+        ended = {hashed: one for hashed, one in self._sessions.items() if session_id in ("", one.id)}
+        for hashed in ended:
+            del self._sessions[hashed]
+        if ended:
+            self._write()
+        return list(ended.values())
+
+    def _forget_old(self, utc: float) -> None:
+        self._sessions = {hashed: one for hashed, one in self._sessions.items() if not _is_old(one, utc)}
+
+    def _write(self) -> None:
+        self._save([
+            {"token_sha256": hashed, "id": one.id, "role": one.grant.role, "zone": one.grant.zone,
+             "person": one.person, "device": one.device, "paired_utc": one.paired_utc, "seen_utc": one.seen_utc}
+            for hashed, one in self._sessions.items()
+        ])
+
+
+def plain(text: str) -> str:
+    """Return a name that fits in a line: printable, and not too long."""
+    return " ".join("".join(sign if sign.isprintable() else " " for sign in text).split())[:MAX_NAME].rstrip()
+
+
+def _is_old(session: Session, utc: float) -> bool:
+    return utc - session.paired_utc > SESSION_VALID_S
+
+
+def _hash(text: str) -> str:
+    return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+
+
+def _session_of(record: Dict[str, Any]) -> "tuple[str, Session]":
+    """Read a saved session; raises KeyError, TypeError or ValueError."""
+    role, zone = str(record["role"]), str(record["zone"])
+    if role not in ROLES or len(record["token_sha256"]) != 64:
+        raise ValueError(record)
+    return record["token_sha256"], Session(
+        str(record["id"]), Grant(role, zone), str(record["person"]), str(record["device"]),
+        float(record["paired_utc"]), float(record["seen_utc"]))

@@ -1,0 +1,171 @@
+"""What devices may send: only from our own pages, only small, and only after pairing. On real loopback sockets."""
+
+import json
+import pathlib
+
+import pytest
+
+from helpers.http_clients import HOST, HttpClients
+from helpers.public_messages import NOW, details, event, run
+from roah_rsbb.web.pairing import GUESSES_AT_ONCE, Grant, Sessions
+from roah_rsbb.web.server import WebServer
+from roah_rsbb.web.store import Store
+from roah_rsbb.web.writing import COOKIE, is_own_origin
+
+FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
+NAMES = frozenset({"localhost"})
+
+
+class Served(HttpClients):
+    """A server, and a device that sends requests to it."""
+
+    def __init__(self, running):
+        self.running = running
+        self.store = Store({"de": lambda text, n: f"auf Deutsch: {text}"})
+        self.store.on_details(running.loop.time(), details([run()], [event()], NOW))
+        self.saved = []
+        self.sessions = Sessions(self.saved.append)
+        self.server = WebServer(running.loop, self.store, FOLDER, NAMES, self.sessions)
+        self.port = self.server.open(HOST, 0)
+        self.origin = f"http://{HOST}:{self.port}"
+
+    def send(self, path, body=None, method="POST", cookie="", **headers):
+        headers = {"Origin": self.origin, "Content-Type": "application/json", **headers}
+        if cookie:
+            headers["Cookie"] = f"{COOKIE}={cookie}"
+        headers = {name: value for name, value in headers.items() if value is not None}
+        data = body if isinstance(body, (bytes, str)) else json.dumps(body)
+        return self.get(path, method=method, headers=headers, body=data if method == "POST" else None)
+
+    def code(self, role="referee", zone="Home"):
+        return self.server.codes.make(self.server.now(), Grant(role, zone))
+
+    def pair(self, **how):
+        return self.send("/api/v1/pair", {"code": self.code(), "person": "Anna", "device": "iPhone"}, **how)
+
+    def token(self):
+        return self.pair().headers["Set-Cookie"].partition("=")[2].partition(";")[0]
+
+
+@pytest.fixture
+def served(running):
+    made = Served(running)
+    yield made
+    made.server.close()
+    running.turn()
+
+
+def session(served, token):
+    return served.send("/api/v1/session", method="GET", cookie=token)
+
+
+def test_a_code_gives_a_cookie_that_no_script_reads(served):
+    answer = served.pair()
+    assert answer.code == 200
+    assert json.loads(answer.body)["role"] == "referee"
+    cookie = answer.headers["Set-Cookie"]
+    assert "HttpOnly" in cookie and "SameSite=Strict" in cookie and "Max-Age=" in cookie and "Domain" not in cookie
+    assert answer.headers["Cache-Control"] == "no-store"
+    assert "Access-Control-Allow-Origin" not in answer.headers
+
+
+def test_the_cookie_is_the_session(served):
+    token = served.token()
+    found = json.loads(session(served, token).body)
+    assert (found["person"], found["device"], found["zone"]) == ("Anna", "iPhone", "Home")
+    assert session(served, "").code == session(served, token[:-1]).code == 401
+
+
+def test_a_pairing_that_is_ended_counts_no_more(served):
+    first, second = served.token(), served.token()
+    served.server.revoke(json.loads(session(served, first).body)["id"])
+    assert (session(served, first).code, session(served, second).code) == (401, 200)
+    assert served.send("/api/v1/session", method="DELETE", cookie=second).code == 204
+    assert session(served, second).code == 401
+
+
+def test_a_device_that_is_paired_again_has_one_session(served):
+    token = served.token()
+    served.pair(cookie=token)
+    assert len(served.sessions.listed(served.server.utc())) == 1
+    assert session(served, token).code == 401
+
+
+def test_a_wrong_code_is_refused_in_the_reader_s_language(served):
+    answer = served.send("/api/v1/pair", {"code": "AAAA-AAAA", "person": "Anna", "language": "de"})
+    assert answer.code == 403
+    assert json.loads(answer.body)["reasons"][0].startswith("auf Deutsch: This code is wrong")
+
+
+def test_without_a_name_the_code_is_not_used_up(served):
+    code = served.code()
+    assert served.send("/api/v1/pair", {"code": code, "person": " "}).code == 403
+    assert served.send("/api/v1/pair", {"code": code, "person": "Anna"}).code == 200
+
+
+def test_guesses_are_limited_also_of_a_right_code(served):
+    code = served.code()
+    codes = [served.send("/api/v1/pair", {"code": "x", "person": "Eve"}).code for _ in range(int(GUESSES_AT_ONCE))]
+    assert set(codes) == {403}
+    assert served.send("/api/v1/pair", {"code": code, "person": "Eve"}).code == 429
+
+
+@pytest.mark.parametrize("headers", [
+    {"Origin": None}, {"Origin": "null"}, {"Origin": "https://evil.example"}, {"Origin": "http://127.0.0.1"},
+    {"Origin": "http://127.0.0.1:1"}, {"Sec-Fetch-Site": "cross-site"}, {"Sec-Fetch-Site": "same-site"},
+])
+def test_pages_of_other_sites_are_refused(served, headers):
+    token = served.token()
+    assert served.pair(**headers).code == 403
+    assert served.send("/api/v1/session", method="DELETE", cookie=token, **headers).code == 403
+    assert session(served, token).code == 200
+
+
+def test_the_origin_must_be_the_host_that_is_asked(served):
+    """A name of another site that points to this computer passes neither test."""
+    assert served.pair(Host="evil.example", Origin="http://evil.example").code == 421
+    assert served.pair(Host=f"localhost:{served.port}").code == 403
+    assert served.pair(Host=f"localhost:{served.port}", Origin=f"http://localhost:{served.port}").code == 200
+
+
+@pytest.mark.parametrize("origin, fits", [
+    ("http://box:8081", True), ("http://BOX:8081", True), ("https://box:8081", False), ("http://box", False),
+    ("http://box:8081.evil.example", False), ("http://evil@box:8081", False), ("", False), ("null", False),
+    ("http://[", False), ("box:8081", False),
+])
+def test_own_origins(origin, fits):
+    assert is_own_origin(origin, "http", "box:8081") == fits
+
+
+@pytest.mark.parametrize("kind", ["text/plain", "application/x-www-form-urlencoded", ""])
+def test_forms_are_refused(served, kind):
+    assert served.pair(**{"Content-Type": kind}).code == 415
+
+
+@pytest.mark.parametrize("body", [
+    "", "{", "[]", "1", "null", '"x"', pytest.param("[" * 900, id="deep"), b"\xff\xfe", '{"code": 1}',
+    '{"code": {"a": 1}, "person": "x"}', '{"person": ["x"]}',
+])
+def test_bodies_that_are_wrong_are_refused(served, body):
+    answer = served.send("/api/v1/pair", body)
+    assert answer.code in (400, 403) and b"Traceback" not in answer.body
+
+
+def test_bodies_are_small(served):
+    data = json.dumps({"code": "x" * 2000})
+    answer = served.raw((
+        f"POST /api/v1/pair HTTP/1.1\r\nHost: {HOST}:{served.port}\r\nOrigin: {served.origin}\r\n"
+        f"Content-Type: application/json\r\nContent-Length: {len(data)}\r\n\r\n{data}").encode())
+    assert b"200 OK" not in answer and b"403" not in answer
+    assert served.pair().code == 200
+
+
+@pytest.mark.parametrize("path", ["/api/v1/pair", "/api/v1/session"])
+def test_other_sites_may_not_ask_whether_they_may_write(served, path):
+    answer = served.send(path, method="OPTIONS", Origin="https://evil.example")
+    assert answer.code in (403, 405)
+    assert "Access-Control-Allow-Origin" not in answer.headers
+
+
+def test_the_pairing_page_is_served(served):
+    assert served.get("/pair").code == 200

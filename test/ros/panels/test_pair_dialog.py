@@ -1,0 +1,84 @@
+"""The dialog that pairs phones, with fake services of the web pages' node."""
+
+from unittest import mock
+
+import rospy
+from support.gui_testing import click, wait_until
+from support.panel_case import PanelCase
+
+from roah_rsbb import qr_code
+from roah_rsbb.msg import PairedDevice
+from roah_rsbb.rqt.qt import QPushButton
+from roah_rsbb.rqt.widgets import pair_dialog
+from roah_rsbb.rqt.widgets.pair_dialog import PairDialog
+from roah_rsbb.srv import (
+    PairDevice,
+    PairDeviceResponse,
+    PairedDevices,
+    PairedDevicesResponse,
+    RevokeDevice,
+    RevokeDeviceResponse,
+)
+
+
+class TestPairDialog(PanelCase):
+    """Codes and devices."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.asked = []
+        self.devices = [PairedDevice(id="1f3c9a02", role="referee", zone="Home A", person="Anna", device="iPhone",
+                                     connected=True)]
+        for name, kind, answer in (
+            ("pair", PairDevice, self.pair), ("revoke", RevokeDevice, self.revoke),
+            ("sessions", PairedDevices, lambda request: PairedDevicesResponse(self.devices)),
+        ):
+            service = rospy.Service(f"/web/{name}", kind, answer)
+            self.addCleanup(service.shutdown)
+
+    def pair(self, request: PairDevice) -> PairDeviceResponse:
+        self.asked.append((request.role, request.zone))
+        code = f"ABCD-EFG{len(self.asked) + 1}"
+        return PairDeviceResponse(code, f"http://192.0.2.1:8081/pair#{code}", rospy.Duration(120))
+
+    def revoke(self, request: RevokeDevice) -> RevokeDeviceResponse:
+        self.devices = [one for one in self.devices if one.id != request.id]
+        return RevokeDeviceResponse(1)
+
+    def open_dialog(self) -> PairDialog:
+        """Open the dialog by its menu entry."""
+        self.panel.more.pair.trigger()
+        dialog = self.panel.findChildren(PairDialog)[-1]
+        self.addCleanup(dialog.reject)
+        return dialog
+
+    def test_codes_and_devices(self) -> None:
+        dialog = self.open_dialog()
+        wait_until(lambda: dialog.code.text() == "ABCD-EFG2", "a code is shown")
+        self.assertIn("http://192.0.2.1:8081/pair ", dialog.how.text())
+        if qr_code.modules_of("text") is not None:
+            self.assertTrue(dialog.square.isVisible())
+            self.assertEqual(dialog.square.accessibleName(), "http://192.0.2.1:8081/pair#ABCD-EFG2")
+        dialog.roles.setCurrentIndex(2)
+        click(dialog.make)
+        wait_until(lambda: dialog.code.text() == "ABCD-EFG3", "another code is shown")
+        self.assertEqual(self.asked, [("referee", "Home A"), ("organiser", "")])
+        wait_until(lambda: dialog.devices.topLevelItemCount() == 1, "the device is listed")
+        self.assertEqual([dialog.devices.topLevelItem(0).text(column) for column in range(4)],
+                         ["Anna", "Referee in Home A", "iPhone", "connected"])
+        click(dialog.devices.findChild(QPushButton))
+        wait_until(lambda: dialog.devices.topLevelItemCount() == 0, "the pairing is ended")
+
+    def test_without_the_library_the_code_is_typed(self) -> None:
+        with mock.patch.object(pair_dialog.qr_code, "modules_of", return_value=None):
+            dialog = self.open_dialog()
+            wait_until(lambda: dialog.code.text() == "ABCD-EFG2", "a code is shown")
+        self.assertFalse(dialog.square.isVisible())
+        self.assertIn(qr_code.INSTALL, dialog.how.text())
+
+    def test_a_code_becomes_too_old(self) -> None:
+        dialog = self.open_dialog()
+        wait_until(lambda: dialog.code.text() == "ABCD-EFG2", "a code is shown")
+        dialog._valid_until -= 120.0
+        wait_until(lambda: "too old" in dialog.how.text(), "the code is not offered any more")
+        self.assertFalse(dialog.square.isVisible())

@@ -1,0 +1,92 @@
+"""A phone is paired in a real browser, with codes from the terminal; the gateway is killed after it."""
+
+import json
+import pathlib
+import urllib.request
+from typing import Any
+
+import rospy
+from support.box_case import BoxCase
+from support.browser import NeedsBrowser, Page
+from support.connections import kill, process_of
+from support.referee_program import called
+from support.robots import RSBB_PORT
+from support.waiting import wait_until
+
+from roah_rsbb.srv import PairDevice, RevokeDevice
+
+SHOTS = pathlib.Path(__file__).resolve().parents[3] / "build" / "screenshots"
+URL = f"http://127.0.0.1:{RSBB_PORT + 95}"
+ZONE, GATEWAY = "Room", "/roah_rsbb_web"
+PHONE = (360, 740)
+TEXT = "document.body.innerText"
+
+
+def is_served() -> bool:
+    """Whether the gateway answers and hears the core."""
+    try:
+        with urllib.request.urlopen(f"{URL}/api/v1/state", timeout=30) as opened:
+            return json.load(opened)["heard"]
+    except OSError:
+        return False
+
+
+def devices() -> Any:
+    """The paired devices, as the terminal lists them."""
+    return json.loads(called("devices", "--json").stdout)["devices"]
+
+
+class TestPairing(NeedsBrowser, BoxCase):
+    """Codes, the page that takes them, and the list of devices."""
+
+    PAGES = "pairing"
+
+    def setUp(self) -> None:
+        super().setUp()
+        wait_until(is_served, "the gateway hears the core")
+        rospy.ServiceProxy("/web/revoke", RevokeDevice)("")
+
+    def pair(self, url: str, person: str) -> Page:
+        """Open the address of a QR code, and type a name."""
+        page = self._leaving(self.browser.page(url, *PHONE))
+        page.wait("document.querySelector('#person') !== null", "the form is shown")
+        page.get(f"document.querySelector('#person').value = {json.dumps(person)}")
+        page.touch_at("form button")
+        return page
+
+    def test_a_phone_is_paired_and_revoked(self) -> None:
+        made = json.loads(called("pair", ZONE, "--json").stdout)
+        self.assertEqual(made["url"], f"{URL}/pair#{made['code']}")
+        page = self.pair(made["url"], "Anna")
+        page.wait(f"{TEXT}.includes('Paired: Referee in Room')", "the phone is paired")
+        page.screenshot(SHOTS / "web_paired.png")
+        self.assertEqual(page.get("document.cookie"), "", "no script reads the cookie")
+        self.assertNotIn(made["code"], page.get("location.href"))
+        (listed,) = devices()
+        self.assertEqual((listed["person"], listed["role"], listed["zone"]), ("Anna", "referee", ZONE))
+        again = self.pair(made["url"], "Eve")
+        again.wait(f"{TEXT}.includes('was used')", "the code is for one device")
+        killed = process_of(GATEWAY)
+        kill(GATEWAY)
+        wait_until(lambda: is_served() and process_of(GATEWAY) != killed, "the gateway is back")
+        self.assertEqual(page.get("fetch('/api/v1/session').then(answer => answer.json()).then(one => one.person)"),
+                         "Anna")
+        self.assertEqual(called("devices", "--revoke", listed["id"]).returncode, 0)
+        self.assertEqual(page.get("fetch('/api/v1/session').then(answer => answer.status)"), 401)
+        self.assertEqual(devices(), [])
+
+    def test_wrong_requests_are_refused_with_reasons(self) -> None:
+        ask = rospy.ServiceProxy("/web/pair", PairDevice)
+        for role, zone, reason in (("king", ZONE, "choose one of"), ("referee", "", "needs a zone"),
+                                   ("referee", "Rom", "did you mean"), ("organiser", ZONE, "leave out zone")):
+            with self.subTest(role=role, zone=zone), self.assertRaisesRegex(rospy.ServiceException, reason):
+                ask(role, zone)
+        self.assertEqual(called("pair").returncode, 2)
+        self.assertEqual(called("devices", "--revoke", "none").returncode, 2)
+
+    def test_the_terminal_shows_a_code(self) -> None:
+        shown = called("pair", "--role", "organiser")
+        self.assertEqual(shown.returncode, 0, shown.stderr)
+        self.assertRegex(shown.stdout, r"type the code [A-Z2-9]{4}-[A-Z2-9]{4}")
+        self.assertIn("Organiser, all zones", shown.stdout)
+        self.assertEqual(called("devices").stdout, "no device is paired\n")
