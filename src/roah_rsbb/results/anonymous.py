@@ -56,7 +56,7 @@ def anonymous_record(record: RunRecord, names: Names) -> RunRecord:
         history=tuple(_entry(entry, names) for entry in record.history),
         module_scores=tuple(_score(score, names) for score in record.module_scores),
         stops=tuple(_stop(stop, names) for stop in record.stops),
-        sign_off=signed and signed._replace(who=names.of("person", signed.who)),
+        sign_off=signed and signed._replace(who=names.of("person", signed.who)), marks=(),
     )
 
 
@@ -72,6 +72,7 @@ def _entry(entry: ScoreEntry, names: Names) -> ScoreEntry:
     return entry._replace(
         who=names.of("person", entry.who), note=names.of("text", entry.note), judge=names.of("person", entry.judge),
         withdrawn_by=names.of("person", entry.withdrawn_by), withdrawn_note=names.of("text", entry.withdrawn_note),
+        device=names.of("device", entry.device),
     )
 
 

@@ -127,8 +127,9 @@ def _entries(record: RunRecord, in_utc: bool) -> Iterator[sheets.EntryTexts]:
     """The history in words, in its order."""
     kinds = {(item.group, item.desc): item.kind for item in record.items}
     for e in record.history:
+        who = sheets.author(e.who, e.role, e.device)
         entry = sheets.HistoryEntry(
-            e.number, e.utc, e.who, e.group, e.desc, kinds.get((e.group, e.desc), "uint"), e.old, e.old_not_attempted,
+            e.number, e.utc, who, e.group, e.desc, kinds.get((e.group, e.desc), "uint"), e.old, e.old_not_attempted,
             e.value, e.not_attempted, e.note, e.correction, e.withdrawn_utc, e.withdrawn_by, e.withdrawn_note,
             e.withdrawal_corrects, e.old_text, e.text, e.judge,
         )

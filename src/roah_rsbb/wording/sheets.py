@@ -99,6 +99,15 @@ def node_of(who: str) -> str:
     return who if who.startswith("/") else ""
 
 
+def author(who: str, role: str, device: str) -> str:
+    """Return who made an entry, such as "Anna, judge, phone 3 (/roah_rsbb_web)". A referee's role goes without saying.
+    """
+    node = node_of(who)
+    name = who[:-len(f" ({node})")] if node and node != who else "" if node else who
+    known = ", ".join(filter(None, (name, role if role != "referee" else "", device)))
+    return f"{known} ({node})" if known and node else known or node
+
+
 # -- items and sums ---------------------------------------------------------------------------------
 
 

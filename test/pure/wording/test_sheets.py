@@ -102,6 +102,16 @@ def test_an_entry_in_one_line():
     assert sheets.entry_line(full, "<{}>".format).endswith("(video); <correction>; <withdrawn at 01:01:01Z>")
 
 
+@pytest.mark.parametrize("who, role, device, text", [
+    ("Anna (/web)", "judge", "phone 3", "Anna, judge, phone 3 (/web)"), ("Anna (/web)", "referee", "", "Anna (/web)"),
+    ("Anna", "judge", "", "Anna, judge"), ("/web", "", "phone 3", "phone 3 (/web)"), ("/web", "", "", "/web"),
+    ("", "", "", ""), ("Anna (Lisbon)", "organiser", "", "Anna (Lisbon), organiser"),
+])
+def test_who_made_an_entry(who, role, device, text):
+    assert sheets.author(who, role, device) == text
+    assert sheets.node_of(text) == sheets.node_of(who)
+
+
 def test_an_entry_of_a_message():
     message = SimpleNamespace(
         number=7, time=_Time(3600.0), who="Anna", group="Penalized", desc="Bumps", old=1, old_not_attempted=False,

@@ -6,7 +6,8 @@ import rospy
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused, RunName
-from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.core.scoring.desk import MarkOutcome
+from roah_rsbb.core.scoring.records import ItemRecord, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.msg import Score
 from roah_rsbb.nodes.core.services import CoreServices
@@ -15,6 +16,8 @@ from roah_rsbb.srv import (
     GetRunSheet,
     LeaveRun,
     ManualOperationAnswer,
+    MarkItem,
+    MarkItemRequest,
     ScoreMark,
     ScoreWithdraw,
     SignOff,
@@ -42,6 +45,8 @@ class _Part:
         def event(*arguments):
             if self._box.refuses:
                 raise Refused(["no such run"] if method == "record_of" else ["first reason", "second reason"])
+            if method == "outcome":
+                return MarkOutcome(4, ItemRecord("G", "d", "decimal", 2, text="2.5"))
             self._box.happened.append((self._name + method, *arguments))
             return RECORD
 
@@ -136,6 +141,26 @@ class TestServices(unittest.TestCase):
             with self.subTest(name):
                 self.box.happened = []
                 self.assertEqual(self.call(name, kind, *request), [event, "on disk"])
+
+    def test_a_mark_sets_or_adds_and_returns_how_the_item_is_then(self) -> None:
+        rospy.wait_for_service("/core/mark", 30)
+        for change, value, text, judge, expected in (
+            (MarkItemRequest.SET, 2, "", "", {"value": 2}),
+            (MarkItemRequest.SET, 0, "7.5", "Ben", {"text": "7.5", "judge": "Ben"}),
+            (MarkItemRequest.ADD, -1, "", "", {"added": "-1"}),
+            (MarkItemRequest.ADD, 0, "0.5", "", {"added": "0.5"}),
+            (MarkItemRequest.NOT_ATTEMPTED, 5, "6", "", {"not_attempted": True}),
+        ):
+            with self.subTest(expected):
+                self.box.happened = []
+                answer = rospy.ServiceProxy("/core/mark", MarkItem)(
+                    *RUN, "id 1", "G", "d", change, value, text, judge, "note", " Anna ", "referee", "phone")
+                mark = Mark("G", "d", note="note", id="id 1", role="referee", device="phone")._replace(**expected)
+                self.assertEqual(self.box.happened, [
+                    ("scores.mark_once", NOW, RUN, mark, f"Anna ({self.node})"), "on disk"])
+                self.assertEqual((answer.number, answer.value, answer.not_attempted, answer.text), (4, 2, False, "2.5"))
+        with self.assertRaisesRegex(rospy.ServiceException, "change 9 is not known"):
+            self.call("mark", MarkItem, *RUN, "id 1", "G", "d", 9, 0, "", "", "", "", "", "")
 
     def test_a_name_in_the_header_goes_with_requests_that_have_no_field_for_it(self) -> None:
         rospy.wait_for_service("/core/stop_run", 30)

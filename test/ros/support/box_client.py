@@ -2,7 +2,7 @@
 
 import re
 import time
-from typing import Callable, ClassVar, List, Optional, TypeVar
+from typing import Any, Callable, ClassVar, List, Optional, TypeVar
 
 import rospy
 from std_msgs.msg import Empty
@@ -132,12 +132,12 @@ class BoxClient:
 
     # -- commands -----------------------------------------------------------------------------------
 
-    def call(self, service: str, kind: type, *request: object) -> None:
-        """Call /core/SERVICE; raises `Refusal`."""
+    def call(self, service: str, kind: type, *request: object) -> Any:
+        """Call /core/SERVICE and return its answer; raises `Refusal`."""
         name = f"{self._prefix}/core/{service}"
         rospy.wait_for_service(name, LIMIT_S)
         try:
-            rospy.ServiceProxy(name, kind)(*request)
+            return rospy.ServiceProxy(name, kind)(*request)
         except rospy.ServiceException as error:
             assert refusals.was_answered(str(error)), f"{name} did not answer: {error}"
             raise Refusal(refusals.reason(str(error))) from None

@@ -307,7 +307,9 @@ class ZoneRun(abc.ABC):
 
     def mark(self, now: Now, who: str, mark: Mark) -> None:
         """Mark a scoring item. Raises `Refused` if the item or the value does not exist."""
-        self._score_changed(now, self.book.mark(now, who, mark))
+        marked = self.book.mark(now, who, mark)
+        if marked.text:
+            self._score_changed(now, marked)
 
     def withdraw_score(self, now: Now, by: By, number: int) -> None:
         """Withdraw an entry of the score sheet. Raises `Refused`."""

@@ -49,7 +49,7 @@ class Marked(NamedTuple):
     """The result of a change of the score sheet."""
 
     item: Optional[ItemRecord]  # after the change; None: no longer in the benchmarks file
-    text: str  # for the referee
+    text: str  # for the referee; empty: nothing changed, because the mark was applied before
 
 
 class RunBook:
@@ -99,6 +99,8 @@ class RunBook:
 
     def mark(self, now: Now, who: str, mark: Mark) -> Marked:
         """See `ScoreSheet.set`."""
+        if self.sheet.taken(mark.id) is not None:
+            return Marked(None, "")
         before = self.sheet.set(now, who, mark, self._over)
         return self._marked(before, self.sheet.item(mark.group, mark.desc), mark.note)
 
@@ -132,6 +134,7 @@ class RunBook:
         return record._replace(
             items=items, points=points, form=None if self.form.is_plain else self.form, history=self.sheet.history,
             stops=tuple(self.state.stops), started_utc=self.state.started_utc, elapsed_s=self.state.elapsed_s,
+            marks=self.sheet.marks,
         )
 
 
@@ -162,14 +165,26 @@ class FinishedRun:
         self._benchmark = benchmark
         form = form_of(record)
         state = BookState(
-            SheetState(list(record.history)), list(record.stops), record.started_utc, record.elapsed_s)
+            SheetState(list(record.history), list(record.marks)), list(record.stops), record.started_utc,
+            record.elapsed_s,
+        )
         self._book = RunBook(form, state, over=True)
         self.result = self._result()
 
     def mark(self, now: Now, who: str, mark: Mark) -> str:
-        """Correct a scoring item. Returns a text for the referee, as all corrections do. Raises `Refused`."""
+        """Correct a scoring item. Returns a text for the referee, as all corrections do. Raises `Refused`.
+
+        The text is empty if the mark was applied before. This is no error, also after the sign-off.
+        """
+        if self._book.sheet.taken(mark.id) is not None:
+            return ""
         self._check_open()
         return self._changed(self._book.mark(now, who, mark).text)
+
+    @property
+    def sheet(self) -> ScoreSheet:
+        """Its score sheet."""
+        return self._book.sheet
 
     def withdraw_score(self, now: Now, by: By, number: int) -> str:
         """Withdraw an entry of the score sheet. Raises `Refused`."""

@@ -1,6 +1,6 @@
 """The referee's scores: marks, withdrawals, reasons and sign-offs, in runs in progress and finished runs."""
 
-from typing import Callable, List, Optional, Union
+from typing import Callable, Dict, List, NamedTuple, Optional, Union
 
 from roah_rsbb.core import effects
 from roah_rsbb.core.clock import Now
@@ -9,12 +9,23 @@ from roah_rsbb.core.effects import Level, Outbox
 from roah_rsbb.core.referee import Refused, RunName, checked_note, checked_who
 from roah_rsbb.core.runs.run import ZoneRun
 from roah_rsbb.core.scoring.book import FinishedRun, FinishedRuns
-from roah_rsbb.core.scoring.records import By, Phase, RunRecord
+from roah_rsbb.core.scoring.records import By, ItemRecord, Phase, RunRecord
 from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.core.zones import Zones
 
 # Finished runs in the list of results: more than the runs of one day in any competition.
 MAX_LISTED = 100
+# Characters of the identity of a mark: more than a UUID has.
+MAX_MARK_ID = 64
+# Who may mark.
+ROLES = ("referee", "judge", "organiser")
+
+
+class MarkOutcome(NamedTuple):
+    """What a mark led to."""
+
+    entry: int  # its number in the history; 0: it made no entry
+    item: ItemRecord  # as it is now
 
 
 class ScoreDesk:
@@ -51,16 +62,34 @@ class ScoreDesk:
     def mark(self, now: Now, name: RunName, mark: Mark, who: str = "") -> None:
         """Mark a scoring item. In a finished run, this is a correction. Raises `Refused`."""
         self._tick(now)
-        asked = {"group": mark.group, "item": mark.desc, "note": mark.note}
-        if mark.not_attempted:
-            asked["not_attempted"] = True
-        else:
-            asked.update({"text": mark.text} if mark.text or mark.judge else {"value": mark.value})
-            asked.update({"judge": mark.judge} if mark.judge else {})
-        with self._record.of(name, who, "score", **asked):
+        with self._record.of(name, who, "score", **_asked(mark)):
             mark = mark._replace(note=checked_note(mark.note))
             run = self._named(name)
             self._report_correction(run, run.mark(now, checked_who(who), mark))
+
+    def mark_once(self, now: Now, name: RunName, mark: Mark, who: str = "") -> None:
+        """Mark a scoring item unless this mark was applied before. Raises `Refused`.
+
+        The mark has an identity, and the run is named by its own, so a mark that arrives again changes no other run.
+        """
+        self._tick(now)
+        asked = {**_asked(mark), "mark": mark.id, "role": mark.role, "device": mark.device}
+        with self._record.of(name, who, "mark", **asked):
+            if not name.identity:
+                raise Refused(["name the run: a mark that arrives late must not count in another run"])
+            if not mark.id or not mark.id.isprintable() or len(mark.id) > MAX_MARK_ID:
+                raise Refused([f"the id '{mark.id[:MAX_MARK_ID]}' cannot identify a mark: give each mark a new UUID"])
+            if mark.role and mark.role not in ROLES:
+                raise Refused([f"no role '{mark.role}': choose one of {', '.join(ROLES)}"])
+            mark = mark._replace(note=checked_note(mark.note), device=checked_who(mark.device))
+            run = self._named(name)
+            self._report_correction(run, run.mark(now, checked_who(who), mark))
+
+    def outcome(self, name: RunName, mark: Mark) -> MarkOutcome:
+        """Return what a mark that was applied led to. Raises `Refused`."""
+        sheet = self._named(name).sheet
+        taken = sheet.taken(mark.id)
+        return MarkOutcome(0 if taken is None else taken.entry, sheet.item(mark.group, mark.desc))
 
     def withdraw(self, now: Now, name: RunName, number: int, who: str = "", note: str = "") -> None:
         """Withdraw an entry of a score sheet. The other entries do not change. Raises `Refused`."""
@@ -123,9 +152,20 @@ class ScoreDesk:
 
     def _report_correction(self, run: Union[ZoneRun, FinishedRun], text: Optional[str]) -> None:
         """Report a correction of a finished run. A run in progress reports its changes itself."""
-        if not isinstance(run, FinishedRun):
+        if not isinstance(run, FinishedRun) or not text:
             return
         record = run.record
         self._outbox.emit(effects.RecordChanged(record))
         what = f"{record.benchmark}, team {record.team}, round {record.round}, run {record.run}"
         self._outbox.notice(Level.INFO, f"{what}: {text}", record.zone)
+
+
+def _asked(mark: Mark) -> Dict[str, object]:
+    """Return a mark as the journal records it."""
+    asked: Dict[str, object] = {"group": mark.group, "item": mark.desc, "note": mark.note}
+    if mark.not_attempted:
+        return {**asked, "not_attempted": True}
+    if mark.added:
+        return {**asked, "added": mark.added}
+    asked.update({"text": mark.text} if mark.text or mark.judge else {"value": mark.value})
+    return {**asked, "judge": mark.judge}

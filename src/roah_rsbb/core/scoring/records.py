@@ -102,6 +102,16 @@ class ScoreEntry(NamedTuple):
     old_text: str = ""  # values of types that have no whole numbers
     text: str = ""
     judge: str = ""  # whose rating it is; empty: not a rating
+    added: str = ""  # a decimal number that it added to the item; empty: it set the item
+    role: str = ""  # of `who`, such as referee; empty: not known
+    device: str = ""  # from which it was sent; empty: not known
+
+
+class TakenMark(NamedTuple):
+    """A mark that was applied. Should it arrive again, it changes nothing."""
+
+    id: str
+    entry: int  # its number in the history; 0: it made no entry
 
 
 class GroupPoints(NamedTuple):
@@ -168,6 +178,7 @@ class RunRecord(NamedTuple):
     phases: Tuple[PhaseTime, ...] = ()  # those that began after the last start
     points: Optional[SheetPoints] = None  # None: the sheet gives no points
     form: Optional[SheetForm] = None  # None: the sheet only has items without rules
+    marks: Tuple[TakenMark, ...] = ()  # the newest ones with an identity, in their order
 
 
 class By(NamedTuple):

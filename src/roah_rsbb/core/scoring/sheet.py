@@ -2,10 +2,13 @@
 
 Items, their types and groups come from the benchmarks file (docs/benchmarks.md, "Scoring items of the TBMs").
 
-Theory of operation. The sheet is its history. The value of an item is the value of its last entry that is not
-withdrawn, or 0 if there is no such entry. One entry can therefore be withdrawn without changing the others. Each judge
-of a rating has a value of their own; an entry without a judge marks the whole item as not attempted. A saved history
-can be read even if the benchmarks file has changed: entries of items that the file no longer has stay in the history.
+Theory of operation. The sheet is its history. Entries that are withdrawn do not count. An entry sets an item, or adds
+to it. The value of an item is that of its last entry that sets it, or 0, plus all that later entries add. Referees who
+count at the same time therefore lose nothing, and one entry can be withdrawn without changing the others. Each judge of
+a rating has a value of their own; an entry without a judge marks the whole item as not attempted. A saved history can
+be read even if the benchmarks file has changed: entries of items that the file no longer has stay in the history.
+
+A mark with an identity is applied once, however often it arrives. Its identity is part of the state.
 
 The history has a maximum length. Changes of an item by one person within a moment become one entry, because a referee
 who counts with the mouse wheel makes ten changes a second. If there are too many entries, the oldest plain one that was
@@ -21,7 +24,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.points import jury_text, nearest_whole, text_of
-from roah_rsbb.core.scoring.records import ItemRecord, Rating, ScoreEntry
+from roah_rsbb.core.scoring.records import ItemRecord, Rating, ScoreEntry, TakenMark
 from roah_rsbb.rulebook.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE, WHOLE, Key, ScoreKind, ScoringItem
 from roah_rsbb.wording.sheets import item_value
 from roah_rsbb.wording.suggestions import did_you_mean
@@ -31,8 +34,13 @@ ONE_ENTRY_S = 1.0
 # Maximum number of entries besides two for each item, and how many of these may have a note or be withdrawn.
 MAX_ENTRIES = 200
 MAX_NOTED = 100
+# Identities of marks that are remembered. A device that lost its connection sends few marks again.
+MAX_MARKS = 1000
 
 Place = Tuple[str, str, str]  # group and description of an item, and the judge; no judge: the item itself
+
+# Types to which a mark can add.
+_COUNTED = frozenset((ScoreKind.UINT, ScoreKind.INT, ScoreKind.DECIMAL))
 
 _NUMBER = re.compile(rf"[+-]?([0-9]{{1,7}}\.?[0-9]{{0,{MAX_DECIMALS}}}|\.[0-9]{{1,{MAX_DECIMALS}}})")
 
@@ -54,6 +62,7 @@ class SheetState:
     """The state of a score sheet is its history. A restart may change the items of the benchmarks file."""
 
     history: List[ScoreEntry] = field(default_factory=list)
+    marks: List[TakenMark] = field(default_factory=list)  # the newest ones with an identity, in their order
 
 
 class Mark(NamedTuple):
@@ -66,6 +75,10 @@ class Mark(NamedTuple):
     note: str = ""
     text: str = ""  # of a decimal, a choice or a rating, instead of `value`
     judge: str = ""  # who gives a rating
+    added: str = ""  # a decimal number to add to the item, instead of `value` and `text`
+    id: str = ""  # identity of the mark; empty: it has none, so it is applied each time it arrives
+    role: str = ""  # of the person who marks
+    device: str = ""  # from which the mark was sent
 
 
 class _Standing(NamedTuple):
@@ -84,7 +97,8 @@ class ScoreSheet:
         self._history = self.state.history  # the same list
         self._items: Dict[Key, ScoringItem] = {i.key: i for i in items}
         self._places = sum(1 + len(item.judges) for item in items)
-        self._standing: Dict[Place, ScoreEntry] = {}  # the last entry that is not withdrawn
+        # The last entry that is not withdrawn, with the value that counts.
+        self._standing: Dict[Place, ScoreEntry] = {}
         self._begun: Dict[int, float] = {}  # number of an item's newest entry -> monotonic time (s) of its first change
         self._groups: Optional[Tuple[ScoreGroup, ...]] = None  # as `groups` has them, until something changes
         self._records: Optional[Tuple[ItemRecord, ...]] = None
@@ -95,6 +109,15 @@ class ScoreSheet:
         """All entries, oldest first."""
         return tuple(self._history)
 
+    @property
+    def marks(self) -> Tuple[TakenMark, ...]:
+        """The newest marks with an identity, in their order."""
+        return tuple(self.state.marks)
+
+    def taken(self, mark_id: str) -> Optional[TakenMark]:
+        """Return the mark of that identity if it was applied. A mark without an identity is never known."""
+        return next((mark for mark in self.state.marks if mark_id and mark.id == mark_id), None)
+
     # -- changing -----------------------------------------------------------------------------------
 
     def check(self, mark: Mark) -> Mark:
@@ -103,9 +126,11 @@ class ScoreSheet:
         if item is None:
             raise Refused([self._unknown(mark.group, mark.desc)])
         if mark.not_attempted:
-            return mark._replace(value=0, text="", judge="")
+            return mark._replace(value=0, text="", judge="", added="")
         if mark.judge and item.kind is not ScoreKind.RATING:
             raise Refused([f"'{item.desc}' is not rated by judges: leave out the judge"])
+        if mark.added:
+            mark = self._counted(item, mark)
         if item.kind in WHOLE:
             _check_whole(item, mark)
             return mark
@@ -118,33 +143,63 @@ class ScoreSheet:
     def set(self, now: Now, who: str, mark: Mark, correction: bool = False) -> ItemRecord:
         """Set an item, or mark it as not attempted. Returns the item before the change. Raises as `check` does.
 
-        A value removes the mark. A call without a change and without a note makes no entry. `correction`: the run is
-        over.
+        A value removes the mark. A call without a change and without a note makes no entry. A mark that was applied
+        changes nothing. `correction`: the run is over.
         """
+        if self.taken(mark.id) is not None:
+            return self.item(mark.group, mark.desc)
         mark = self.check(mark)
         key = (mark.group, mark.desc)
         record, before = self._item(key), self._standing_of(key, mark.judge)
         if not mark.note and (mark.value, mark.text, mark.not_attempted) == before:
+            self._take(mark.id, 0)
             return record
         if mark.note:
             self._check_noted("set the value without a note")
         entry = ScoreEntry(
             self._next_number(), now.utc, who, mark.group, mark.desc, before.value, mark.value,
             mark.not_attempted, mark.note, before.not_attempted, correction,
-            old_text=before.text, text=mark.text, judge=mark.judge,
+            old_text=before.text, text=mark.text, judge=mark.judge, added=mark.added, role=mark.role,
+            device=mark.device,
         )
         same = self._same_moment(now, entry)
         if same is None:
             self._make_room()
             self._history.append(entry)
             self._begun[entry.number] = now.mono
+            self._take(mark.id, entry.number)
         else:
-            self._replace(same, entry)
+            self._take(mark.id, self._replace(same, entry))
         self._stand()
         return record
 
+    def _counted(self, item: ScoringItem, mark: Mark) -> Mark:
+        """Return the mark with the value that the item has after it. The caller checks that value."""
+        if item.kind not in _COUNTED:
+            raise Refused([f"'{item.desc}' cannot be counted: set its value"])
+        if not _NUMBER.fullmatch(mark.added) or not Decimal(mark.added):
+            raise Refused([f"'{item.desc}' cannot be changed by '{mark.added}': give a number such as +1 or -1"])
+        added = Decimal(mark.added)
+        if item.kind in WHOLE and added != int(added):
+            raise Refused([f"'{item.desc}' is counted in whole numbers, not by '{mark.added}'"])
+        before = self._standing_of(item.key)
+        number = added + Decimal(before.text or before.value)
+        return mark._replace(
+            added=text_of(added), value=int(number), text="" if item.kind in WHOLE else text_of(number))
+
+    def _take(self, mark_id: str, entry: int) -> None:
+        """Remember the identity of a mark that was applied."""
+        if mark_id:
+            self.state.marks.append(TakenMark(mark_id, entry))
+            del self.state.marks[:-MAX_MARKS]
+
+    def _move_marks(self, number: int, to: int) -> None:
+        """The entry of that number is gone: its marks are in another one, or in none."""
+        self.state.marks[:] = [
+            mark._replace(entry=to) if mark.entry == number else mark for mark in self.state.marks]
+
     def withdraw(self, now: Now, who: str, number: int, note: str = "", correction: bool = False) -> ScoreEntry:
-        """Withdraw an entry. The item gets the value of the entry before, or 0. Returns the withdrawn entry. Raises
+        """Withdraw an entry. The item gets the value that it has without it. Returns the withdrawn entry. Raises
         `Refused`."""
         index = next((i for i, entry in enumerate(self._history) if entry.number == number), None)
         if index is None:
@@ -154,12 +209,30 @@ class ScoreSheet:
             raise Refused([f"entry {number} was withdrawn already, by {entry.withdrawn_by or 'somebody'}"])
         if _is_plain(entry):
             self._check_noted("set the value instead")
+        was_wrong = self._why_wrong(entry)
         self._history[index] = entry._replace(
             withdrawn_utc=now.utc, withdrawn_by=who, withdrawn_note=note, withdrawal_corrects=correction
         )
-        self._begun.pop(number, None)
         self._stand()
+        wrong = self._why_wrong(entry)
+        if wrong and not was_wrong:
+            self._history[index] = entry
+            self._stand()
+            raise Refused([f"entry {number} cannot be withdrawn, because later entries count from it: without it, "
+                           f"{wrong}. Withdraw those first, or set the value"])
+        self._begun.pop(number, None)
         return entry
+
+    def _why_wrong(self, entry: ScoreEntry) -> str:
+        """Return why the value of this entry's item is outside the limits; empty: it is not."""
+        standing = self._standing.get((entry.group, entry.desc, entry.judge))
+        if standing is None or not standing.added or (entry.group, entry.desc) not in self._items:
+            return ""
+        try:
+            self.check(Mark(entry.group, entry.desc, standing.value, text=standing.text))
+        except Refused as refused:
+            return "; ".join(refused.reasons)
+        return ""
 
     def _same_moment(self, now: Now, entry: ScoreEntry) -> Optional[int]:
         """Return the index of the item's newest entry if this change belongs to it."""
@@ -171,16 +244,19 @@ class ScoreSheet:
                 return index if is_same else None
         return None
 
-    def _replace(self, index: int, entry: ScoreEntry) -> None:
+    def _replace(self, index: int, entry: ScoreEntry) -> int:
+        """Join an entry with the first one of its moment. Returns its number; 0: both are gone."""
         first = self._history[index]
-        if (entry.value, entry.text, entry.not_attempted) == (first.old, first.old_text, first.old_not_attempted):
+        entry = _joined(first, entry)._replace(number=first.number)
+        is_undone = (entry.value, entry.text, entry.not_attempted) == (
+            first.old, first.old_text, first.old_not_attempted)
+        if entry.added == "0" or (is_undone and not entry.added):
             del self._history[index]  # a slip that was undone at once
             del self._begun[first.number]
-        else:
-            self._history[index] = entry._replace(
-                number=first.number, old=first.old, old_text=first.old_text,
-                old_not_attempted=first.old_not_attempted,
-            )
+            self._move_marks(first.number, 0)
+            return 0
+        self._history[index] = entry
+        return first.number
 
     def _make_room(self) -> None:
         """Drop one entry if there are too many."""
@@ -189,12 +265,11 @@ class ScoreSheet:
         pairs = self._replaced_pairs()
         alike = [pair for pair in pairs if self._history[pair[0]].who == self._history[pair[1]].who]
         for index, later in (alike or pairs)[-1:]:
-            gone = self._history[index]
-            self._history[later] = self._history[later]._replace(
-                old=gone.old, old_text=gone.old_text, old_not_attempted=gone.old_not_attempted
-            )
+            gone, kept = self._history[index], self._history[later]
+            self._history[later] = _joined(gone, kept)
             del self._history[index]
             self._begun.pop(gone.number, None)
+            self._move_marks(gone.number, kept.number)
 
     def _replaced_pairs(self) -> List[Tuple[int, int]]:
         """Return the indices of plain entries, each with that of the next plain entry of the same item; oldest last.
@@ -275,17 +350,20 @@ class ScoreSheet:
 
     def _is_corrected(self, place: Place) -> bool:
         """Whether a value differs from the value at the end of the run."""
-        standing = self._standing.get(place)
-        if standing is not None and standing.correction:
-            return True
-        number = 0 if standing is None else standing.number
+        entries = [entry for entry in self._history if (entry.group, entry.desc, entry.judge) == place]
+        since = max((e.number for e in entries if not e.withdrawn_utc and not e.added), default=0)
         return any(
-            entry.number > number and entry.withdrawal_corrects and not entry.correction
-            for entry in self._history if (entry.group, entry.desc, entry.judge) == place
+            not entry.correction and entry.withdrawal_corrects if entry.withdrawn_utc else entry.correction
+            for entry in entries if entry.number >= since
         )
 
     def _stand(self) -> None:
-        self._standing = {(e.group, e.desc, e.judge): e for e in self._history if not e.withdrawn_utc}
+        self._standing = {}
+        for entry in self._history:
+            if not entry.withdrawn_utc:
+                place = (entry.group, entry.desc, entry.judge)
+                before = self._standing.get(place)
+                self._standing[place] = _after(before, entry)
         self._groups = self._records = None
 
     def _unknown(self, group: str, desc: str) -> str:
@@ -304,13 +382,33 @@ def _is_plain(entry: ScoreEntry) -> bool:
 
 def _is_alike(last: ScoreEntry, entry: ScoreEntry) -> bool:
     """Whether both changes may become one entry. A change to "not attempted" is always an entry of its own."""
-    same = (last.who, last.correction, last.not_attempted, last.judge) == (
-        entry.who, entry.correction, entry.not_attempted, entry.judge)
+    same = (last.who, last.role, last.device, last.correction, last.not_attempted, last.judge, bool(last.added)) == (
+        entry.who, entry.role, entry.device, entry.correction, entry.not_attempted, entry.judge, bool(entry.added))
     return same and not last.note and not entry.note
 
 
 def _may_replace(later: ScoreEntry, entry: ScoreEntry) -> bool:
     return _is_plain(entry) and _is_plain(later) and entry.correction is later.correction
+
+
+def _after(before: Optional[ScoreEntry], entry: ScoreEntry) -> ScoreEntry:
+    """Return an entry with the value that counts after it. `before`: the one before, with its value; None: none."""
+    if not entry.added:
+        return entry
+    number = Decimal(entry.added)
+    if before is not None and not before.not_attempted:
+        number += Decimal(before.text or before.value)
+    return entry._replace(value=int(number), text=text_of(number) if entry.text else "")
+
+
+def _joined(first: ScoreEntry, later: ScoreEntry) -> ScoreEntry:
+    """Return an entry that changes an item as both do."""
+    whole = later._replace(old=first.old, old_text=first.old_text, old_not_attempted=first.old_not_attempted)
+    if not later.added:
+        return whole
+    if first.added:
+        return whole._replace(added=text_of(Decimal(first.added) + Decimal(later.added)))
+    return _after(first, whole)._replace(added="")
 
 
 # -- values -----------------------------------------------------------------------------------------

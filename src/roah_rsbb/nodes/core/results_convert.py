@@ -11,7 +11,7 @@ from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, ScoreEntry, St
 from roah_rsbb.msg import Results, RunSheet, RunStop, RunSummary, ScoreChange
 from roah_rsbb.nodes.core.score_convert import points_message, score_message, sheet_items
 from roah_rsbb.ros.times import ros_duration, ros_time
-from roah_rsbb.wording.sheets import GroupOfValues, points_text, sums_text
+from roah_rsbb.wording.sheets import GroupOfValues, author, points_text, sums_text
 
 
 class ResultsBoard:
@@ -105,7 +105,7 @@ def _change(entry: ScoreEntry) -> ScoreChange:
     return ScoreChange(
         number=entry.number,
         time=ros_time(entry.utc),
-        who=entry.who,
+        who=author(entry.who, entry.role, entry.device),
         group=entry.group,
         desc=entry.desc,
         old=entry.old,

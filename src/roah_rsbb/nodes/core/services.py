@@ -25,6 +25,9 @@ from roah_rsbb.srv import (
     GetRunSheetResponse,
     LeaveRun,
     ManualOperationAnswer,
+    MarkItem,
+    MarkItemRequest,
+    MarkItemResponse,
     ScoreMark,
     ScoreWithdraw,
     SignOff,
@@ -91,6 +94,9 @@ class CoreServices:
             box.scores.mark, _run_of(r), Mark(r.group, r.desc, r.value, r.not_attempted, r.note, r.text, r.judge),
             who_of(r, r.referee)
         ), durable=True)
+        self._serve("mark", MarkItem, lambda r: (
+            box.scores.mark_once, _run_of(r), mark_of(r), who_of(r, r.referee)
+        ), durable=True, answer_of=self._marked)
         self._serve("score/withdraw", ScoreWithdraw, lambda r: (
             box.scores.withdraw, _run_of(r), r.number, who_of(r, r.referee), r.note
         ), durable=True)
@@ -103,29 +109,32 @@ class CoreServices:
         rospy.Service("/core/run_sheet", GetRunSheet, self._run_sheet)
 
     def _serve(
-        self, name: str, service: type, event_of: Callable[[Any], Tuple], durable: bool = False
+        self, name: str, service: type, event_of: Callable[[Any], Tuple], durable: bool = False,
+        answer_of: Optional[Callable[[Any], object]] = None,
     ) -> None:
         """Offer /core/NAME: `event_of` makes a request the box's method and its arguments.
 
         A refusal fails the call with its reasons in the error text. `durable`: the call succeeds only when its result
         is on the disk. If it is not, the call fails, but its result counts and is saved as soon as possible.
+        `answer_of` returns the answer, in the loop's thread, right after the event; None: the answer is empty.
         """
+        answer_of = answer_of or (lambda request: service._response_class())
 
-        def act(request: object) -> Optional[int]:
+        def act(request: object) -> Tuple[Optional[int], object]:
             self._ticket()  # discards earlier internal errors: only this event counts
             self._event(*event_of(request))
-            return self._ticket()
+            return self._ticket(), answer_of(request)
 
         def handle(request: object) -> object:
             _check_texts(request)
-            ticket = self._call(lambda: act(request))
+            ticket, answer = self._call(lambda: act(request))
             if durable:
                 if ticket is None:
                     raise rospy.ServiceException(NOT_RECORDED)
                 why = self._why_not_saved(ticket)
                 if why:
                     raise rospy.ServiceException(NOT_SAVED.format(why))
-            return service._response_class()
+            return answer
 
         rospy.Service(f"/core/{name}", service, handle)
 
@@ -134,6 +143,10 @@ class CoreServices:
         found: List[Now] = []
         self._call(lambda: self._event(found.append))
         return GetClockResponse(ros_time(found[0].utc))
+
+    def _marked(self, request: Any) -> MarkItemResponse:
+        number, item = self._box.scores.outcome(_run_of(request), mark_of(request))
+        return MarkItemResponse(number, item.value, item.not_attempted, item.text)
 
     def _run_sheet(self, request: Any) -> GetRunSheetResponse:
         _check_texts(request)
@@ -163,6 +176,21 @@ def who_of(request: Any, referee: str = "") -> str:
     node = header.get("callerid", "")
     name = referee.strip() or header.get(REFEREE_HEADER, "").strip()
     return f"{name} ({node})" if name and node else name or node
+
+
+def mark_of(request: Any) -> Mark:
+    """The mark in a request to /core/mark. Raises `Refused`."""
+    mark = Mark(
+        request.group, request.desc, note=request.note, judge=request.judge, id=request.id, role=request.role,
+        device=request.device,
+    )
+    if request.change == MarkItemRequest.NOT_ATTEMPTED:
+        return mark._replace(not_attempted=True)
+    if request.change == MarkItemRequest.ADD:
+        return mark._replace(added=request.text or str(request.value))
+    if request.change != MarkItemRequest.SET:
+        raise Refused([f"change {request.change} is not known: this core knows SET, ADD and NOT_ATTEMPTED"])
+    return mark._replace(value=request.value, text=request.text)
 
 
 def _run_of(request: Any) -> RunName:

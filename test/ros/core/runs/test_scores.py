@@ -1,12 +1,14 @@
 """A score sheet from the first mark to the sign-off, through a restart of the core."""
 
+import threading
+
 import rospy
 from support.box_case import BoxCase
 from support.box_client import Refusal
 from support.waiting import happened, wait_until
 
 from roah_rsbb.msg import Results
-from roah_rsbb.srv import GetRunSheet, ScoreMark, ScoreWithdraw, SignOff, StopReason
+from roah_rsbb.srv import GetRunSheet, MarkItem, MarkItemRequest, ScoreMark, ScoreWithdraw, SignOff, StopReason
 
 ZONE = "Scores"
 DOOR = ("Achievements", "Detects the door whose state has changed")
@@ -115,6 +117,43 @@ class TestScores(BoxCase):
         self.assertEqual(self.summary(identity).signed_by, f"Cleo ({self.node})")
         with self.assertRaisesRegex(Refusal, r"signed off by Cleo \(.*\) at .*: it is final"):
             self.box.call("score", ScoreMark, ZONE, identity, *BUMPS, 5, False, "", "", "", "Anna")
+
+    def add(self, identity: str, mark_id: str, device: str = "", added: int = 1):
+        """Count bumps."""
+        return self.box.call("mark", MarkItem, ZONE, identity, mark_id, *BUMPS, MarkItemRequest.ADD, added, "", "", "",
+                             "Anna", "referee", device)
+
+    def test_counts_of_several_referees_add_up_and_each_mark_counts_once(self) -> None:
+        self.box.command("open_sheet", ZONE)
+        self.box.command("start", ZONE)
+        identity = self.box.wait_details(ZONE, lambda d: d.identity, "the sheet has a name")
+        failed = []
+
+        def referee(name: str) -> None:
+            try:
+                for number in [*range(10), *range(10)]:
+                    self.add(identity, f"{name} {number}", name)
+            except Exception as error:
+                failed.append(error)
+
+        referees = [threading.Thread(target=referee, args=(f"phone {n}",)) for n in range(3)]
+        for thread in referees:
+            thread.start()
+        for thread in referees:
+            thread.join()
+        self.assertEqual((failed, self.values(identity)), ([], {BUMPS[1]: 30}))
+        known = {entry.who for entry in self.sheet(identity).history}
+        self.assertEqual(known, {f"Anna, phone {n} ({self.node})" for n in range(3)})
+        self.restart_core()
+        self.assertEqual(self.add(identity, "phone 0 0").value, 30)
+        answer = self.add(identity, "undo", added=-1)
+        self.assertEqual(answer.value, 29)
+        self.box.call("score/withdraw", ScoreWithdraw, ZONE, identity, answer.number, "", "Anna")
+        self.assertEqual(self.values(identity), {BUMPS[1]: 30})
+        with self.assertRaisesRegex(Refusal, "its value must be 0 or more, not -1"):
+            self.add(identity, "too many", added=-31)
+        self.box.command("disconnect", ZONE)
+        self.assertEqual(self.add(identity, "phone 1 1").value, 30, "also of a run that is over")
 
     def test_results_come_on_change_only(self) -> None:
         wait_until(lambda: self.results, "the results are latched")
