@@ -65,16 +65,18 @@ class Rows(QTableWidget):
         if [row.key for row in rows] != [row.key for row in self._rows]:
             self.setCurrentItem(None)
         before, self._rows = self._rows, rows
-        # The header would measure all rows again for each item: two seconds for 40 rows.
-        header = self.horizontalHeader()
-        modes = [header.sectionResizeMode(column) for column in range(header.count())]
-        header.setSectionResizeMode(QHeaderView.Fixed)
+        # The headers would measure all rows again for each item: a second for 40 rows.
+        across, down = self.horizontalHeader(), self.verticalHeader()
+        modes = [across.sectionResizeMode(column) for column in range(across.count())]
+        for header in (across, down):
+            header.setSectionResizeMode(QHeaderView.Fixed)
         self.setRowCount(len(rows))
         for index, row in enumerate(rows):
             if index >= len(before) or before[index] != row:
                 self._fill(index, row)
         for column, mode in enumerate(modes):
-            header.setSectionResizeMode(column, mode)
+            across.setSectionResizeMode(column, mode)
+        down.setSectionResizeMode(QHeaderView.ResizeToContents)
         self.choose(chosen)
         self.blockSignals(False)
         self.verticalScrollBar().setValue(place)
