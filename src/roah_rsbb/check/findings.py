@@ -73,9 +73,10 @@ class Cause(enum.Enum):
     PORT_NOT_FOLLOWED = _Advice(
         "The robot opens its private channel once and does not compare the port in each beacon", f"{PROTOCOL}#channels",
         True)
-    OLD_STATE = _Advice("The robot keeps the state, strings or result of its last run", f"{PROTOCOL}#robots-next-state")
-    OLD_COMMANDS = _Advice("The robot keeps the device commands of its last run. The client of 2015 does that",
-                           f"{PROTOCOL}#device-commands")
+    OLD_STATE = _Advice("The robot continues the goal of its last run, and does not handle STOP",
+                        f"{PROTOCOL}#robots-next-state", True)
+    OLD_COMMANDS = _Advice("The robot keeps the device commands of its last run. The clients of 2015 and 2019 do "
+                           "that", f"{PROTOCOL}#device-commands")
     # States.
     PREPARE_IGNORED = _Advice(
         "The robot does not handle PREPARE in STOP, does not know this benchmark, or waits for something else first",

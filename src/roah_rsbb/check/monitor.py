@@ -9,7 +9,7 @@ from roah_rsbb.check.play import Play
 from roah_rsbb.comm.frame import Reason
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.modules.texts import result_text
-from roah_rsbb.protocol import BoxState, RobotState
+from roah_rsbb.protocol import BoxState, RobotState, wire_seconds
 from roah_rsbb.robot.machine import BOX_TABLE, EVENT_TABLE, box_transition
 from roah_rsbb.rulebook.registry import DEVICES, ResultForm, profile_of
 
@@ -19,11 +19,14 @@ SILENT_S = 3.0
 STALE, STALE_SHARE = 5, 0.2
 # The box stops a run without saved messages after this many seconds of EXECUTING.
 SAVING_S = 5.0
+# Messages in a second of the robot's clock. Correct robots send about 20, and one more at each change.
+MOST_MESSAGES = 100
 MAX_DATAGRAM = 1024
 _RESULTS = {
     ResultForm.OBJECT: {"class": str, "instance": str, "x": float, "y": float, "theta": float},
     ResultForm.PERSON: {"person_name": str, "x": float, "y": float},
 }
+_USUAL_RATE = "at most about 20 messages a second"
 _FRAMES = {Reason.UNDECRYPTABLE: Cause.WRONG_PASSWORD, Reason.PLAIN: Cause.PLAIN_FRAMES}
 
 # After these findings, the robot left its state for a known reason.
@@ -56,8 +59,7 @@ def judge(play: Play, since: Mark, code: str) -> None:
         play.fail(Cause.TOO_LARGE, f"at most {MAX_DATAGRAM} bytes in a datagram", f"{play.network.largest} bytes")
         play.network.largest = 0
     if record.overload > since.overload:
-        play.fail(Cause.FLOOD, "at most about 20 messages a second",
-                  f"{record.overload - since.overload} messages more than the box reads")
+        play.fail(Cause.FLOOD, _USUAL_RATE, f"{record.overload - since.overload} messages more than the box reads")
     old = record.stale - since.stale
     if play.judges_times and old >= max(STALE, STALE_SHARE * (len(reports) + old)):
         play.fail(Cause.TIME_NOT_RISING, "a later time in each message",
@@ -80,9 +82,16 @@ def _judge_channel(play: Play, reports: List[HeardReport], code: str) -> None:
             stalled = play.stalls.since(before.mono)
             if after.mono - before.mono - stalled > SILENT_S:
                 play.fail(Cause.SILENT, "a RobotState each second", f"none for {after.mono - before.mono:.1f} s")
+    _judge_rate(play, reports)
     _judge_saving(play, reports, code)
     _judge_results(play, reports, code)
     _judge_commands(play, reports, code)
+
+
+def _judge_rate(play: Play, reports: List[HeardReport]) -> None:
+    times = [wire_seconds(heard.report.time) for heard in reports]
+    if any(0.0 <= last - first < 1.0 for first, last in zip(times, times[MOST_MESSAGES:])):
+        play.fail(Cause.FLOOD, _USUAL_RATE, f"more than {MOST_MESSAGES} in a second")
 
 
 def _judge_step(play: Play, before: HeardReport, after: HeardReport, code: str) -> None:

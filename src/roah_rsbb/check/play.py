@@ -347,22 +347,23 @@ class Play:
             self.give_up(Cause.NEXT_GOAL_IGNORED, f"PREPARING within {OBEY_S:g} s of PREPARE for goal {number}",
                          self.state_name)
 
-    async def stop(self, where: str) -> None:
-        """Stop the run, measure the robot's reaction, and see that it stays in STOP."""
+    async def stop(self, where: str, cause: Optional[Cause] = None) -> None:
+        """Stop the run, measure the robot's reaction, and see that it stays in STOP. `cause`: of a late reaction."""
         self.press("stop")
-        await self.after_stop(where)
+        await self.after_stop(where, cause)
 
-    async def after_stop(self, where: str) -> None:
+    async def after_stop(self, where: str, cause: Optional[Cause] = None) -> None:
         """Measure the reaction to the box's STOP."""
         said = next(said.mono for said in reversed(self.record.states) if said.state is BoxState.STOP)
         if not await self.until(lambda: self.state is RobotState.STOP, STOP_LOST_S):
-            self.give_up(Cause.STOP_IGNORED, f"STOP within {STOP_S:g} s of the box's STOP {where}",
+            self.give_up(cause or Cause.STOP_IGNORED, f"STOP within {STOP_S:g} s of the box's STOP {where}",
                          f"after {STOP_LOST_S:g} s {self.state_name}")
         heard = next(heard.mono for heard in self.record.reports[self._first_stop():])
         seconds = max(0.0, heard - said)
         self.measured(f"STOP {where}", seconds)
         if seconds > STOP_S and self.judges_times:
-            self.fail(Cause.STOP_LATE, f"STOP within {STOP_S:g} s of the box's STOP {where}", f"{seconds:.1f} s")
+            self.fail(cause or Cause.STOP_LATE, f"STOP within {STOP_S:g} s of the box's STOP {where}",
+                      f"{seconds:.1f} s")
         await self.rest(STILL_S)
         if self.state is not RobotState.STOP:
             self.fail(Cause.STOP_IGNORED, f"the robot stays in STOP after a stop {where}", self.state_name)

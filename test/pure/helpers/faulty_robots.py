@@ -1,11 +1,13 @@
 """The dummy robot with one fault at a time: a table of faults, and what the check must find."""
 
 import asyncio
+import struct
 from typing import Any, Callable, NamedTuple, Tuple
 
-from helpers.checked_robot import USUAL, usual_robot
+from helpers.checked_robot import BROADCAST, USUAL, usual_robot
 from roah_rsbb.check.findings import Cause, Verdict
 from roah_rsbb.comm import frame
+from roah_rsbb.comm.sender import StateSender
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.robot import client, link, machine, runner, session
 from roah_rsbb.robot import effects as fx
@@ -23,6 +25,7 @@ class Fault(NamedTuple):
     cause: Cause
     verdict: Verdict = Verdict.FAILED
     also: Tuple[Cause, ...] = ()  # consequences that are also found
+    given: Tuple[Tuple[str, Any], ...] = ()  # options of the check
 
 
 def settings(**fields):
@@ -98,6 +101,92 @@ def _plain(do, _loop):
     return plain
 
 
+def _version_1(message):
+    content = message.SerializeToString()
+    return struct.pack(">HHI", message.COMP_ID, message.MSG_TYPE, len(content)) + content
+
+
+def _old_frames_in_public(do, _loop):
+    def send(this, effect):
+        if isinstance(effect, fx.SendBeacon):
+            this._public._peer.send(_version_1(effect.message), BROADCAST)
+        else:
+            do(this, effect)
+    return send
+
+
+def _old_frames_in_private(do, _loop):
+    def send(this, effect):
+        if isinstance(effect, fx.SendState):
+            channel = this._private
+            channel._peer.send(_version_1(effect.message), channel.remote)
+        else:
+            do(this, effect)
+    return send
+
+
+def _long_result(message, _result):
+    message.generic_result = f"{{class: {'cups' * 300}, instance: a, x: 0.1, y: 0.2, theta: 1.0}}"
+
+
+def _sends_anything(do, _loop):
+    def open_private(this, effect):
+        do(this, effect)
+        if isinstance(effect, fx.OpenChannel):
+            this._private._peer._max_datagram = 8192
+    return open_private
+
+
+def _too_large(monkeypatch, loop):
+    monkeypatch.setattr(link, "write_result", _long_result)
+    return does(_sends_anything)(monkeypatch, loop)
+
+
+class _Hasty(StateSender):
+    """Sends 500 messages a second."""
+
+    def _advance(self, now_mono):
+        self._next_mono = now_mono + 0.002
+
+
+class _SaysOnce(StateSender):
+    """Sends each state once."""
+
+    def _advance(self, now_mono):
+        super()._advance(now_mono)
+        self._next_mono = float("inf")
+
+
+def _last_goal(monkeypatch, loop):
+    monkeypatch.setattr(machine.RobotProgress, "leave", lambda progress, why: [])
+    return deaf_to(BoxState.STOP, RobotState.EXECUTING, usual=DummyOptions(1.0, 20.0, seed=1))(monkeypatch, loop)
+
+
+def _ready_again(_original, _loop):
+    def end_execute(progress, _result):
+        return progress._enter(machine.Transition(RobotState.WAITING_GOAL, machine.Act.KEEP), "")
+    return end_execute
+
+
+HANDLING_S = 0.2  # of a slow robot, for each beacon
+
+
+def _slow(monkeypatch, loop):
+    """Handles all messages in one row, and beacons slowly."""
+    free = [0.0]
+
+    def queued(original, seconds):
+        def take(this, message, sender):
+            free[0] = max(free[0], loop.time()) + seconds
+            loop.call_at(free[0], original, this, message, sender)
+        return take
+
+    for name, seconds in (("_public_message", HANDLING_S), ("_private_message", 0.0)):
+        original = getattr(runner.SessionRunner, name)
+        monkeypatch.setattr(runner.SessionRunner, name, queued(original, seconds))
+    return usual_robot(loop, DummyOptions(1.0, 8.0, seed=1))
+
+
 def _blocked(do, loop):
     until = [0.0]
 
@@ -170,6 +259,12 @@ class _Fragile:
 def _stops_in_silence(this, loop):
     channel = this.session.link
     if channel is not None and loop.time() - channel.silence._heard_mono > 2.0:
+        this.session.progress.state = RobotState.STOP
+
+
+def _stops_without_box(this, loop):
+    channel = this.session.link
+    if channel is not None and loop.time() - channel.silence._heard_mono > 1.2:
         this.session.progress.state = RobotState.STOP
 
 
@@ -260,7 +355,14 @@ FAULTS = (
           Cause.CLOCK_DRIFT),
     Fault("times in whole seconds", patched(link.MessageTimes, "next", _whole_seconds), ("channel",),
           Cause.TIME_NOT_RISING),
+    Fault("another robot of the team", settings(), ("find",), Cause.OTHER_ROBOT, given=(("robot", "Second"),)),
+    Fault("a name of 101 characters", settings(robot="R" * 101), ("find",), Cause.BAD_NAME),
+    Fault("beacons of the first version", does(_old_frames_in_public), ("find",), Cause.BAD_FRAMES),
     # The private channel.
+    Fault("states of the first version", does(_old_frames_in_private), ("channel",), Cause.BAD_FRAMES),
+    Fault("a result of 1200 bytes", _too_large, ("run-hopf",), Cause.TOO_LARGE),
+    Fault("sends without a pause", _value(link, "StateSender", _Hasty), ("channel",), Cause.FLOOD),
+    Fault("continues the goal of its last run", _last_goal, ("new-port",), Cause.OLD_STATE),
     Fault("wrong password", settings(password="another"), ("channel",), Cause.WRONG_PASSWORD),
     Fault("not encrypted", does(_plain), ("channel",), Cause.PLAIN_FRAMES),
     Fault("no private channel", _value(runner.SessionRunner, "_open_private", lambda this, where: None), ("channel",),
@@ -292,6 +394,8 @@ FAULTS = (
           Cause.NEXT_GOAL_IGNORED),
     Fault("ignores the timeout of a waypoint", deaf_to(BoxState.PREPARE, RobotState.EXECUTING), ("next-waypoint",),
           Cause.TIMEOUT_IGNORED),
+    Fault("waits for a goal when it is done", patched(machine.RobotProgress, "end_execute", _ready_again), ("run",),
+          Cause.ILLEGAL_STATE, also=(Cause.NEVER_DONE,)),
     Fault("restarts while it executes", _crash_once, ("run",), Cause.FELL_TO_STOP),
     # Contents.
     Fault("saves nothing", options(save_nothing=True), ("run",), Cause.NOTHING_SAVED),
@@ -308,6 +412,10 @@ FAULTS = (
     # Networks and boxes.
     Fault("stops when the box is silent", lambda _, loop: _Fragile(loop, _stops_in_silence), ("silent-3",),
           Cause.GIVES_UP),
+    Fault("stops when the box restarts", lambda _, loop: _Fragile(loop, _stops_without_box), ("restart",),
+          Cause.RESTART_NOT_FOLLOWED),
+    Fault("sends each state once", _value(link, "StateSender", _SaysOnce), ("bad-network",), Cause.BAD_NETWORK),
+    Fault("handles a beacon in 0.2 s", _slow, ("burst",), Cause.BURST),
     Fault("does not follow a box that moved", patched(
         session.Session, "_follows", lambda original, loop: lambda this, mono, host, listed: (
             this._box in (None, host))), ("moved",), Cause.MOVE_NOT_FOLLOWED),

@@ -40,9 +40,10 @@ def _fell(play: Play, since: int) -> bool:
 
 async def _finish(play: Play, cause: Cause, since: int, what: str) -> None:
     """See that the robot completes its goal in spite of what happened."""
+    is_over = await play.until(lambda: play.over, 2 * play.options.patience)
     if _fell(play, since):
         play.fail(cause, f"the robot keeps its state {what}", "STOP")
-    if not await play.until(lambda: play.over, 2 * play.options.patience):
+    if not is_over:
         play.give_up(cause, f"the robot completes its goal {what}", play.state_name)
     if not await play.until(lambda: play.state is RobotState.STOP, REPEATED_S):
         play.give_up(cause, f"STOP at the end of the run {what}", play.state_name)

@@ -133,7 +133,7 @@ async def burst(play: Play, code: str) -> None:
         play.box.event(box.on_tablet, BEACON_HOST, TabletState(False, moment, moment, 0.1 * number, 1.0))
         await play.rest(BURST_PERIOD_S)
     if not play.over and play.state is RobotState.EXECUTING:
-        await play.stop("after a burst of beacons")
+        await play.stop("after a burst of beacons", Cause.BURST)
     since = len(play.record.reports)
     if not await play.until(lambda: len(play.record.reports) > since, ALIVE_S):
         play.give_up(Cause.BURST, "the robot continues after twenty beacons a second", "no more messages of the robot")
