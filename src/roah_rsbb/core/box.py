@@ -11,6 +11,7 @@ from roah_rsbb.core import effects
 from roah_rsbb.core.clock import ClockWatch, Now
 from roah_rsbb.core.commands import CommandRecord, Commands
 from roah_rsbb.core.connections import Connections
+from roah_rsbb.core.copies import Copies, CopyReport
 from roah_rsbb.core.effects import Effect, Level, Outbox
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.core.messages import Beacon, DevicesState, RobotReport, TabletState
@@ -56,6 +57,7 @@ class Box:
         self.devices = DevicesState()
         self.tablet = Tablet()
         self.watches = Watches(settings.listen_duration)
+        self.copies = Copies()
         self._modules = Modules()
         # What changes runs.
         self._connections = Connections(
@@ -146,7 +148,8 @@ class Box:
         uses = frozenset().union(*(zone.event.benchmark.profile.uses for zone in self.zones.values()))
         devices = self.watches.devices_warnings() if DEVICES in uses else []
         ports = self._connections.warnings()
-        return self.watches.warnings(now) + devices + self.tablet.warnings(now, TABLET in uses) + ports
+        tablet = self.tablet.warnings(now, TABLET in uses)
+        return self.watches.warnings(now) + self.copies.warnings(now) + devices + tablet + ports
 
     def warnings_of(self, now: Now, zone_name: str) -> List[str]:
         """Return the current warnings for the referee of a zone."""
@@ -358,4 +361,13 @@ class Box:
         self.tick(now)
         if self.watches.journal(trouble):
             level, text = (Level.ERROR, trouble) if trouble else (Level.INFO, "The journal is written again")
+            self._outbox.notice(level, text)
+
+    def on_copy_report(self, now: Now, report: CopyReport) -> None:
+        """The node that copies the journal reports how complete the copy is."""
+        self.tick(now)
+        change = self.copies.report(now, report)
+        if change is not None:
+            level, text = (Level.ERROR, change) if change else (
+                Level.INFO, f"The copy of the journal in {report.place} is complete again")
             self._outbox.notice(level, text)

@@ -5,7 +5,8 @@ The only place where the core meets rospy.
 Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_host, rsbb_port, bind_host,
 benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, public_provisional,
 standings_file, rsbb_cypher, private_mode, robot_timeout, allowed_skew, after_stop_duration, check_messages_saved,
-check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_duration, take_over, end_launch.
+check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_duration, take_over, backup_dir,
+end_launch.
 """
 
 import gc
@@ -23,6 +24,7 @@ from std_srvs.srv import EmptyResponse
 
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.core.box import Box
+from roah_rsbb.core.copies import CopyReport
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.presence import MAX_NODES
 from roah_rsbb.core.settings import Settings
@@ -31,6 +33,7 @@ from roah_rsbb.journal.file import CoreSession, Resume, boot_id
 from roah_rsbb.journal.ports import PortRecord
 from roah_rsbb.journal.store import Journal
 from roah_rsbb.msg import (
+    CopyState,
     CoreDetails,
     CoreToGui,
     CoreToPublic,
@@ -67,7 +70,7 @@ from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.rulebook import config
 from roah_rsbb.run_logs.writer import RunLogWriter
 
-# The value of a parameter without its file.
+# The value of a parameter without its file or folder.
 NO_FILE = "none"
 
 GUI_PERIOD_S = 0.1
@@ -133,6 +136,7 @@ class CoreNode:
         results = params.choice("public_results", PublicResults.NONE.value, [choice.value for choice in PublicResults])
         self._public_provisional = params.flag("public_provisional", False)
         standings_file = params.text("standings_file", NO_FILE)
+        backup_dir = params.path("backup_dir") if params.text("backup_dir", NO_FILE) != NO_FILE else ""
         params.done()
         launch = rospy.get_param("/run_id", "")
         standings = None if standings_file == NO_FILE else os.path.expanduser(standings_file)
@@ -179,6 +183,8 @@ class CoreNode:
         for warning in (*self._configuration.notices, *port_warnings, *self._store.warnings):
             self._driver.event(box.on_notice, warning)
         self._check_log_dir()
+        if backup_dir:
+            box.copies.expect(now, backup_dir)
 
     def _resume(self) -> None:
         """Continue where the core was when it ended, if the journal has its state."""
@@ -213,6 +219,7 @@ class CoreNode:
         rospy.Service("/core/end_other_core", EmptySrv, self._end_other_core)
         rospy.Subscriber("/devices/state", DevicesState, self._on_devices, queue_size=10)
         rospy.Subscriber("/devices/status", DevicesStatus, self._on_devices_status, queue_size=10)
+        rospy.Subscriber("/copies/state", CopyState, self._on_copy, queue_size=10)
         rospy.Subscriber("/modules/state", ModulesState, self._on_modules, queue_size=10, tcp_nodelay=True)
         gc.collect()
         # From here on, robots are heard. A delay in the loop would look as if their clocks were behind.
@@ -250,6 +257,11 @@ class CoreNode:
 
     def _on_devices_status(self, message: DevicesStatus) -> None:
         self._ros.post(lambda: self._event(self._box.on_devices_status, message.connected, message.text))
+
+    def _on_copy(self, message: CopyState) -> None:
+        report = CopyReport(message.place, message.box_uuid == self._uuid, message.behind, message.missing_entries,
+                            message.trouble)
+        self._ros.post(lambda: self._event(self._box.on_copy_report, report))
 
     def _on_device_refused(self, wish: SetDevice, reason: str) -> None:
         self._ros.post(lambda: self._event(self._box.on_device_refused, wish.zone, wish.device, wish.value, reason))

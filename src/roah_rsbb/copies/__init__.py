@@ -1,0 +1,1 @@
+"""Copies the journal, continuously, to a second place (docs/backup.md)."""

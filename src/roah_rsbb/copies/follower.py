@@ -1,0 +1,137 @@
+"""Keeps a copy of the journal up to date, in a thread of its own.
+
+The core never waits for the copy: another process reads the journal's file. A stick that hangs stops only the thread,
+and the time since the last complete copy still rises.
+"""
+
+import os
+import threading
+import time
+from typing import Callable, NamedTuple, Optional
+
+from roah_rsbb.copies.folder import CannotWriteCopy, CopyFolder, JournalFiles
+from roah_rsbb.copies.rows import CannotReadJournal, JournalRows, OtherJournal
+from roah_rsbb.journal import file as files
+
+# Time between two looks at the journal.
+PERIOD_S = 0.1
+# Failed attempts are repeated after this time.
+RETRY_S = 1.0
+
+
+class Progress(NamedTuple):
+    """How complete the copy is."""
+
+    trouble: str  # why it is not complete, and what to do; empty: none
+    complete_mono: Optional[float]  # when it was complete for the last time (monotonic seconds); None: never
+    missing_entries: int  # number of entries that the copy lacks, as far as it is known
+    box_uuid: str  # of the core whose journal was copied last; empty: none yet
+    aside: str  # the file to which an earlier copy was moved; empty: none
+
+
+class Follower:
+    """Copies the journal in `log_dir` to another folder."""
+
+    def __init__(self, log_dir: str, folder: str, now: Callable[[], float] = time.monotonic) -> None:
+        self.folder = folder
+        self.progress = Progress("", None, 0, "", "")
+        self.log_dir = log_dir
+        self._path = os.path.join(log_dir, files.FILE_NAME)
+        self._now = now
+        self._journal: Optional[JournalRows] = None
+        self._copy: Optional[CopyFolder] = None
+        self._beside = JournalFiles(log_dir)
+        self._copied_entry = 0
+        self._has_other_device = False
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._work, name="copy", daemon=True)
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def end(self, timeout: float) -> None:
+        """Ask the thread to end, and wait at most `timeout` seconds for it: the stick may hang."""
+        self._ended.set()
+        self._thread.join(timeout)
+
+    def close(self) -> None:
+        """Close all files, in the thread that calls `step`."""
+        self._drop_copy()
+        if self._journal is not None:
+            self._journal.close()
+            self._journal = None
+
+    def step(self) -> None:
+        """Copy everything that is missing. Never raises."""
+        try:
+            self._follow()
+        except CannotReadJournal as error:
+            self.close()
+            self.progress = self.progress._replace(trouble=str(error))
+        except CannotWriteCopy as error:
+            self._drop_copy()
+            self.progress = self.progress._replace(
+                trouble=f"the copy cannot be written: {error}", missing_entries=self._missing_entries())
+
+    def _work(self) -> None:
+        while not self._ended.is_set():
+            self.step()
+            self._ended.wait(RETRY_S if self.progress.trouble else PERIOD_S)
+        self.close()
+
+    def _follow(self) -> None:
+        if self._journal is None or not self._journal.is_in_place():
+            self.close()
+            self._journal = self._open_journal()
+        if self._copy is None:
+            self._open_copy()
+        copy, journal = self._copy, self._journal
+        copy.check()
+        while journal.has_changed() and not self._ended.is_set():
+            rows = journal.missing(copy.known)
+            beside = self._beside.changed()
+            if beside or not rows.is_empty():
+                copy.write(rows, beside)
+            self._copied_entry = copy.known.last["entries"].number
+            if not rows.is_last:
+                self.progress = self.progress._replace(missing_entries=self._missing_entries())
+        if not self._ended.is_set():
+            self.progress = Progress("", self._now(), 0, copy.box_uuid, copy.aside)
+
+    def _open_journal(self) -> JournalRows:
+        if not os.path.exists(self._path):
+            raise CannotReadJournal(f"there is no journal {self._path} yet")
+        return JournalRows(self._path)
+
+    def _open_copy(self) -> None:
+        self._check_device()
+        self._copy = CopyFolder(self.folder)
+        try:
+            self._journal.begin(self._copy.known)
+        except OtherJournal:
+            self._copy.set_aside()
+            self._journal.begin(self._copy.known)
+        self._beside = JournalFiles(self.log_dir)
+
+    def _check_device(self) -> None:
+        """Refuse to write into the empty folder where the stick was mounted. Raises `CannotWriteCopy`."""
+        try:
+            has_other = os.stat(self.folder).st_dev != os.stat(self.log_dir).st_dev
+        except OSError:
+            return  # the folder is missing, which is reported when it is opened
+        if self._has_other_device and not has_other:
+            raise CannotWriteCopy("the stick is not mounted. Plug it in again")
+        self._has_other_device = has_other
+
+    def _missing_entries(self) -> int:
+        """Return how many entries the copy lacks; the last known number if the journal cannot be read."""
+        try:
+            return max(0, self._journal.newest_entry() - self._copied_entry)
+        except CannotReadJournal:
+            return self.progress.missing_entries
+
+    def _drop_copy(self) -> None:
+        if self._copy is not None:
+            self._copy.close()
+            self._copy = None

@@ -1,0 +1,85 @@
+"""Warnings about copies of the journal that are behind."""
+
+import pytest
+
+from helpers.box_driver import BoxDriver
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.copies import LATE_S, SILENT_S, Copies, CopyReport
+from roah_rsbb.core.effects import Level
+
+STICK = "/media/stick"
+
+
+def at(mono):
+    return Now(float(mono), 1e9 + mono)
+
+
+def report(is_of_this_box=True, behind=0.05, missing=0, trouble=""):
+    return CopyReport(STICK, is_of_this_box, behind, missing, trouble)
+
+
+@pytest.fixture
+def copies():
+    copies = Copies()
+    copies.expect(at(0), STICK)
+    return copies
+
+
+def test_a_complete_copy_is_no_warning(copies):
+    for second in range(20):
+        assert copies.report(at(second), report()) is None
+        assert not copies.warnings(at(second + 0.9))
+
+
+def test_a_missing_stick_is_logged_once_and_shown_until_it_is_complete_again(copies):
+    copies.report(at(1), report())
+    logged = [copies.report(at(1 + s), report(behind=s, missing=7 * s, trouble="no stick")) for s in range(1, 10)]
+    assert [text for text in logged if text is not None] == [
+        f"The copy of the journal in {STICK} is 3 s, 21 entries behind: no stick"]
+    assert copies.warnings(at(11)) == [f"The copy of the journal in {STICK} is 10 s, 63 entries behind: no stick"]
+    assert copies.report(at(12), report()) == ""
+    assert not copies.warnings(at(12))
+
+
+def test_a_short_trouble_is_no_warning(copies):
+    assert copies.report(at(1), report(behind=LATE_S - 0.1, trouble="busy")) is None
+    assert not copies.warnings(at(1))
+
+
+def test_a_copy_that_never_reports(copies):
+    assert not copies.warnings(at(LATE_S - 0.1))
+    assert "roah_rsbb_backup does not report" in copies.warnings(at(LATE_S))[0]
+
+
+def test_reports_that_end(copies):
+    copies.report(at(1), report())
+    assert not copies.warnings(at(2))
+    assert "does not report" in copies.warnings(at(1 + SILENT_S))[0]
+
+
+def test_the_copy_of_another_core(copies):
+    for second in range(1, 5):
+        copies.report(at(second), report(is_of_this_box=False))
+    assert "the journal of another core" in copies.warnings(at(5))[0]
+
+
+def test_a_slow_stick(copies):
+    copies.report(at(10), report(behind=9.0, missing=400))
+    assert "9 s, 400 entries behind: it is being written" in copies.warnings(at(10))[0]
+
+
+def test_no_copy_is_expected():
+    assert not Copies().warnings(at(100))
+
+
+def test_referees_see_it_and_the_log_has_it():
+    driver = BoxDriver()
+    driver.box.copies.expect(driver.now, STICK)
+    driver.event(driver.box.on_copy_report, report(behind=50.0, trouble="no stick"))
+    driver.run(LATE_S)
+    assert any("no stick" in text for text in driver.box.warnings(driver.now))
+    driver.event(driver.box.on_copy_report, report(behind=50.0, trouble="no stick"))
+    assert any("no stick" in text for text in driver.notices(Level.ERROR))
+    driver.event(driver.box.on_copy_report, report())
+    assert not driver.box.warnings(driver.now)
+    assert driver.notices(Level.INFO)[-1] == f"The copy of the journal in {STICK} is complete again"
