@@ -88,7 +88,7 @@ def _score(link: Link, options, output: Output) -> Exit:
             view.score_sheet(zone, output.style))
         return Exit.OK
     item = pick_item(options.item, zone.score)
-    link.mark(name, "", item, value_of(options.value, item))
+    link.mark(name, zone.identity, item, value_of(options.value, item))
     zone = link.settle().zone(name)
     item = zone.score[item.number - 1]
     output.object({"ok": True, "command": "score", "zone": name, **item._asdict()}) if output.json else output.lines(
@@ -180,7 +180,8 @@ def _score_with_words(link: Link, options: Any, output: Any) -> Exit:
     zone, run = _which(link, options)
     item = pick_item(options.item, _fetched(link, zone, run).items)
     entered = None if options.value.lower() in NOT_ATTEMPTED else value_of(options.value, item)
-    link.mark(zone, _identity(run), item, entered, options.note, options.referee)
+    identity = _identity(run) or link.box.zone(zone).identity
+    link.mark(zone, identity, item, entered, options.note, options.referee)
     new: SheetItem = _fetched(link, zone, run).items[item.number - 1]
     if output.json:
         output.object({"ok": True, "command": "score", "zone": zone, **new._asdict()})

@@ -6,6 +6,7 @@ the error names what does not answer, with the remedy.
 
 import os
 import time
+import uuid
 from typing import Any, Dict, List, Optional, Sequence
 
 from roah_rsbb.core.referee import Refused
@@ -24,13 +25,14 @@ from roah_rsbb.srv import (
     GetRunSheet,
     LeaveRun,
     ManualOperationAnswer,
+    MarkItem,
+    MarkItemRequest,
     PairDevice,
     PairDeviceResponse,
     PairedDevices,
     Reload,
     ReloadResponse,
     RevokeDevice,
-    ScoreMark,
     ScoreWithdraw,
     SignOff,
     StopReason,
@@ -52,6 +54,8 @@ CONNECT_S = 2.0
 AGAIN_S = 0.2
 # An older first message may be the latched one of a core that hangs: wait for a second one.
 FRESH_S = 1.0
+# Of the person at the terminal.
+ROLE = "referee"
 # Connect again to a silent core at this interval. After a power failure of its computer, nothing else finds it.
 RENEW_S = 5.0
 # The core publishes details at least every second. After this long without newer ones, something is wrong.
@@ -230,26 +234,40 @@ class Link:
     def mark(
         self, zone: str, identity: str, item: SheetItem, entered: Optional[Entered], note: str = "", referee: str = ""
     ) -> None:
-        """Set an item, in the run of that identity; empty: the connected one. Raises as `command` does.
+        """Mark an item in the run of that identity. Raises as `command` does.
 
-        `entered`: None if the robot did not try.
+        `entered`: None if the robot did not try. The core applies the mark once, so it is sent again while the core
+        does not answer, for example while it restarts.
         """
-        value = entered or Entered()
-        self._call(
-            "/core/score", ScoreMark, zone, identity, item.group, item.item, value.value, entered is None, value.text,
-            value.judge, note, referee,
+        value, change = entered or Entered(), MarkItemRequest.SET
+        if entered is None:
+            change = MarkItemRequest.NOT_ATTEMPTED
+        elif value.added:
+            value, change = Entered(text=value.added), MarkItemRequest.ADD
+        mark = (
+            zone, identity, str(uuid.uuid4()), item.group, item.item, change, value.value, value.text, value.judge,
+            note, referee, ROLE, "",
         )
+        deadline = self.now() + ANSWER_S
+        while True:
+            try:
+                self._call("/core/mark", MarkItem, *mark)
+                return
+            except NoCore:
+                if self.now() + AGAIN_S > deadline:
+                    raise
+                time.sleep(AGAIN_S)  # there is no event for the start of a core
 
     def withdraw(self, zone: str, identity: str, entry: int, note: str, referee: str) -> None:
-        """Withdraw an entry of the score sheet; see `mark`."""
+        """Withdraw an entry of the score sheet. An empty identity names the connected run. Raises as `command` does."""
         self._call("/core/score/withdraw", ScoreWithdraw, zone, identity, entry, note, referee)
 
     def give_reason(self, zone: str, identity: str, end: int, reason: str, referee: str) -> None:
-        """Record why the run was stopped; `end` counts from 1, 0: the last one. See `mark`."""
+        """Record why the run was stopped; `end` counts from 1, 0: the last one. See `withdraw`."""
         self._call("/core/stop_reason", StopReason, zone, identity, end, reason, referee)
 
     def sign_off(self, zone: str, identity: str, referee: str) -> None:
-        """Sign a score sheet off; see `mark`."""
+        """Sign a score sheet off; see `withdraw`."""
         self._call("/core/sign_off", SignOff, zone, identity, referee)
 
     def reload(self, digest: str, referee: str) -> ReloadResponse:
@@ -257,7 +275,7 @@ class Link:
         return self._call("/core/reload", Reload, digest, referee)
 
     def run_sheet(self, zone: str, identity: str) -> RunSheet:
-        """Return a run's score sheet; see `mark`."""
+        """Return a run's score sheet; see `withdraw`."""
         return self._call("/core/run_sheet", GetRunSheet, zone, identity).sheet
 
     def runs(self) -> List[RunLine]:

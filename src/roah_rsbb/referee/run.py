@@ -160,9 +160,9 @@ class RunScript:
 
     def _mark(self, item: SheetItem, value: Entered) -> None:
         try:
-            self._link.mark(self._plan.zone, "", item, value)
+            self._link.mark(self._plan.zone, self._run, item, value)
         except (Refused, NoCore) as error:
-            self._unmarked = f"; '{item.item}' = {value.text or value.value} failed: {error}"
+            self._unmarked = f"; '{item.item}' = {value.added or value.text or value.value} failed: {error}"
             self._note(self._unmarked[2:])
 
     def _attempt(self, command: str, phase: str) -> bool:

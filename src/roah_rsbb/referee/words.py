@@ -79,20 +79,21 @@ class Entered(NamedTuple):
     value: int = 0
     text: str = ""  # of a decimal, a choice or a rating
     judge: str = ""
+    added: str = ""  # a number to add to the item, instead of the others
 
 
 def value_of(text: str, item: SheetItem) -> Entered:
     """Return the value that `text` gives an item.
 
-    It is a number, yes or no, a choice, or `JUDGE:NUMBER`; +N and -N count from the present value. Raises `BadWord`, or
-    `Refused` as the core itself does.
+    It is a number, yes or no, a choice, or `JUDGE:NUMBER`; +N and -N add to an item. Raises `BadWord`, or `Refused` as
+    the core itself does.
     """
     if item.type == "choice":
         return Entered(text=_choice(text, item))
     if item.type == "rating":
         return _rating(text, item)
     if item.type == "decimal":
-        return Entered(text=_decimal(text, item))
+        return _decimal(text, item)
     value = WORDS.get(text.lower()) if item.type == "bool" else None
     if value is None:
         try:
@@ -100,8 +101,8 @@ def value_of(text: str, item: SheetItem) -> Entered:
         except ValueError:
             kind = "0, 1, yes or no" if item.type == "bool" else "a whole number such as 2, +1 or -1"
             raise BadWord(f"'{text}' is not a value for '{item.item}': give {kind}") from None
-        if text.startswith(("+", "-")):
-            value += item.value
+        if text.startswith(("+", "-")) and item.type != "bool":
+            return Entered(added=str(value))
     if abs(value) > MAX_VALUE:
         raise BadWord(f"'{text}' is too large for '{item.item}': the maximum is {MAX_VALUE}")
     sheet = ScoreSheet((ScoringItem(item.group, item.item, ScoreKind[item.type.upper()]),))
@@ -125,13 +126,12 @@ def _rating(text: str, item: SheetItem) -> Entered:
     return Entered(text=number.strip(), judge=found[0])
 
 
-def _decimal(text: str, item: SheetItem) -> str:
+def _decimal(text: str, item: SheetItem) -> Entered:
     number = number_of(text)
     if number is None:
         raise BadWord(f"'{text}' is not a value for '{item.item}': give a number such as 2.5, +0.5 or -1")
-    if text.startswith(("+", "-")):
-        number += number_of(item.text) or 0
-    return text_of(number)
+    is_added = text.startswith(("+", "-"))
+    return Entered(added=text_of(number)) if is_added else Entered(text=text_of(number))
 
 
 def answer_of(text: str, operation: ManualOperation) -> str:

@@ -245,13 +245,15 @@ class FakeLink:
             raise answer
 
     def mark(self, name: str, identity: str, item: SheetItem, entered: Entered) -> None:
-        """Set an item."""
+        """Mark an item."""
+        assert identity == self.zone.identity
         answer = (self.answers.get("mark") or [None]).pop(0)
         if answer is not None:
             raise answer
-        self.scores[item.item] = entered.value
-        self.change(score=tuple(
-            i._replace(value=entered.value) if i.item == item.item else i for i in self.zone.score))
+        now = next(i for i in self.zone.score if i.item == item.item)
+        value = now.value + int(entered.added) if entered.added else entered.value
+        self.scores[item.item] = value
+        self.change(score=tuple(i._replace(value=value) if i.item == item.item else i for i in self.zone.score))
 
     def complete_operation(self, name: str, operation: int, answer: str) -> None:
         """Answer the current request. As in the core, the number must be right."""

@@ -38,6 +38,22 @@ def test_a_message_from_after_the_answer_does_also_with_another_referees_value()
     assert edits.value(ITEM, 6, 99.0) == 6  # the change is forgotten from then on
 
 
+def test_what_the_answer_says_is_shown_until_a_later_message_comes():
+    edits = Edits()
+    edits.wish(ITEM, 1)
+    assert edits.carried_out(ITEM, 100.0, is_now=3) is None  # another referee counted two
+    assert edits.value(ITEM, 0, 99.9) == 3
+    assert edits.value(ITEM, 4, 100.1) == 4
+
+
+def test_an_answer_shows_no_older_wish_while_the_next_call_waits():
+    edits = Edits()
+    edits.wish(ITEM, 1)
+    edits.wish(ITEM, 2)
+    assert edits.carried_out(ITEM, 100.0, is_now=1) == 2
+    assert edits.value(ITEM, 1, 100.1) == 2
+
+
 def test_calls_of_one_item_do_not_overtake_each_other():
     edits = Edits()
     assert edits.wish(ITEM, 1) == 1

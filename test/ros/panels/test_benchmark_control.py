@@ -8,6 +8,7 @@ import rospy
 from support.gui_testing import QMessageBox, Qt, QTest, answer, click, limit, question, settle, wait_until
 from support.panel_case import BUMPS, DOOR, PanelCase
 
+from roah_rsbb.core.scoring.sheet import Mark
 from roah_rsbb.rqt.model import calls, model
 from roah_rsbb.rqt.panels.scoring import ScoringPanel
 from roah_rsbb.rulebook.benchmarks import PhaseRule, Rules
@@ -324,9 +325,9 @@ class TestScoring(PanelCase):
         click(self.panel.rows[DOOR].toggle)
         self.wait_call("score", "Home A", *DOOR, 0)
         click(self.bumps.more)
-        self.wait_call("score", "Home A", *BUMPS, 1)
+        self.wait_call("score", "Home A", *BUMPS, "+1")
         click(self.bumps.less)
-        self.wait_call("score", "Home A", *BUMPS, 0)
+        self.wait_call("score", "Home A", *BUMPS, "-1")
         wait_until(lambda: self.bumps.number.text() == "0", "it is counted")
         self.assertFalse(self.bumps.less.isEnabled())
 
@@ -339,7 +340,32 @@ class TestScoring(PanelCase):
         self.core.answer_gate.set()
         wait_until(lambda: self.zone.scores.get(BUMPS) == 5, "the last value is set")
         wait_until(lambda: self.bumps.number.text() == "5", "it is confirmed")
-        self.assertEqual([call[-1] for call in self.core.calls], [1, 5])
+        self.assertEqual([call[-1] for call in self.core.calls], ["+1", "+4"])
+
+    def test_what_another_referee_counts_at_the_same_time_is_not_lost(self) -> None:
+        self.hush()
+        self.core.answer_gate.clear()
+        for _ in range(3):
+            click(self.bumps.more)
+        wait_until(lambda: self.core.calls, "the first call is made")
+        self.zone.mark(Mark(*BUMPS, added="2"), "Ben")
+        self.core.answer_gate.set()
+        wait_until(lambda: self.bumps.number.text() == "5", "the answer has all counts, before they are published")
+        self.assertEqual(self.zone.scores, {BUMPS: 5})
+        (first, *_, last) = self.zone.book.sheet.history
+        self.assertEqual((first.who, last.role), ("Ben", "referee"))
+        self.assertEqual(len({mark.id for mark in self.zone.book.sheet.marks}), 2, "each mark has its own identity")
+
+    def test_counts_for_one_run_never_go_into_the_next(self) -> None:
+        self.core.answer_gate.clear()
+        for _ in range(2):
+            click(self.bumps.more)
+        wait_until(lambda: self.core.calls, "the first call is made")
+        self.zone.command("disconnect", "connect")
+        wait_until(lambda: self.panel._sheet[1] == self.zone.identity, "the sheet of the next run is shown")
+        self.core.answer_gate.set()
+        self.wait_answered()
+        self.assertEqual((len(self.core.calls), self.zone.scores), (1, {}))
 
     def test_an_older_message_does_not_overwrite(self) -> None:
         self.hush()

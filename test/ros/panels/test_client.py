@@ -17,11 +17,23 @@ import rospy
 from PyQt5 import sip
 from std_srvs.srv import Empty
 from support.fakes.core import FakeCore
-from support.gui_testing import QApplication, QMessageBox, Qt, QTest, answer, click, question, show, wait_until
+from support.gui_testing import (
+    QApplication,
+    QMessageBox,
+    Qt,
+    QTest,
+    answer,
+    click,
+    limit,
+    question,
+    show,
+    wait_until,
+)
 from support.panel_case import CoreCase
 
 from roah_rsbb.rqt.app.panel_list import PANELS
 from roah_rsbb.rqt.app.window import Window
+from roah_rsbb.rqt.model import calls
 from roah_rsbb.rqt.model.client import Client
 from roah_rsbb.rqt.panels.active_robots import COLUMNS, ActiveRobotsPanel
 from roah_rsbb.rqt.panels.core_status import CoreStatusPanel
@@ -37,6 +49,38 @@ from roah_rsbb.srv import Reload, ReloadResponse
 from roah_rsbb.wording.replay import PREFIX
 
 PLUGIN_XML = pathlib.Path(__file__).resolve().parents[3] / "plugin.xml"
+
+
+class TestMarks(unittest.TestCase):
+    """What is sent again, and what is not."""
+
+    def setUp(self) -> None:
+        limit(self, calls, "AGAIN_S", 0.0)
+        self.answers = []
+        self.tries = 0
+
+    def call(self) -> str:
+        self.tries += 1
+        answer = self.answers.pop(0)
+        if answer.startswith("answer"):
+            return answer
+        raise rospy.ServiceException(answer)
+
+    def test_a_mark_is_sent_until_the_core_answers(self) -> None:
+        self.answers = ["service [/core/mark] unavailable", "transport error completing service call: gone",
+                        "unable to connect to service: refused", "answer 1", "answer 2"]
+        self.assertEqual((calls._until_answered(self.call), self.tries), ("answer 1", 4))
+
+    def test_a_refusal_is_an_answer(self) -> None:
+        self.answers = ["service [/core/mark] responded with an error: b'error processing request: no such item'"]
+        with self.assertRaisesRegex(rospy.ServiceException, "no such item"):
+            calls._until_answered(self.call)
+
+    def test_it_is_not_sent_for_ever(self) -> None:
+        limit(self, calls, "TIMEOUT_S", -1.0)
+        self.answers = ["service [/core/mark] unavailable"]
+        with self.assertRaisesRegex(rospy.ServiceException, "unavailable"):
+            calls._until_answered(self.call)
 
 
 class TestFocusRing(unittest.TestCase):

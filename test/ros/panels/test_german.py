@@ -235,7 +235,7 @@ class TestGerman(WindowCase):
     def test_the_box_receives_what_it_receives_in_english(self) -> None:
         self.run_zone()
         self.scoring.rows[BUMPS].score()
-        self.wait_call("score", "Home A", *BUMPS, 1)
+        self.wait_call("score", "Home A", *BUMPS, "+1")
         wait_until(lambda: self.zone.scores.get(BUMPS) == 1, "the core has the score")
         schedule = self.panel("SchedulePanel")
         self.bring("SchedulePanel")

@@ -157,15 +157,16 @@ class TestCommands(WithCore):
         for value in ("1", "2", "3"):
             made = json.loads(self.called("score", "Home A", "2", "+1", "--json").stdout)
             self.assertEqual((made["ok"], made["number"], made["value"]), (True, 2, int(value)))
-        self.assertEqual(self.core.calls[0], ("score", "Home A", *DOOR, 1))
-        self.assertEqual(len(self.core.calls), 4)
+        self.assertEqual([call[-1] for call in self.core.calls], [1, "+1", "+1", "+1"])
+        refused = self.called("score", "Home A", "2", "-4")
+        self.assertEqual((refused.returncode, refused.stderr.count("its value must be 0 or more, not -1")), (1, 1))
         self.assertEqual(self.called("score", "Home A", "door").returncode, 2)
 
     def test_scores_with_words_and_their_history(self) -> None:
         self.zone.command("connect")
         done = self.called("score", "Home A", "door", "yes", "--note", "through the window", "--referee", "Anna")
         self.assertEqual((done.stdout, done.stderr), (f"{DOOR[0]}: {DOOR[1]}: yes\n", ""))
-        self.assertEqual(self.core.words, [("", "through the window", "Anna")])
+        self.assertEqual(self.core.words, [(self.zone.identity, "through the window", "Anna")])
         self.assertEqual(self.called("score", "Home A", "door", "n/a").stdout, f"{DOOR[0]}: {DOOR[1]}: not attempted\n")
         self.assertIn("not attempted  " + DOOR[1], self.called("score", "Home A").stdout)
         sheet = json.loads(self.called("sheet", "Home A", "--json").stdout)["sheet"]

@@ -2,6 +2,8 @@
 
 import contextlib
 import threading
+import time
+import uuid
 from typing import Any, Callable, Dict, NamedTuple, Optional
 
 import rospy
@@ -9,7 +11,7 @@ import rospy
 from roah_rsbb.ros import refusals
 from roah_rsbb.ros.connections import REFEREE_HEADER
 from roah_rsbb.rqt.qt import QObject, QTimer, Signal
-from roah_rsbb.srv import GetClock
+from roah_rsbb.srv import GetClock, MarkItem, MarkItemRequest, MarkItemResponse
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.sent import tr_sent
 
@@ -17,6 +19,10 @@ from roah_rsbb.wording.sent import tr_sent
 TIMEOUT_S = 5.0
 # Limit of calls that wait at the same time: a core that hangs must not fill this process with threads.
 MAX_WAITING = 16
+# A mark that was not answered is sent again after this time (s).
+AGAIN_S = 0.2
+# Of the person at a panel, for marks.
+ROLE = "referee"
 
 
 class RefereeName(QObject):
@@ -40,6 +46,13 @@ class CallOutcome(NamedTuple):
 
     error: str  # for the referee; empty: it was carried out
     result: Any = None
+
+
+class Marked(NamedTuple):
+    """The result of a mark."""
+
+    clock_s: float  # of the box after it, UTC seconds
+    answer: MarkItemResponse
 
 
 class _Waiting(NamedTuple):
@@ -69,18 +82,20 @@ class Calls(QObject):
         headers = self._headers()
         self.run(owner, name, lambda: rospy.ServiceProxy(name, kind, headers=headers)(*request), done)
 
-    def command(
-        self, owner: object, name: str, kind: type, request: tuple, done: Callable[[CallOutcome], None]
-    ) -> None:
-        """Call a service that changes something in the box. The result is the box's clock after the change, UTC
-        seconds: only later messages surely contain the change."""
+    def mark(self, owner: object, mark: MarkItemRequest, done: Callable[[CallOutcome], None]) -> None:
+        """Mark a scoring item; the result is a `Marked`. `mark` needs no id and no referee.
+
+        The core applies a mark once. So it is sent again while there is no answer, for example while the core restarts.
+        Only messages with a later clock than that of the result surely contain the mark.
+        """
+        mark.id, mark.role, mark.referee = str(uuid.uuid4()), ROLE, self._referee.name
         headers = self._headers()
 
-        def job() -> float:
-            rospy.ServiceProxy(name, kind, headers=headers)(*request)
-            return rospy.ServiceProxy("/core/clock", GetClock)().clock.to_sec()
+        def job() -> Marked:
+            answer = _until_answered(lambda: rospy.ServiceProxy("/core/mark", MarkItem, headers=headers)(mark))
+            return Marked(rospy.ServiceProxy("/core/clock", GetClock)().clock.to_sec(), answer)
 
-        self.run(owner, name, job, done)
+        self.run(owner, "/core/mark", job, done)
 
     def run(self, owner: object, what: str, job: Callable[[], Any], done: Callable[[CallOutcome], None]) -> None:
         """Run `job` in a thread; `done` receives its result or error, unless `owner` was forgotten."""
@@ -124,6 +139,19 @@ class Calls(QObject):
         waiting = self._waiting.pop(token, None)
         if waiting is not None:
             waiting.done(outcome)
+
+
+def _until_answered(call: Callable[[], Any]) -> Any:
+    """Call until there is an answer, or the time is over. It waits in its own thread, because a start of the core is no
+    event here."""
+    until_mono = time.monotonic() + TIMEOUT_S
+    while True:
+        try:
+            return call()
+        except rospy.ServiceException as error:
+            if refusals.was_answered(str(error)) or time.monotonic() + AGAIN_S > until_mono:
+                raise
+        time.sleep(AGAIN_S)
 
 
 def failure_text(raised: str) -> str:

@@ -35,15 +35,20 @@ class Edits:
         self._edits[item] = _Edit(value, sent=value)
         return value
 
-    def carried_out(self, item: Hashable, clock_s: float) -> Optional[Hashable]:
-        """The call was answered at `clock_s`. Returns the value to send next, if it changed meanwhile."""
+    def carried_out(
+        self, item: Hashable, clock_s: float, is_now: Optional[Hashable] = None
+    ) -> Optional[Hashable]:
+        """The call was answered at `clock_s`. Returns the value to send next, if it changed meanwhile.
+
+        `is_now`: the value of the item after the call, if the answer has it. Others may have changed it, too.
+        """
         edit = self._edits.get(item)
         if edit is None:
             return None
         if edit.wish != edit.sent:
             self._edits[item] = _Edit(edit.wish, sent=edit.wish)
             return edit.wish
-        self._edits[item] = _Edit(edit.wish, None, clock_s + self._margin_s)
+        self._edits[item] = _Edit(edit.wish if is_now is None else is_now, None, clock_s + self._margin_s)
         return None
 
     def failed(self, item: Hashable) -> None:

@@ -8,8 +8,8 @@ from roah_rsbb.rqt.panels.panel import Answer, RefereePanel, ask
 from roah_rsbb.rqt.qt import QHBoxLayout, QLabel, QPushButton, QSplitter, Qt, QTabWidget, QVBoxLayout, QWidget
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.rqt.widgets.rows import Row, Rows
-from roah_rsbb.rqt.widgets.score_dialogs import NoteDialog, ScoreDialog
-from roah_rsbb.srv import ScoreMark, SignOff, StopReason
+from roah_rsbb.rqt.widgets.score_dialogs import Given, NoteDialog, ScoreDialog
+from roah_rsbb.srv import MarkItemRequest, SignOff, StopReason
 from roah_rsbb.wording import sheets, times
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.module_scores import by_group
@@ -165,9 +165,16 @@ class ResultsPanel(RefereePanel):
         title = _name(summary)
         basic.show_dialog(ScoreDialog(
             self, title, item, item.text or item.value, item.not_attempted,
-            lambda given: self._send(summary, item.desc, "score", ScoreMark, (
-                item.group, item.desc, given.value, given.not_attempted, given.text, given.judge, given.note)),
+            lambda given: self._mark(summary, item, given),
         ))
+
+    def _mark(self, summary: RunSummary, item: ScoreItem, given: Given) -> None:
+        what = self._begin(summary, item.desc)
+        self.client.calls.mark(self, MarkItemRequest(
+            zone=summary.zone, identity=summary.identity, group=item.group, desc=item.desc,
+            change=MarkItemRequest.NOT_ATTEMPTED if given.not_attempted else MarkItemRequest.SET, value=given.value,
+            text=given.text, judge=given.judge, note=given.note,
+        ), lambda outcome: self._answer.show_outcome(what, outcome))
 
     def _ask_reason(self) -> None:
         summary, sheet = self._summary(), self._sheet()
@@ -198,12 +205,17 @@ class ResultsPanel(RefereePanel):
         )
 
     def _send(self, summary: RunSummary, what: str, service: str, kind: type, request: Tuple) -> None:
-        what = f"{_name(summary)}: {what}"
-        self._answer.say(f"{what} …")
+        what = self._begin(summary, what)
         self.client.calls.service(
             self, f"/core/{service}", kind, (summary.zone, summary.identity, *request, self.client.referee.name),
             lambda outcome: self._answer.show_outcome(what, outcome),
         )
+
+    def _begin(self, summary: RunSummary, what: str) -> str:
+        """Show that a call begins. Returns what it is about."""
+        what = f"{_name(summary)}: {what}"
+        self._answer.say(f"{what} …")
+        return what
 
 
 def _page(rows: Rows, button: QPushButton) -> QWidget:

@@ -30,7 +30,7 @@ from roah_rsbb.rqt.widgets.score_dialogs import MAX_VALUE, Given, ScoreDialog
 from roah_rsbb.rqt.widgets.score_fields import NO_JUDGE, ChoiceField, NumberField, RatingFields
 from roah_rsbb.rqt.widgets.sheet_view import SheetView
 from roah_rsbb.rqt.widgets.undo import PLACES, UNDO, UndoRow
-from roah_rsbb.srv import ScoreMark, ScoreWithdraw
+from roah_rsbb.srv import MarkItemRequest, ScoreWithdraw
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.language import tr, tr_later
 from roah_rsbb.wording.module_scores import by_group
@@ -94,11 +94,14 @@ class ItemRow(QWidget):
     """One item: its text, its controls, its points, and a menu."""
 
     def __init__(
-        self, number: int, item: ScoreItem, change: Callable[..., None], ask: Callable[[], None]
+        self, number: int, item: ScoreItem, change: Callable[..., None], count: Callable[[int], None],
+        ask: Callable[[], None],
     ) -> None:
-        """`number` in the sheet; `change(value, judge)`: the referee set this value; `ask()`: with a note."""
+        """`number` in the sheet; `change(value, judge)`: the referee set this value; `count(added)`: they counted;
+        `ask()`: with a note."""
         super().__init__()
         self._change = change
+        self._count = count
         self._value: Value = 0
         self._buttons: List[QWidget] = []  # what is off while the core is silent
         self.key = str(number) if number <= LAST_KEY else ""
@@ -153,6 +156,7 @@ class ItemRow(QWidget):
         raise NotImplementedError
 
     nothing: Value = 0  # the value at the beginning
+    is_count = False  # the referee adds to it
 
     def score(self) -> None:
         """The key of the item was pressed."""
@@ -195,6 +199,7 @@ class ScoreRow(ItemRow):
 
     def add_controls(self, item: ScoreItem) -> None:
         self._is_bool = item.type == ScoreItem.BOOL
+        self.is_count = not self._is_bool
         self._least = 0 if item.type == ScoreItem.UINT else int(item.min or -MAX_VALUE)
         self._most = int(item.max or MAX_VALUE)
         if self._is_bool:
@@ -221,11 +226,17 @@ class ScoreRow(ItemRow):
 
     def score(self) -> None:
         """Count one more, or yes."""
-        self._change(1 if self._is_bool else min(self._most, _whole(self._value) + 1))
+        if self._is_bool:
+            self._change(1)
+        elif _whole(self._value) < self._most:
+            self._count(1)
 
     def take_back(self) -> None:
         """Count one less, or no."""
-        self._change(0 if self._is_bool else max(self._least, _whole(self._value) - 1))
+        if self._is_bool:
+            self._change(0)
+        elif _whole(self._value) > self._least:
+            self._count(-1)
 
     def show_value(self, value: Value, waiting: bool, enabled: bool) -> None:
         super().show_value(value, waiting, enabled)
@@ -392,7 +403,9 @@ class ScoringPanel(RefereePanel):
         zone, details = self.model.zone, self.model.zone_details
         items = [] if zone is None or details is None else details.items
         shapes = [_shape(item) for item in items]
-        sheet = () if zone is None else (zone.zone, zone.code, zone.team, zone.round, zone.run, tuple(shapes))
+        identity = "" if details is None else details.identity
+        sheet = () if zone is None else (
+            zone.zone, identity, zone.code, zone.team, zone.round, zone.run, tuple(shapes))
         if sheet != self._sheet or self._clock_steps != self.model.box_clock.steps_back:
             self._clock_steps = self.model.box_clock.steps_back
             self._edits.clear()
@@ -407,7 +420,7 @@ class ScoringPanel(RefereePanel):
         elif zone is not None:
             self._show_values(zone, details)
         self.history.setEnabled(bool(shapes) and details is not None and bool(details.identity))
-        self._show_undo("" if details is None else details.identity)
+        self._show_undo(identity)
 
     def _show_undo(self, identity: str) -> None:
         """Show the last marks of the run."""
@@ -459,7 +472,8 @@ class ScoringPanel(RefereePanel):
         for number, item in enumerate(items, 1):
             name = (item.group, item.desc)
             kind = ScoreRow if item.type in _WHOLE else RatingRow if item.type == ScoreItem.RATING else FieldRow
-            self.rows[name] = kind(number, item, partial(self._change, name), partial(self._ask, item))
+            self.rows[name] = kind(number, item, partial(self._change, name), partial(self._count, name),
+                                   partial(self._ask, item))
             self.sheet.add(item.group, self.rows[name])
         self.sheet.settle()
         self._stack.setCurrentIndex(1 if items else 0)
@@ -493,25 +507,43 @@ class ScoringPanel(RefereePanel):
             self._send(name, send)
         self.show_model()
 
-    def _send(self, name: EditName, value: Value, note: str = "") -> None:
+    def _count(self, item: ItemName, added: int) -> None:
+        """Handle a count of the referee."""
+        name, before = (*item, NO_JUDGE), self.rows[item].value
+        send = self._edits.wish(name, _whole(before) + added)
+        if send is not None:
+            self._send_count(name, before, send)
+        self.show_model()
+
+    def _send_count(self, name: EditName, before: Value, value: Value, note: str = "") -> None:
+        """Send what the referee added to a value. What other referees count at the same time is not lost."""
+        if isinstance(value, int) and value != _whole(before):
+            self._send(name, value, note, value - _whole(before))
+        else:
+            self._send(name, value, note)
+
+    def _send(self, name: EditName, value: Value, note: str = "", added: int = 0) -> None:
+        """Send a value that the referee set, or counted with `added`."""
         sheet, (group, desc, judge) = self._sheet, name
-        details = self.model.zone_details
-        number, text = (value, "") if isinstance(value, int) else (0, value if isinstance(value, str) else "")
-        request = (group, desc, number, value is NOT_ATTEMPTED, text, judge, note, self.client.referee.name)
-        self.client.calls.command(
-            self, "/core/score", ScoreMark, (sheet[0], "" if details is None else details.identity, *request),
-            lambda outcome: self._answered(sheet, name, value, outcome),
+        change = MarkItemRequest.NOT_ATTEMPTED if value is NOT_ATTEMPTED else MarkItemRequest.SET
+        mark = MarkItemRequest(
+            zone=sheet[0], identity=sheet[1], group=group, desc=desc,
+            change=MarkItemRequest.ADD if added else change, value=added or _whole(value),
+            text=value if isinstance(value, str) else "", judge=judge, note=note,
         )
+        self.client.calls.mark(self, mark, lambda outcome: self._answered(sheet, name, value, outcome))
 
     def _ask(self, item: ScoreItem) -> None:
         """Ask for a value and a note."""
         sheet, name = self._sheet, (item.group, item.desc)
         row = self.rows[name]
+        before = row.value
 
         def then(given: Given) -> None:
             if sheet == self._sheet:
                 value = NOT_ATTEMPTED if given.not_attempted else given.value if item.type in _WHOLE else given.text
-                self._send((*name, given.judge), value, given.note)
+                send = partial(self._send_count, before=before) if row.is_count else self._send
+                send((*name, given.judge), value=value, note=given.note)
             else:
                 self._answer.warn(tr(
                     "Not saved: {item}. The score sheet of another run is shown now.", item=item.desc))
@@ -536,8 +568,12 @@ class ScoringPanel(RefereePanel):
             self._edits.failed(item)
         else:
             self._answer.clear_answer()
-            following = self._edits.carried_out(item, outcome.result)
-            if following is not None:
+            is_count, answer = self.rows[item[:2]].is_count, outcome.result.answer
+            now = NOT_ATTEMPTED if answer.not_attempted else answer.value
+            following = self._edits.carried_out(item, outcome.result.clock_s, now if is_count else None)
+            if following is not None and is_count:
+                self._send_count(item, value, following)
+            elif following is not None:
                 self._send(item, following)
         self.show_model()
 

@@ -1,13 +1,16 @@
 """A score sheet from the first mark to the sign-off, through a restart of the core."""
 
 import threading
+from unittest import mock
 
 import rospy
 from support.box_case import BoxCase
 from support.box_client import Refusal
-from support.waiting import happened, wait_until
+from support.waiting import LIMIT_S, happened, wait_until
 
 from roah_rsbb.msg import Results
+from roah_rsbb.referee import link as terminal
+from roah_rsbb.referee.words import Entered
 from roah_rsbb.srv import GetRunSheet, MarkItem, MarkItemRequest, ScoreMark, ScoreWithdraw, SignOff, StopReason
 
 ZONE = "Scores"
@@ -154,6 +157,31 @@ class TestScores(BoxCase):
             self.add(identity, "too many", added=-31)
         self.box.command("disconnect", ZONE)
         self.assertEqual(self.add(identity, "phone 1 1").value, 30, "also of a run that is over")
+
+    def test_marks_of_a_terminal_during_a_restart_count_once(self) -> None:
+        self.box.command("open_sheet", ZONE)
+        identity = self.box.wait_details(ZONE, lambda d: d.identity, "the sheet has a name")
+        link = terminal.Link()
+        self.addCleanup(link.close)
+        (item,) = [item for item in link.open(LIMIT_S).zone(ZONE).score if item.item == BUMPS[1]]
+        killed, failed = threading.Event(), []
+
+        def referee() -> None:
+            try:
+                for number in range(20):
+                    link.mark(ZONE, identity, item, Entered(added="1"), "", "Anna")
+                    if number == 10:
+                        killed.set()
+            except Exception as error:
+                failed.append(error)
+
+        with mock.patch.object(terminal, "ANSWER_S", LIMIT_S):
+            thread = threading.Thread(target=referee)
+            thread.start()
+            killed.wait(LIMIT_S)
+            self.kill_core()
+            thread.join()
+        self.assertEqual((failed, self.values(identity)), ([], {BUMPS[1]: 20}))
 
     def test_results_come_on_change_only(self) -> None:
         wait_until(lambda: self.results, "the results are latched")

@@ -66,8 +66,10 @@ _CALLS: Dict[str, Callable[..., tuple]] = {
     "stop": lambda run, who: ("stop_run", run.zone),
     "leave_run": lambda run, who: ("leave_run", run.zone),
     "choose_event": lambda zone, key, unsigned, who: ("choose_event", zone, key.benchmark, unsigned),
-    "mark": lambda run, mark, who: (
-        "score", run.zone, mark.group, mark.desc, NOT_ATTEMPTED if mark.not_attempted else mark.value),
+    "mark": lambda run, mark, who: ("score", run.zone, mark.group, mark.desc, mark.value),
+    "mark_once": lambda run, mark, who: (
+        "score", run.zone, mark.group, mark.desc,
+        NOT_ATTEMPTED if mark.not_attempted else f"{int(mark.added):+d}" if mark.added else mark.value),
     "withdraw": lambda run, number, who, note: ("withdraw", run.zone, number),
     "give_stop_reason": lambda run, reason, who, number: ("stop_reason", run.zone, number),
     "sign_off": lambda run, who: ("sign_off", run.zone),
@@ -79,6 +81,7 @@ _CALLS: Dict[str, Callable[..., tuple]] = {
 # Of these, what the referee said: the note or reason, and who it was.
 _WORDS: Dict[str, Callable[..., tuple]] = {
     "mark": lambda run, mark, who: (mark.note, who),
+    "mark_once": lambda run, mark, who: (mark.note, who),
     "withdraw": lambda run, number, who, note: (note, who),
     "give_stop_reason": lambda run, reason, who, number: (reason, who),
     "sign_off": lambda run, who: ("", who),
