@@ -9,14 +9,12 @@ import time
 from typing import Iterator, List, NamedTuple, Optional
 
 from roah_rsbb.journal import schema
+from roah_rsbb.journal.checksums import HIGHEST, NUMBERS, Verified, verified_rows
 
 NAMES = {
     "sessions": "starts of the core", "runs": "records of runs", "members": "robots of runs", "entries": "entries",
     "links": "link samples", "states": "saved states",
 }
-# The columns that number rows without gaps.
-NUMBERS = {"entries": "id", "links": "rowid"}
-_HIGHEST = (1 << 63) - 1
 # Maximum number of damaged rows that are named.
 _SHOWN = 5
 
@@ -74,21 +72,45 @@ def _holes(
 ) -> Iterator[Damage]:
     """Return the damaged and missing rows of a table whose rows are numbered. `end`: the last number; None: all rows
     that were ever written."""
-    last, last_utc, bad = first - 1, None, 0
-    key = NUMBERS[table]
-    rows = connection.execute(
-        f"SELECT {key}, utc, {f'crc IS {schema.crc_of(table)}' if checks_rows else 1} FROM {table}"
-        f" WHERE {key} BETWEEN ? AND ? ORDER BY {key}", (first, _HIGHEST if end is None else end))
-    for number, utc, is_good in rows:
-        if not is_good:
-            bad += 1
+    last, bad = first - 1, 0
+    read = verified_rows if checks_rows else _unverified_rows
+    for rows in read(connection, table, first, HIGHEST if end is None else end):
+        numbers, damaged = rows.numbers, set(rows.damaged)
+        if not bad and not damaged and numbers[0] == last + 1 and numbers[-1] == last + len(numbers):
+            last = numbers[-1]
             continue
-        if number != last + 1:
-            yield _hole(table, last + 1, number - 1, bad, last_utc, utc)
-        last, last_utc, bad = number, utc, 0
+        for number in numbers:
+            if number in damaged:
+                bad += 1
+                continue
+            if number != last + 1:
+                times = _utc(connection, table, last, first), _utc(connection, table, number, first)
+                yield _hole(table, last + 1, number - 1, bad, *times)
+            last, bad = number, 0
     end = _last_number(connection, table) if end is None else end
     if end > last or bad:
-        yield _hole(table, last + 1, max(end, last + bad), bad, last_utc, None)
+        yield _hole(table, last + 1, max(end, last + bad), bad, _utc(connection, table, last, first), None)
+
+
+def _unverified_rows(connection: sqlite3.Connection, table: str, first: int, last: int) -> Iterator[Verified]:
+    """Return the numbers of rows that are known to be good."""
+    key = NUMBERS[table]
+    where = f"FROM {table} WHERE {key} BETWEEN ? AND ?"
+    count, low, high = connection.execute(f"SELECT count(*), min({key}), max({key}) {where}", (first, last)).fetchone()
+    if count == 0:
+        return
+    if count == high - low + 1:
+        yield Verified(range(low, high + 1), [])
+        return
+    rows = connection.execute(f"SELECT {key} {where} ORDER BY {key}", (first, last))
+    yield Verified([number for (number,) in rows], [])
+
+
+def _utc(connection: sqlite3.Connection, table: str, number: int, first: int) -> Optional[float]:
+    """Return the time of a good row; None if it is before the first one."""
+    if number < first:
+        return None
+    return connection.execute(f"SELECT utc FROM {table} WHERE {NUMBERS[table]} = ?", (number,)).fetchone()[0]
 
 
 def _last_number(connection: sqlite3.Connection, table: str) -> int:

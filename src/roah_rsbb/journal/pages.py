@@ -135,6 +135,17 @@ def read_image(path: str) -> bytes:
     return bytes(content)
 
 
+def is_closed(path: str) -> bool:
+    """Whether SQLite reads all of a file without changes: it has no write-ahead log, and a right header. Raises
+    OSError."""
+    with open(path, "rb") as file:
+        header = file.read(100)
+    pages = os.path.getsize(path) / _size_of_file(header)
+    return (len(header) == 100 and header[:16] == _FILE_MAGIC and header[18:20] in (b"\1\1", b"\2\2")
+            and struct.pack(">I", round(pages)) == header[28:32] and pages == round(pages)
+            and header[24:28] == header[92:96] and not read_frames(f"{path}-wal"))
+
+
 def _size_of_file(content: bytes) -> int:
     size = struct.unpack_from(">H", content, 16)[0] if len(content) >= 100 else 0
     size = 65536 if size == 1 else size

@@ -7,11 +7,13 @@ checksum.
 
 import contextlib
 import os
+import pathlib
 import sqlite3
 import tempfile
 from typing import Container, Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 from roah_rsbb.journal import pages, schema
+from roah_rsbb.journal.checksums import HIGHEST, NUMBERS, verified_rows
 from roah_rsbb.journal.damage import Damage, missing_rows
 from roah_rsbb.journal.reader import JournalError
 
@@ -49,43 +51,72 @@ def recover(path: str, new: str) -> Recovered:
     """Copy the readable part of the journal at `path` to a new one. Raises JournalError."""
     if os.path.exists(new):
         raise JournalError(f"{new}: the file exists: name another one")
+    draft = f"{new}.draft"
     try:
-        image = pages.read_image(path)
-        is_whole_log = all(frame.is_good for frame in pages.read_frames(f"{path}-wal"))
-        with contextlib.closing(sqlite3.connect(new, isolation_level=None)) as out:
-            recovered = _recover(image, is_whole_log, out)
+        recovered = _write(path, draft)
+        if not any(recovered.rows[table] for table in schema.CHECKED):
+            raise JournalError(
+                f"{path}: no part of this journal is readable. Look for another copy, and for the run logs (.bag)")
+        os.rename(draft, new)
     except OSError as error:
         raise JournalError(f"{error.filename}: {error.strerror}: name a journal, and a new file for it") from None
     except sqlite3.Error as error:
-        _remove(new)
         raise JournalError(f"{new}: cannot be written ({error}): name another place, or free space there") from None
-    if not any(recovered.rows[table] for table in schema.CHECKED):
-        _remove(new)
-        raise JournalError(
-            f"{path}: no part of this journal is readable. Look for another copy, and for the run logs (.bag)")
+    finally:
+        _remove(draft)
     return recovered
 
 
-def _remove(path: str) -> None:
-    with contextlib.suppress(FileNotFoundError):
-        os.remove(path)
+def _remove(draft: str) -> None:
+    for path in (draft, f"{draft}-journal"):
+        with contextlib.suppress(OSError):
+            os.remove(path)
 
 
-def _recover(image: bytes, is_whole_log: bool, out: sqlite3.Connection) -> Recovered:
+def _write(path: str, draft: str) -> Recovered:
+    """Write the new journal to a draft."""
+    is_whole_log = all(frame.is_good for frame in pages.read_frames(f"{path}-wal"))
+    with contextlib.ExitStack() as stack:
+        address = _address(path, stack)
+        _remove(draft)
+        out = stack.enter_context(contextlib.closing(sqlite3.connect(_uri(draft), uri=True, isolation_level=None)))
+        return _recover(path, address, is_whole_log, out)
+
+
+def _uri(path: str) -> str:
+    return pathlib.Path(path).absolute().as_uri()
+
+
+def _address(path: str, stack: contextlib.ExitStack) -> str:
+    """Return the address of a file for SQLite: the journal, or a temporary copy that SQLite accepts. Raises OSError."""
+    if pages.is_closed(path):
+        return f"{_uri(path)}?immutable=1"
+    directory = stack.enter_context(tempfile.TemporaryDirectory(prefix="roah_rsbb_journal_"))
+    copy = os.path.join(directory, "journal.sqlite3")
+    with open(copy, "wb") as file:
+        file.write(pages.read_image(path))
+    return f"{_uri(copy)}?immutable=1"
+
+
+def _recover(path: str, address: str, is_whole_log: bool, out: sqlite3.Connection) -> Recovered:
     schema.create(out)
-    out.execute("PRAGMA synchronous = OFF")  # a file that is not complete is removed
-    out.execute("BEGIN")
+    out.execute("PRAGMA synchronous = OFF")  # a draft that is not complete is removed
     indexes = [statement for statement in schema.SCHEMA if statement.startswith("CREATE INDEX")]
     for statement in indexes:
         out.execute(f"DROP INDEX {statement.split()[2]}")  # it is quicker to build them at the end
-    is_complete = _take_from_sqlite(image, out)
-    if not (is_complete and is_whole_log and not missing_rows(out)):
-        _take_from_pages(image, out)
+    with contextlib.closing(sqlite3.connect(address, uri=True)) as damaged:
+        is_complete = _take_from_sqlite(damaged, address, out)
+    holes = missing_rows(out)
+    if holes or not (is_complete and is_whole_log):
+        _take_from_pages(pages.read_image(path), out)
+        holes = missing_rows(out)
     for statement in indexes:
         out.execute(statement)
-    rows = {table: out.execute(f"SELECT count(*) FROM {table}").fetchone()[0] for table in COLUMNS}
-    out.execute("COMMIT")
-    return Recovered(rows, missing_rows(out))
+    return Recovered(_counts(out), holes)
+
+
+def _counts(connection: sqlite3.Connection) -> Dict[str, int]:
+    return {table: connection.execute(f"SELECT count(*) FROM main.{table}").fetchone()[0] for table in COLUMNS}
 
 
 def _newest(table: str, rows: List[Row]) -> Optional[Row]:
@@ -100,21 +131,67 @@ def _newest(table: str, rows: List[Row]) -> Optional[Row]:
 # -- through SQLite ---------------------------------------------------------------------------------
 
 
-def _take_from_sqlite(image: bytes, out: sqlite3.Connection) -> bool:
-    """Take all rows up to the first unreadable one, from both ends of each table. Returns whether these are all."""
+def _take_from_sqlite(damaged: sqlite3.Connection, address: str, out: sqlite3.Connection) -> bool:
+    """Take all rows that SQLite can read. Returns whether these are all, and good."""
+    is_attached = _attach(damaged, address, out)
+    damaged.text_factory = bytes
     is_complete = True
-    with tempfile.TemporaryDirectory(prefix="roah_rsbb_journal_") as directory:
-        copy = os.path.join(directory, "journal.sqlite3")
-        with open(copy, "wb") as file:
-            file.write(image)
-        with contextlib.closing(sqlite3.connect(copy)) as connection:
-            connection.text_factory = bytes
-            for table in COLUMNS:
-                is_complete &= _take_table(connection, table, out)
-            for (number,) in _last_number(connection):
-                _set_last_number(out, number)
-            is_complete = is_complete and _is_sound(connection)
-    return is_complete
+    for table in COLUMNS:
+        is_large = is_attached and table in NUMBERS
+        is_complete &= _copy_table(damaged, table, out) if is_large else _take_table(damaged, table, out)
+    for (number,) in _last_number(damaged):
+        _set_last_number(out, number)
+    return is_complete and _is_sound(damaged)
+
+
+def _attach(damaged: sqlite3.Connection, address: str, out: sqlite3.Connection) -> bool:
+    """Attach the damaged journal to the new one if it has the present tables. Returns whether it has."""
+    schema.add_functions(damaged)
+    with contextlib.suppress(sqlite3.DatabaseError, UnicodeDecodeError):
+        if schema.is_whole(damaged):
+            out.execute("ATTACH ? AS damaged", (address,))
+            return True
+    return False
+
+
+def _copy_table(damaged: sqlite3.Connection, table: str, out: sqlite3.Connection) -> bool:
+    """Copy the good rows of a numbered table. Unreadable ones are skipped in growing steps. Returns whether all of them
+    could be read and are good."""
+    is_good = True
+    last, step = 0, 0
+    good: List[int] = []
+    while step < _LARGEST_STEP:
+        try:
+            for rows in verified_rows(damaged, table, last + step + 1, HIGHEST):
+                bad = set(rows.damaged)
+                good += [number for number in rows.numbers if number not in bad] if bad else rows.numbers
+                is_good = is_good and not bad
+                if rows.numbers[-1] > last:
+                    last, step = rows.numbers[-1], 0
+                if len(good) >= _BATCH:
+                    is_good &= _copy_rows(out, table, good)
+                    good = []
+            break
+        except sqlite3.DatabaseError:
+            is_good, step = False, max(1, 2 * step)
+    return _copy_rows(out, table, good) and is_good
+
+
+def _copy_rows(out: sqlite3.Connection, table: str, numbers: List[int]) -> bool:
+    """Copy rows of the attached journal. Returns whether SQLite could read them."""
+    columns, key = f"{', '.join(COLUMNS[table])}, crc", NUMBERS[table]
+    statement = (f"INSERT OR IGNORE INTO main.{table} ({columns}) SELECT {columns} FROM damaged.{table}"
+                 f" WHERE {key} BETWEEN ? AND ?")
+    try:
+        if numbers and numbers == list(range(numbers[0], numbers[-1] + 1)):
+            out.execute(statement, (numbers[0], numbers[-1]))
+        else:
+            out.executemany(statement, [(number, number) for number in numbers])
+    except sqlite3.OperationalError:
+        raise  # the new journal cannot be written
+    except sqlite3.DatabaseError:
+        return False  # they are searched for in the pages
+    return True
 
 
 def _last_number(connection: sqlite3.Connection) -> List[Row]:
@@ -236,7 +313,7 @@ def _value(table: str, name: str, value: object) -> object:
 def _take_from_pages(image: bytes, out: sqlite3.Connection) -> None:
     """Take the rows in all pages that SQLite did not find."""
     known: Keys = {
-        table: {row[0] for row in out.execute(f"SELECT {columns[0]} FROM {table}")}
+        table: {row[0] for row in out.execute(f"SELECT {columns[0]} FROM main.{table}")}
         for table, columns in COLUMNS.items()
     }
 
@@ -288,10 +365,12 @@ def _insert(out: sqlite3.Connection, table: str, rows: List[Row]) -> None:
     values = ["?" if name in _REALS | _WHOLES else "CAST(? AS TEXT)" for name in columns]
     if table in schema.CHECKED:
         columns, values = (*columns, "crc"), [*values, "?"]
-    out.executemany(f"INSERT OR IGNORE INTO {table} ({', '.join(columns)}) VALUES ({', '.join(values)})", rows)
+    with out:
+        out.execute("BEGIN")
+        out.executemany(f"INSERT OR IGNORE INTO main.{table} ({', '.join(columns)}) VALUES ({', '.join(values)})", rows)
 
 
 def _set_last_number(out: sqlite3.Connection, number: object) -> None:
     """Keep the highest number that an entry ever had."""
     if isinstance(number, int):
-        out.execute("UPDATE sqlite_sequence SET seq = max(seq, ?) WHERE name = 'entries'", (number,))
+        out.execute("UPDATE main.sqlite_sequence SET seq = max(seq, ?) WHERE name = 'entries'", (number,))

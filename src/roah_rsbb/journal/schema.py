@@ -44,7 +44,6 @@ CHECKED = {
     "states": ("name", "state"),
 }
 
-
 def crc_of(table: str) -> str:
     """SQL that computes the checksum of a row of a table."""
     return f"row_crc({', '.join(map(_bytes_of, CHECKED[table]))})"
@@ -67,14 +66,18 @@ MIGRATIONS: Dict[int, Tuple[str, ...]] = {
 
 def row_crc(*values: object) -> int:
     """Return the checksum of a row's values. Real columns may store integers, so 1 and 1.0 have the same checksum."""
-    # One expression, because this is the cost of reading a large journal.
-    return zlib.crc32(b"\0".join([
+    return zlib.crc32(row_bytes(*values))
+
+
+def row_bytes(*values: object) -> bytes:
+    """Return the bytes of which `row_crc` is the checksum."""
+    return b"\0".join([
         b"s" + value if value.__class__ is bytes else
         b"-" if value is None else
         b"s" + value.encode("utf-8", errors="replace") if value.__class__ is str else
         b"%a" % float(value)
         for value in values
-    ]))
+    ])
 
 
 def add_functions(connection: sqlite3.Connection) -> None:
