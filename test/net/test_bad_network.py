@@ -103,4 +103,4 @@ def _tablet_faults(played: Round) -> List[str]:
 def _overtaken(played: Round) -> List[str]:
     """The STOP that a box repeats each second may come after the PREPARE of a start: robots then begin again."""
     return [f"  {code}: a STOP from before the start came after PREPARE: {' '.join(robot.states)}"
-            for code, robot in played.robots.items() if ("PREPARING", "STOP") in zip(robot.states, robot.states[1:])]
+            for code, robot in played.robots.items() if expected.late_stops(robot)]
