@@ -35,7 +35,11 @@ function evenPages(items, onAPage) {
 function Head({live, words, mark}) {
   const trouble = troubleText(live, words);
   if (trouble) {
-    return html`<header class="alarm" role="alert">${trouble}</header>`;
+    return html`
+      <header class="alarm">
+        <h1 class="unseen">${words.title || words.display}</h1>
+        <span role="alert">${trouble}</span>
+      </header>`;
   }
   return html`
     <header class="head">

@@ -27,7 +27,7 @@ function Index({live, words}) {
   ];
   const trouble = live.data["page.runs"] ? troubleText(live, words) : words.waiting;
   return html`
-    ${trouble && html`<header class="alarm" role="alert">${trouble}</header>`}
+    ${trouble && html`<header class="alarm"><span role="alert">${trouble}</span></header>`}
     <h1 class="title">${words.title || "RoAH RSBB"}</h1>
     <${Links} title=${words.display} links=${perZone("/display")} />
     <${Links} title=${words.overlay} links=${perZone("/overlay")} />

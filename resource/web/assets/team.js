@@ -38,7 +38,7 @@ function Team({live, words}) {
     .filter((standing) => standing.lines.length > 0);
   const trouble = troubleText(live, words);
   return html`
-    ${trouble && html`<header class="alarm" role="alert">${trouble}</header>`}
+    ${trouble && html`<header class="alarm"><span role="alert">${trouble}</span></header>`}
     <h1 class="title">${name}</h1>
     ${runs.length > 0 && html`
       <section class="cards">

@@ -153,6 +153,7 @@ class TestPages(NeedsBrowser, BoxCase):
             for page in pages:
                 page.wait(f"{TEXT}.includes('No signal since')", "the page says that the box is silent")
             shown = pages[0].get(BIG)
+            self.assert_accessible("silent", pages[0])
             pages[0].screenshot(SHOTS / "web_silent.png")
             self.assertEqual(pages[0].get(BIG), shown, "the countdown is stopped")
         finally:

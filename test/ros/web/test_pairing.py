@@ -64,8 +64,11 @@ class TestPairing(NeedsBrowser, BoxCase):
         self.assertNotIn(made["code"], page.get("location.href"))
         (listed,) = devices()
         self.assertEqual((listed["person"], listed["role"], listed["zone"]), ("Anna", "referee", ZONE))
-        again = self.pair(made["url"], "Eve")
-        again.wait(f"{TEXT}.includes('was used')", "the code is for one device")
+        typed = json.dumps({"code": made["code"], "person": "Eve", "device": "phone", "language": ""})
+        self.assertIn("was used", page.get(
+            "fetch('/api/v1/pair', {method: 'POST', credentials: 'omit', "
+            "headers: {'Content-Type': 'application/json'}, "
+            f"body: {json.dumps(typed)}}}).then(answer => answer.text())"), "the code is for one device")
         killed = process_of(GATEWAY)
         kill(GATEWAY)
         wait_until(lambda: is_served() and process_of(GATEWAY) != killed, "the gateway is back")
