@@ -56,7 +56,7 @@ def anonymous_record(record: RunRecord, names: Names) -> RunRecord:
         history=tuple(_entry(entry, names) for entry in record.history),
         module_scores=tuple(_score(score, names) for score in record.module_scores),
         stops=tuple(_stop(stop, names) for stop in record.stops),
-        sign_off=signed and signed._replace(who=names.of("person", signed.who)), marks=(),
+        sign_off=signed and signed._replace(who=names.of("person", signed.who)), marks="",
     )
 
 

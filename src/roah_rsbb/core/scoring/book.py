@@ -165,9 +165,7 @@ class FinishedRun:
         self._benchmark = benchmark
         form = form_of(record)
         state = BookState(
-            SheetState(list(record.history), list(record.marks)), list(record.stops), record.started_utc,
-            record.elapsed_s,
-        )
+            SheetState(list(record.history), record.marks), list(record.stops), record.started_utc, record.elapsed_s)
         self._book = RunBook(form, state, over=True)
         self.result = self._result()
 

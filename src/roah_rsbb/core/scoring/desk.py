@@ -77,7 +77,7 @@ class ScoreDesk:
         with self._record.of(name, who, "mark", **asked):
             if not name.identity:
                 raise Refused(["name the run: a mark that arrives late must not count in another run"])
-            if not mark.id or not mark.id.isprintable() or len(mark.id) > MAX_MARK_ID:
+            if not mark.id.strip() or not mark.id.isprintable() or len(mark.id) > MAX_MARK_ID:
                 raise Refused([f"the id '{mark.id[:MAX_MARK_ID]}' cannot identify a mark: give each mark a new UUID"])
             if mark.role and mark.role not in ROLES:
                 raise Refused([f"no role '{mark.role}': choose one of {', '.join(ROLES)}"])
@@ -88,8 +88,7 @@ class ScoreDesk:
     def outcome(self, name: RunName, mark: Mark) -> MarkOutcome:
         """Return what a mark that was applied led to. Raises `Refused`."""
         sheet = self._named(name).sheet
-        taken = sheet.taken(mark.id)
-        return MarkOutcome(0 if taken is None else taken.entry, sheet.item(mark.group, mark.desc))
+        return MarkOutcome(sheet.taken(mark.id) or 0, sheet.item(mark.group, mark.desc))
 
     def withdraw(self, now: Now, name: RunName, number: int, who: str = "", note: str = "") -> None:
         """Withdraw an entry of a score sheet. The other entries do not change. Raises `Refused`."""

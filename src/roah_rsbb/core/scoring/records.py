@@ -107,13 +107,6 @@ class ScoreEntry(NamedTuple):
     device: str = ""  # from which it was sent; empty: not known
 
 
-class TakenMark(NamedTuple):
-    """A mark that was applied. Should it arrive again, it changes nothing."""
-
-    id: str
-    entry: int  # its number in the history; 0: it made no entry
-
-
 class GroupPoints(NamedTuple):
     """The points of a group of items, or of the time left."""
 
@@ -178,7 +171,7 @@ class RunRecord(NamedTuple):
     phases: Tuple[PhaseTime, ...] = ()  # those that began after the last start
     points: Optional[SheetPoints] = None  # None: the sheet gives no points
     form: Optional[SheetForm] = None  # None: the sheet only has items without rules
-    marks: Tuple[TakenMark, ...] = ()  # the newest ones with an identity, in their order
+    marks: str = ""  # the newest ones that have an identity, see `SheetState`
 
 
 class By(NamedTuple):

@@ -24,7 +24,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
 from roah_rsbb.core.scoring.points import jury_text, nearest_whole, text_of
-from roah_rsbb.core.scoring.records import ItemRecord, Rating, ScoreEntry, TakenMark
+from roah_rsbb.core.scoring.records import ItemRecord, Rating, ScoreEntry
 from roah_rsbb.rulebook.scoring import MAX_DECIMALS, MAX_NUMBER, MAX_VALUE, WHOLE, Key, ScoreKind, ScoringItem
 from roah_rsbb.wording.sheets import item_value
 from roah_rsbb.wording.suggestions import did_you_mean
@@ -62,7 +62,9 @@ class SheetState:
     """The state of a score sheet is its history. A restart may change the items of the benchmarks file."""
 
     history: List[ScoreEntry] = field(default_factory=list)
-    marks: List[TakenMark] = field(default_factory=list)  # the newest ones with an identity, in their order
+    # The newest marks that have an identity: a line for each, with the number of its entry. The journal gets the state
+    # with each mark, which is faster with one text than with a list.
+    marks: str = ""
 
 
 class Mark(NamedTuple):
@@ -96,6 +98,10 @@ class ScoreSheet:
         self.state = state or SheetState()
         self._history = self.state.history  # the same list
         self._items: Dict[Key, ScoringItem] = {i.key: i for i in items}
+        self._taken: Dict[str, int] = {}  # identity of a mark -> the number of its entry; 0: it made none
+        for line in self.state.marks.splitlines():
+            number, _, mark_id = line.partition(" ")
+            self._taken[mark_id] = int(number)
         self._places = sum(1 + len(item.judges) for item in items)
         # The last entry that is not withdrawn, with the value that counts.
         self._standing: Dict[Place, ScoreEntry] = {}
@@ -110,13 +116,13 @@ class ScoreSheet:
         return tuple(self._history)
 
     @property
-    def marks(self) -> Tuple[TakenMark, ...]:
-        """The newest marks with an identity, in their order."""
-        return tuple(self.state.marks)
+    def marks(self) -> str:
+        """See `SheetState`."""
+        return self.state.marks
 
-    def taken(self, mark_id: str) -> Optional[TakenMark]:
-        """Return the mark of that identity if it was applied. A mark without an identity is never known."""
-        return next((mark for mark in self.state.marks if mark_id and mark.id == mark_id), None)
+    def taken(self, mark_id: str) -> Optional[int]:
+        """Return the number of the entry of a mark that was applied, or 0 if it made none. None: it was not applied."""
+        return self._taken.get(mark_id)
 
     # -- changing -----------------------------------------------------------------------------------
 
@@ -189,14 +195,20 @@ class ScoreSheet:
 
     def _take(self, mark_id: str, entry: int) -> None:
         """Remember the identity of a mark that was applied."""
-        if mark_id:
-            self.state.marks.append(TakenMark(mark_id, entry))
-            del self.state.marks[:-MAX_MARKS]
+        if not mark_id:
+            return
+        self._taken[mark_id] = entry
+        self.state.marks += _mark_line(entry, mark_id)
+        if len(self._taken) > MAX_MARKS:
+            oldest = next(iter(self._taken))
+            self.state.marks = self.state.marks[len(_mark_line(self._taken.pop(oldest), oldest)):]
 
     def _move_marks(self, number: int, to: int) -> None:
         """The entry of that number is gone: its marks are in another one, or in none."""
-        self.state.marks[:] = [
-            mark._replace(entry=to) if mark.entry == number else mark for mark in self.state.marks]
+        moved = [mark_id for mark_id, entry in self._taken.items() if entry == number]
+        self._taken.update(dict.fromkeys(moved, to))
+        if moved:
+            self.state.marks = "".join(_mark_line(entry, mark_id) for mark_id, entry in self._taken.items())
 
     def withdraw(self, now: Now, who: str, number: int, note: str = "", correction: bool = False) -> ScoreEntry:
         """Withdraw an entry. The item gets the value that it has without it. Returns the withdrawn entry. Raises
@@ -374,6 +386,10 @@ class ScoreSheet:
             return f"no scoring group '{group}'{did_you_mean(group, groups)}"
         descs = [i.desc for i in self._items.values() if i.group == group]
         return f"no scoring item '{desc}' in group '{group}'{did_you_mean(desc, descs)}"
+
+
+def _mark_line(entry: int, mark_id: str) -> str:
+    return f"{entry} {mark_id}\n"
 
 
 def _is_plain(entry: ScoreEntry) -> bool:

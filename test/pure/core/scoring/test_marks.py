@@ -16,7 +16,6 @@ from roah_rsbb.core.referee import MAX_WHO, Refused, RunName
 from roah_rsbb.core.restart.saved import freeze, thaw
 from roah_rsbb.core.scoring import sheet as sheets
 from roah_rsbb.core.scoring.book import FinishedRun
-from roah_rsbb.core.scoring.records import TakenMark
 from roah_rsbb.core.scoring.sheet import MAX_ENTRIES, MAX_MARKS, MAX_NOTED, Mark, ScoreSheet, SheetState
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.rulebook.benchmarks import Benchmark
@@ -134,7 +133,7 @@ def test_changes_of_one_moment_are_one_entry_and_a_slip_is_none():
         referees.add(BUMPS, -1, id=f"down {number}")
     assert (referees.sheet.history, referees.value(BUMPS)) == ((), 0)
     referees.add(CUPS, id="other")
-    assert [mark.entry for mark in referees.sheet.marks] == [0] * 6 + [1]
+    assert referees.sheet.marks == "0 up 0\n0 up 1\n0 up 2\n0 down 0\n0 down 1\n0 down 2\n1 other\n"
 
 
 @pytest.mark.parametrize("first, second", [
@@ -232,7 +231,7 @@ def test_entries_that_are_joined_for_lack_of_room_change_the_item_as_both_did(re
     for number in range(3):
         referees.add(BUMPS, 2, id=f"mark {number}")
     assert referees.entries("number", "old", "value", "added") == [(3, 0, 9, ""), (4, 9, 11, "2")]
-    assert (referees.value(BUMPS), [mark.entry for mark in referees.sheet.marks]) == (11, [3, 3, 4])
+    assert (referees.value(BUMPS), referees.sheet.marks) == (11, "3 mark 0\n3 mark 1\n4 mark 2\n")
     referees.set(BUMPS, not_attempted=True)
     referees.add(BUMPS, 3)
     assert (referees.value(BUMPS), referees.item(BUMPS).not_attempted) == (3, False)
@@ -295,27 +294,30 @@ def test_a_mark_is_applied_once_also_after_a_withdrawal_and_a_restart(referees):
     referees.withdraw(1)
     referees.add(BUMPS, id="one")
     assert referees.value(BUMPS) == 0
-    assert referees.sheet.taken("one") == TakenMark("one", 1)
+    assert referees.sheet.taken("one") == 1
 
 
 def test_a_mark_without_an_identity_counts_each_time(referees):
     for _ in range(2):
         referees.add(BUMPS)
-    assert (referees.value(BUMPS), referees.sheet.marks, referees.sheet.taken("")) == (2, (), None)
+    assert (referees.value(BUMPS), referees.sheet.marks, referees.sheet.taken("")) == (2, "", None)
 
 
 def test_a_mark_that_changes_nothing_is_known_too(referees):
     referees.set(BUMPS, 0, id="no change")
     referees.set(BUMPS, 4)
     referees.set(BUMPS, 0, id="no change")
-    assert (referees.value(BUMPS), referees.sheet.taken("no change")) == (4, TakenMark("no change", 0))
+    assert (referees.value(BUMPS), referees.sheet.taken("no change")) == (4, 0)
 
 
 @pytest.mark.long
 def test_the_newest_identities_are_kept(referees):
     for number in range(MAX_MARKS + 5):
         referees.add(BUMPS, id=str(number))
-    assert [mark.id for mark in referees.sheet.marks] == [str(number) for number in range(5, MAX_MARKS + 5)]
+    kept = [line.split()[1] for line in referees.sheet.marks.splitlines()]
+    assert kept == [str(number) for number in range(5, MAX_MARKS + 5)]
+    assert [referees.sheet.taken(mark_id) is None for mark_id in ("4", "5")] == [True, False]
+    assert _again(referees.sheet).taken("5") == referees.sheet.taken("5")
 
 
 # -- in the box -------------------------------------------------------------------------------------
@@ -370,7 +372,7 @@ def test_a_mark_is_logged_and_recorded_with_role_and_device(driver):
     assert [effect.topic for effect in taken if isinstance(effect, effects.RunLogged)] == [run_log.SCORE]
     (changed,) = [effect.record for effect in taken if isinstance(effect, effects.RecordChanged)]
     assert [(e.role, e.device, e.added) for e in changed.history] == [("referee", "phone", "1")]
-    assert changed.marks == (TakenMark("mark 1", 1),)
+    assert changed.marks == "1 mark 1\n"
     assert driver.view().log.count("bumps 0 -> 1 (the vase)") == 1
 
 
