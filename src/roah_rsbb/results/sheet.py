@@ -1,14 +1,14 @@
 """A run's score sheet, for the terminal and as a page that can be printed."""
 
 from functools import partial
-from typing import Iterator, List, Optional, Sequence, Tuple, Union
+from typing import Iterator, List, Optional, Sequence, Tuple
 
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord, grouped
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, facts_table, joined, page, table, tag
 from roah_rsbb.results.paper import front_markup, front_of, robots_of
-from roah_rsbb.results.runs import RobotPart, RunHead, RunResult, run_state_text, signature_of
+from roah_rsbb.results.runs import RobotPart, RunResult, run_state_text, signature_of
 from roah_rsbb.results.standing_rules import Rules
 from roah_rsbb.wording import sheets
 from roah_rsbb.wording.module_scores import by_group
@@ -17,24 +17,6 @@ from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_t
 
 # Begin and end of struck-through text, on terminals that support it.
 _STRUCK, _PLAIN = "\033[9m", "\033[29m"
-
-
-def list_lines(records: Sequence[Union[RunHead, RunRecord]], in_utc: bool) -> Iterator[str]:
-    """List all runs, one per line, below a line of headings."""
-    rows = [("No.", "Connected", "Zone", "Benchmark", "Team", "Round", "Run", "Time", "Sheet", "State")]
-    rows += [_row(number, record, in_utc) for number, record in enumerate(records, 1)]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    for row in rows:
-        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
-
-
-def _row(number: int, record: Union[RunHead, RunRecord], in_utc: bool) -> Tuple[str, ...]:
-    return (
-        str(number), date_time(record.opened_utc, in_utc), line(record.zone), line(record.benchmark), line(record.team),
-        str(record.round), str(record.run),
-        elapsed(record.elapsed_s) if record.started_utc else NOTHING,
-        sheets.sheet_state(record.closed_utc, record.sign_off), line(run_state_text(record)),
-    )
 
 
 def sheet_lines(result: RunResult, in_utc: bool, strike: bool) -> Iterator[str]:

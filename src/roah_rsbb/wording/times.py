@@ -175,10 +175,8 @@ def short_time(moment: str, clock: str) -> str:
 def date_time(utc_s: float, in_utc: bool = False) -> str:
     """Return a local moment with its offset, such as ``2025-11-21 12:03:59 +01:00``, or the UTC one with a Z."""
     moment = _moment(utc_s, in_utc)
-    if in_utc:
-        return f"{moment:%Y-%m-%d %H:%M:%SZ}"
-    text = f"{moment:%Y-%m-%d %H:%M:%S %z}"
-    return f"{text[:-2]}:{text[-2:]}"
+    text = moment.isoformat(" ", "seconds")  # as 2025-11-21 12:03:59+01:00, in a fraction of the time of strftime
+    return f"{text[:19]}Z" if in_utc else f"{text[:19]} {text[19:]}"
 
 
 def optional_date_time(utc_s: Optional[float], in_utc: bool = False) -> str:

@@ -13,8 +13,9 @@ from roah_rsbb.core.scoring.records import PhaseTime
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.events import box_states, robot_states, sections
 from roah_rsbb.results.page import tag
+from roah_rsbb.results.run_list import list_lines
 from roah_rsbb.results.runs import NoSuchRun, find, records, run_result, run_state_text
-from roah_rsbb.results.sheet import list_lines, sheet_lines, sheet_page
+from roah_rsbb.results.sheet import sheet_lines, sheet_page
 from roah_rsbb.wording import texts, times
 
 

@@ -22,9 +22,11 @@ from roah_rsbb.core.scoring.records import PhaseTime, RunRecord, ScoreEntry, Sco
 from roah_rsbb.journal.file import FILE_NAME
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results import export
+from roah_rsbb.results.run_list import list_lines
 from roah_rsbb.results.runs import find_record, heads, records
-from roah_rsbb.results.sheet import list_lines
+from roah_rsbb.results.standing_rules import OfRuns
 from roah_rsbb.tools import results as program
+from roah_rsbb.tools import results_files
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 
@@ -80,6 +82,16 @@ def test_a_head_that_cannot_be_read_costs_only_itself(run, tmp_path, change):
     status, out, err = run("list", source=("--journal", path))
     assert (status, len(out.splitlines())) == (0, 2)
     assert "cannot be read" in err
+
+
+def test_the_ways_to_count_runs_are_those_of_the_rules():
+    assert tuple(of.value for of in OfRuns) == program.OF_RUNS
+
+
+def test_the_list_does_not_load_what_writes_files():
+    script = ("import sys; import roah_rsbb.tools.results; "
+              "print([name for name in sys.modules if name.startswith(('yaml', 'roah_rsbb.results.standing'))])")
+    assert subprocess.run([sys.executable, "-c", script], check=True, stdout=subprocess.PIPE).stdout == b"[]\n"
 
 
 def test_the_journal_is_found_in_the_log_dir(run, journal, monkeypatch, tmp_path):
@@ -440,7 +452,7 @@ def test_pages_without_the_appendix(run, tmp_path):
 
 def test_pdf(run, tmp_path, monkeypatch):
     printed = {}
-    monkeypatch.setattr(program, "browser", lambda: "chromium")
+    monkeypatch.setattr(results_files, "browser", lambda: "chromium")
 
     class Printer:
         """Notes what is printed."""
@@ -458,8 +470,8 @@ def test_pdf(run, tmp_path, monkeypatch):
         def print(text, path):
             printed[os.path.basename(path)] = text
 
-    monkeypatch.setattr(program, "Printer", Printer)
-    monkeypatch.setattr(program, "print_pdf", Printer.print)
+    monkeypatch.setattr(results_files, "Printer", Printer)
+    monkeypatch.setattr(results_files, "print_pdf", Printer.print)
     status, out, _ = run("export", "1", "2", "--pdf", tmp_path / "pdf")
     assert (status, out) == (0, f"2 score sheets and index.pdf are in {tmp_path}/pdf\n")
     assert sorted(printed) == ["001_HGTKMH_Alpha_round1_run1.pdf", "002_HGTKMH_Beta_round1_run2.pdf", "index.pdf"]

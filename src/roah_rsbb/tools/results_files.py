@@ -1,0 +1,314 @@
+"""Commands of `results` that rank runs and write files. Loading what they need takes longer than to list all runs."""
+
+import argparse
+import json
+import os
+import sys
+from typing import Callable, Dict, Iterable, Iterator, List, Optional, TextIO
+
+from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.results import checklist as checklists
+from roah_rsbb.results import dataset
+from roah_rsbb.results import standings as ranking
+from roah_rsbb.results.anonymous import names_of
+from roah_rsbb.results.dataset import write_dataset
+from roah_rsbb.results.events import sections
+from roah_rsbb.results.export import (
+    RESULT_COLUMNS,
+    STANDING_COLUMNS,
+    exported,
+    exported_standings,
+    result_rows,
+    standing_rows,
+    write_table,
+)
+from roah_rsbb.results.page import Competition, page, picture_address
+from roah_rsbb.results.paper import blank_front, front_markup
+from roah_rsbb.results.printing import Printer, browser, print_pdf
+from roah_rsbb.results.replay_page import page_parts, replay_name, replay_of
+from roah_rsbb.results.report.facts import facts_of
+from roah_rsbb.results.report.pages import Compared, Site, all_pages, comparison
+from roah_rsbb.results.report.plots import Assets, assets
+from roah_rsbb.results.runs import RunResult, file_name, find, find_record, records, run_result
+from roah_rsbb.results.sheet import sheet_page
+from roah_rsbb.results.standing_rules import OfRuns, Rules, read_rules
+from roah_rsbb.results.standings import Choice, Standing, index_page, standing_lines, standings_page
+from roah_rsbb.rulebook import config
+from roah_rsbb.rulebook.benchmarks import Benchmark
+from roah_rsbb.tools.results_journal import BENCHMARKS_FILE, RULES_FILE, SCHEDULE_FILE, Usage, open_journal, warn
+
+
+def export(options: argparse.Namespace) -> int:
+    """The command of this name."""
+    if not (options.csv or options.json or options.html or options.pdf or options.dataset):
+        raise Usage("choose what to write: --csv FILE, --json FILE, --html DIR, --pdf DIR, --dataset DIR, or several "
+                     "of them")
+    if (options.anonymous or options.licence) and not options.dataset:
+        raise Usage("--anonymous and --licence are for a data set: name its folder with --dataset DIR")
+    if options.pdf:
+        browser()  # before anything is written
+    _competition(options)
+    with open_journal(options) as reader:
+        as_of = reader.as_of()
+        known = records(reader, warn)
+        identities = [record.identity for record in known]
+        places = sorted({find(identities, word) for word in options.runs}) if options.runs else range(len(known))
+        chosen = [(place + 1, known[place]) for place in places]
+        ranked = _ranked(options, known)
+        if options.csv:
+            _write(options.csv, lambda file: write_table(
+                file, RESULT_COLUMNS, result_rows((r for _, r in chosen), options.utc)), "utf-8-sig")
+
+        def results() -> Iterator[RunResult]:
+            return (run_result(reader, number, record, warn) for number, record in chosen)
+
+        if options.json:
+            value = exported(list(results()), ranked, reader.path, as_of)
+            _write(options.json, lambda file: _dump(value, file))
+        if options.dataset:
+            os.makedirs(options.dataset, exist_ok=True)
+            names = names_of(reader) if options.anonymous else None
+            write_dataset(options.dataset, results(), dataset.Options(names, options.licence, options.title))
+            print(f"the data set of {len(chosen)} runs is in {options.dataset}")
+        if options.html:
+            _write_pages(options, options.html, "html", _write_html, results(), chosen, ranked, as_of)
+        if options.pdf:
+            with Printer() as printer:
+                _write_pages(options, options.pdf, "pdf", printer.print, results(), chosen, ranked, as_of)
+    return 0
+
+
+def _write_pages(
+    options, folder: str, suffix: str, write: Callable[[str, str], None], results: Iterable[RunResult], chosen,
+    ranked: List[Standing], as_of: float,
+) -> None:
+    rules, titles, competition = _rules(options), _titles(options), _competition(options)
+    sheets: Dict[str, str] = {}
+    os.makedirs(folder, exist_ok=True)
+    for result in results:
+        record = result.record
+        sheets[record.identity] = name = f"{file_name(result.number, record)}.{suffix}"
+        text = sheet_page(result, options.utc, rules.get(record.benchmark), titles.get(record.benchmark, ""),
+                          not options.no_appendix, competition)
+        write(text, os.path.join(folder, name))
+    index = f"index.{suffix}"
+    write(index_page(chosen, sheets, ranked, as_of, options.utc, competition), os.path.join(folder, index))
+    print(f"{len(sheets)} score sheets and {index} are in {folder}")
+
+
+def replay(options: argparse.Namespace) -> int:
+    """The command of this name."""
+    if options.video and len(options.runs) != 1:
+        raise Usage("--video needs exactly one RUN, because each run has its own video")
+    parts = page_parts(_resource(options, "replay"))
+    os.makedirs(options.html, exist_ok=True)
+    with open_journal(options) as reader:
+        for identity in options.runs or reader.identities():
+            result = run_result(reader, *find_record(reader, identity, warn), warn)
+            path = os.path.join(options.html, replay_name(result.number, result.record))
+            _write_html(replay_of(reader, result, parts, options.utc, warn, options.video), path)
+            print(path)
+    return 0
+
+
+def report(options: argparse.Namespace) -> int:
+    """The command of this name."""
+    shared = assets(_resource(options, "report"))
+    sources = [_journal_in(source) for source in options.competitions] or [options.journal]
+    if len(sources) == 1:
+        count = len(_write_site(options, sources[0], options.html, shared).runs)
+        print(f"the report of {count} runs is in {os.path.join(options.html, 'index.html')}")
+        return 0
+    compared = []
+    for number, (source, given) in enumerate(zip(sources, options.competitions), 1):
+        name = os.path.basename(os.path.abspath(given))
+        sub_folder = f"competition{number}"
+        site = _write_site(options, source, os.path.join(options.html, sub_folder), shared, "../index.html")
+        compared.append(Compared(f"{number}. {name}", f"{sub_folder}/index.html", site))
+    _write_html(comparison(compared, shared), os.path.join(options.html, "index.html"))
+    print(f"the reports of {len(sources)} competitions are in {os.path.join(options.html, 'index.html')}")
+    return 0
+
+
+def _resource(options: argparse.Namespace, name: str) -> str:
+    """Return a folder in the package's folder resource."""
+    return os.path.join(os.path.dirname(os.path.abspath(options.config_dir)), "resource", name)
+
+
+def _journal_in(source: str) -> str:
+    """Return the journal of a competition's folder, of a log_dir, or the journal itself."""
+    places = (source, os.path.join(source, FILE_NAME), os.path.join(source, "log", FILE_NAME))
+    found = next((path for path in places if os.path.isfile(path)), None)
+    if found is None:
+        raise Usage(f"{source}: there is no journal: name the folder of a competition, a log_dir, or a journal")
+    return found
+
+
+def _write_site(
+    options: argparse.Namespace, journal: Optional[str], folder: str, shared: Assets, home: str = ""
+) -> Site:
+    """Write the pages of a competition."""
+    options = argparse.Namespace(**{**vars(options), "journal": journal})
+    rules, titles, competition = _rules(options), _titles(options), _competition(options)
+    parts = None if options.no_replays else page_parts(_resource(options, "replay"))
+    os.makedirs(os.path.join(folder, "runs"), exist_ok=True)
+    sheets: Dict[str, str] = {}
+    replays: Dict[str, str] = {}
+    runs = []
+    with open_journal(options) as reader:
+        known = records(reader, warn)
+        ranked = _ranked(options, known)
+        for number, record in enumerate(known, 1):
+            result = run_result(reader, number, record, warn)
+            shown = sections(result)
+            runs.append(facts_of(result, sum(event.bad for section in shown for event in section.events)))
+            sheets[record.identity] = name = f"runs/{file_name(number, record)}.html"
+            _write_html(sheet_page(result, options.utc, rules.get(record.benchmark), titles.get(record.benchmark, ""),
+                                   competition=competition, shown=shown), os.path.join(folder, name))
+            if parts is not None:
+                replays[record.identity] = name = f"runs/{replay_name(number, record)}"
+                _write_html(replay_of(reader, result, parts, options.utc, warn), os.path.join(folder, name))
+        as_of = reader.as_of()
+    site = Site(runs, ranked, sheets, replays, titles, as_of, options.utc, shared, competition, home)
+    for name, text in all_pages(site).items():
+        _write_html(text, os.path.join(folder, name))
+    return site
+
+
+def _write_html(text: str, path: str) -> None:
+    _write(path, lambda file: file.write(text))
+
+
+def standings(options: argparse.Namespace) -> int:
+    """The command of this name."""
+    with open_journal(options, checks_all=False) as reader:
+        ranked = _ranked(options, records(reader, warn))
+        path, as_of = reader.path, reader.as_of()
+    codes = [standing.benchmark for standing in ranked]
+    unknown = [code for code in options.benchmarks if code not in codes]
+    if unknown:
+        raise Usage(f"there are no runs of {', '.join(unknown)}; there are some of {', '.join(codes) or 'none'}")
+    if options.benchmarks:
+        ranked = [standing for standing in ranked if standing.benchmark in options.benchmarks]
+    if options.csv:
+        _write(options.csv, lambda file: write_table(
+            file, STANDING_COLUMNS, standing_rows(ranked)), "utf-8-sig")
+    if options.json:
+        _write(options.json, lambda file: _dump(exported_standings(ranked, path, as_of), file))
+    _write_page(options, standings_page(ranked, as_of, options.utc, _competition(options)))
+    if not (options.csv or options.json or options.html or options.pdf):
+        for standing in ranked:
+            for text in standing_lines(standing):
+                print(text)
+        if not ranked:
+            print("No run has started yet.")
+    return 0
+
+
+def blank(options: argparse.Namespace) -> int:
+    """The command of this name."""
+    if not (options.html or options.pdf):
+        raise Usage("choose what to write: --html FILE, --pdf FILE, or both")
+    benchmarks, plans = config.load_schedule(_file(options, BENCHMARKS_FILE), _file(options, SCHEDULE_FILE))
+    unknown = [code for code in options.benchmarks if code not in benchmarks]
+    if unknown:
+        raise Usage(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(benchmarks)}")
+    events = [(plan.name, event) for plan in plans for event in plan.events]
+    events.sort(key=lambda line: line[1].scheduled)
+    with_event = {event.benchmark.code for _, event in events}
+    sheets = [blank_front(event.benchmark, zone, event, options.utc) for zone, event in events
+              if not options.benchmarks or event.benchmark.code in options.benchmarks]
+    sheets += [blank_front(benchmark) for code, benchmark in benchmarks.items()
+               if (code in options.benchmarks or not options.benchmarks) and code not in with_event]
+    competition = _competition(options)
+    _write_page(options, page("Score sheets", *(
+        front_markup(front._replace(competition=competition)) for front in sheets)))
+    print(f"{len(sheets)} empty score sheets are in {' and '.join(filter(None, (options.html, options.pdf)))}")
+    return 0
+
+
+def checklist(options: argparse.Namespace) -> int:
+    """The command of this name."""
+    _, plans = config.load_schedule(_file(options, BENCHMARKS_FILE), _file(options, SCHEDULE_FILE))
+    with open_journal(options) as reader:
+        lines = checklists.checklist(plans, records(reader, warn), options.utc)
+    shown = [line for line in lines if not (options.missing and line.is_final)]
+    for text in checklists.check_lines(shown, options.utc):
+        print(text)
+    return 0 if all(line.is_final for line in lines) else 1
+
+
+# -- shared -----------------------------------------------------------------------------------------
+
+
+def _rules(options: argparse.Namespace) -> Dict[str, Rules]:
+    return read_rules(options.rules or _beside(options, RULES_FILE) or os.path.join(options.config_dir, RULES_FILE))
+
+
+def _file(options: argparse.Namespace, name: str) -> str:
+    """The path of a file of the competition: the option's, or the one beside the log_dir, else the included one."""
+    given = getattr(options, name.replace(".yaml", "_file"))
+    return given or _beside(options, name) or os.path.join(options.config_dir, name)
+
+
+def _beside(options: argparse.Namespace, name: str) -> Optional[str]:
+    """The path of a file of the competition beside the log_dir; None if it does not exist."""
+    log_dir = os.path.dirname(options.journal) if options.journal else os.path.expanduser(options.log_dir)
+    beside = os.path.join(os.path.dirname(os.path.abspath(log_dir)), name)
+    return beside if os.path.exists(beside) else None
+
+
+def _titles(options: argparse.Namespace) -> Dict[str, str]:
+    return {code: benchmark.desc or benchmark.name for code, benchmark in _benchmarks(options).items()}
+
+
+def _benchmarks(options: argparse.Namespace) -> Dict[str, Benchmark]:
+    return config.load_benchmarks(_file(options, BENCHMARKS_FILE))
+
+
+def _competition(options: argparse.Namespace) -> Competition:
+    try:
+        return Competition(options.title, picture_address(options.logo) if options.logo else "")
+    except ValueError as error:
+        raise Usage(str(error)) from None
+    except OSError as error:
+        raise Usage(f"{options.logo}: {error.strerror}: choose another picture with --logo") from None
+
+
+def _write_page(options: argparse.Namespace, text: str) -> None:
+    """Write a page as the options say."""
+    if options.html:
+        _write_html(text, options.html)
+    if options.pdf:
+        print_pdf(text, options.pdf)
+
+
+def _ranked(options: argparse.Namespace, known: List[RunRecord]) -> List[Standing]:
+    identities = [record.identity for record in known]
+    without = tuple(identities[find(identities, word)] for word in options.without)
+    of_runs = OfRuns(options.of_runs) if options.of_runs else None
+    events = {code: benchmark.rules for code, benchmark in _benchmarks(options).items()}
+    choice = Choice(options.signed_off, without, of_runs, events)
+    return ranking.standings(known, _rules(options), choice, _titles(options))
+
+
+def _write(path: str, write: Callable[[TextIO], object], encoding: str = "utf-8") -> None:
+    """Write a complete file, or leave the old one unchanged; `-` is standard output."""
+    if path == "-":
+        write(sys.stdout)
+        return
+    draft = f"{path}.draft"
+    try:
+        with open(draft, "w", encoding=encoding, errors="backslashreplace", newline="") as file:
+            write(file)
+        os.replace(draft, path)
+    except BaseException:
+        if os.path.exists(draft):
+            os.remove(draft)
+        raise
+
+
+def _dump(value: object, file: TextIO) -> None:
+    json.dump(value, file, ensure_ascii=False, indent=1)
+    file.write("\n")

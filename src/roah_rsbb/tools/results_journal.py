@@ -1,0 +1,46 @@
+"""Opens a journal for the commands of `results`, and reports problems."""
+
+import argparse
+import os
+import sys
+from typing import List
+
+from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.reader import JournalError, JournalReader
+from roah_rsbb.results.runs import RunResult, find_record, run_result
+
+RULES_FILE = "standings.yaml"
+BENCHMARKS_FILE, SCHEDULE_FILE = "benchmarks.yaml", "schedule.yaml"
+
+
+class Usage(Exception):
+    """The request cannot be fulfilled. The text names the remedy."""
+
+
+def open_journal(options: argparse.Namespace, checks_all: bool = True) -> JournalReader:
+    """Open the journal. `checks_all`: check all of a large one for damage, which takes seconds."""
+    reader = JournalReader(options.journal or os.path.join(os.path.expanduser(options.log_dir), FILE_NAME), checks_all)
+    try:
+        _warn_of_damage(reader, reader.damage)
+    except JournalError:
+        reader.close()
+        raise
+    return reader
+
+
+def one_run(reader: JournalReader, word: str) -> RunResult:
+    """Read the run with this number, identity or beginning of the identity."""
+    number, record = find_record(reader, word, warn)
+    _warn_of_damage(reader, reader.damage_of(record.identity))
+    return run_result(reader, number, record, warn)
+
+
+def _warn_of_damage(reader: JournalReader, damage: List[str]) -> None:
+    for text in damage:
+        warn(f"{reader.path} is damaged: {text}. More may be recovered with: rosrun roah_rsbb results recover "
+              f"'{reader.path}' NEW_FILE")
+
+
+def warn(text: str) -> None:
+    """Print a warning or an error."""
+    print(f"results: {text}", file=sys.stderr)
