@@ -35,6 +35,7 @@ class Result(NamedTuple):
     module_scores: Dict[Tuple[str, str], Any]
     marked: Dict[Tuple[str, str], int]  # by the referee, and shown by the box
     logs: List[List[Entry]]  # one; of each robot, where all ran at once
+    left_out: int  # how many robots were not ready at the start, where all ran at once
 
     def values(self, topic: str, log: int = 0) -> List[Any]:
         """All values on a topic."""
@@ -49,6 +50,7 @@ class Referee:
         self._box, self._code, self._number = box, code, number
         self._switches = list(SWITCHES)
         self._marked: Dict[Tuple[str, str], int] = {}
+        self._left_out = 0
 
     def conduct(self, robots: int = 1) -> Result:
         """Conduct the whole run. `robots`: the number of robots that must be active first, if all run at once."""
@@ -84,6 +86,9 @@ class Referee:
             self._box.wait_zone(
                 SPEECH, lambda z: _all_ready(z.state), "all robots are ready", LIMIT_S)
         self._insist("start", lambda d: d.phase not in ("idle", "connected"))
+        # On a slow machine, a robot's skew may leave the allowed range just then.
+        warnings = self._box.last_details(self._code).warnings
+        self._left_out = sum("left out until it is ready" in text for text in warnings)
 
     def finish(self) -> Result:
         """Run from start to the end, and return the log."""
@@ -105,7 +110,7 @@ class Referee:
         module_scores = {(s.group, s.name): json.loads(s.value) for s in details.module_scores}
         box.command("disconnect", zone)
         box.wait_phase(zone, "idle")
-        return Result(zone, details.end_reason, module_scores, self._marked, self._read_logs())
+        return Result(zone, details.end_reason, module_scores, self._marked, self._read_logs(), self._left_out)
 
     def _shown(self) -> Dict[Tuple[str, str], int]:
         return {(group, desc): value for group, desc, _, value in self._box.scores(self._code)}

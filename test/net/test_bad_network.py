@@ -85,11 +85,12 @@ def _speech_faults(played: Round) -> List[str]:
     faults = [] if result.end_reason == "completed" else [f"{SPEECH}: {result.end_reason}"]
     if len(result.logs) != len(played.robots):
         faults.append(f"{SPEECH}: {len(result.logs)} logs of {len(played.robots)} robots")
-    should = [int(state) for state in expected.box_states(SPEECH)]
-    for number in range(len(result.logs)):
-        states = result.values(expected.BOX_STATES, number)
-        if states != should:
-            faults.append(f"{SPEECH}: {[BoxState(state).name for state in states]}")
+    should, left_out = [int(state) for state in expected.box_states(SPEECH)], [int(BoxState.STOP)]
+    states = [result.values(expected.BOX_STATES, number) for number in range(len(result.logs))]
+    faults += [f"{SPEECH}: {[BoxState(state).name for state in wrong]}" for wrong in states
+               if wrong not in (should, left_out)]
+    if states.count(left_out) > result.left_out:
+        faults.append(f"{SPEECH}: {states.count(left_out)} robots did not run, but {result.left_out} were left out")
     return faults
 
 
