@@ -167,6 +167,16 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This device may not do that: it is paired as {role}</source>
+        <translation>Dieses Gerät darf das nicht: es ist gekoppelt als {role}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No answer from the core: it may have been done. Check the state</source>
+        <translation>Keine Antwort vom Core: vielleicht ist es geschehen. Prüfen Sie den Zustand</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>{role} in {zone}</source>
         <translation>{role} in {zone}</translation>
     </message>
@@ -219,6 +229,306 @@
         <location filename="../../src/roah_rsbb/wording/device.py"/>
         <source>This connection is not encrypted: whoever can listen in this network can read and use it. Use a network of the referees only.</source>
         <translation>Diese Verbindung ist nicht verschlüsselt: wer in diesem Netz mithören kann, kann sie lesen und benutzen. Verwenden Sie ein Netz nur für Schiedsrichter.</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Referee&apos;s page</source>
+        <translation>Seite für Schiedsrichter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>This device is not paired</source>
+        <translation>Dieses Gerät ist nicht gekoppelt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Zone</source>
+        <translation>Zone</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>NO LINK TO THE BOX since {time}. This is its last known state</source>
+        <translation>KEINE VERBINDUNG ZUR BOX seit {time}. Das ist ihr letzter bekannter Zustand</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>NO LINK TO THE BOX</source>
+        <translation>KEINE VERBINDUNG ZUR BOX</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Close</source>
+        <translation>Schließen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{command}: press again to confirm</source>
+        <translation>{command}: zur Bestätigung noch einmal drücken</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>State</source>
+        <translation>Stand</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Commands</source>
+        <translation>Befehle</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>More commands</source>
+        <translation>Weitere Befehle</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Score sheet</source>
+        <translation>Wertungsbogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Warnings</source>
+        <translation>Warnungen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Time</source>
+        <translation>Zeit</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Connect</source>
+        <translation>Verbinden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Connect {robot}</source>
+        <translation>{robot} verbinden</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>▶ START</source>
+        <translation>▶ START</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>■ STOP</source>
+        <translation>■ STOPP</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Hold to stop</source>
+        <translation>Zum Stoppen gedrückt halten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Disconnect</source>
+        <translation>Trennen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>◀ Previous</source>
+        <translation>◀ Voriger</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Next ▶</source>
+        <translation>Nächster ▶</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>‖ Pause</source>
+        <translation>‖ Pause</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>▶ Resume clock</source>
+        <translation>▶ Uhr fortsetzen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Next phase ▶</source>
+        <translation>Nächste Phase ▶</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>◀ Phase</source>
+        <translation>◀ Phase</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Score without a robot</source>
+        <translation>Ohne Roboter werten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No-show</source>
+        <translation>Nicht angetreten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Team withdrew</source>
+        <translation>Team hat zurückgezogen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>STOPPING … try {number}. The box has not confirmed it yet</source>
+        <translation>STOPPE … Versuch {number}. Die Box hat es noch nicht bestätigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>STOP was confirmed by the box</source>
+        <translation>Die Box hat STOPP bestätigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>STOP was refused: {reasons}</source>
+        <translation>STOPP wurde abgelehnt: {reasons}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Manual operation</source>
+        <translation>Handlung von Hand</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Answer</source>
+        <translation>Antwort</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Done</source>
+        <translation>Erledigt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Switches that the robot changed</source>
+        <translation>Schalter, die der Roboter geändert hat</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Damaged switches</source>
+        <translation>Beschädigte Schalter</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Confirm</source>
+        <translation>Bestätigen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>on</source>
+        <translation>an</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>off</source>
+        <translation>aus</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Yes</source>
+        <translation>Ja</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No</source>
+        <translation>Nein</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Not attempted</source>
+        <translation>Nicht versucht</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Note</source>
+        <translation>Notiz</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>It goes with your next mark of this item</source>
+        <translation>Sie gehört zu Ihrer nächsten Eingabe bei diesem Punkt</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Set</source>
+        <translation>Setzen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Value of {item}</source>
+        <translation>Wert von {item}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{item}: one more</source>
+        <translation>{item}: einer mehr</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>{item}: one less</source>
+        <translation>{item}: einer weniger</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>More for {item}</source>
+        <translation>Mehr zu {item}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>sending {mark}</source>
+        <translation>sende {mark}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>NOT CONFIRMED: {mark}. It is sent again until the box answers</source>
+        <translation>NICHT BESTÄTIGT: {mark}. Wird wieder gesendet, bis die Box antwortet</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Refused: {what}: {reasons}</source>
+        <translation>Abgelehnt: {what}: {reasons}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Undo: {mark}</source>
+        <translation>Ohne: {mark}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Reason for the stop</source>
+        <translation>Grund des Stopps</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Save</source>
+        <translation>Speichern</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Saved</source>
+        <translation>Gespeichert</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Score sheets to sign off</source>
+        <translation>Wertungsbögen zum Abschließen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Sign off</source>
+        <translation>Wertung abschließen</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>Ratings of {judge}</source>
+        <translation>Bewertungen von {judge}</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/device.py"/>
+        <source>No rating is asked of {judge} now</source>
+        <translation>Von {judge} wird jetzt keine Bewertung gebraucht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/device.py"/>
@@ -404,6 +714,11 @@
         <location filename="../../src/roah_rsbb/wording/public.py"/>
         <source>Standings</source>
         <translation>Ranglisten</translation>
+    </message>
+    <message>
+        <location filename="../../src/roah_rsbb/wording/public.py"/>
+        <source>Referees</source>
+        <translation>Schiedsrichter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/wording/public.py"/>
@@ -1336,11 +1651,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Reason for the stop</source>
-        <translation>Grund des Stopps</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Why was the run stopped? Press Enter to save</source>
         <translation>Warum wurde der Lauf gestoppt? Speichern mit Enter</translation>
     </message>
@@ -1356,11 +1666,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>◀ Previous</source>
-        <translation>◀ Voriger</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Go to the zone&apos;s previous event</source>
         <translation>Zum vorigen Termin der Zone gehen</translation>
     </message>
@@ -1368,11 +1673,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Next in {zone}</source>
         <translation>Nächster Termin in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Next ▶</source>
-        <translation>Nächster ▶</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -1386,11 +1686,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Connect</source>
-        <translation>Verbinden</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Open the private channel to the team&apos;s robot</source>
         <translation>Den privaten Kanal zum Roboter des Teams öffnen</translation>
     </message>
@@ -1398,11 +1693,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Start in {zone}</source>
         <translation>Starten in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>▶ START</source>
-        <translation>▶ START</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -1416,11 +1706,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>■ STOP</source>
-        <translation>■ STOPP</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Stop the benchmark (keys: Esc twice)</source>
         <translation>Den Benchmark stoppen (Tasten: zweimal Esc)</translation>
     </message>
@@ -1428,11 +1713,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
         <source>Disconnect in {zone}</source>
         <translation>Trennen in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
-        <source>Disconnect</source>
-        <translation>Trennen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/benchmark_control.py"/>
@@ -1674,11 +1954,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>off</source>
-        <translation>aus</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>ON</source>
         <translation>AN</translation>
     </message>
@@ -1706,11 +1981,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
         <source>OPEN</source>
         <translation>OFFEN</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
-        <source>Close</source>
-        <translation>Schließen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/devices.py"/>
@@ -1766,11 +2036,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
         <source>Final: signed off by {name}</source>
         <translation>Endgültig: abgeschlossen von {name}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
-        <source>Time</source>
-        <translation>Zeit</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/history.py"/>
@@ -1899,11 +2164,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>◀ Phase</source>
-        <translation>◀ Phase</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Go back to the phase before; its time continues</source>
         <translation>Zur vorigen Phase zurückgehen; ihre Zeit läuft weiter</translation>
     </message>
@@ -1911,11 +2171,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Next phase in {zone}</source>
         <translation>Nächste Phase in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Next phase ▶</source>
-        <translation>Nächste Phase ▶</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
@@ -1929,11 +2184,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>‖ Pause</source>
-        <translation>‖ Pause</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Stop the clock of the run. The robot does not notice</source>
         <translation>Die Uhr des Laufs anhalten. Der Roboter merkt davon nichts</translation>
     </message>
@@ -1944,11 +2194,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>▶ Resume clock</source>
-        <translation>▶ Uhr fortsetzen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Let the clock of the run continue</source>
         <translation>Die Uhr des Laufs weiterlaufen lassen</translation>
     </message>
@@ -1956,11 +2201,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
         <source>Score sheet in {zone}</source>
         <translation>Wertungsbogen in {zone}</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Score without a robot</source>
-        <translation>Ohne Roboter werten</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
@@ -2023,11 +2263,6 @@
         <translation>Ein Telefon oder Tablet für Schiedsrichter freigeben; Kopplungen zeigen und beenden</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/more_commands.py"/>
-        <source>Connect {robot}</source>
-        <translation>{robot} verbinden</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
         <source>Used in HOMF only, from the robot&apos;s first goal.</source>
         <translation>Nur in HOMF benutzt, ab dem ersten Ziel des Roboters.</translation>
@@ -2061,11 +2296,6 @@
         <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
         <source>The robot pressed switch {number}</source>
         <translation>Der Roboter hat Schalter {number} gedrückt</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
-        <source>Damaged switches</source>
-        <translation>Beschädigte Schalter</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/omf_switches.py"/>
@@ -2255,11 +2485,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Score sheet</source>
-        <translation>Wertungsbogen</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>History</source>
         <translation>Verlauf</translation>
     </message>
@@ -2300,11 +2525,6 @@
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Save</source>
-        <translation>Speichern</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>Reason of end {number}</source>
         <translation>Grund von Ende {number}</translation>
     </message>
@@ -2326,11 +2546,6 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
         <source>no score</source>
         <translation>ohne Wertung</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
-        <source>Sign off</source>
-        <translation>Wertung abschließen</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/results.py"/>
@@ -2371,16 +2586,6 @@ Abgeschlossen von {name}. Danach kann der Bogen nicht mehr korrigiert werden.</t
         <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
         <source>Late</source>
         <translation>Verzug</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>State</source>
-        <translation>Stand</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
-        <source>Zone</source>
-        <translation>Zone</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/schedule.py"/>
@@ -2445,16 +2650,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
         <source>✔ Yes</source>
         <translation>✔ Ja</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
-        <source>No</source>
-        <translation>Nein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
-        <source>Not attempted</source>
-        <translation>Nicht versucht</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/panels/scoring.py"/>
@@ -2752,16 +2947,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <translation>‼ LETZTE SEKUNDEN ‼ {label}</translation>
     </message>
     <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
-        <source>Note</source>
-        <translation>Notiz</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/score_dialogs.py"/>
-        <source>Yes</source>
-        <translation>Ja</translation>
-    </message>
-    <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/stop_keys.py"/>
         <source>Nothing is running in {zone}</source>
         <translation>In {zone} läuft nichts</translation>
@@ -2820,11 +3005,6 @@ Der Wertungsbogen bleibt in den Ergebnissen und kann später abgeschlossen werde
         <location filename="../../src/roah_rsbb/rqt/widgets/text_search.py"/>
         <source>Type the text to search for</source>
         <translation>Geben Sie den gesuchten Text ein</translation>
-    </message>
-    <message>
-        <location filename="../../src/roah_rsbb/rqt/widgets/undo.py"/>
-        <source>Undo: {mark}</source>
-        <translation>Ohne: {mark}</translation>
     </message>
     <message>
         <location filename="../../src/roah_rsbb/rqt/widgets/undo.py"/>

@@ -33,6 +33,7 @@ function Index({live, words}) {
     <${Links} title=${words.overlay} links=${perZone("/overlay")} />
     ${teams.length > 0 && html`
       <${Links} title=${words.teams} links=${teams.map((team) => [team, address(`/team/${encodeURIComponent(team)}`)])} />`}
+    <${Links} title=${words.referees} links=${[[words.referee_page, address("/referee")]]} />
     <${Links} title=${words.data} links=${DATA.map((name) => [name, `/api/v1/${name}`])} />`;
 }
 

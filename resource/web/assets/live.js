@@ -23,9 +23,10 @@ export class BoxClock {
   }
 }
 
-// `documents`: names; `onChange` is called when something on the page may change.
+// `onChange` is called when something on the page may change. `path` and `query` name the documents.
 export class Live {
-  constructor(documents, language, onChange) {
+  constructor(path, query, onChange, silentS = SILENT_S) {
+    this.silentS = silentS;
     this.data = {};  // document by name
     this.missed = 0;  // changes that were replaced by later ones before they came
     this.clock = new BoxClock();
@@ -34,10 +35,10 @@ export class Live {
     this.numbers = {};
     this.heardAt = -Infinity;
     this.isHeard = false;
-    const query = new URLSearchParams({documents: documents.join(","), language});
-    this.address = `${location.protocol === "https:" ? "wss:" : "ws:"}//${location.host}/api/v1/events?${query}`;
+    this.address = `${location.protocol === "https:" ? "wss:" : "ws:"}//${location.host}/api/v1/${path}?${
+      new URLSearchParams(query)}`;
     this.connect();
-    setInterval(() => this.watch(), 250);
+    this.timer = setInterval(() => this.watch(), 250);
   }
 
   connect() {
@@ -51,12 +52,22 @@ export class Live {
     opening.onclose = () => this.reconnect(opening);
   }
 
+  close() {
+    clearInterval(this.timer);
+    const closing = this.socket;
+    this.socket = null;
+    this.isClosed = true;
+    if (closing) {
+      closing.close();
+    }
+  }
+
   reconnect(socket) {
     if (this.socket === socket) {
       this.socket = null;
       socket.close();
       // Not all pages of a hall at the same moment.
-      setTimeout(() => this.connect(), RECONNECT_MS * (1 + Math.random()));
+      setTimeout(() => this.isClosed || this.connect(), RECONNECT_MS * (1 + Math.random()));
       this.watch();
     }
   }
@@ -88,7 +99,7 @@ export class Live {
   // Notice silence: of the gateway, or of the box behind it. A lost connection sends nothing.
   watch(hasChanged = false) {
     const now = seconds();
-    const gatewayIsSilent = now - this.heardAt > SILENT_S;
+    const gatewayIsSilent = now - this.heardAt > this.silentS;
     if (gatewayIsSilent && this.socket && this.socket.readyState === WebSocket.OPEN) {
       this.reconnect(this.socket);
     }

@@ -1,6 +1,6 @@
 // Pairs this device. The code may be in the address after #, from the QR code: so it is in no log.
 
-import {html, parameters, show, useEffect, useState} from "/assets/parts.js";
+import {address, html, parameters, show, useEffect, useState} from "/assets/parts.js";
 import {ask, deviceName, reasonsText, roleText} from "/assets/device.js";
 
 const NAME = "roah_rsbb_name";
@@ -40,6 +40,7 @@ function Pair({live, words}) {
     history.replaceState(null, "", location.pathname + location.search);
     setTrouble("");
     setSession(answer.body);
+    location.assign(address("/referee"));
   }
 
   async function end() {
@@ -57,6 +58,7 @@ function Pair({live, words}) {
     <h1 class="title">${texts.pair_title}</h1>
     ${session && html`
       <p class="paired">${texts.paired_as.replace("{role}", () => roleText(session, texts))} (${session.person})</p>
+      <p><a class="button main" href=${address("/referee")}>${texts.referee_page}</a></p>
       <button type="button" onClick=${end}>${texts.end_pairing}</button>`}
     <form onSubmit=${pair}>
       <${Field} name="code" text=${texts.code} value=${CODE} autocapitalize="characters" />

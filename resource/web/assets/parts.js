@@ -15,7 +15,7 @@ export function show(Page, documents = DOCUMENTS) {
   const place = document.getElementById("page");
   const language = parameters.get("language") || navigator.languages.join(",");
   const draw = () => render(html`<${Whole} page=${Page} live=${live} />`, place);
-  const live = new Live(documents, language, draw);
+  const live = new Live("events", {documents: documents.join(","), language}, draw);
   window.addEventListener("resize", draw);
   window.live = live;  // for the browser's console, and for tests
   draw();

@@ -11,7 +11,7 @@ from tornado import web, websocket
 
 from roah_rsbb.web.documents import DATA, TEXTS
 from roah_rsbb.web.guarded import Guarded
-from roah_rsbb.web.store import Key
+from roah_rsbb.web.numbered import Key
 from roah_rsbb.web.viewer import Viewer
 
 # A reader that has not taken a message for so long is gone, or does not read.
@@ -30,6 +30,11 @@ class Reader(Guarded, websocket.WebSocketHandler):
         self._viewer: Optional[Viewer] = None
         self._busy_since: Optional[float] = None
 
+    @property
+    def places(self) -> Any:
+        """Where the readers of this kind have their places."""
+        return self._server.viewers
+
     def language(self) -> str:
         """The language that is asked for, of those that are available."""
         return self._server.store.language(
@@ -44,7 +49,7 @@ class Reader(Guarded, websocket.WebSocketHandler):
             stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER_BYTES)
         self.set_nodelay(True)
         server.keep(stream)
-        server.viewers.add(self, self.request.remote_ip or "")
+        self.places.add(self, self.request.remote_ip or "")
         self.send_next()
 
     def on_message(self, message: object) -> None:
@@ -53,7 +58,7 @@ class Reader(Guarded, websocket.WebSocketHandler):
 
     def on_close(self) -> None:
         """Free the place."""
-        self._server.viewers.remove(self)
+        self.places.remove(self)
 
     def beat(self, now: float) -> None:
         """Send the clock, unless a message is still on its way. End a reader that takes nothing."""
@@ -61,7 +66,7 @@ class Reader(Guarded, websocket.WebSocketHandler):
             self._viewer.beat()
             self.send_next()
         elif now - self._busy_since > STUCK_S:
-            self._server.viewers.remove(self)
+            self.places.remove(self)
             stream = getattr(self.ws_connection, "stream", None)
             if stream is not None:
                 stream.close()  # `close` would wait behind what is not taken
@@ -77,7 +82,7 @@ class Reader(Guarded, websocket.WebSocketHandler):
         try:
             sent = self.write_message(text)
         except websocket.WebSocketClosedError:
-            self._server.viewers.remove(self)
+            self.places.remove(self)
             return
         self._busy_since = now
         sent.add_done_callback(self._on_sent)
@@ -85,7 +90,7 @@ class Reader(Guarded, websocket.WebSocketHandler):
     def _on_sent(self, sent: "asyncio.Future[None]") -> None:
         self._busy_since = None
         if sent.cancelled() or sent.exception() is not None:  # the connection is closed
-            self._server.viewers.remove(self)
+            self.places.remove(self)
         else:
             self.send_next()
 

@@ -31,10 +31,14 @@ class Guarded(web.RequestHandler):
 
     def prepare(self) -> None:
         """Refuse what no browser in the hall would ask."""
-        if not self._server.rates.allows(self._server.now(), self.request.remote_ip or ""):
+        if not self.is_allowed():
             raise web.HTTPError(TOO_MANY_REQUESTS, reason="Too Many Requests")
         if not is_own_host(self.request.host, self._server.names):
             raise web.HTTPError(_MISDIRECTED, reason="Misdirected Request")
+
+    def is_allowed(self) -> bool:
+        """Whether this is not one request too many."""
+        return self._server.rates.allows(self._server.now(), self.request.remote_ip or "")
 
     def set_default_headers(self) -> None:
         set_headers(self, {**_HEADERS, "Content-Security-Policy": _POLICY.format(host=_plain_host(self.request))})

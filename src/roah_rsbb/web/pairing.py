@@ -10,7 +10,7 @@ import secrets
 from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional
 
 from roah_rsbb.web.limits import Rates
-from roah_rsbb.wording import device
+from roah_rsbb.wording import device, sheets
 from roah_rsbb.wording.language import tr
 
 REFEREE, JUDGE, ORGANISER = ROLES = ("referee", "judge", "organiser")
@@ -64,7 +64,7 @@ class Session(NamedTuple):
     @property
     def who(self) -> str:
         """Who acts, for the records: person, role and device."""
-        return f"{self.person}, {self.grant.role}, {self.device}"
+        return sheets.author(self.person, self.grant.role, self.device)
 
 
 class Codes:

@@ -8,10 +8,12 @@ import asyncio
 import os
 import socket
 import time
-from typing import Any, FrozenSet, List, Optional, Set
+from typing import Any, Awaitable, Callable, FrozenSet, List, Optional, Set
 
 from tornado import web
 
+from roah_rsbb.web.commands import Command, Outcome
+from roah_rsbb.web.desk import Desk
 from roah_rsbb.web.documents import DATA
 from roah_rsbb.web.events import EventsHandler, Reader
 from roah_rsbb.web.guarded import Guarded
@@ -19,9 +21,14 @@ from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.pairing import Codes, Session, Sessions
 from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_headers
 from roah_rsbb.web.store import Store
-from roah_rsbb.web.writing import PairHandler, SessionHandler
+from roah_rsbb.web.writing import CommandHandler, DeviceEventsHandler, PairHandler, SessionHandler
 
-PAGES = ("display", "overlay", "pair")
+PAGES = ("display", "overlay", "pair", "referee")
+# A device that scores makes some requests a second. A crowd behind the same address has other limits.
+REQUESTS_OF_DEVICE_A_SECOND, REQUESTS_OF_DEVICE_AT_ONCE = 20.0, 100.0
+MAX_DEVICES = 200
+# Why a WebSocket is closed.
+NOT_PAIRED = 4401
 # How often readers get the clock. Pages report silence after three of these periods.
 BEAT_S = 1.0
 # How often the server checks whether the core is silent.
@@ -41,11 +48,13 @@ class WebServer:
 
     def __init__(
         self, loop: asyncio.AbstractEventLoop, store: Store, folder: str, names: FrozenSet[str],
-        sessions: Optional[Sessions] = None,
+        sessions: Optional[Sessions] = None, command: Optional[Callable[[Command], Awaitable[Outcome]]] = None,
+        on_devices: Callable[[bool], None] = lambda any_device: None,
     ) -> None:
         """`folder`: the files of the pages; `names`: of this computer (`limits.own_names`).
 
-        `sessions`: the paired devices; None: they are forgotten at the end.
+        `sessions`: the paired devices; None: they are forgotten at the end. `command` carries commands out; None:
+        there is no answer. `on_devices` is called whenever devices come or go, with whether any is connected.
         """
         self._loop = loop
         self.store = store
@@ -53,9 +62,15 @@ class WebServer:
         self.rates = Rates()
         self.codes = Codes()
         self.sessions = sessions or Sessions(lambda records: None)
+        self.desk = Desk(store)
+        self.command = command or _no_answer
+        self._on_devices = on_devices
+        self.device_rates = Rates(REQUESTS_OF_DEVICE_A_SECOND, REQUESTS_OF_DEVICE_AT_ONCE)
+        self.devices: Places[Reader] = Places(
+            lambda device: device.close(1013, "too many devices"), MAX_DEVICES)
         self.viewers: Places[Reader] = Places(
             lambda viewer: viewer.close(1013, "too many readers of this address"))
-        self._was_heard = False
+        self._was_heard = (False, False)
         self._beat_due_mono = float("-inf")
         self._timer: Optional[asyncio.TimerHandle] = None
         self._listening: List[socket.socket] = []
@@ -66,6 +81,8 @@ class WebServer:
                 (r"/api/v1/events", EventsHandler, shared),
                 (r"/api/v1/pair", PairHandler, shared),
                 (r"/api/v1/session", SessionHandler, shared),
+                (r"/api/v1/commands/([a-z_]+)", CommandHandler, shared),
+                (r"/api/v1/device", DeviceEventsHandler, shared),
                 (r"/api/v1/schemas/([a-z]+\.json)", SchemaHandler,
                  {**shared, "path": os.path.join(folder, "schemas")}),
                 (r"/assets/(.*)", FileHandler, {**shared, "path": os.path.join(folder, "assets")}),
@@ -91,14 +108,14 @@ class WebServer:
         """Stop serving; has no effect if closed."""
         if self._timer is not None:
             self._timer.cancel()
-        for viewer in self.viewers:
+        for viewer in (*self.viewers, *self.devices):
             viewer.close()
         self._http.stop()
         self._listening = []
 
     def publish(self) -> None:
         """Send what has changed to all readers."""
-        for viewer in self.viewers:
+        for viewer in (*self.viewers, *self.devices):
             viewer.send_next()
 
     def now(self) -> float:
@@ -112,11 +129,21 @@ class WebServer:
 
     def revoke(self, session_id: str) -> List[Session]:
         """End the pairing of a device; empty: of all. Raises OSError as `Sessions.revoke` does."""
-        return self.sessions.revoke(session_id)
+        try:
+            return self.sessions.revoke(session_id)
+        finally:
+            for device in self.devices:
+                if not self.sessions.is_valid(self.utc(), device.session_id):
+                    device.close(NOT_PAIRED, "this device is not paired any more")
+
+    def devices_changed(self) -> None:
+        """Make documents only for what devices show."""
+        self.desk.show(device.key for device in self.devices)
+        self._on_devices(len(self.devices) > 0)
 
     def connected(self) -> Set[str]:
         """Return the ids of the sessions whose devices are connected."""
-        return {viewer.session_id for viewer in self.viewers if viewer.session_id}
+        return {device.session_id for device in self.devices}
 
     def keep(self, stream: Any) -> None:
         """A connection became a reader: readers have their own limit."""
@@ -126,12 +153,16 @@ class WebServer:
         """Send the clock each second, and at once when the core falls silent or is heard again."""
         self._timer = self._loop.call_later(LOOK_S, self._look)
         now = self.now()
-        is_heard = self.store.is_heard(now)
+        is_heard = (self.store.is_heard(now), self.desk.is_heard(now))
         if now < self._beat_due_mono and is_heard == self._was_heard:
             return
         self._was_heard, self._beat_due_mono = is_heard, now + BEAT_S
-        for viewer in self.viewers:
+        for viewer in (*self.viewers, *self.devices):
             viewer.beat(now)
+
+
+async def _no_answer(_command: Command) -> Outcome:
+    return Outcome(is_known=False)
 
 
 class MissingHandler(Guarded):

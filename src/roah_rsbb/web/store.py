@@ -1,17 +1,12 @@
-"""What the gateway knows: the newest public messages, and the documents made from them. No I/O and no clock.
+"""What the gateway knows: the newest public messages, and the documents made from them. No I/O and no clock."""
 
-Each document has a number, which grows by one with each change. A reader who gets a document compares its number with
-the one before and so notices changes that it missed. A document is always complete.
-"""
-
-import json
 import time
-import uuid
-from typing import Any, Callable, ContextManager, Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
+from typing import Any, Callable, ContextManager, Dict, Iterable, List, Optional, Set, Tuple
 
 from roah_rsbb.box_clock import BoxClock
 from roah_rsbb.web import documents
 from roah_rsbb.web.documents import DATA, TEXTS, Data
+from roah_rsbb.web.numbered import Key, Numbered
 from roah_rsbb.wording import device
 from roah_rsbb.wording.language import Translate, in_language
 
@@ -20,31 +15,16 @@ from roah_rsbb.wording.language import Translate, in_language
 SILENT_S = 2.0
 ENGLISH = "en"
 
-# A document's name, and the language of its texts; empty: it has none.
-Key = Tuple[str, str]
 
-
-class Document(NamedTuple):
-    """A document."""
-
-    number: int
-    text: str  # JSON
-
-
-EMPTY = Document(0, "null")
-
-
-class Store:
+class Store(Numbered):
     """The documents of the gateway."""
 
     def __init__(self, languages: Dict[str, Translate], title: str = "", session: str = "") -> None:
         """`languages`: those besides English, by name such as ``de``. `title`: of the competition."""
-        self.session = session or uuid.uuid4().hex  # of this process: numbers begin again with each
+        super().__init__(session)
         self._languages: Dict[str, Optional[Translate]] = {ENGLISH: None, **languages}
         self._title = title
         self._shown: Set[str] = set()  # languages that somebody has asked for
-        self._documents: Dict[Key, Document] = {}
-        self._pieces: Dict[Key, str] = {}  # parts of messages
         self._details: Optional[Any] = None
         self._board: Optional[Any] = None
         self._state: Optional[Data] = None
@@ -113,35 +93,11 @@ class Store:
             self._make_texts(language, documents.FIXED_TEXTS if self._details is None else TEXTS)
         return keys
 
-    def document(self, key: Key) -> Document:
-        """Return a document; before the core is heard it is empty."""
-        return self._documents.get(key, EMPTY)
-
     def answer(self, name: str, mono: float) -> str:
         """Return a document of data as the answer to a request."""
         document = self.document((name, ""))
         return (f'{{"session":"{self.session}","number":{document.number},{self._now(mono)},'
                 f'"data":{document.text}}}')
-
-    def message(self, kind: str, keys: Iterable[Key], mono: float) -> str:
-        """Return a message with these documents."""
-        pieces = ",".join(map(self._piece, keys))
-        return f'{{"type":"{kind}","session":"{self.session}",{self._now(mono)},"documents":{{{pieces}}}}}'
-
-    def beat(self, keys: Iterable[Key], mono: float) -> str:
-        """Return the message that repeats the clock, and the numbers of these documents."""
-        numbers = ",".join(f'"{key[0]}":{self.document(key).number}' for key in keys)
-        return f'{{"type":"clock","session":"{self.session}",{self._now(mono)},"numbers":{{{numbers}}}}}'
-
-    def _now(self, mono: float) -> str:
-        return f'"clock":{json.dumps(self.clock(mono))},"heard":{json.dumps(self.is_heard(mono))}'
-
-    def _piece(self, key: Key) -> str:
-        piece = self._pieces.get(key)
-        if piece is None:
-            document = self.document(key)
-            piece = self._pieces[key] = f'"{key[0]}":{{"number":{document.number},"data":{document.text}}}'
-        return piece
 
     # -- making documents -----------------------------------------------------------------------------
 
@@ -177,13 +133,6 @@ class Store:
             for name in names:
                 if name in makers:
                     self._put((name, language), makers[name]())
-
-    def _put(self, key: Key, data: Data) -> None:
-        text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
-        before = self.document(key)
-        if text != before.text:
-            self._documents[key] = Document(before.number + 1, text)
-            self._pieces.pop(key, None)
 
 
 def _zones(details) -> Set[str]:

@@ -6,13 +6,13 @@ no queue grows, however slow it is.
 
 from typing import Dict, List, Optional
 
-from roah_rsbb.web.store import Key, Store
+from roah_rsbb.web.numbered import Key, Numbered
 
 
 class Viewer:
     """A reader of some documents. Ask `next` for a message only when the one before is sent."""
 
-    def __init__(self, store: Store, keys: List[Key]) -> None:
+    def __init__(self, store: Numbered, keys: List[Key]) -> None:
         self._store = store
         self._keys = keys
         self._sent: Optional[Dict[Key, int]] = None  # the number of each document; None: nothing was sent

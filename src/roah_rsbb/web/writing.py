@@ -1,4 +1,5 @@
-"""What devices send: a code that pairs them, and then commands (docs/security.md, "Paired devices").
+"""What devices send: a code that pairs them, and then commands; and what they are shown (docs/security.md, "Paired
+devices").
 
 Reading handlers are open to all sites. These are not: a request must come from one of our own pages, must be small, and
 its device must be paired.
@@ -10,8 +11,15 @@ from urllib.parse import urlsplit
 
 from tornado import web
 
+from roah_rsbb.web.commands import BadCommand, command_of, may
+from roah_rsbb.web.events import Reader
 from roah_rsbb.web.guarded import TOO_MANY_REQUESTS, Guarded
 from roah_rsbb.web.pairing import SESSION_VALID_S, Refused, Session, TooManyGuesses, plain
+from roah_rsbb.web.viewer import Viewer
+from roah_rsbb.wording import device
+from roah_rsbb.wording.device import role_text
+from roah_rsbb.wording.language import tr
+from roah_rsbb.wording.sent import tr_sent
 
 COOKIE = "roah_rsbb_session"
 
@@ -25,7 +33,30 @@ def is_own_origin(origin: str, protocol: str, host: str) -> bool:
     return page.scheme == protocol and page.netloc != "" and page.netloc.lower() == host.lower()
 
 
-class FromOwnPage(Guarded):
+class OfDevice(Guarded):
+    """A request that may come from a paired device."""
+
+    def is_allowed(self) -> bool:
+        """Paired devices have a limit of their own: a crowd behind the same address must not keep a referee out."""
+        session = self.session()
+        if session is None:
+            return super().is_allowed()
+        return self._server.device_rates.allows(self._server.now(), session.id)
+
+    def session(self) -> Optional[Session]:
+        """Return the session of the device; None: it is not paired."""
+        token = self.get_cookie(COOKIE)
+        return None if not token else self._server.sessions.of(self._server.utc(), token)
+
+    def needed_session(self) -> Session:
+        """Return the session of the device; refuses the request of one that is not paired."""
+        session = self.session()
+        if session is None:
+            raise web.HTTPError(401, reason="This device is not paired")
+        return session
+
+
+class FromOwnPage(OfDevice):
     """Takes requests of our own pages only. Answers are JSON, and nobody keeps them."""
 
     def initialize(self, server: Any) -> None:
@@ -50,18 +81,6 @@ class FromOwnPage(Guarded):
     def set_default_headers(self) -> None:
         super().set_default_headers()
         self.set_header("Cache-Control", "no-store")
-
-    def session(self) -> Optional[Session]:
-        """Return the session of the device; None: it is not paired."""
-        token = self.get_cookie(COOKIE)
-        return None if not token else self._server.sessions.of(self._server.utc(), token)
-
-    def needed_session(self) -> Session:
-        """Return the session of the device; refuses the request of one that is not paired."""
-        session = self.session()
-        if session is None:
-            raise web.HTTPError(401, reason="This device is not paired")
-        return session
 
     def language(self) -> str:
         """The language of the reader."""
@@ -99,14 +118,14 @@ class PairHandler(FromOwnPage):
     def post(self) -> None:
         """Take the code, and answer with the session's cookie."""
         server = self._server
-        person, device, now = plain(self.text("person")), self.text("device"), server.now()
+        person, kind, now = plain(self.text("person")), self.text("device"), server.now()
         before = self.session()
         with server.store.speaking(self.language()):
             try:
                 server.codes.check_guess(now, self.request.remote_ip or "")
                 server.sessions.check(server.utc(), person)
                 grant = server.codes.take(now, self.text("code"))
-                token = server.sessions.add(server.utc(), grant, person, device)
+                token = server.sessions.add(server.utc(), grant, person, kind)
             except TooManyGuesses as refused:
                 self.refuse(TOO_MANY_REQUESTS, str(refused))
                 return
@@ -137,6 +156,70 @@ class SessionHandler(FromOwnPage):
             return
         self.clear_cookie(COOKIE, path="/")
         self.set_status(204)
+
+
+class CommandHandler(FromOwnPage):
+    """Takes a command of a paired device."""
+
+    async def post(self, name: str) -> None:
+        """Carry it out, and answer with the outcome.
+
+        200: it was carried out. 409: it was refused, and why. 504: there was no answer, so it may have been.
+        """
+        session = self.needed_session()
+        try:
+            command = command_of(name, self.body, session)
+        except BadCommand as bad:
+            self.refuse(400, str(bad))
+            return
+        store, language = self._server.store, self.language()
+        if not may(command):
+            with store.speaking(language):
+                self.refuse(403, tr(device.NOT_ALLOWED, role=role_text(*session.grant)))
+            return
+        outcome = await self._server.command(command)
+        with store.speaking(language):
+            reasons = [tr_sent(reason) for reason in outcome.reasons]
+            if not outcome.is_known:
+                self.refuse(504, *reasons or [tr(device.NO_ANSWER)])
+            elif reasons:
+                self.refuse(409, *reasons)
+            else:
+                self.finish(outcome.result or {})
+
+
+class DeviceEventsHandler(OfDevice, Reader):
+    """The connection of a paired device: it is sent all about one zone."""
+
+    @property
+    def places(self) -> Any:
+        """Spectators take no places of referees."""
+        return self._server.devices
+
+    def check_origin(self, origin: str) -> bool:
+        """Only our own pages may open it: a page of another site would have the cookie of its reader's browser."""
+        return is_own_origin(origin, self.request.protocol, self.request.host)
+
+    def prepare(self) -> None:
+        """Refuse devices that are not paired, and zones that are not theirs."""
+        super().prepare()
+        session = self.needed_session()
+        zones = self._server.desk.zones()
+        self.zone = self.get_query_argument("zone", session.grant.zone or next(iter(zones), ""))
+        if not session.grant.allows(self.zone):
+            raise web.HTTPError(403, reason="This device may not act in this zone")
+        self.session_id = session.id
+
+    def open(self, *_args: str, **_kwargs: str) -> None:
+        """Send the snapshot."""
+        self.key = (self.language(), self.zone)
+        self.start(Viewer(self._server.desk, self._server.desk.keys(*self.key)))
+        self._server.devices_changed()
+
+    def on_close(self) -> None:
+        """Free the place."""
+        super().on_close()
+        self._server.devices_changed()
 
 
 def described(session: Session) -> Dict[str, Any]:

@@ -13,6 +13,9 @@ WRONG_CODE = tr_later("This code is wrong, was used, or is older than two minute
 TOO_MANY_DEVICES = tr_later("Too many devices are paired: end some pairings first")
 NO_NAME = tr_later("Type your name: it is recorded with everything that you enter")
 NOT_SAVED = tr_later("The pairing cannot be saved ({error}): free or repair the disk of log_dir")
+# Why a command of a device has no effect.
+NOT_ALLOWED = tr_later("This device may not do that: it is paired as {role}")
+NO_ANSWER = tr_later("No answer from the core: it may have been done. Check the state")
 
 
 def role_text(role: str, zone: str) -> str:
@@ -38,5 +41,37 @@ def page_words() -> Dict[str, str]:
         "end_pairing": tr("End the pairing of this device"),
         "not_encrypted": tr("This connection is not encrypted: whoever can listen in this network can read and use it. "
                             "Use a network of the referees only."),
+        "referee_page": tr("Referee's page"),
+        "not_paired": tr("This device is not paired"),
+        "zone": tr("Zone"),
+        "offline": tr("NO LINK TO THE BOX since {time}. This is its last known state", time="{time}"),
+        "offline_now": tr("NO LINK TO THE BOX"),
+        "close": tr("Close"),
+        "really": tr("{command}: press again to confirm", command="{command}"),
+        "state": tr("State"), "commands": tr("Commands"), "more": tr("More commands"),
+        "sheet": tr("Score sheet"), "warnings": tr("Warnings"), "time": tr("Time"),
+        "connect": tr("Connect"), "connect_robot": tr("Connect {robot}", robot="{robot}"), "start": tr("▶ START"),
+        "stop": tr("■ STOP"), "hold_to_stop": tr("Hold to stop"), "leave": tr("Disconnect"),
+        "previous": tr("◀ Previous"), "next": tr("Next ▶"), "pause": tr("‖ Pause"), "resume": tr("▶ Resume clock"),
+        "next_phase": tr("Next phase ▶"), "previous_phase": tr("◀ Phase"),
+        "open_sheet": tr("Score without a robot"), "no_show": tr("No-show"), "withdrawn": tr("Team withdrew"),
+        "stopping": tr("STOPPING … try {number}. The box has not confirmed it yet", number="{n}"),
+        "stopped": tr("STOP was confirmed by the box"),
+        "not_stopped": tr("STOP was refused: {reasons}", reasons="{reasons}"),
+        "operation": tr("Manual operation"), "answer": tr("Answer"), "done": tr("Done"),
+        "switches": tr("Switches that the robot changed"), "damaged": tr("Damaged switches"),
+        "confirm": tr("Confirm"), "is_on": tr("on"), "is_off": tr("off"),
+        "yes": tr("Yes"), "no": tr("No"), "not_attempted": tr("Not attempted"), "note": tr("Note"),
+        "note_how": tr("It goes with your next mark of this item"), "set": tr("Set"),
+        "value": tr("Value of {item}", item="{item}"), "add": tr("{item}: one more", item="{item}"),
+        "subtract": tr("{item}: one less", item="{item}"), "options": tr("More for {item}", item="{item}"),
+        "sending": tr("sending {mark}", mark="{mark}"),
+        "not_confirmed": tr("NOT CONFIRMED: {mark}. It is sent again until the box answers", mark="{mark}"),
+        "refused": tr("Refused: {what}: {reasons}", what="{what}", reasons="{reasons}"),
+        "undo": tr("Undo: {mark}", mark="{mark}"),
+        "stop_reason": tr("Reason for the stop"), "save": tr("Save"), "saved": tr("Saved"),
+        "unsigned": tr("Score sheets to sign off"), "sign_off": tr("Sign off"),
+        "ratings_of": tr("Ratings of {judge}", judge="{judge}"),
+        "not_a_judge": tr("No rating is asked of {judge} now", judge="{judge}"),
         "no_answer": tr("No answer from the box: check the network, and try again"),
     }

@@ -156,6 +156,7 @@ def page_words() -> Dict[str, str]:
         "no_signal": tr(NO_SIGNAL, time=TIME), "runs": tr(RUNS), "next": tr(NEXT), "results": tr(RESULTS),
         "provisional": tr(PROVISIONAL), "display": tr("Public display"), "overlay": tr("Overlay for video"),
         "all_zones": tr("all zones"), "teams": tr("Teams"), "standings": tr("Standings"),
+        "referees": tr("Referees"), "referee_page": tr("Referee's page"),
         "data": tr("Data for programs"), "no_results": tr("No results are public yet"),
         "no_events": tr("No more events"), "not_in_schedule": tr("Nothing is known of this team"),
     }

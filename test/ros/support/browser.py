@@ -19,7 +19,7 @@ from typing import Any, ClassVar, Dict, List, Optional, Tuple
 
 from tornado import websocket
 
-from support.waiting import LIMIT_S
+from support.waiting import LIMIT_S, wait_until
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 LOOK_AGAIN_S = 0.05
@@ -176,6 +176,14 @@ class Page:
                  f"new MutationObserver(() => {{ window.noted = window.noted || {condition}; }}).observe("
                  "document.body, {subtree: true, childList: true, characterData: true, attributes: true})")
         return "window.noted"
+
+    def wait_address(self, path: str) -> None:
+        """Wait until the page's script has opened another page of this path, and that page is loaded."""
+        def is_open() -> bool:
+            with contextlib.suppress(RuntimeError):  # a script cannot be asked while its page is left
+                return self.get(f"location.pathname === {json.dumps(path)} && document.readyState === 'complete'")
+            return False
+        wait_until(is_open, f"{path} is opened")
 
     def box(self, selector: str) -> Tuple[float, float, float, float]:
         """Left, top, width and height of an element, in CSS pixels."""

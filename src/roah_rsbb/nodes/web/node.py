@@ -40,6 +40,8 @@ class WebNode:
 
     def __init__(self) -> None:
         # These need tornado; see `main`.
+        from roah_rsbb.nodes.web.core_calls import CoreCalls
+        from roah_rsbb.nodes.web.device_feed import DeviceFeed
         from roah_rsbb.nodes.web.pairing import PairingServices
         from roah_rsbb.web.server import WebServer
 
@@ -59,7 +61,9 @@ class WebNode:
         self._reported = ""
         self._store = Store(_languages(resource / "languages"), title)
         sessions = open_sessions(log_dir, rospy.logerr)
-        self._server = WebServer(self._ros.loop, self._store, str(resource / "web"), own_names(names), sessions)
+        self._server = WebServer(self._ros.loop, self._store, str(resource / "web"), own_names(names), sessions,
+                                 CoreCalls(self._ros).carry_out, lambda any_device: self._device_feed.want(any_device))
+        self._device_feed = DeviceFeed(self._ros, self._server.desk, self._server.publish)
         self._url = ""  # for paired devices
         PairingServices(self._ros, self._server, self._store.zones, lambda: self._url)
         self._feed = Feed({DETAILS: PublicDetails, BOARD: PublicBoard}, lambda: self._ros.post(self._take))
@@ -73,6 +77,7 @@ class WebNode:
         self._ros.run()
         self._server.close()
         self._feed.stop()
+        self._device_feed.want(False)
         self._ros.close()
 
     def _take(self) -> None:
@@ -90,6 +95,7 @@ class WebNode:
         self._renew_timer = self._ros.loop.call_later(RENEW_S, self._renew)
         if not self._store.is_heard(self._server.now()):
             self._feed.renew()
+            self._device_feed.renew()
 
     def _open(self) -> None:
         try:

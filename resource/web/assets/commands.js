@@ -1,0 +1,155 @@
+// Commands of a paired device: STOP until it is confirmed, and marks until each was answered (docs/web.md, "Referees").
+
+import {ask} from "/assets/device.js";
+
+const STOP_AGAIN_MS = 500;
+const MARK_AGAIN_MS = 2000;
+const KEPT = "roah_rsbb_marks";
+// Answers after which a mark is sent again: whether it counted is not known, or the box was not ready.
+const AGAIN = [0, 401, 429, 503, 504];
+
+const wait = (ms) => new Promise((done) => setTimeout(done, ms));
+
+export const send = (name, body) => ask("POST", `commands/${name}`, body);
+
+// A short tone, and a vibration where there is one.
+let audio = null;
+export function signal(frequency, pattern) {
+  if (navigator.vibrate) {
+    navigator.vibrate(pattern);
+  }
+  try {
+    audio = audio || new AudioContext();
+    pattern.forEach((ms, number) => {
+      if (number % 2 === 0) {
+        const begin = audio.currentTime + pattern.slice(0, number).reduce((sum, each) => sum + each, 0) / 1000;
+        const tone = audio.createOscillator(), volume = audio.createGain();
+        tone.frequency.value = frequency;
+        volume.gain.value = 0.3;
+        tone.connect(volume).connect(audio.destination);
+        tone.start(begin);
+        tone.stop(begin + ms / 1000);
+      }
+    });
+  } catch (error) {
+    // Without sound the page still shows it.
+  }
+}
+
+// One STOP of one run, repeated until the box confirms or refuses it. It never stops another run.
+export class Stop {
+  constructor(zone, identity, onChange) {
+    this.zone = zone;
+    this.identity = identity;
+    this.tries = 0;
+    this.state = "sending";  // then confirmed, refused, or over
+    this.reasons = [];
+    this.onChange = onChange;
+    this.repeat();
+  }
+
+  async repeat() {
+    while (this.state === "sending") {
+      this.tries += 1;
+      this.onChange();
+      const asked = send("stop", {zone: this.zone, identity: this.identity});
+      // The next try does not wait for an answer that may never come.
+      const answer = await Promise.race([asked, wait(STOP_AGAIN_MS * 4).then(() => ({status: 0, body: {}}))]);
+      if (this.state !== "sending") {
+        return;
+      }
+      if (answer.status === 200) {
+        this.state = "confirmed";
+      } else if ([400, 403, 409].includes(answer.status)) {
+        this.state = "refused";
+        this.reasons = answer.body.reasons;
+      } else {
+        signal(880, [200, 100, 200]);
+        await wait(STOP_AGAIN_MS);
+      }
+    }
+    this.onChange();
+  }
+
+  // The box shows that the run is not in progress: nothing is left to stop.
+  end() {
+    if (this.state === "sending") {
+      this.state = "over";
+      this.onChange();
+    }
+  }
+}
+
+// Marks that were not answered yet. They survive a reload of the page, and are sent again with the same identity.
+export class Marks {
+  constructor(onChange) {
+    this.onChange = onChange;
+    this.waiting = JSON.parse(localStorage.getItem(KEPT) || "[]").map((mark) => ({...mark, isLate: true}));
+    this.done = [];  // the newest last: for undo
+    this.refused = null;
+    this.isSending = new Set();
+    this.isLinked = () => true;
+    setInterval(() => this.again(), MARK_AGAIN_MS);
+  }
+
+  add(mark) {
+    const made = {...mark, id: newId(), isLate: false};
+    this.waiting.push(made);
+    this.keep();
+    this.send(made);
+  }
+
+  again() {
+    if (this.isLinked()) {
+      this.waiting.forEach((mark) => this.send(mark));
+    }
+  }
+
+  async send(mark) {
+    if (this.isSending.has(mark.id)) {
+      return;
+    }
+    this.isSending.add(mark.id);
+    const {shown, isLate, ...body} = mark;
+    const answer = await send("mark", body);
+    this.isSending.delete(mark.id);
+    if (AGAIN.includes(answer.status)) {
+      mark.isLate = true;
+    } else {
+      this.waiting = this.waiting.filter((one) => one.id !== mark.id);
+      if (answer.status === 200) {
+        this.refused = null;
+        if (answer.body.number) {
+          this.done.push({number: answer.body.number, identity: mark.identity, shown: `${mark.desc}: ${shown}`});
+        }
+      } else {
+        this.refused = {shown: `${mark.desc}: ${shown}`, reasons: answer.body.reasons};
+      }
+    }
+    this.keep();
+  }
+
+  // The last mark of this device in a run.
+  last(identity) {
+    return this.done.filter((mark) => mark.identity === identity).pop();
+  }
+
+  forget(mark) {
+    this.done = this.done.filter((one) => one !== mark);
+    this.onChange();
+  }
+
+  keep() {
+    localStorage.setItem(KEPT, JSON.stringify(this.waiting));
+    this.onChange();
+  }
+}
+
+// crypto.randomUUID exists on encrypted pages only.
+function newId() {
+  const bytes = crypto.getRandomValues(new Uint8Array(16));
+  bytes[6] = (bytes[6] & 0x0f) | 0x40;
+  bytes[8] = (bytes[8] & 0x3f) | 0x80;
+  const digits = [...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+  return [[0, 8], [8, 12], [12, 16], [16, 20], [20]].map((part) => digits.slice(...part)).join("-");
+}

@@ -1,0 +1,106 @@
+// The score sheet of a referee's page: large targets, and what the box has not confirmed yet.
+
+import {html, useState} from "/assets/parts.js";
+
+const SET = 0, ADD = 1, NOT_ATTEMPTED = 2;
+
+function number(text) {
+  return text === "" ? null : Number(text);
+}
+
+// `mark(item, change, more)`: enters a mark; `waiting`: marks of this item that were not answered yet.
+function Item({item, waiting, mark, texts, judge}) {
+  const [isOpen, setOpen] = useState(false);
+  const [note, setNote] = useState("");
+  const enter = (change, more, shown) => {
+    mark(item, change, {note, ...more}, shown);
+    setNote("");
+  };
+  const minimum = number(item.min), maximum = number(item.max);
+  const name = item.desc;
+  return html`
+    <li class="item" data-item=${name}>
+      <div class="what"><span>${name}</span> <strong class="shown">${item.shown}</strong>
+        ${item.points && html` <span class="points">${item.points}</span>`}</div>
+      <div class="controls">
+        ${item.type === "bool" && !judge && [["yes", 1], ["no", 0]].map(([word, value]) => html`
+          <button type="button" aria-pressed=${!item.not_attempted && item.value === value}
+              aria-label="${name}: ${texts[word]}" onClick=${() => enter(SET, {value}, texts[word])}>
+            ${texts[word]}
+          </button>`)}
+        ${["uint", "int"].includes(item.type) && !judge && html`
+          <button type="button" aria-label=${texts.subtract.replace("{item}", () => name)}
+              disabled=${item.type === "uint" && item.value <= (minimum || 0) && !item.not_attempted && waiting.length === 0}
+              onClick=${() => enter(ADD, {value: -1}, "−1")}>−1</button>
+          <button type="button" class="main" aria-label=${texts.add.replace("{item}", () => name)}
+              disabled=${maximum !== null && item.value >= maximum}
+              onClick=${() => enter(ADD, {value: 1}, "+1")}>+1</button>`}
+        ${item.type === "choice" && !judge && item.choices.map((choice) => html`
+          <button type="button" aria-pressed=${!item.not_attempted && item.text === choice}
+              onClick=${() => enter(SET, {text: choice}, choice)}>${choice}</button>`)}
+        ${item.type === "decimal" && !judge && html`<${Entry} label=${texts.value.replace("{item}", () => name)} texts=${texts}
+          value=${item.text} enter=${(text) => enter(SET, {text}, text)} />`}
+        ${item.type === "rating" && item.judges.map((one, i) => (!judge || one === judge) && html`
+          <${Entry} label=${texts.ratings_of.replace("{judge}", () => one)} isLabelShown texts=${texts}
+            value=${item.ratings[i]} enter=${(text) => enter(SET, {text, judge: one}, `${one}: ${text}`)} />`)}
+        ${!judge && html`<button type="button" class="more" aria-expanded=${isOpen} onClick=${() => setOpen(!isOpen)}
+            aria-label=${texts.options.replace("{item}", () => name)}>⋯</button>`}
+      </div>
+      ${isOpen && html`
+        <div class="options">
+          <button type="button" aria-pressed=${item.not_attempted}
+              onClick=${() => item.not_attempted ? enter(SET, {}, "0") : enter(NOT_ATTEMPTED, {}, texts.not_attempted)}>
+            ${texts.not_attempted}
+          </button>
+          <label>${texts.note}: ${texts.note_how}
+            <input maxlength="200" value=${note} onInput=${(event) => setNote(event.target.value)} />
+          </label>
+        </div>`}
+      ${waiting.map((one) => html`
+        <p class=${one.isLate ? "alarm" : "why"} role="status">
+          ${texts[one.isLate ? "not_confirmed" : "sending"].replace("{mark}", () => one.shown)}
+        </p>`)}
+    </li>`;
+}
+
+function Entry({label, isLabelShown = false, value, enter, texts}) {
+  const [typed, setTyped] = useState(null);
+  const submit = (event) => {
+    event.preventDefault();
+    if (typed !== null) {
+      enter(typed.trim());
+      setTyped(null);
+    }
+  };
+  return html`
+    <form class="entry" onSubmit=${submit}>
+      <label><span class=${isLabelShown ? "" : "unseen"}>${label}</span>
+        <input inputmode="decimal" autocomplete="off" value=${typed === null ? value : typed}
+          onInput=${(event) => setTyped(event.target.value)} />
+      </label>
+      <button aria-label="${label}: ${texts.set}">${texts.set}</button>
+    </form>`;
+}
+
+// `judge`: the name of the judge who may only give ratings; empty: a referee.
+export function Sheet({zone, marks, texts, judge = ""}) {
+  const items = judge ? zone.items.filter((item) => item.judges.includes(judge)) : zone.items;
+  const mark = (item, change, more, shown) => marks.add({
+    zone: zone.zone, identity: zone.identity, group: item.group, desc: item.desc, change, value: 0, text: "", judge: "",
+    ...more, shown,
+  });
+  const waitingOf = (item) => marks.waiting.filter((one) =>
+    one.identity === zone.identity && one.group === item.group && one.desc === item.desc);
+  const groups = [...new Set(items.map((item) => item.group))];
+  return html`
+    <section class="sheet">
+      <h2>${texts.sheet}</h2>
+      ${judge && items.length === 0 && html`<p class="nothing">${texts.not_a_judge.replace("{judge}", () => judge)}</p>`}
+      ${groups.map((group) => html`
+        <h3>${group}</h3>
+        <ul>${items.filter((item) => item.group === group).map((item) => html`
+          <${Item} key="${group}/${item.desc}" item=${item} waiting=${waitingOf(item)} mark=${mark} texts=${texts}
+            judge=${judge} />`)}</ul>`)}
+      ${zone.points && html`<p class="points">${zone.points}</p>`}
+    </section>`;
+}

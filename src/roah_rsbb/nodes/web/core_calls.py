@@ -1,0 +1,117 @@
+"""The calls to the core that paired devices ask for. They are made in threads, because rospy's calls block."""
+
+import asyncio
+import threading
+from typing import Any, Callable, Dict, NamedTuple, Tuple
+
+import rospy
+
+from roah_rsbb.ros import refusals
+from roah_rsbb.ros.connections import REFEREE_HEADER
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.srv import (
+    ConnectRobot,
+    LeaveRun,
+    ManualOperationAnswer,
+    MarkItem,
+    ScoreWithdraw,
+    SignOff,
+    StopReason,
+    StopRun,
+    Zone,
+    ZoneUInt8,
+)
+from roah_rsbb.web.commands import PLAIN, STOP, Command, Outcome
+
+# A later answer is ignored. The page of a device waits a little longer.
+TIMEOUT_S = 5.0
+# Calls that wait at the same time: a core that hangs must not fill this process with threads. STOP has its own.
+MAX_WAITING = {True: 8, False: 24}
+TOO_MANY = "too many commands are waiting for an answer: check that the core is running"
+
+
+class _Call(NamedTuple):
+    """How a command becomes a call."""
+
+    service: str
+    kind: type
+    request: Callable[[Command], Tuple[Any, ...]]
+
+
+def _zone(command: Command) -> Tuple[Any, ...]:
+    return (command.zone,)
+
+
+def _mark(command: Command) -> Tuple[Any, ...]:
+    fields, session = command.fields, command.session
+    return (command.zone, fields["identity"], fields["id"], fields["group"], fields["desc"], fields["change"],
+            fields["value"], fields["text"], fields["judge"], fields["note"], session.person, session.grant.role,
+            session.device)
+
+
+def _fields(*names: str, with_who: bool = False) -> Callable[[Command], Tuple[Any, ...]]:
+    """The zone, and these fields of the command."""
+    return lambda command: (command.zone, *(command.fields[name] for name in names),
+                            *([command.session.who] if with_who else []))
+
+
+CALLS: Dict[str, _Call] = {
+    **{name: _Call(name, Zone, _zone) for name in PLAIN},
+    "confirm_switches": _Call("omf_switches/complete", Zone, _zone),
+    "connect_robot": _Call("connect_robot", ConnectRobot, _fields("robot")),
+    "stop": _Call("stop_run", StopRun, _fields("identity")),
+    "leave": _Call("leave_run", LeaveRun, _fields("identity")),
+    "stop_reason": _Call("stop_reason", StopReason, lambda c: (
+        c.zone, c.fields["identity"], 0, c.fields["reason"], c.session.who)),
+    "sign_off": _Call("sign_off", SignOff, _fields("identity", with_who=True)),
+    "mark": _Call("mark", MarkItem, _mark),
+    "withdraw": _Call("score/withdraw", ScoreWithdraw, lambda c: (
+        c.zone, c.fields["identity"], c.fields["number"], "", c.session.who)),
+    "operation": _Call("manual_operation_answer", ManualOperationAnswer, _fields("operation", "answer")),
+    "switch": _Call("omf_switches/button", ZoneUInt8, _fields("number")),
+    "damaged": _Call("omf_switches/damaged", ZoneUInt8, _fields("number")),
+}
+
+
+class CoreCalls:
+    """Carries commands out."""
+
+    def __init__(self, ros: RosLoop) -> None:
+        self._ros = ros
+        self._waiting = {True: 0, False: 0}  # by whether it is a STOP
+
+    async def carry_out(self, command: Command) -> Outcome:
+        """Call the core's service; returns its answer, or after the timeout that there was none."""
+        is_stop = command.name == STOP
+        if self._waiting[is_stop] >= MAX_WAITING[is_stop]:
+            return Outcome((TOO_MANY,))
+        self._waiting[is_stop] += 1
+        answered: asyncio.Future[Outcome] = self._ros.loop.create_future()
+
+        def done(outcome: Outcome) -> None:
+            self._waiting[is_stop] -= 1
+            if not answered.done():
+                answered.set_result(outcome)
+
+        def work() -> None:
+            outcome = _outcome(command)
+            self._ros.post(lambda: done(outcome))
+
+        threading.Thread(target=work, name=command.name, daemon=True).start()
+        try:
+            return await asyncio.wait_for(answered, TIMEOUT_S)
+        except asyncio.TimeoutError:
+            return Outcome(is_known=False)
+
+
+def _outcome(command: Command) -> Outcome:
+    call = CALLS[command.name]
+    proxy = rospy.ServiceProxy(f"/core/{call.service}", call.kind, headers={REFEREE_HEADER: command.session.who})
+    try:
+        answer = proxy(*call.request(command))
+    except rospy.ServiceException as error:
+        text = str(error)
+        return Outcome(tuple(refusals.reasons(text)), refusals.was_answered(text))
+    except Exception as error:  # such as a number that the message cannot hold: the referee reads it
+        return Outcome((str(error) or type(error).__name__,))
+    return Outcome(result={name: getattr(answer, name) for name in answer.__slots__})

@@ -1,0 +1,51 @@
+"""The topics for paired devices. They are subscribed to only while one is connected: they come ten times a second."""
+
+from typing import Callable, Optional
+
+from roah_rsbb.msg import CoreDetails, CoreToGui, Results, RunClocks
+from roah_rsbb.ros.feed import Feed
+from roah_rsbb.ros.loop import RosLoop
+from roah_rsbb.web.desk import Desk
+
+GUI, DETAILS, CLOCKS, RESULTS = "/core/to_gui", "/core/details", "/core/clocks", "/core/results"
+TOPICS = {GUI: CoreToGui, DETAILS: CoreDetails, CLOCKS: RunClocks, RESULTS: Results}
+
+
+class DeviceFeed:
+    """Feeds the desk. All methods are called in the loop's thread."""
+
+    def __init__(self, ros: RosLoop, desk: Desk, publish: Callable[[], None]) -> None:
+        self._ros = ros
+        self._desk = desk
+        self._publish = publish
+        self._feed: Optional[Feed] = None
+
+    def want(self, is_wanted: bool) -> None:
+        """Start or end the subscriptions."""
+        if is_wanted and self._feed is None:
+            self._feed = Feed(TOPICS, lambda: self._ros.post(self._take))
+            self._feed.start()
+        elif not is_wanted and self._feed is not None:
+            self._feed.stop(0.0)
+            self._feed = None
+
+    def renew(self) -> None:
+        """Subscribe again: the core is silent."""
+        if self._feed is not None:
+            self._feed.renew()
+
+    def _take(self) -> None:
+        """Take the newest messages. The zones come last: they are made into documents."""
+        if self._feed is None:
+            return
+        desk, feed = self._desk, self._feed
+        results, clocks, details, gui = (feed.take(topic) for topic in (RESULTS, CLOCKS, DETAILS, GUI))
+        if results is not None:
+            desk.on_results(results.message)
+        if clocks is not None:
+            desk.on_clocks(clocks.message)
+        if details is not None:
+            desk.on_details(details.message)
+        if gui is not None:
+            desk.on_gui(gui.mono, gui.message)
+            self._publish()

@@ -1,0 +1,77 @@
+"""What paired devices may command. The gateway checks who may; what is possible decides the core. No I/O."""
+
+from typing import Any, Dict, NamedTuple, Optional, Tuple
+
+from roah_rsbb.web.pairing import JUDGE, Session
+
+MAX_TEXT = 500
+_MAX_WHOLE = 2**31 - 1
+
+# The commands of a run in progress, which the core knows by the same names.
+PLAIN = ("connect", "start", "previous", "next", "pause", "resume", "next_phase", "previous_phase", "open_sheet",
+         "no_show", "withdrawn", "confirm_switches")
+# Each command, and the type of each of its fields.
+FIELDS: Dict[str, Dict[str, type]] = {
+    **{name: {} for name in PLAIN},
+    "connect_robot": {"robot": str},
+    "stop": {"identity": str},
+    "leave": {"identity": str},
+    "stop_reason": {"identity": str, "reason": str},
+    "sign_off": {"identity": str},
+    "mark": {"identity": str, "id": str, "group": str, "desc": str, "change": int, "value": int, "text": str,
+             "judge": str, "note": str},
+    "withdraw": {"identity": str, "number": int},
+    "operation": {"operation": int, "answer": str},
+    "switch": {"number": int},
+    "damaged": {"number": int},
+}
+STOP = "stop"
+MARK = "mark"
+
+
+class BadCommand(Exception):
+    """A command is malformed. The text says how."""
+
+
+class Command(NamedTuple):
+    """A command of a device."""
+
+    name: str
+    zone: str
+    session: Session
+    fields: Dict[str, Any]
+
+
+class Outcome(NamedTuple):
+    """How a command ended."""
+
+    reasons: Tuple[str, ...] = ()  # why it was refused; empty: it was carried out
+    is_known: bool = True  # false: there was no answer, so it may have been carried out
+    result: Optional[Dict[str, Any]] = None
+
+
+def command_of(name: str, body: Dict[str, Any], session: Session) -> Command:
+    """Read a command; raises `BadCommand`. Fields that are missing are empty or 0."""
+    wanted = FIELDS.get(name)
+    zone = body.get("zone", "")
+    if wanted is None or not isinstance(zone, str):
+        raise BadCommand("There is no such command")
+    fields = {}
+    for field, kind in wanted.items():
+        value = body.get(field, kind())
+        if type(value) is not kind:  # true is no number
+            raise BadCommand(f"{field} has the wrong type")
+        if (len(value) > MAX_TEXT) if kind is str else not -_MAX_WHOLE <= value <= _MAX_WHOLE:
+            raise BadCommand(f"{field} is too long" if kind is str else f"{field} is too large")
+        fields[field] = value
+    return Command(name, zone, session, fields)
+
+
+def may(command: Command) -> bool:
+    """Whether the role of the device allows a command, in this zone."""
+    grant = command.session.grant
+    if not command.zone or not grant.allows(command.zone):
+        return False
+    # A judge gives ratings under the name that was typed when the device was paired.
+    return grant.role != JUDGE or (
+        command.name == MARK and command.fields["judge"] == command.session.person)

@@ -1,0 +1,109 @@
+"""What paired devices are shown: the newest messages for referees, and the documents made from them. No I/O, no clock.
+
+Documents are made only for zones and languages that a connected device shows.
+"""
+
+from typing import Any, Dict, Iterable, List, Optional, Set
+
+from roah_rsbb.box_clock import BoxClock
+from roah_rsbb.web import documents, zone_documents
+from roah_rsbb.web.numbered import Document, Key, Numbered
+from roah_rsbb.web.store import Store
+
+# The core publishes the zones ten times a second.
+SILENT_S = 1.5
+ZONE, CLOCK, ZONES = "page.zone", "page.clock", "page.zones"
+
+
+class Desk(Numbered):
+    """The documents for devices. The fixed texts of pages are those of the store."""
+
+    def __init__(self, store: Store) -> None:
+        super().__init__(store.session)
+        self._store = store
+        self._gui: Optional[Any] = None
+        self._details: Optional[Any] = None
+        self._clocks: Optional[Any] = None
+        self._runs: List[Any] = []
+        self._heard_mono = float("-inf")
+        self._clock = BoxClock()
+        self._shown: Set[Key] = set()  # pairs of language and zone
+
+    # -- from the core --------------------------------------------------------------------------------
+
+    def on_results(self, results) -> None:
+        """Take Results."""
+        self._runs = list(results.runs)
+
+    def on_clocks(self, clocks) -> None:
+        """Take RunClocks."""
+        self._clocks = clocks
+
+    def on_details(self, details) -> None:
+        """Take CoreDetails."""
+        self._details = details
+
+    def on_gui(self, mono: float, gui) -> None:
+        """Take CoreToGui, which arrived at `mono` (monotonic seconds), and make the documents again."""
+        if self._gui is not None and gui.clock == self._gui.clock:
+            return  # the latched one, which a core that hangs sends, too
+        self._gui, self._heard_mono = gui, mono
+        self._clock.sample(mono, gui.clock.to_sec())
+        for language, zone in self._shown:
+            self._make(language, zone)
+
+    def is_heard(self, mono: float) -> bool:
+        """Whether the core publishes."""
+        return mono - self._heard_mono <= SILENT_S
+
+    def clock(self, mono: float) -> Optional[float]:
+        """Return the box's clock in UTC seconds, or None before its first message."""
+        return None if self._gui is None else round(self._clock.now(mono), 3)
+
+    # -- for devices ----------------------------------------------------------------------------------
+
+    def zones(self) -> List[str]:
+        """Return all zones, in the order of the schedule."""
+        return [] if self._gui is None else [zone.zone for zone in self._gui.zones]
+
+    def show(self, zones: Iterable[Key]) -> None:
+        """Make documents for these pairs of language and zone from now on, and for no others."""
+        wanted = set(zones)
+        for language, zone in wanted - self._shown:
+            self._make(language, zone)
+        self._shown = wanted
+
+    def keys(self, language: str, zone: str) -> List[Key]:
+        """Return the keys of all documents of a page."""
+        return [*self._store.keys(documents.FIXED_TEXTS, language), (ZONES, language), (ZONE, language, zone),
+                (CLOCK, language, zone)]
+
+    def document(self, key: Key) -> Document:
+        """Return a document."""
+        return self._store.document(key) if key[0] in documents.FIXED_TEXTS else super().document(key)
+
+    def piece(self, key: Key) -> str:
+        """Return a document as a part of a message."""
+        return self._store.piece(key) if key[0] in documents.FIXED_TEXTS else super().piece(key)
+
+    def _make(self, language: str, zone_name: str) -> None:
+        gui, details = self._gui, self._details
+        if gui is None or details is None:
+            return
+        details_of: Dict[str, Any] = {one.zone: one for one in details.zones}
+        zone = next((one for one in gui.zones if one.zone == zone_name), None)
+        with self._store.speaking(language):
+            self._put((ZONES, language), zone_documents.zones_page(gui.zones, details_of))
+            if zone is None or zone_name not in details_of:
+                return
+            clock = self._clock_of(zone_name, details_of[zone_name].identity)
+            self._put((ZONE, language, zone_name), zone_documents.zone_page(
+                zone, details_of[zone_name], details.warnings, clock, self._runs, gui.clock.to_sec()))
+            if clock is not None:
+                passed_s = gui.clock.to_sec() - self._clocks.clock.to_sec()
+                self._put((CLOCK, language, zone_name), zone_documents.clock_page(clock, passed_s))
+
+    def _clock_of(self, zone: str, identity: str) -> Optional[Any]:
+        """Return the RunClock of a zone; None: that of this run has not come yet."""
+        clocks = () if self._clocks is None else self._clocks.zones
+        return next((one for one in clocks if one.zone == zone and one.identity == identity), None)

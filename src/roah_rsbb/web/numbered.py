@@ -1,0 +1,71 @@
+"""Documents with numbers, and the messages with which readers get them (docs/web.md, "Live data"). No I/O, no clock.
+
+Each document has a number, which grows by one with each change. A reader who gets a document compares its number with
+the one before and so notices changes that it missed. A document is always complete.
+"""
+
+import json
+import uuid
+from typing import Any, Dict, Iterable, NamedTuple, Optional, Tuple
+
+# A document's name first, then what distinguishes documents of this name, such as the language of the texts.
+Key = Tuple[str, ...]
+
+
+class Document(NamedTuple):
+    """A document."""
+
+    number: int
+    text: str  # JSON
+
+
+EMPTY = Document(0, "null")
+
+
+class Numbered:
+    """Documents by key."""
+
+    def __init__(self, session: str = "") -> None:
+        self.session = session or uuid.uuid4().hex  # of this process: numbers begin again with each
+        self._documents: Dict[Key, Document] = {}
+        self._pieces: Dict[Key, str] = {}  # parts of messages
+
+    def is_heard(self, mono: float) -> bool:
+        """Whether the core publishes."""
+        raise NotImplementedError
+
+    def clock(self, mono: float) -> Optional[float]:
+        """Return the box's clock in UTC seconds, or None before its first message."""
+        raise NotImplementedError
+
+    def document(self, key: Key) -> Document:
+        """Return a document; before the core is heard it is empty."""
+        return self._documents.get(key, EMPTY)
+
+    def message(self, kind: str, keys: Iterable[Key], mono: float) -> str:
+        """Return a message with these documents."""
+        pieces = ",".join(map(self.piece, keys))
+        return f'{{"type":"{kind}","session":"{self.session}",{self._now(mono)},"documents":{{{pieces}}}}}'
+
+    def beat(self, keys: Iterable[Key], mono: float) -> str:
+        """Return the message that repeats the clock, and the numbers of these documents."""
+        numbers = ",".join(f'"{key[0]}":{self.document(key).number}' for key in keys)
+        return f'{{"type":"clock","session":"{self.session}",{self._now(mono)},"numbers":{{{numbers}}}}}'
+
+    def piece(self, key: Key) -> str:
+        """Return a document as a part of a message."""
+        piece = self._pieces.get(key)
+        if piece is None:
+            document = self.document(key)
+            piece = self._pieces[key] = f'"{key[0]}":{{"number":{document.number},"data":{document.text}}}'
+        return piece
+
+    def _now(self, mono: float) -> str:
+        return f'"clock":{json.dumps(self.clock(mono))},"heard":{json.dumps(self.is_heard(mono))}'
+
+    def _put(self, key: Key, data: Any) -> None:
+        text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
+        before = self.document(key)
+        if text != before.text:
+            self._documents[key] = Document(before.number + 1, text)
+            self._pieces.pop(key, None)

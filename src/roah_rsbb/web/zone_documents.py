@@ -1,0 +1,111 @@
+"""The documents for paired devices: a zone, its clock, its score sheet, and what can be done (docs/web.md, "Referees").
+
+The functions work on anything with the fields of the messages. Texts are in the language of the reader.
+"""
+
+from typing import Any, Dict, Iterable, List, Optional
+
+from roah_rsbb.web.documents import Data
+from roah_rsbb.wording import sheets, todo
+from roah_rsbb.wording.clock import Figure, clock_of
+from roah_rsbb.wording.sent import tr_sent
+from roah_rsbb.wording.times import Moments
+
+# The commands by their names here, and the fields of ZoneDetails with the reasons why they are off.
+OFF_FIELDS = {
+    "connect": "connect_off", "start": "start_off", "stop": "stop_off", "leave": "disconnect_off",
+    "previous": "prev_off", "next": "next_off",
+    **{name: f"{name}_off" for name in (
+        "pause", "resume", "next_phase", "previous_phase", "open_sheet", "no_show", "withdrawn")},
+}
+_MARKS = {"idle": "○", "connected": "●", "running": "▶", "ended": "■"}
+# Runs that are over and not signed off. The page is no archive.
+MAX_UNSIGNED = 5
+
+
+def zone_page(zone, details, box_warnings: Iterable[str], clock, runs: Iterable[Any], utc_s: float) -> Data:
+    """Return everything about a zone but its running times.
+
+    `zone`: ZoneState; `details`: ZoneDetails; `clock`: RunClock of the same run, or None; `runs`: RunSummary of all.
+    """
+    task = todo.todo(zone, details)
+    lines = [line for line in zone.state.split("\n") if line]
+    mark = _MARKS.get(details.phase, "–")
+    moments = Moments(False)
+    return {
+        "zone": zone.zone,
+        "identity": details.identity,
+        "phase": details.phase,
+        "phase_text": f"{mark} {sheets.phase(details.phase, details.end_reason)}",
+        "title": f"{zone.code}  {zone.desc}",
+        "team": zone.team,
+        "event": f"{zone.schedule.to_sec():.0f}/{zone.team}/{zone.round}/{zone.run}",
+        "facts": f"{sheets.turn(zone.round, zone.run)} · {moments.scheduled(zone.schedule.to_sec(), utc_s)}",
+        "robot": details.robot,
+        "by_hand": details.by_hand,
+        "todo": task.text,
+        "is_urgent": bool(task.urgency >= todo.Urgency.LOOK),
+        "warnings": [tr_sent(text) for text in box_warnings] + [
+            tr_sent(line[len(todo.WARNING):]) for line in lines if line.startswith(todo.WARNING)],
+        "state": [tr_sent(line) for line in lines if not line.startswith(todo.WARNING)],
+        "off": {name: [tr_sent(reason) for reason in getattr(details, field)] for name, field in OFF_FIELDS.items()},
+        "has_pause": bool(details.pause_allowed),
+        "has_phases": clock is not None and clock.phases > 0,
+        "robots": list(details.robots_to_choose),
+        "operation": _operation(zone, details),
+        "switches": {"on": list(zone.omf_switches), "damaged": zone.omf_damaged, "to_confirm": bool(zone.omf_complete)}
+        if zone.omf else None,
+        "items": [_item(item) for item in details.items],
+        "points": _points(details.points),
+        "unsigned": [_run(run, moments, utc_s) for run in runs if _is_unsigned(run, zone.zone)][:MAX_UNSIGNED],
+    }
+
+
+def clock_page(message, passed_s: float) -> Data:
+    """Return the times of a run, `passed_s` seconds after `message` (RunClock)."""
+    clock = clock_of(message, passed_s)
+    return {"main": _figure(clock.main), "goal": None if clock.goal is None else _figure(clock.goal),
+            "pause": clock.pause, "aside": clock.aside}
+
+
+def zones_page(zones: Iterable[Any], details: Dict[str, Any]) -> List[Data]:
+    """Return all zones with their phases."""
+    return [{"zone": zone.zone, "team": zone.team, "phase": sheets.phase(details[zone.zone].phase)}
+            for zone in zones if zone.zone in details]
+
+
+def _figure(figure: Figure) -> Data:
+    return {"label": figure.label, "text": figure.text, "hurry": int(figure.hurry)}
+
+
+def _operation(zone, details) -> Optional[Data]:
+    if not details.operation or not zone.manual_operation:
+        return None
+    return {"number": details.operation, "text": zone.manual_operation, "choices": list(details.operation_choices),
+            "asks_text": bool(details.operation_asks_text)}
+
+
+def _item(item) -> Data:
+    return {
+        "group": item.group, "desc": item.desc, "type": sheets.type_word(item.type), "value": item.value,
+        "text": item.text, "not_attempted": bool(item.not_attempted), "points": item.points,
+        "shown": sheets.item_value(sheets.type_word(item.type), item.value, bool(item.not_attempted), item.text),
+        "min": item.min, "max": item.max, "choices": list(item.choices), "judges": list(item.judges),
+        "ratings": list(item.ratings),
+    }
+
+
+def _points(message) -> str:
+    groups = [(group.name, group.points) for group in message.groups]
+    return sheets.points_text(message.total, groups) if message.total else ""
+
+
+def _is_unsigned(run, zone: str) -> bool:
+    return run.zone == zone and bool(run.closed.to_sec()) and not run.signed.to_sec()
+
+
+def _run(run, moments: Moments, utc_s: float) -> Data:
+    name = sheets.run_name(run.code, run.team, run.round, run.run)
+    when = moments.scheduled(run.opened.to_sec(), utc_s)
+    return {"identity": run.identity, "title": f"{when}  {name}",
+            "end": sheets.run_state(run.started.to_sec(), run.closed.to_sec(), run.end_reason), "score": run.score}

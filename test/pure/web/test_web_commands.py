@@ -1,0 +1,185 @@
+"""Commands of paired devices: who may give which, and what the server makes of their answers."""
+
+import json
+import pathlib
+
+import pytest
+from tornado import httpclient, websocket
+
+from helpers.http_clients import HOST, HttpClients
+from roah_rsbb.web.commands import FIELDS, BadCommand, Outcome, command_of, may
+from roah_rsbb.web.limits import Rates
+from roah_rsbb.web.pairing import Grant, Session, Sessions
+from roah_rsbb.web.server import NOT_PAIRED, WebServer
+from roah_rsbb.web.store import Store
+from roah_rsbb.web.writing import COOKIE
+
+FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "web")
+MARK = {"zone": "Home", "identity": "run", "id": "1", "group": "g", "desc": "d", "change": 1, "value": 1}
+
+
+def session(role="referee", zone="Home", person="Anna"):
+    return Session("1", Grant(role, zone), person, "iPhone", 0.0)
+
+
+# -- who may do what --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", sorted(FIELDS))
+def test_a_referee_may_act_in_one_zone_and_an_organiser_in_all(name):
+    for zone, allowed in (("Home", True), ("Hall", False), ("", False)):
+        assert may(command_of(name, {"zone": zone}, session())) == allowed
+    assert may(command_of(name, {"zone": "Hall"}, session("organiser", "")))
+    assert not may(command_of(name, {}, session("organiser", "")))
+
+
+@pytest.mark.parametrize("name", sorted(set(FIELDS) - {"mark"}))
+def test_a_judge_gives_no_commands(name):
+    assert not may(command_of(name, {"zone": "Home"}, session("judge")))
+
+
+def test_a_judge_gives_own_ratings_only():
+    for judge, allowed in (("Anna", True), ("Bert", False), ("", False)):
+        assert may(command_of("mark", {**MARK, "judge": judge}, session("judge"))) == allowed
+    assert not may(command_of("mark", {**MARK, "zone": "Hall", "judge": "Anna"}, session("judge")))
+
+
+@pytest.mark.parametrize("name, body", [
+    ("king", {}), ("connect", {"zone": 1}), ("mark", {"change": True}), ("mark", {"change": "1"}),
+    ("mark", {"value": 2**31}), ("mark", {"value": 1.5}), ("mark", {"note": "x" * 501}), ("stop", {"identity": None}),
+    ("stop", {"identity": ["x"]}),
+])
+def test_malformed_commands_are_refused(name, body):
+    with pytest.raises(BadCommand):
+        command_of(name, body, session())
+
+
+def test_unknown_fields_are_left_out():
+    command = command_of("stop", {"zone": "Home", "identity": "run", "who": "Eve"}, session())
+    assert command.fields == {"identity": "run"}
+
+
+# -- on real loopback sockets -----------------------------------------------------------------------
+
+
+class Served(HttpClients):
+    """A server whose core answers as the test says, and devices."""
+
+    def __init__(self, running):
+        self.running = running
+        self.commands = []
+        self.outcome = Outcome(result={"number": 3})
+        self.any_device = []
+        self.sessions = Sessions(lambda records: None)
+        self.server = WebServer(running.loop, Store({}), FOLDER, frozenset(), self.sessions, self.carry_out,
+                                self.any_device.append)
+        self.port = self.server.open(HOST, 0)
+        self.origin = f"http://{HOST}:{self.port}"
+
+    async def carry_out(self, command):
+        self.commands.append(command)
+        return self.outcome
+
+    def token(self, role="referee", zone="Home"):
+        return self.sessions.add(self.server.utc(), Grant(role, zone), "Anna", "iPhone")
+
+    def send(self, name, body, token="", **headers):
+        headers = {"Origin": self.origin, "Content-Type": "application/json", "Cookie": f"{COOKIE}={token}", **headers}
+        return self.get(f"/api/v1/commands/{name}", method="POST", headers=headers, body=json.dumps(body))
+
+    def device(self, token, query="", **headers):
+        headers = {"Origin": self.origin, "Cookie": f"{COOKIE}={token}", **headers}
+        request = httpclient.HTTPRequest(f"ws://{HOST}:{self.port}/api/v1/device{query}", headers=headers)
+        return self.running.do(websocket.websocket_connect(request))
+
+
+@pytest.fixture
+def served(running):
+    made = Served(running)
+    yield made
+    made.server.close()
+    running.turn()
+
+
+@pytest.mark.parametrize("outcome, code", [
+    (Outcome(), 200), (Outcome(("No run is running",)), 409), (Outcome(is_known=False), 504),
+    (Outcome(("unable to connect",), is_known=False), 504),
+])
+def test_the_answer_says_whether_it_was_done(served, outcome, code):
+    served.outcome = outcome
+    answer = served.send("stop", {"zone": "Home", "identity": "run"}, served.token())
+    assert answer.code == code
+    reasons = json.loads(answer.body).get("reasons", [])
+    assert bool(reasons) == (code != 200) and set(outcome.reasons) <= set(reasons)
+    assert [(one.name, one.fields) for one in served.commands] == [("stop", {"identity": "run"})]
+
+
+def test_nothing_is_carried_out_for_others(served):
+    stop, token = {"zone": "Home", "identity": "run"}, served.token()
+    assert served.send("stop", stop).code == 401
+    assert served.send("stop", stop, "x" * 43).code == 401
+    assert served.send("stop", {**stop, "zone": "Hall"}, token).code == 403
+    assert served.send("stop", stop, served.token("judge")).code == 403
+    assert served.send("stop", stop, token, Origin="https://evil.example").code == 403
+    assert served.send("king", stop, token).code == 400
+    assert served.send("STOP", stop, token).code == 404
+    assert served.get("/api/v1/commands/stop", headers={"Cookie": f"{COOKIE}={token}"}).code == 405
+    served.server.revoke("")
+    assert served.send("stop", stop, token).code == 401
+    assert served.commands == []
+
+
+def test_the_session_says_who_it_was_and_not_the_request(served):
+    served.send("mark", {**MARK, "person": "Eve", "role": "organiser"}, served.token())
+    assert served.commands[0].session.who == "Anna, iPhone"
+
+
+def test_a_crowd_behind_the_same_address_does_not_keep_a_referee_out(served):
+    token = served.token()
+    served.server.rates = Rates(a_second=1e-9, at_once=3.0)
+    assert [served.get("/api/v1/state").code for _ in range(4)] == [200, 200, 200, 429]
+    assert served.send("stop", {"zone": "Home"}, token).code == 200
+    assert served.send("stop", {"zone": "Home"}).code == 429, "whoever is not paired belongs to the crowd"
+
+
+def test_a_device_has_a_limit_of_its_own(served):
+    first, second = served.token(), served.token()
+    served.server.device_rates = Rates(a_second=1e-9, at_once=3.0)
+    assert [served.send("stop", {"zone": "Home"}, first).code for _ in range(4)] == [200, 200, 200, 429]
+    assert served.send("stop", {"zone": "Home"}, second).code == 200
+
+
+# -- what devices are shown -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("query, headers, code", [
+    ("", {"Cookie": ""}, 401), ("", {"Origin": "https://evil.example"}, 403), ("?zone=Hall", {}, 403),
+])
+def test_only_paired_devices_of_our_pages_see_the_zone(served, query, headers, code):
+    with pytest.raises(httpclient.HTTPError) as raised:
+        served.device(served.token(), query, **headers)
+    assert raised.value.code == code
+    assert len(served.server.devices) == 0
+
+
+def test_a_device_is_shown_its_zone_until_its_pairing_ends(served):
+    token = served.token()
+    device = served.device(token)
+    message = json.loads(served.running.do(device.read_message()))
+    assert set(message["documents"]) == {"page.words", "page.device_words", "page.zones", "page.zone", "page.clock"}
+    assert served.any_device == [True]
+    assert served.server.connected() == {served.sessions.listed(served.server.utc())[0].id}
+    served.server.revoke("")
+    while served.running.do(device.read_message()) is not None:
+        pass
+    assert device.close_code == NOT_PAIRED
+    served.running.until(lambda: served.any_device == [True, False])
+
+
+def test_spectators_take_no_places_of_devices(served):
+    device = served.device(served.token())
+    served.server.viewers._most = 1
+    for _ in range(3):
+        served.running.do(websocket.websocket_connect(f"ws://{HOST}:{served.port}/api/v1/events"))
+    assert len(served.server.viewers) == 1 and len(served.server.devices) == 1
+    assert json.loads(served.running.do(device.read_message()))["type"] == "snapshot"

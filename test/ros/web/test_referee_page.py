@@ -1,0 +1,264 @@
+"""A run by a referee's phone, in a real browser: with a gateway that is killed, and with a network that goes.
+
+Screenshots are left in build/screenshots.
+"""
+
+import json
+import pathlib
+import urllib.request
+from typing import Any, Dict
+
+import rospy
+from support.box_case import BoxCase
+from support.browser import NeedsBrowser, Page
+from support.connections import kill, process_of
+from support.robots import RSBB_PORT
+from support.waiting import wait_until
+
+from roah_rsbb.msg import RunSheet
+from roah_rsbb.srv import GetRunSheet, PairDevice, RevokeDevice
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+SHOTS = ROOT / "build" / "screenshots"
+AXE = (ROOT / "test" / "data" / "axe" / "axe.min.js").read_text(encoding="utf-8")
+URL = f"http://127.0.0.1:{RSBB_PORT + 95}"
+ZONE, GATEWAY = "Room", "/roah_rsbb_web"
+PHONE, LAPTOP = (360, 740), (1280, 800)
+TEXT = "document.body.innerText"
+ENTERS, DEVICE = "Enters Annie's room", "Operates the right device"
+
+
+def command(name: str) -> str:
+    """The selector of a command's button."""
+    return f'button[data-command="{name}"]'
+
+
+def item(desc: str, number: int) -> str:
+    """The selector of a button of a scoring item, counted from 1."""
+    return f'[data-item="{desc}"] .controls button:nth-of-type({number})'
+
+
+class TestRefereePage(NeedsBrowser, BoxCase):
+    """The page on a phone."""
+
+    PAGES = "the referee's page"
+
+    def setUp(self) -> None:
+        super().setUp()
+        wait_until(self.is_served, "the gateway answers")
+        rospy.ServiceProxy("/web/revoke", RevokeDevice)("")
+        self.addCleanup(lambda: rospy.ServiceProxy("/web/revoke", RevokeDevice)(""))
+
+    @staticmethod
+    def is_served() -> bool:
+        """Whether the gateway hears the core."""
+        try:
+            with urllib.request.urlopen(f"{URL}/api/v1/state", timeout=30) as opened:
+                return json.load(opened)["heard"]
+        except OSError:
+            return False
+
+    def paired(self, role: str = "referee", person: str = "Anna", language: str = "en") -> Page:
+        """A phone with the page of this role."""
+        zone = "" if role == "organiser" else ZONE
+        url = rospy.ServiceProxy("/web/pair", PairDevice)(role, zone).url
+        page = self._leaving(self.browser.page(url.replace("/pair", f"/pair?language={language}"), *PHONE))
+        page.wait("document.querySelector('#person') !== null", "the form is shown")
+        page.get(f"document.querySelector('#person').value = {json.dumps(person)}")
+        page.touch_at("form button")
+        page.wait_address("/referee")
+        page.wait("document.querySelector('.run') !== null", "the zone is shown")
+        return page
+
+    def tap(self, page: Page, selector: str) -> None:
+        """Touch a button as soon as it is there and on."""
+        page.wait(f"(b => b && !b.matches(':disabled'))(document.querySelector({json.dumps(selector)}))",
+                  f"{selector} is on")
+        page.wait("!document.body.dataset.moved", "the page is still")
+        page.get(f"document.querySelector({json.dumps(selector)}).scrollIntoView({{block: 'center'}})")
+        page.touch_at(selector)
+
+    def hold_stop(self, page: Page) -> None:
+        """Hold STOP until it is sent."""
+        page.wait(f"document.querySelector({json.dumps(command('stop'))}) !== null", "STOP is there")
+        left, top, width, height = page.box(command("stop"))
+        page.touch(left + width / 2, top + height / 2, lift=False)
+        page.wait("document.querySelector('.hold.held') === null", "it is held long enough")
+        page.lift()
+
+    def phase(self, name: str) -> None:
+        """Wait until the box is in this phase."""
+        self.box.wait_details(ZONE, lambda details: details.phase == name, name)
+
+    def sheet(self, identity: str = "") -> RunSheet:
+        """The score sheet of a run."""
+        return rospy.ServiceProxy("/core/run_sheet", GetRunSheet)(ZONE, identity).sheet
+
+    def values(self) -> Dict[str, int]:
+        """The values of the scoring items."""
+        return {one.desc: one.value for one in self.sheet().items}
+
+    def shows(self, page: Page, desc: str, value: str) -> None:
+        """Wait until an item has this value on the page."""
+        selector = f"[data-item={json.dumps(desc)}] .shown"
+        page.wait(f"(document.querySelector({json.dumps(selector)}) || {{}}).textContent === {json.dumps(value)}",
+                  f"{desc} is {value}")
+
+    def assert_accessible(self, name: str, page: Page) -> None:
+        """axe-core finds nothing, and nothing is wider than the phone."""
+        page.command("Runtime.evaluate", expression=AXE)
+        found = page.get("axe.run().then(found => found.violations.map(one => [one.id, one.nodes[0].html]))")
+        self.assertEqual(found, [], name)
+        self.assertLessEqual(page.get("document.scrollingElement.scrollWidth"), page.get("innerWidth"), name)
+
+    def shot(self, name: str, page: Page) -> None:
+        """Look at the page, on a phone and on a laptop."""
+        page.get("scrollTo(0, 0)")
+        self.assert_accessible(name, page)
+        page.screenshot(SHOTS / f"web_referee_{name}.png")
+        page.resize(*LAPTOP)
+        page.screenshot(SHOTS / f"web_referee_{name}_laptop.png")
+        self.assert_accessible(name, page)
+        page.resize(*PHONE)
+
+    def test_a_whole_run_by_phone(self) -> None:
+        robot = self.robot("Delta")
+        page = self.paired()
+        self.shot("idle", page)
+        self.tap(page, command("connect"))
+        self.phase("connected")
+        page.wait(f"{TEXT}.includes('The run is not started')", "why STOP is off is text")
+        self.tap(page, command("start"))
+        robot.wait_did("execute HCFGAC")
+        self.shows(page, DEVICE, "0")
+        self.tap(page, item(ENTERS, 1))
+        self.shows(page, ENTERS, "yes")
+        for _ in range(3):
+            self.tap(page, item(DEVICE, 2))
+        self.shows(page, DEVICE, "3")
+        self.tap(page, command("undo"))
+        self.shows(page, DEVICE, "2")
+        self.assertEqual(self.values()[DEVICE], 2)
+        self.shot("running", page)
+        self.hold_stop(page)
+        self.phase("ended")
+        page.wait(f"{TEXT}.includes('stopped')", "the page shows the end")
+        self.assertIn("Anna, Linux", self.sheet().stops[-1].who)
+        history = self.sheet().history
+        self.assertEqual({entry.who for entry in history}, {f"Anna, Linux ({GATEWAY})"})
+        self.shot("ended", page)
+        identity = self.box.zone_details(ZONE).identity
+        self.tap(page, command("leave"))
+        page.wait(f"{TEXT}.includes('press again to confirm')", "it asks")
+        self.tap(page, command("leave"))
+        self.phase("idle")
+        self.tap(page, command("sign_off"))
+        page.wait(f"{TEXT}.includes('Sign off: press again to confirm')", "it asks")
+        self.assertFalse(self.sheet(identity).summary.signed.to_sec())
+        self.tap(page, command("sign_off"))
+        wait_until(lambda: self.sheet(identity).summary.signed.to_sec(), "the sheet is signed off")
+        self.assertIn("Anna, Linux", self.sheet(identity).summary.signed_by)
+        network = ("WebSocket", "Failed to load resource")  # while a gateway is killed
+        self.assertEqual([error for error in self.browser.errors if not any(mark in error for mark in network)], [])
+
+    def running(self, language: str = "en") -> Page:
+        """A run in progress, and a phone that shows it."""
+        robot = self.robot("Delta")
+        self.box.connect(ZONE)
+        self.box.start(ZONE)
+        robot.wait_did("execute HCFGAC")
+        page = self.paired(language=language)
+        self.shows(page, DEVICE, "0")
+        return page
+
+    def test_a_touch_does_not_stop(self) -> None:
+        page = self.running("de")
+        page.wait(f"{TEXT}.includes('STOPP')", "the page is in German")
+        page.touch_at(command("stop"))
+        page.wait("document.querySelector('.hold.held') === null", "the finger is up")
+        self.assert_accessible("german", page)
+        page.screenshot(SHOTS / "web_referee_german.png")
+        self.assertEqual(self.box.zone_details(ZONE).phase, "running")
+
+    def test_stop_is_repeated_until_the_gateway_is_back(self) -> None:
+        page = self.running()
+        self.shows(page, DEVICE, "0")
+        killed = process_of(GATEWAY)
+        kill(GATEWAY)
+        page.wait(f"{TEXT}.includes('NO LINK TO THE BOX')", "the page says that it is alone")
+        self.assertTrue(page.get(f"document.querySelector({json.dumps(item(DEVICE, 2))}).matches(':disabled')"))
+        self.hold_stop(page)
+        page.wait(f"{TEXT}.includes('has not confirmed it yet')", "the page says that STOP is not confirmed")
+        page.screenshot(SHOTS / "web_referee_stopping.png")
+        self.phase("ended")
+        self.assertNotEqual(process_of(GATEWAY), killed)
+        page.wait(f"!{TEXT}.includes('NO LINK') && {TEXT}.includes('stopped')", "the page is current again")
+        self.assertIn("Anna, Linux", self.sheet().stops[-1].who)
+
+    def test_a_mark_without_an_answer_is_shown_and_counts_once(self) -> None:
+        page = self.running()
+        page.get("window.sent = 0, window.realFetch = fetch, window.fetch = (...what) => realFetch(...what).then(() => "
+                 "{ sent += 1; throw new TypeError('the answer is lost'); }), 0")
+        self.tap(page, item(DEVICE, 2))
+        page.wait(f"{TEXT}.includes('NOT CONFIRMED: +1')", "the page says that it is not confirmed")
+        self.assert_accessible("not confirmed", page)
+        page.screenshot(SHOTS / "web_referee_not_confirmed.png")
+        page.wait("sent >= 3", "it is sent again")
+        page.get("window.fetch = realFetch, 0")
+        page.wait("marks.waiting.length === 0", "the mark is confirmed")
+        self.shows(page, DEVICE, "1")
+        self.assertEqual(self.values()[DEVICE], 1, "it came several times and counted once")
+
+    def test_a_mark_survives_a_killed_gateway_and_a_reload(self) -> None:
+        page = self.running()
+        identity = self.box.zone_details(ZONE).identity
+        page.get("window.fetch = () => Promise.reject(new TypeError('no network')), 0")
+        self.tap(page, item(DEVICE, 2))
+        page.wait(f"{TEXT}.includes('NOT CONFIRMED: +1')", "the page says that it is not confirmed")
+        kill(GATEWAY)
+        wait_until(self.is_served, "the gateway is back")
+        self.assertEqual(page.get("marks.waiting.length"), 1)
+        page.command("Page.reload")
+        page.wait_address("/referee")
+        self.shows(page, DEVICE, "1")
+        page.wait("marks.waiting.length === 0", "the mark is confirmed")
+        self.assertEqual([(one.value, one.desc) for one in self.sheet(identity).history], [(1, DEVICE)])
+
+    def test_a_phone_without_a_network_says_so_at_once(self) -> None:
+        page = self.running()
+        network = {"latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
+        page.command("Network.emulateNetworkConditions", offline=True, **network)
+        page.wait(f"{TEXT}.includes('NO LINK TO THE BOX')", "the page says so")
+        page.wait(f"document.querySelector({json.dumps(item(DEVICE, 2))}).matches(':disabled')", "nothing is queued")
+        self.hold_stop(page)
+        page.wait(f"{TEXT}.includes('has not confirmed it yet')", "but STOP is")
+        self.assertEqual(self.box.zone_details(ZONE).phase, "running")
+        page.command("Network.emulateNetworkConditions", offline=False, **network)
+        self.phase("ended")
+        page.wait(f"!{TEXT}.includes('NO LINK') && {TEXT}.includes('stopped')", "the page is current again")
+
+    def test_a_pairing_that_is_ended_is_noticed(self) -> None:
+        page = self.paired()
+        rospy.ServiceProxy("/web/revoke", RevokeDevice)("")
+        page.wait(f"{TEXT}.includes('This device is not paired')", "the page says so")
+        self.assert_accessible("not paired", page)
+        self.assertEqual(self.post(page, "connect"), 401)
+
+    def post(self, page: Page, name: str, **fields: Any) -> int:
+        """The status of a command that the page's scripts send."""
+        body = json.dumps({"zone": ZONE, **fields})
+        return page.get(f"fetch('/api/v1/commands/{name}', {{method: 'POST', body: {json.dumps(body)}, "
+                        "headers: {'Content-Type': 'application/json'}}).then(answer => answer.status)")
+
+    def test_a_judge_gives_no_commands(self) -> None:
+        self.robot("Delta")
+        page = self.paired("judge", "Cora")
+        self.assertEqual(page.get(f"document.querySelector({json.dumps(command('connect'))})"), None)
+        self.assertEqual(self.post(page, "connect"), 403)
+        self.assertEqual(self.post(page, "mark", identity="x", id="x", group="x", desc="x", judge="Dora"), 403)
+        self.assert_accessible("judge", page)
+
+    def test_an_organiser_chooses_the_zone(self) -> None:
+        page = self.paired("organiser", "Olga")
+        self.assertEqual(page.get("document.querySelector('select').value"), ZONE)
+        self.assert_accessible("organiser", page)
