@@ -75,7 +75,7 @@ class Cause(enum.Enum):
         True)
     OLD_STATE = _Advice("The robot continues the goal of its last run, and does not handle STOP",
                         f"{PROTOCOL}#robots-next-state", True)
-    OLD_COMMANDS = _Advice("The robot keeps the device commands of its last run. The clients of 2015 and 2019 do "
+    OLD_COMMANDS = _Advice("The robot keeps the device commands of its last run. The original clients do "
                            "that", f"{PROTOCOL}#device-commands")
     # States.
     PREPARE_IGNORED = _Advice(

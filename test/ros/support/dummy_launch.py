@@ -23,6 +23,11 @@ def comm_node(team: str, **arguments: object) -> Program:
     return _node("comm", "roah_rsbb_comm", {**_comm(team), "generation": "2020", **arguments})
 
 
+def dummy(**arguments: object) -> Program:
+    """The dummy behind the comm node that the test's launch file starts."""
+    return _node("dummy_glue", "dummy_robot", {**_dummy(), **arguments})
+
+
 def _node(program: str, name: str, params: Dict[str, object]) -> Program:
     given = (f"_{param}:={json.dumps(value)}" for param, value in params.items())  # a password may look like YAML
     return Program(own(program), f"__name:={name}", *given)
@@ -37,7 +42,7 @@ class DummyRobot:
     def __init__(self, team: str, **arguments: object) -> None:
         comm = {name: arguments.pop(name) for name in list(arguments) if name in _comm(team)}
         self.comm = comm_node(team, **comm)
-        self._dummy = _node("dummy_glue", "dummy_robot", {**_dummy(), **arguments})
+        self._dummy = dummy(**arguments)
 
     def close(self) -> None:
         """End both programs."""
