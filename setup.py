@@ -105,8 +105,6 @@ def setup_for_pip():
             entry_points={
                 "console_scripts": [
                     "roah-rsbb = roah_rsbb.tools.team:main",
-                    "roah_rsbb_capture = roah_rsbb.tools.capture.program:main",
-                    "roah_rsbb_dummy_robot = roah_rsbb.robot.dummy:main",
                 ],
             },
             **COMMON,

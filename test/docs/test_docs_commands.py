@@ -11,6 +11,8 @@ import programs
 import pytest
 from pages import ROOT
 
+from roah_rsbb.tools.team import COMMANDS as COMMANDS_OF_TEAMS
+
 # Programs that a venue's computer has, and this one perhaps not: they are taken on trust.
 ELSEWHERE = {"apt-get", "apt-key", "catkin_make", "chronyc", "curl", "git", "pip", "sudoedit", "systemctl", "ufw",
              "xset"}
@@ -110,8 +112,9 @@ def check(words):
         assert {each for each in given if "=" not in each} <= programs.make_targets(), f"make {given}"
     elif re.fullmatch(r".*python3?", program):
         check_python(*given)
-    elif program == "roah_rsbb_dummy_robot":
-        check_options(programs.helps()["dummy_robot"].text, given)
+    elif program == "roah-rsbb":
+        assert given[0] in COMMANDS_OF_TEAMS, f"no command {given[0]}"
+        check_options(programs.helps()[given[0].replace("-", "_")].text, given[1:])
     elif "/" in program:
         assert os.access(str(ROOT / program), os.X_OK), f"no program {program}"
     elif program not in IN_THE_SHELL | ELSEWHERE:

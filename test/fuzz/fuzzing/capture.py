@@ -1,4 +1,4 @@
-"""capture_comm: arbitrary packets from the network, and arbitrary recordings."""
+"""capture: arbitrary packets from the network, and arbitrary recordings."""
 
 import json
 import struct

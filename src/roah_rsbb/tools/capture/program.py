@@ -1,4 +1,4 @@
-"""The program: `python -m roah_rsbb.tools.capture`, `rosrun roah_rsbb capture_comm`, `roah_rsbb_capture`."""
+"""`rosrun roah_rsbb capture` and `roah-rsbb capture`: shows the datagrams on the network."""
 
 import argparse
 import contextlib
@@ -25,7 +25,7 @@ from roah_rsbb.tools.capture.output import DatagramFilter, TextLines, json_line
 from roah_rsbb.tools.capture.recording import Datagram
 from roah_rsbb.wording.texts import escaped
 
-PROGRAM = "capture_comm"
+PROGRAM = "capture"
 MESSAGES = tuple(kind.DESCRIPTOR.name for kind in PUBLIC_TYPES + PRIVATE_TYPES)
 
 _DESCRIPTION = """\

@@ -59,7 +59,7 @@ def read(lines: Iterator[str], name: str) -> Tuple[int, Iterator[Datagram]]:
     """
     first = _parse(next(lines, ""))
     if FORMAT not in first:
-        raise BadRecording(f"{name}:1: this is not a recording of capture_comm: the first line is not "
+        raise BadRecording(f"{name}:1: this is not a recording of capture: the first line is not "
                            f"{header_line(6666)}")
     if first[FORMAT] != VERSION:
         raise BadRecording(f"{name}:1: the recording has format {first[FORMAT]!r}; this program reads only {VERSION}")

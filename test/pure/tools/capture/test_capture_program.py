@@ -80,8 +80,8 @@ def test_what_is_heard_is_shown_and_counted(network, capsys):
     out, err = capsys.readouterr()
     assert [line.split()[0] for line in out.splitlines()] == ["22:13:21.250", "22:13:22.250", "22:13:23.250"]
     assert err.splitlines() == [
-        "capture_comm: all that is",
-        "capture_comm: 3 datagrams: 2 messages, 0 encrypted without a known password, 1 errors",
+        "capture: all that is",
+        "capture: 3 datagrams: 2 messages, 0 encrypted without a known password, 1 errors",
     ]
     assert listener.host == BROADCAST and listener.followed == 3
     assert listener.sockets[0].fileno() == -1  # closed
@@ -155,7 +155,7 @@ def test_it_ends_quietly_when_its_reader_has_gone(network, monkeypatch, capsys):
         os.write(writer, b"what the interpreter still has to say")  # into nothing
     finally:
         os.close(writer)
-    assert capsys.readouterr().err == "capture_comm: all that is\n"
+    assert capsys.readouterr().err == "capture: all that is\n"
 
 
 def test_a_notice_is_given_once_and_not_without_end(network, monkeypatch, capsys):
@@ -239,7 +239,7 @@ def test_arguments_that_make_no_sense_are_reported_in_a_line(arguments, reported
     with pytest.raises(SystemExit) as ended:
         main(arguments)
     err = capsys.readouterr().err
-    assert ended.value.code == 2 and err.startswith("capture_comm: argument ") and err.count("\n") == 1
+    assert ended.value.code == 2 and err.startswith("capture: argument ") and err.count("\n") == 1
     assert reported in err
 
 
