@@ -15,14 +15,16 @@ _roah_rsbb_folder() {  # the folder with the programs
 
 # Without the package's command of this name: start a program at once. rosrun takes longer to find most programs than
 # they take to do their work.
+# As with pip's command of this name, a program's name may have dashes: `roah-rsbb check-robot`.
 type -P roah-rsbb >/dev/null || roah-rsbb() {
-  local folder
+  local folder program=${1-}
+  program=${program//-/_}
   folder=$(_roah_rsbb_folder)
-  [ -n "$folder" ] && [ -x "$folder/${1-}" ] && [ ! -d "$folder/${1-}" ] || {
+  [ -n "$folder" ] && [ -x "$folder/$program" ] && [ ! -d "$folder/$program" ] || {
     echo "usage: roah-rsbb PROGRAM [ARGUMENT...]; the programs: ${_roah_rsbb_programs//[[:space:]]/ }" >&2
     return 2
   }
-  "$folder/$1" "${@:2}"
+  "$folder/$program" "${@:2}"
 }
 
 _roah_rsbb_complete() {  # index of the word that is the program

@@ -2,9 +2,16 @@
 
 import argparse
 import os
+import sys
 from typing import Any, Callable, NoReturn, TypeVar
 
 T = TypeVar("T")
+
+
+def called(name: str) -> str:
+    """Return a program's name as its user types it: pip installs `roah-rsbb check-robot` for ROS's `check_robot`."""
+    is_command = os.path.basename(sys.argv[0]) == "roah-rsbb"
+    return f"roah-rsbb {name.replace('_', '-')}" if is_command else name
 
 
 class Parser(argparse.ArgumentParser):

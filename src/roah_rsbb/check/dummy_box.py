@@ -15,7 +15,7 @@ import time
 from types import SimpleNamespace
 from typing import Callable, List, Optional, Sequence
 
-from roah_rsbb.arguments import Parser, add_password, number, public_port
+from roah_rsbb.arguments import Parser, add_password, called, number, public_port
 from roah_rsbb.bmbox.framework.dummy_world import DummyWorld
 from roah_rsbb.bmbox.framework.ground_truth import GroundTruth, Pose2D, Pose3
 from roah_rsbb.bmbox.framework.parameters import read_parameters
@@ -43,9 +43,10 @@ from roah_rsbb.rulebook.benchmarks import ALL_TEAMS, Benchmark, Config, Schedule
 from roah_rsbb.rulebook.config import load_benchmarks
 from roah_rsbb.rulebook.errors import ConfigErrors
 from roah_rsbb.rulebook.registry import PROFILES, BenchmarkKind, GoalForm
+from roah_rsbb.wording.module_scores import readable
 from roah_rsbb.wording.texts import escaped
 
-PROGRAM = "dummy_box"
+PROGRAM = called("dummy_box")
 ZONE = "laptop"
 STEP_S, BEAT_S = 0.1, 0.5
 # The robot must have reported STOP, and its clock must be known.
@@ -220,8 +221,7 @@ class DummyBox(NetworkDriver):
 
 
 def _score_line(score: ScoreValue) -> str:
-    parts = [score.group, score.desc or score.name, f"{score.value} {score.unit}".rstrip()]
-    return ": ".join(part for part in parts if part)
+    return ": ".join(part for part in (score.group, *readable(score)) if part)
 
 
 # -- the program ------------------------------------------------------------------------------------

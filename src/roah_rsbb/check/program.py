@@ -10,7 +10,7 @@ import sys
 import time
 from typing import Callable, List, Optional, Sequence, Tuple
 
-from roah_rsbb.arguments import Parser, add_password, number, public_port, read_by
+from roah_rsbb.arguments import Parser, add_password, called, number, public_port, read_by
 from roah_rsbb.check import report
 from roah_rsbb.check.box import AnotherBox
 from roah_rsbb.check.engine import Engine, all_scenarios, scenarios_of
@@ -24,7 +24,7 @@ from roah_rsbb.replaced import warn_if_replaced
 from roah_rsbb.rulebook.registry import PROFILES
 from roah_rsbb.wording.suggestions import did_you_mean
 
-PROGRAM = "check_robot"
+PROGRAM = called("check_robot")
 # Another box sends a beacon each second.
 LISTEN_S = 2.5
 

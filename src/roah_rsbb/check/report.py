@@ -64,7 +64,9 @@ def finding_lines(finding: Finding) -> List[str]:
 def scenario_lines(number: int, count: int, result: ScenarioResult) -> List[str]:
     """Describe a scenario for the terminal."""
     begin = f"{number:>3}/{count:<3} {result.title:<44} {result.verdict.value:<10} {result.seconds:6.1f} s"
-    lines = [begin.rstrip()]
+    if all(finding.verdict is Verdict.SKIPPED for finding in result.findings):
+        return [" ".join([begin, *(f" {escaped(finding.came)}" for finding in result.findings)])]
+    lines = [begin]
     lines += [f"{_INDENT}{line}" for finding in result.findings for line in finding_lines(finding)]
     return lines
 

@@ -16,7 +16,7 @@ import time
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
-from roah_rsbb.arguments import Parser, add_password, number, read_by
+from roah_rsbb.arguments import Parser, add_password, called, number, read_by
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
 from roah_rsbb.comm.sockets import ANY_HOST
@@ -195,7 +195,7 @@ def dummy_client(
 
 # -- the program ------------------------------------------------------------------------------------
 
-PROGRAM = "dummy_robot"
+PROGRAM = called("dummy_robot")
 
 _DESCRIPTION = """\
 A simulated robot. It joins every run in which the box lists it, prepares and executes for the given times, and sends

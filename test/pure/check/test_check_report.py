@@ -40,6 +40,12 @@ def test_a_finding_has_its_cause_and_page_in_every_report():
         assert text in report.as_html(whole).replace("<wbr>", ""), text
 
 
+def test_what_was_skipped_takes_one_line():
+    (line,) = report.scenario_lines(3, 9, SKIPPED)
+    assert line.split("  ")[-1] == "no second address" and "skipped" in line
+    assert len(report.scenario_lines(1, 9, PASSED)) == 1
+
+
 def test_texts_of_a_robot_are_harmless():
     whole = check(FAILED)
     for text in (report.as_junit(whole), report.as_html(whole), "\n".join(report.scenario_lines(1, 1, FAILED)),

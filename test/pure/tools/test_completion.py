@@ -85,6 +85,9 @@ def test_the_short_name_starts_a_program_without_rosrun(tmp_path: pathlib.Path) 
 
     started = short("referee", "status", "Home A")
     assert (started.stdout, started.returncode) == ("<status><Home A>", 4)
+    (programs / "check_robot").symlink_to(programs / "referee")
+    for name in ("check-robot", "check_robot"):
+        assert short(name, "--only", "run-hnf").stdout == "<--only><run-hnf>"
     for unknown in (["no_such_program"], []):
         refused = short(*unknown)
         assert (refused.returncode, refused.stderr.count("usage: roah-rsbb PROGRAM")) == (2, 1)

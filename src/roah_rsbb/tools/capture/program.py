@@ -11,7 +11,7 @@ import time
 from collections import Counter
 from typing import Callable, Dict, Iterator, List, Optional, Set, TextIO, Union
 
-from roah_rsbb.arguments import Parser, number
+from roah_rsbb.arguments import Parser, called, number
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.frame import PRIVATE_TYPES, PUBLIC_TYPES
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
@@ -25,7 +25,7 @@ from roah_rsbb.tools.capture.output import DatagramFilter, TextLines, json_line
 from roah_rsbb.tools.capture.recording import Datagram
 from roah_rsbb.wording.texts import escaped
 
-PROGRAM = "capture"
+PROGRAM = called("capture")
 MESSAGES = tuple(kind.DESCRIPTOR.name for kind in PUBLIC_TYPES + PRIVATE_TYPES)
 
 _DESCRIPTION = """\
