@@ -24,6 +24,13 @@ def test_without_a_display_nothing_is_opened_and_nothing_failed(wanted):
     assert "\n" not in choice.text
 
 
+@pytest.mark.parametrize(("platform", "found"), [("offscreen", True), ("missing", False)])
+def test_qt_that_aborts_ends_only_the_process_that_tried(monkeypatch, platform, found):
+    pytest.importorskip("PyQt5.QtWidgets")
+    monkeypatch.setenv("QT_QPA_PLATFORM", platform)
+    assert display.has_display() is found
+
+
 def test_rqt_starts_with_a_clear_settings_file_of_its_own():
     """Else qt_gui 0.4.2 crashes at the second start; and the referee's own rqt must keep its settings."""
     assert "settings_filename='roah_rsbb_rqt'" in gui.RQT[2]
