@@ -260,6 +260,18 @@ def test_the_environment_of_the_shell_does_not_reach_the_master(runner: Runner) 
     assert done.returncode == 0
 
 
+def test_a_program_whose_imports_fail_ends_the_run(runner: Runner) -> None:
+    runner.add("bin/rostest", "#!/usr/bin/python3\nimport a_module_that_is_missing\n")
+    process = runner.start(one="good")
+    try:
+        output, _ = process.communicate(timeout=60.0)
+    finally:
+        process.kill()
+    assert process.returncode != 0
+    assert "a_module_that_is_missing" in output
+    assert "the process that forks has ended" in output or "Broken pipe" in output
+
+
 def test_results_of_an_earlier_run_do_not_count(runner: Runner) -> None:
     assert runner.run(one="good").returncode == 0
     assert "it ran no test case" in runner.run(one="true").stdout

@@ -93,7 +93,10 @@ class Parent:
 
     def _read(self) -> None:
         while True:
-            message = self._socket.recv(4096)
+            try:
+                message = self._socket.recv(4096)
+            except ConnectionResetError:
+                message = b""  # it ended before it read all requests
             kind, pid, status, cpu_s = pickle.loads(message) if message else ("began", 0, 0, 0.0)
             with self.news:
                 self.has_ended = not message

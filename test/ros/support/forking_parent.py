@@ -78,6 +78,27 @@ def remember_packages():
     rospkg.RosPack().list()
 
 
+def remember_files():
+    """Walk through the folders of this package only once. roslaunch does so for each program it starts: 30 ms."""
+    import roslib.packages
+    import rospkg
+
+    known = {}
+
+    def remembered(top, name, filter_fn=None):
+        if top not in known:
+            places = known[top] = {}
+            for folder, folders, files in os.walk(top, followlinks=True):
+                folders[:] = [each for each in folders if not each.startswith(".")]
+                for each in files:
+                    places.setdefault(each, []).append(os.path.abspath(os.path.join(folder, each)))
+        return [path for path in known[top].get(name, ()) if filter_fn is None or filter_fn(path)]
+
+    roslib.packages._find_resource = remembered
+    with contextlib.suppress(rospkg.ResourceNotFound):  # no workspace is in use
+        roslib.packages.find_node("roah_rsbb", "run_cases.py")
+
+
 class Forks:
     """The programs of this process, and the socket on which they are requested."""
 
@@ -243,6 +264,8 @@ def main():
         import_for(path)
     if "rospkg" in sys.modules:
         remember_packages()
+    if "roslib.packages" in sys.modules:
+        remember_files()
     try:
         path = Forks(requests).serve()
     except Served as served:
