@@ -42,12 +42,17 @@ def _own_temporary_folder():
 def pytest_addoption(parser):
     parser.addoption(
         "--second-python", action="store_true",
-        help="leave out what another Python tests: long tests, and all but one case of each test")
+        help="leave out what another Python tests: long tests, all but one case of each test, and two of three tests "
+             "of what needs only the standard library")
 
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "random: makes many random inputs; a second Python leaves it out")
     config.addinivalue_line("markers", "long: takes long and depends on no version; a second Python leaves it out")
+
+
+# Folders of test/pure whose subjects need a library: its versions differ as well as Python's.
+WITH_LIBRARIES = ("check", "comm", "radio", "robot", "rulebook", "tablet", "web")
 
 
 def pytest_collection_modifyitems(config, items):
@@ -57,7 +62,13 @@ def pytest_collection_modifyitems(config, items):
     for item in items:
         is_left_out = item.get_closest_marker("random") or item.get_closest_marker("long")
         cases.setdefault(item.nodeid.partition("[")[0], []).extend([] if is_left_out else [item])
-    chosen = {each[len(each) // 2] for each in cases.values() if each}
+    files = {}
+    for each in filter(None, cases.values()):
+        files.setdefault(pathlib.Path(each[0].fspath), []).append(each[len(each) // 2])
+    chosen = set()
+    for path, tests in files.items():
+        has_library = path.relative_to(ROOT / "test" / "pure").parts[0] in WITH_LIBRARIES
+        chosen.update(tests if has_library else tests[::3])
     config.hook.pytest_deselected(items=[item for item in items if item not in chosen])
     items[:] = [item for item in items if item in chosen]
 

@@ -12,6 +12,7 @@ from roah_rsbb.rulebook.registry import PROFILES
 ALL = tuple(PROFILES)
 
 
+@pytest.mark.long
 def test_the_dummy_robot_passes_all_scenarios_within_eight_minutes(monkeypatch):
     checked = Checked(monkeypatch, lambda loop: usual_robot(loop, DummyOptions(seed=1)), Level.FULL, benchmarks=ALL)
     assert [(r.name, r.findings) for r in checked.engine.results if r.verdict is not Verdict.PASSED] == []
@@ -28,6 +29,7 @@ def test_no_bad_network_is_the_robots_fault(monkeypatch, seed):
     assert Checked(monkeypatch, robot, names=names, seed=seed).findings == []
 
 
+@pytest.mark.long
 def test_a_quick_robot_is_not_blamed(monkeypatch):
     """It prepares and executes at once, so some scenarios are not possible."""
     checked = Checked(monkeypatch, lambda loop: usual_robot(loop, DummyOptions(0.0, 0.0, seed=1)), Level.FULL,
