@@ -412,7 +412,7 @@ def _after(before: Optional[ScoreEntry], entry: ScoreEntry) -> ScoreEntry:
     if not entry.added:
         return entry
     number = Decimal(entry.added)
-    if before is not None and not before.not_attempted:
+    if before is not None:
         number += Decimal(before.text or before.value)
     return entry._replace(value=int(number), text=text_of(number) if entry.text else "")
 
