@@ -67,22 +67,26 @@ def _rows(connection: sqlite3.Connection, table: str, columns: str, first: int, 
     key = NUMBERS[table]
     rows = connection.execute(
         f"SELECT {key}, {columns} FROM {table} WHERE {key} BETWEEN ? AND ? ORDER BY {key}", (first, last))
-    problem = None
-    while problem is None:
-        batch: List[_Row] = []
-        texts, connection.text_factory = connection.text_factory, str
-        try:
-            for row in itertools.islice(rows, _BATCH):
-                batch.append(row)  # noqa: PERF402: keep the rows before an error
-        except sqlite3.Error as error:
-            problem = error
-        finally:
-            connection.text_factory = texts
-        if not batch:
-            break
-        yield batch
-    if problem is not None:
-        raise problem
+    try:
+        problem = None
+        while problem is None:
+            batch: List[_Row] = []
+            texts, connection.text_factory = connection.text_factory, str
+            try:
+                for row in itertools.islice(rows, _BATCH):
+                    batch.append(row)  # noqa: PERF402: keep the rows before an error
+            except sqlite3.Error as error:
+                problem = error
+            finally:
+                connection.text_factory = texts
+            if not batch:
+                break
+            yield batch
+        if problem is not None:
+            raise problem
+    finally:
+        # Python 3.8 shares statements between cursors. One that is collected as garbage would restart another's rows.
+        rows.close()
 
 
 def _damaged(connection: sqlite3.Connection, table: str, numbers: Sequence[int]) -> List[int]:
