@@ -259,11 +259,16 @@ class Bench:
 
     def journal(self) -> None:
         """The results program with a few runs and with many."""
+        few: Dict[str, float] = {}
         for runs in (FEW_RUNS, self.extent.runs):
             commands = {"list": ["list"], "show": ["show", str(runs)], "standings": ["standings"]}
             # In a small journal, the start of the program would be most of the time of `recover`.
             for name, taken in results_speed.measure(runs, commands, recovers=runs >= 1000).items():
                 self.results.add(f"results {name}, {runs} runs", "s", taken.seconds, RESULTS_TARGETS[name])
+                if name in few:
+                    growth = taken.seconds / few[name] / (runs / FEW_RUNS)
+                    self.results.add(f"results {name}: growth from {FEW_RUNS} runs, linear is 1", "", growth, 1)
+                few[name] = taken.seconds
         runs = self.extent.reported_runs
         reports = results_speed.measure(runs, {"report": ["report"]}, recovers=False)
         report = reports["report"]

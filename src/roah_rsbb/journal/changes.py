@@ -48,6 +48,8 @@ def changed(old: Any, by: Any) -> Any:
             for key, change in by.items():
                 if change is None:
                     del new[key]
+                elif change.__class__ is list and len(change) == 1:  # as below: most changes are new values
+                    new[key] = change[0]
                 else:
                     new[key] = changed(old.get(key), change)
             return new

@@ -31,6 +31,8 @@ LOGS = (LOG_SUFFIX, "-journal")
 # The byte of the file's header that indicates a write-ahead log, and its value.
 READ_VERSION_AT, WRITE_AHEAD = 19, 2
 
+_DECODER = json.JSONDecoder()
+
 
 class JournalError(Exception):
     """The journal cannot be read. The text names the file and the remedy."""
@@ -204,7 +206,8 @@ class JournalReader:
 
     def _json(self, text: str) -> Any:
         try:
-            return json.loads(text)
+            value, end = _DECODER.raw_decode(text)
+            return value if end == len(text) else json.loads(text)  # which takes longer, for texts with spaces
         except (ValueError, RecursionError) as error:
             raise self._damaged(f"{error}: {text[:40]!r}") from None
 

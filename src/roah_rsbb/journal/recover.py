@@ -320,7 +320,9 @@ def _take_from_pages(image: bytes, out: sqlite3.Connection) -> None:
     def known_on_page(record: pages.PageRecord) -> Optional[Container[object]]:
         """Return the numbers of rows that are known, on the page of a record; None: it is a page of an index."""
         if record.rowid is None:
-            is_index = len(record.values) == 2 and isinstance(record.values[1], int)
+            # The indexes have a port and a row's number, or an identity and, twice, a row's number.
+            numbers = record.values[1:]
+            is_index = len(numbers) in (1, 2) and isinstance(numbers[0], int) and numbers[0] == numbers[-1]
             return None if is_index else ()
         return next((known[table] for table in _NUMBERED if _row_of(table, record) is not None), ())
 

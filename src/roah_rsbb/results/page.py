@@ -6,6 +6,7 @@ are given to `page` run, by their checksums.
 """
 
 import base64
+import functools
 import hashlib
 import html
 import json
@@ -103,6 +104,7 @@ def html_escaped(text: str) -> Markup:
     return Markup(html.escape(visible(text)))
 
 
+@functools.lru_cache(maxsize=4096)  # most texts on a page recur
 def breakable(text: str) -> Markup:
     """Escape a text, and mark where words of excessive length may break."""
     if len(text) <= LONGEST_WORD and text.isprintable():

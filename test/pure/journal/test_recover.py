@@ -1,6 +1,7 @@
 """Recovering the readable part of a damaged journal."""
 
 import os
+import pathlib
 import shutil
 import sqlite3
 
@@ -8,6 +9,7 @@ import pytest
 
 from helpers.journals import UTC0, Writer, make_old
 from roah_rsbb.core.scoring.records import RunRecord
+from roah_rsbb.journal import pages
 from roah_rsbb.journal import recover as recover_module
 from roah_rsbb.journal.pages import is_damaged, read_frames
 from roah_rsbb.journal.reader import JournalError, JournalReader
@@ -205,7 +207,16 @@ def test_nothing_half_is_left(path, tmp_path, monkeypatch):
     monkeypatch.setattr(recover_module, "_insert", full)
     with pytest.raises(JournalError, match="full"):
         recover(path, str(tmp_path / "new"))
-    assert not (tmp_path / "new").exists()
+    assert list(tmp_path.iterdir()) == [pathlib.Path(path)]
+
+
+def test_the_search_of_pages_skips_known_rows_and_indexes(path, tmp_path, monkeypatch):
+    """It would take several times as long as everything else."""
+    decoded, read = [], pages._record
+    monkeypatch.setattr(pages, "_record", lambda *arguments: decoded.append(1) or read(*arguments))
+    spoil(path, page_of(path, '"100 '))
+    assert recover(path, str(tmp_path / "new")).damage
+    assert 0 < len(decoded) < COUNT // 2
 
 
 def test_a_torn_journal(path, tmp_path):
