@@ -53,7 +53,7 @@ def check_rosrun(package, script, *given):
     assert script in programs.SCRIPTS, f"no script {script}"
     said = programs.helps()[script].text
     word = next((each for each in given if not each.startswith("-")), "")
-    if script in ("referee", "results") and word:
+    if script in ("referee", "results", "standby") and word:
         assert re.search(rf"\b{word}\b", said), f"{script} has no command {word}"
         said += programs.help_of(script, word).text
     check_options(said, given)

@@ -7,59 +7,48 @@ import contextlib
 import fcntl
 import os
 import sqlite3
-from typing import Dict, Optional, Tuple
+from typing import Optional
 
-from roah_rsbb.copies.rows import COLUMNS, CannotReadJournal, Known, Rows, known_of
+from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent
+from roah_rsbb.copies.rows import COLUMNS, Rows, known_of
 from roah_rsbb.journal import file as files
-from roah_rsbb.journal import in_force, ports, schema
+from roah_rsbb.journal import schema
 
-# What a restart needs besides the journal.
-FILES = (ports.FILE_NAME, in_force.FILE_NAME)
 BUSY_S = 1.0
 
-FileContent = Dict[str, bytes]
 
+class Stick:
+    """The folder of a copy, which is often where a stick is mounted."""
 
-class CannotWriteCopy(Exception):
-    """The copy cannot be written now. The text says why, and what to do."""
-
-
-class JournalFiles:
-    """The small files beside a journal. Reads those that changed."""
-
-    def __init__(self, folder: str) -> None:
+    def __init__(self, folder: str, log_dir: str) -> None:
         self._folder = folder
-        self._read: Dict[str, Tuple[int, int, int]] = {}
+        self._log_dir = log_dir
+        self._has_other_device = False
 
-    def changed(self) -> FileContent:
-        """Return the files that changed since the last call. Raises `CannotReadJournal`."""
-        found: FileContent = {}
-        for name in FILES:
-            path = os.path.join(self._folder, name)
-            try:
-                stat = os.stat(path)
-                state = stat.st_ino, stat.st_size, stat.st_mtime_ns
-                if state != self._read.get(name):
-                    with open(path, "rb") as file:
-                        found[name] = file.read()
-                    self._read[name] = state
-            except FileNotFoundError:
-                continue
-            except OSError as error:
-                raise CannotReadJournal(f"{path}: {error.strerror}") from None
-        return found
+    def open(self) -> "CopyFolder":
+        """Open the copy. Raises `CannotWriteCopy`."""
+        self._check_device()
+        return CopyFolder(self._folder)
+
+    def _check_device(self) -> None:
+        """Refuse to write into the empty folder where the stick was mounted."""
+        try:
+            has_other = os.stat(self._folder).st_dev != os.stat(self._log_dir).st_dev
+        except OSError:
+            return  # the folder is missing, which is reported when it is opened
+        if self._has_other_device and not has_other:
+            raise CannotWriteCopy("the stick is not mounted. Plug it in again")
+        self._has_other_device = has_other
 
 
-class CopyFolder:
+class CopyFolder(Copy):
     """A copy that is open for writing. Call all methods in one thread."""
 
     def __init__(self, folder: str) -> None:
         """Raises `CannotWriteCopy`."""
         self._folder = folder
         self.path = os.path.join(folder, files.FILE_NAME)
-        self.known = Known()
-        self.box_uuid = ""  # of the core that wrote the newest session
-        self.aside = ""  # where the previous contents were moved
+        super().__init__()
         self._connection: Optional[sqlite3.Connection] = None
         self._lock: Optional[int] = None
         with self._writing():
@@ -182,7 +171,8 @@ def _locked(path: str) -> int:
 def _replace(path: str, content: bytes) -> None:
     """Write a file whole or not at all."""
     draft = f"{path}.new"
-    with open(draft, "wb") as file:
+    # Only the owner may read it: it can be the teams' passwords.
+    with os.fdopen(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
         file.write(content)
         file.flush()
         os.fsync(file.fileno())

@@ -7,9 +7,10 @@ and the time since the last complete copy still rises.
 import os
 import threading
 import time
-from typing import Callable, NamedTuple, Optional
+from types import MappingProxyType
+from typing import Callable, Mapping, NamedTuple, Optional
 
-from roah_rsbb.copies.folder import CannotWriteCopy, CopyFolder, JournalFiles
+from roah_rsbb.copies.copy import FILES, CannotWriteCopy, ChangedFiles, Copy
 from roah_rsbb.copies.rows import CannotReadJournal, JournalRows, OtherJournal
 from roah_rsbb.journal import file as files
 
@@ -30,19 +31,23 @@ class Progress(NamedTuple):
 
 
 class Follower:
-    """Copies the journal in `log_dir` to another folder."""
+    """Copies the journal in `log_dir` to another place."""
 
-    def __init__(self, log_dir: str, folder: str, now: Callable[[], float] = time.monotonic) -> None:
-        self.folder = folder
+    def __init__(
+        self, log_dir: str, open_copy: Callable[[], Copy], more_files: Mapping[str, str] = MappingProxyType({}),
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """`open_copy` raises `CannotWriteCopy`. `more_files`: paths of files to copy, by their names in the copy."""
         self.progress = Progress("", None, 0, "", "")
         self.log_dir = log_dir
         self._path = os.path.join(log_dir, files.FILE_NAME)
         self._now = now
         self._journal: Optional[JournalRows] = None
-        self._copy: Optional[CopyFolder] = None
-        self._beside = JournalFiles(log_dir)
+        self._open_place = open_copy
+        self._copy: Optional[Copy] = None
+        self._paths = {**{name: os.path.join(log_dir, name) for name in FILES}, **more_files}
+        self._beside = ChangedFiles(self._paths)
         self._copied_entry = 0
-        self._has_other_device = False
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._work, name="copy", daemon=True)
 
@@ -76,7 +81,12 @@ class Follower:
 
     def _work(self) -> None:
         while not self._ended.is_set():
-            self.step()
+            try:
+                self.step()
+            except Exception as error:
+                # The thread continues. What failed once is visible in the panels.
+                self.close()
+                self.progress = self.progress._replace(trouble=f"internal error, please report it: {error!r}")
             self._ended.wait(RETRY_S if self.progress.trouble else PERIOD_S)
         self.close()
 
@@ -105,24 +115,13 @@ class Follower:
         return JournalRows(self._path)
 
     def _open_copy(self) -> None:
-        self._check_device()
-        self._copy = CopyFolder(self.folder)
+        self._copy = self._open_place()
         try:
             self._journal.begin(self._copy.known)
         except OtherJournal:
             self._copy.set_aside()
             self._journal.begin(self._copy.known)
-        self._beside = JournalFiles(self.log_dir)
-
-    def _check_device(self) -> None:
-        """Refuse to write into the empty folder where the stick was mounted. Raises `CannotWriteCopy`."""
-        try:
-            has_other = os.stat(self.folder).st_dev != os.stat(self.log_dir).st_dev
-        except OSError:
-            return  # the folder is missing, which is reported when it is opened
-        if self._has_other_device and not has_other:
-            raise CannotWriteCopy("the stick is not mounted. Plug it in again")
-        self._has_other_device = has_other
+        self._beside = ChangedFiles(self._paths)
 
     def _missing_entries(self) -> int:
         """Return how many entries the copy lacks; the last known number if the journal cannot be read."""

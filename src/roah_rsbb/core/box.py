@@ -369,5 +369,5 @@ class Box:
         change = self.copies.report(now, report)
         if change is not None:
             level, text = (Level.ERROR, change) if change else (
-                Level.INFO, f"The copy of the journal in {report.place} is complete again")
+                Level.INFO, f"The copy of the journal ({report.place}) is complete again")
             self._outbox.notice(level, text)

@@ -4,6 +4,8 @@ from typing import Dict, List, NamedTuple, Optional
 
 from roah_rsbb.core.clock import Now
 
+# The place of the copy on a second computer.
+STANDBY = "standby"
 # A copy that is further behind is reported.
 LATE_S = 3.0
 # The node that copies reports once a second.
@@ -23,7 +25,8 @@ class CopyReport(NamedTuple):
 class _Copy:
     """One copy."""
 
-    def __init__(self, now: Now) -> None:
+    def __init__(self, now: Now, is_expected: bool) -> None:
+        self.is_expected = is_expected
         self.complete_mono = now.mono
         self.heard_mono = now.mono
         self.report: Optional[CopyReport] = None
@@ -49,13 +52,13 @@ class Copies:
 
     def expect(self, now: Now, place: str) -> None:
         """Warn from now on if this copy is missing."""
-        self._copies[place] = _Copy(now)
+        self._copies[place] = _Copy(now, is_expected=True)
 
     def report(self, now: Now, report: CopyReport) -> Optional[str]:
         """Take a report. Return a change to log: a warning, or empty if the copy is complete again."""
         copy = self._copies.get(report.place)
         if copy is None:
-            copy = self._copies[report.place] = _Copy(now)
+            copy = self._copies[report.place] = _Copy(now, is_expected=False)
         copy.heard_mono, copy.report = now.mono, report
         if report.is_of_this_box:
             copy.complete_mono = max(copy.complete_mono, now.mono - max(0.0, report.behind_s))
@@ -67,6 +70,9 @@ class Copies:
 
     def warnings(self, now: Now) -> List[str]:
         """Return the warnings for every referee."""
+        # The node may have been started again with other settings.
+        self._copies = {place: copy for place, copy in self._copies.items()
+                        if copy.is_expected or now.mono - copy.heard_mono < SILENT_S}
         return [self._text(now, place, copy) for place, copy in self._copies.items() if self._is_late(now, copy)]
 
     @staticmethod
@@ -77,5 +83,5 @@ class Copies:
     def _text(now: Now, place: str, copy: _Copy) -> str:
         missing = 0 if copy.report is None else copy.report.missing_entries
         entries = f", {missing} entries" if missing else ""
-        return (f"The copy of the journal in {place} is {now.mono - copy.complete_mono:.0f} s{entries} behind: "
+        return (f"The copy of the journal ({place}) is {now.mono - copy.complete_mono:.0f} s{entries} behind: "
                 f"{copy.why_behind(now)}")

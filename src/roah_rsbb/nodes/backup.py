@@ -1,66 +1,113 @@
-"""Node roah_rsbb_backup: copies the journal, continuously, to a second folder, such as a USB stick (docs/backup.md).
+"""Node roah_rsbb_backup: copies the journal, continuously, to a second folder, such as a USB stick (docs/backup.md),
+and to a standby, which is a second computer (docs/standby.md).
 
 It reads the journal in log_dir, which the core writes. The core never waits for it. /copies/state (latched, once a
-second) says how complete the copy is, and the core warns the referees if it is behind.
+second) says how complete each copy is, and the core warns the referees if one is behind.
 
-Parameters (private): log_dir; backup_dir: an existing folder, on another disk.
+Parameters (private): log_dir; backup_dir: an existing folder, on another disk (none: no folder); standby_port: TCP port
+for a standby (0: no standby); bind_host: own address for it; passwords_file, rsbb_host, rsbb_port: what the standby
+needs to continue.
 """
 
+import json
+import os
 import time
+from typing import List, Optional
 
 import rospy
 
+from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
+from roah_rsbb.core.copies import STANDBY
 from roah_rsbb.msg import CopyState
 from roah_rsbb.ros.command_line import run_node
-from roah_rsbb.ros.params import Params
+from roah_rsbb.ros.params import BadParams, Params
+from roah_rsbb.standby.box_end import BoxEnd
+from roah_rsbb.standby.messages import NETWORK, PASSWORDS
 
 PERIOD_S = 1.0
 # A stick that hangs must not keep the node from ending.
 END_S = 5.0
+NO_FOLDER = "none"
+
+
+class _Reported:
+    """A copy, and what was logged about it."""
+
+    def __init__(self, place: str, follower: Follower) -> None:
+        self.place = place
+        self.follower = follower
+        self._began_mono = time.monotonic()
+        self._trouble = self._aside = ""
+        follower.start()
+
+    def message(self) -> CopyState:
+        """Return the present state, and log what is new in it."""
+        progress = self.follower.progress
+        if progress.trouble != self._trouble:
+            if progress.trouble:
+                rospy.logwarn("%s: %s", self.place, progress.trouble)
+            self._trouble = progress.trouble
+        if progress.aside and progress.aside != self._aside:
+            rospy.logwarn("%s: the earlier copy is not of this journal, or is damaged. It is kept as %s",
+                          self.place, progress.aside)
+            self._aside = progress.aside
+        complete = self._began_mono if progress.complete_mono is None else progress.complete_mono
+        return CopyState(self.place, progress.box_uuid, time.monotonic() - complete, progress.missing_entries,
+                         progress.trouble)
 
 
 class BackupNode:
-    """The node. Raises `BadParams` at the start."""
+    """The node. Raises `BadParams` or OSError at the start."""
 
     def __init__(self) -> None:
         params = Params()
-        log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
-        self._follower = Follower(log_dir, params.path("backup_dir"))
+        self._log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
+        backup_dir = params.path("backup_dir") if params.text("backup_dir", NO_FOLDER) != NO_FOLDER else ""
+        port = params.whole("standby_port", 0, 0, 65535)
+        bind_host = params.text("bind_host", "0.0.0.0")
+        passwords = params.path("passwords_file", "none")
+        network = {"rsbb_host": params.text("rsbb_host", "10.255.255.255"),
+                   "rsbb_port": params.whole("rsbb_port", 6666, 1, 65000)}
         params.done()
-        self._began_mono = time.monotonic()
+        if not backup_dir and not port:
+            raise BadParams(f"{rospy.get_name()}: set backup_dir, standby_port or both")
         self._publisher = rospy.Publisher("/copies/state", CopyState, queue_size=10, latch=True)
-        self._trouble = self._aside = ""
+        self._copies: List[_Reported] = []
+        if backup_dir:
+            rospy.loginfo("Copying the journal to %s", backup_dir)
+            self._add(backup_dir, Follower(self._log_dir, Stick(backup_dir, self._log_dir).open))
+        self._box_end: Optional[BoxEnd] = None
+        if port:
+            self._box_end = BoxEnd(self._log_dir, bind_host, port, lambda text: rospy.logwarn("%s", text))
+            network_file = os.path.join(self._box_end.folder, NETWORK)
+            with open(network_file, "w", encoding="utf-8") as file:
+                json.dump(network, file)
+            self._add(STANDBY, Follower(self._log_dir, self._box_end.open_copy,
+                                        {PASSWORDS: passwords, NETWORK: network_file}))
+            known = f"The standby is {self._box_end.name}. Another one" if self._box_end.is_paired else "A standby"
+            rospy.logwarn("%s can be paired on TCP port %d with the code %s",
+                          known, self._box_end.port, self._box_end.code)
 
     def run(self) -> int:
         """Run until shut down."""
-        rospy.loginfo("Copying the journal to %s", self._follower.folder)
-        self._follower.start()
         while not rospy.core.is_shutdown():
-            self._report()
+            for copy in self._copies:
+                self._publisher.publish(copy.message())
             try:
                 rospy.sleep(PERIOD_S)
             except rospy.ROSInterruptException:
                 break
-        self._follower.end(END_S)
+        if self._box_end is not None:
+            self._box_end.close()
+        for copy in self._copies:
+            copy.follower.end(END_S)
         return 0
 
-    def _report(self) -> None:
-        progress = self._follower.progress
-        complete = self._began_mono if progress.complete_mono is None else progress.complete_mono
-        behind = time.monotonic() - complete
-        if progress.trouble != self._trouble:
-            if progress.trouble:
-                rospy.logwarn("%s: %s", self._follower.folder, progress.trouble)
-            self._trouble = progress.trouble
-        if progress.aside and progress.aside != self._aside:
-            rospy.logwarn("The earlier copy in %s is not of this journal, or is damaged. It is kept as %s",
-                          self._follower.folder, progress.aside)
-            self._aside = progress.aside
-        self._publisher.publish(CopyState(self._follower.folder, progress.box_uuid, behind, progress.missing_entries,
-                                          progress.trouble))
+    def _add(self, place: str, follower: Follower) -> None:
+        self._copies.append(_Reported(place, follower))
 
 
 def main() -> None:
     """Entry point of the node."""
-    run_node("roah_rsbb_backup", __doc__, BackupNode)
+    run_node("roah_rsbb_backup", __doc__, BackupNode, (BadParams, OSError))

@@ -12,6 +12,7 @@ from helpers.copied import contents
 from helpers.examples import examples
 from helpers.journaled import NO_LISTENING, JournaledDriver, box
 from helpers.random_events import apply_event, random_competition, random_events
+from roah_rsbb.copies.folder import CopyFolder
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.core.referee import RunName
 from roah_rsbb.core.scoring.records import EndReason, Phase
@@ -22,7 +23,7 @@ from roah_rsbb.journal.ports import PortRecord
 @contextlib.contextmanager
 def followed(driver, stick):
     """Copies a driver's journal."""
-    follower = Follower(str(pathlib.Path(driver.journal.path).parent), str(stick))
+    follower = Follower(str(pathlib.Path(driver.journal.path).parent), lambda: CopyFolder(str(stick)))
     try:
         yield follower
     finally:

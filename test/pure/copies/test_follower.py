@@ -9,8 +9,9 @@ import threading
 from helpers.competition import run_record
 from helpers.copied import contents
 from helpers.journals import Writer
-from roah_rsbb.copies import follower as followers
+from roah_rsbb.copies import folder as folders
 from roah_rsbb.copies import rows
+from roah_rsbb.copies.follower import Follower
 from roah_rsbb.journal.file import FILE_NAME, Resume
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.journal.store import Journal
@@ -62,14 +63,14 @@ def test_an_unfinished_copy_has_no_newer_state_than_entries(copied, monkeypatch)
     for number in range(15):
         copied.writer.entry("/notification", number)
     written = []
-    write = followers.CopyFolder.write
+    write = folders.CopyFolder.write
 
     def write_once(folder, *arguments):
         if not written:
             written.append(write(folder, *arguments))
         copied.follower._ended.set()
 
-    monkeypatch.setattr(followers.CopyFolder, "write", write_once)
+    monkeypatch.setattr(folders.CopyFolder, "write", write_once)
     copied.follower.step()
     found = contents(copied.stick)
     assert len(found["entries"]) == 10
@@ -114,7 +115,7 @@ def test_a_mount_point_without_its_stick_is_not_written_to(copied, monkeypatch):
         def __getattr__(self, name):
             return getattr(self.stat, name)
 
-    monkeypatch.setattr(followers.os, "stat", lambda path, **of: (
+    monkeypatch.setattr(folders.os, "stat", lambda path, **of: (
         Other(real(path, **of), devices[path]) if path in devices else real(path, **of)))
     assert copied.step()
     away = copied.stick.with_name("away")
@@ -134,8 +135,8 @@ def test_a_restarted_process_adds_only_what_is_missing(copied, monkeypatch):
     copied.follower.close()
     copied.writer.entry("/notification", "meanwhile")
     written = []
-    write = followers.CopyFolder.write
-    monkeypatch.setattr(followers.CopyFolder, "write", lambda folder, found, beside: (
+    write = folders.CopyFolder.write
+    monkeypatch.setattr(folders.CopyFolder, "write", lambda folder, found, beside: (
         written.append(found), write(folder, found, beside)))
     copied.follower = copied.new_follower()
     assert copied.step()
@@ -208,7 +209,7 @@ def test_two_followers_do_not_share_a_stick(copied):
 
 
 def test_there_is_no_journal_yet(copied, tmp_path):
-    follower = followers.Follower(str(tmp_path / "nothing"), str(copied.stick))
+    follower = Follower(str(tmp_path / "nothing"), lambda: folders.CopyFolder(str(copied.stick)))
     follower.step()
     assert "no journal" in follower.progress.trouble
     assert not list(copied.stick.iterdir())
@@ -227,14 +228,14 @@ def test_the_journal_needs_no_lock_of_the_follower(copied):
 def test_nothing_is_written_while_nothing_changes(copied, monkeypatch):
     copied.writer.entry("/notification", "now")
     assert copied.step()
-    monkeypatch.setattr(followers.CopyFolder, "write", None)
+    monkeypatch.setattr(folders.CopyFolder, "write", None)
     assert copied.step()
 
 
 def test_the_thread_copies(copied, monkeypatch):
     done = threading.Event()
-    write = followers.CopyFolder.write
-    monkeypatch.setattr(followers.CopyFolder, "write", lambda *arguments: (write(*arguments), done.set()))
+    write = folders.CopyFolder.write
+    monkeypatch.setattr(folders.CopyFolder, "write", lambda *arguments: (write(*arguments), done.set()))
     copied.follower.start()
     assert done.wait(60.0)
     done.clear()

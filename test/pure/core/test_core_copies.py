@@ -35,8 +35,8 @@ def test_a_missing_stick_is_logged_once_and_shown_until_it_is_complete_again(cop
     copies.report(at(1), report())
     logged = [copies.report(at(1 + s), report(behind=s, missing=7 * s, trouble="no stick")) for s in range(1, 10)]
     assert [text for text in logged if text is not None] == [
-        f"The copy of the journal in {STICK} is 3 s, 21 entries behind: no stick"]
-    assert copies.warnings(at(11)) == [f"The copy of the journal in {STICK} is 10 s, 63 entries behind: no stick"]
+        f"The copy of the journal ({STICK}) is 3 s, 21 entries behind: no stick"]
+    assert copies.warnings(at(11)) == [f"The copy of the journal ({STICK}) is 10 s, 63 entries behind: no stick"]
     assert copies.report(at(12), report()) == ""
     assert not copies.warnings(at(12))
 
@@ -68,6 +68,14 @@ def test_a_slow_stick(copies):
     assert "9 s, 400 entries behind: it is being written" in copies.warnings(at(10))[0]
 
 
+def test_a_copy_that_nobody_expects_is_forgotten_when_it_is_silent():
+    copies = Copies()
+    copies.report(at(1), report(trouble="no stick"))
+    copies.report(at(5), report(behind=9.0, trouble="no stick"))
+    assert "no stick" in copies.warnings(at(5))[0]
+    assert not copies.warnings(at(5 + SILENT_S))
+
+
 def test_no_copy_is_expected():
     assert not Copies().warnings(at(100))
 
@@ -82,4 +90,4 @@ def test_referees_see_it_and_the_log_has_it():
     assert any("no stick" in text for text in driver.notices(Level.ERROR))
     driver.event(driver.box.on_copy_report, report())
     assert not driver.box.warnings(driver.now)
-    assert driver.notices(Level.INFO)[-1] == f"The copy of the journal in {STICK} is complete again"
+    assert driver.notices(Level.INFO)[-1] == f"The copy of the journal ({STICK}) is complete again"

@@ -5,6 +5,7 @@ import pathlib
 import sqlite3
 
 from helpers.journals import Writer
+from roah_rsbb.copies.folder import Stick
 from roah_rsbb.copies.follower import Follower
 from roah_rsbb.copies.rows import COLUMNS
 from roah_rsbb.journal.file import FILE_NAME
@@ -31,7 +32,7 @@ class Copied:
 
     def new_follower(self):
         """A follower as a restarted process has it."""
-        return Follower(str(self.log_dir), str(self.stick), lambda: self.mono)
+        return Follower(str(self.log_dir), Stick(str(self.stick), str(self.log_dir)).open, now=lambda: self.mono)
 
     @property
     def trouble(self):

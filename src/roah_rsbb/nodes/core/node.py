@@ -6,7 +6,7 @@ Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_ho
 benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, public_provisional,
 standings_file, rsbb_cypher, private_mode, robot_timeout, allowed_skew, after_stop_duration, check_messages_saved,
 check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_duration, take_over, backup_dir,
-end_launch.
+standby_port, end_launch.
 """
 
 import gc
@@ -24,7 +24,7 @@ from std_srvs.srv import EmptyResponse
 
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.core.box import Box
-from roah_rsbb.core.copies import CopyReport
+from roah_rsbb.core.copies import STANDBY, CopyReport
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.presence import MAX_NODES
 from roah_rsbb.core.settings import Settings
@@ -136,7 +136,8 @@ class CoreNode:
         results = params.choice("public_results", PublicResults.NONE.value, [choice.value for choice in PublicResults])
         self._public_provisional = params.flag("public_provisional", False)
         standings_file = params.text("standings_file", NO_FILE)
-        backup_dir = params.path("backup_dir") if params.text("backup_dir", NO_FILE) != NO_FILE else ""
+        copies = [params.path("backup_dir")] if params.text("backup_dir", NO_FILE) != NO_FILE else []
+        copies += [STANDBY] if params.whole("standby_port", 0, 0, 65535) else []
         params.done()
         launch = rospy.get_param("/run_id", "")
         standings = None if standings_file == NO_FILE else os.path.expanduser(standings_file)
@@ -183,8 +184,8 @@ class CoreNode:
         for warning in (*self._configuration.notices, *port_warnings, *self._store.warnings):
             self._driver.event(box.on_notice, warning)
         self._check_log_dir()
-        if backup_dir:
-            box.copies.expect(now, backup_dir)
+        for place in copies:
+            box.copies.expect(now, place)
 
     def _resume(self) -> None:
         """Continue where the core was when it ended, if the journal has its state."""

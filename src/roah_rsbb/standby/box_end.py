@@ -1,0 +1,191 @@
+"""The box's end: waits for a standby, pairs with it, and gives it the copy of the journal.
+
+It runs in threads of its own, in a process of its own: the core never waits for a standby.
+"""
+
+import contextlib
+import json
+import os
+import secrets
+import socket
+import ssl
+import threading
+from typing import Callable, Optional
+
+from roah_rsbb.copies.copy import CannotWriteCopy
+from roah_rsbb.standby.channel import TIMEOUT_S, Channel, Lost, box_context, write_private
+from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage, Message
+from roah_rsbb.standby.pairing import KEY_BYTES, NONCE_BYTES, Codes, Exchange, hashed, is_same
+from roah_rsbb.standby.remote import RemoteCopy
+
+FOLDER, PAIRED = "standby", "paired.json"
+# Connections of strangers that are served at a time.
+MAX_STRANGERS = 8
+MAX_NAME = 60
+_NOT_CONNECTED = "the standby is not connected. Check that it runs and that its cable is plugged in"
+
+
+class BoxEnd:
+    """Serves one standby."""
+
+    def __init__(self, log_dir: str, host: str, port: int, on_event: Callable[[str], None]) -> None:
+        """`on_event` is called in any thread with a text for the log. Raises OSError."""
+        self.folder = os.path.join(log_dir, FOLDER)
+        os.makedirs(self.folder, mode=0o700, exist_ok=True)
+        self._context, self._fingerprint = box_context(self.folder)
+        self._on_event = on_event
+        self._codes = Codes()
+        self._lock = threading.Lock()  # of codes, the pairing and the channel
+        self._channel: Optional[Channel] = None
+        self._strangers = threading.BoundedSemaphore(MAX_STRANGERS)
+        self.name, self._key_sha256 = _read_paired(os.path.join(self.folder, PAIRED))
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            self._socket.bind((host, port))
+            self._socket.listen(MAX_STRANGERS)
+        except OSError:
+            self._socket.close()
+            raise
+        self.port = self._socket.getsockname()[1]
+        threading.Thread(target=self._accept, name="standby", daemon=True).start()
+
+    @property
+    def code(self) -> str:
+        """The code to pair with."""
+        return self._codes.code
+
+    @property
+    def is_paired(self) -> bool:
+        """Whether there is a standby, which may be off."""
+        return bool(self._key_sha256)
+
+    def close(self) -> None:
+        """End all connections."""
+        with contextlib.suppress(OSError):
+            self._socket.shutdown(socket.SHUT_RDWR)
+        self._socket.close()
+        self._use(None)
+
+    def open_copy(self) -> RemoteCopy:
+        """Open the copy on the standby. Raises `CannotWriteCopy`."""
+        with self._lock:
+            channel = self._channel
+        if not self.is_paired:
+            raise CannotWriteCopy("no standby is paired yet. The log of roah_rsbb_backup shows the code")
+        if channel is None:
+            raise CannotWriteCopy(_NOT_CONNECTED)
+        return RemoteCopy(lambda message: self._request(channel, message))
+
+    def _request(self, channel: Channel, message: Message) -> Message:
+        try:
+            channel.send(message)
+            return channel.receive()
+        except (Lost, BadMessage) as error:
+            self._drop(channel)
+            raise CannotWriteCopy(f"{_NOT_CONNECTED} ({error})") from None
+
+    # -- strangers, each in a thread ----------------------------------------------------------------
+
+    def _accept(self) -> None:
+        while True:
+            try:
+                connection, (host, _port) = self._socket.accept()
+            except OSError:
+                return
+            if not self._strangers.acquire(blocking=False):
+                connection.close()
+                continue
+            threading.Thread(target=self._serve, args=(connection, host), name="stranger", daemon=True).start()
+
+    def _serve(self, connection: socket.socket, host: str) -> None:
+        try:
+            connection.settimeout(TIMEOUT_S)
+            channel = Channel(self._context.wrap_socket(connection, server_side=True))
+        except (OSError, ssl.SSLError):
+            connection.close()
+            self._strangers.release()
+            return
+        is_known = False
+        try:
+            is_known = self._greet(channel, host)
+        except (Lost, BadMessage):
+            pass
+        finally:
+            self._strangers.release()
+            if not is_known:
+                channel.close()
+
+    def _greet(self, channel: Channel, host: str) -> bool:
+        """Pair, or recognise the standby; returns whether the channel is in use now."""
+        hello = channel.receive(MAX_BYTES_OF_STRANGERS)
+        if hello.get("do") == "pair":
+            self._pair(channel, hello, host)
+            return False
+        if hello.get("do") != "copy":
+            return False
+        with self._lock:
+            is_right = self.is_paired and is_same(hashed(str(hello.get("key"))), self._key_sha256)
+        if not is_right:
+            channel.send({"refused": "this standby is not paired with the box: pair it again, with a new code"})
+            return False
+        channel.send({})
+        self._use(channel)
+        self._on_event(f"The standby {self.name} is connected from {host}")
+        return True
+
+    def _pair(self, channel: Channel, hello: Message, host: str) -> None:
+        nonce = secrets.token_bytes(NONCE_BYTES)
+        channel.send({"nonce": nonce.hex()})
+        proof = str(channel.receive(MAX_BYTES_OF_STRANGERS).get("proof"))
+        try:
+            exchange = Exchange(self._fingerprint, bytes.fromhex(str(hello.get("nonce"))), nonce)
+        except ValueError:
+            raise BadMessage("nonce") from None
+        with self._lock:
+            own = self._codes.take(exchange, proof)
+        if not own:
+            self._on_event(f"A standby at {host} used a wrong code. The code is now {self.code}")
+            channel.send({"refused": "the code is wrong. The box's log shows the right one"})
+            return
+        key = secrets.token_hex(KEY_BYTES)
+        name = _plain(str(hello.get("name"))) or host
+        try:
+            write_private(os.path.join(self.folder, PAIRED), json.dumps(
+                {"name": name, "key_sha256": hashed(key)}).encode("ascii"))
+        except OSError as error:
+            channel.send({"refused": f"the box cannot save the pairing: {error.strerror}"})
+            return
+        with self._lock:
+            self.name, self._key_sha256 = name, hashed(key)
+        self._use(None)  # an earlier standby is no longer paired
+        channel.send({"proof": own, "key": key})
+        self._on_event(f"The standby {name} at {host} is paired")
+
+    # -- the channel --------------------------------------------------------------------------------
+
+    def _use(self, channel: Optional[Channel]) -> None:
+        with self._lock:
+            before, self._channel = self._channel, channel
+        if before is not None:
+            before.close()
+
+    def _drop(self, channel: Channel) -> None:
+        with self._lock:
+            if self._channel is channel:
+                self._channel = None
+        channel.close()
+
+
+def _plain(name: str) -> str:
+    return "".join(sign for sign in name if sign.isprintable())[:MAX_NAME].strip()
+
+
+def _read_paired(path: str) -> "tuple[str, str]":
+    """Return the name of the paired standby and the hash of its key; empty: none."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            found = json.load(file)
+        return str(found["name"]), str(found["key_sha256"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return "", ""

@@ -1,0 +1,106 @@
+"""The copy on the standby, as the box sees it, and the standby's end of it. No sockets and no clock."""
+
+from typing import Callable, Optional
+
+from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent
+from roah_rsbb.copies.folder import CopyFolder
+from roah_rsbb.copies.rows import Rows
+from roah_rsbb.standby.messages import (
+    BadMessage,
+    Message,
+    files_message,
+    files_of,
+    known_message,
+    known_of,
+    rows_message,
+    rows_of,
+)
+
+OPEN, WRITE, SET_ASIDE, BEAT = "open", "write", "set_aside", "beat"
+
+
+class RemoteCopy(Copy):
+    """The box's end: a copy in a folder of the standby."""
+
+    def __init__(self, request: Callable[[Message], Message]) -> None:
+        """`request` sends a message and returns its answer, or raises `CannotWriteCopy`."""
+        super().__init__()
+        self._request = request
+        self._open(OPEN)
+
+    def check(self) -> None:
+        """Hear from the standby."""
+        self._ask({"do": BEAT})
+
+    def write(self, rows: Rows, beside: FileContent) -> None:
+        """Send rows and files."""
+        answer = self._ask({"do": WRITE, "rows": rows_message(rows), "files": files_message(beside)})
+        self.known.add(rows)
+        self.box_uuid = str(answer.get("box_uuid", ""))
+
+    def set_aside(self) -> None:
+        """Let the standby begin a new copy."""
+        self._open(SET_ASIDE)
+
+    def close(self) -> None:
+        """The standby closes its copy when it is opened again."""
+
+    def _open(self, how: str) -> None:
+        answer = self._ask({"do": how})
+        try:
+            self.known = known_of(answer)
+        except BadMessage as error:
+            raise CannotWriteCopy(f"the standby answers nonsense ({error}). Install the same version there") from None
+        self.box_uuid, self.aside = str(answer.get("box_uuid", "")), str(answer.get("aside", ""))
+
+    def _ask(self, message: Message) -> Message:
+        answer = self._request(message)
+        if "error" in answer:
+            raise CannotWriteCopy(f"the standby reports: {answer['error']}")
+        return answer
+
+
+class Receiver:
+    """The standby's end: carries out the requests of the box."""
+
+    def __init__(self, folder: str) -> None:
+        self._folder = folder
+        self._copy: Optional[CopyFolder] = None
+
+    def answer(self, message: Message) -> Message:
+        """Carry out a request; returns the answer. Raises `BadMessage`."""
+        try:
+            return self._carry_out(message)
+        except CannotWriteCopy as error:
+            self.close()
+            return {"error": str(error)}
+
+    def close(self) -> None:
+        """Close the copy."""
+        if self._copy is not None:
+            self._copy.close()
+            self._copy = None
+
+    def _carry_out(self, message: Message) -> Message:
+        what = message.get("do")
+        if what == OPEN:
+            self.close()
+            self._copy = CopyFolder(self._folder)
+            return self._opened(self._copy)
+        if self._copy is None:
+            raise CannotWriteCopy("the copy is not open")
+        if what == SET_ASIDE:
+            self._copy.set_aside()
+            return self._opened(self._copy)
+        if what == WRITE:
+            rows, files = rows_of(message.get("rows", {})), files_of(message.get("files", {}))
+            self._copy.write(rows, files)
+            return {"box_uuid": self._copy.box_uuid}
+        if what == BEAT:
+            self._copy.check()
+            return {}
+        raise BadMessage(f"unknown request {what!r}")
+
+    @staticmethod
+    def _opened(copy: CopyFolder) -> Message:
+        return {**known_message(copy.known), "box_uuid": copy.box_uuid, "aside": copy.aside}

@@ -1,0 +1,225 @@
+"""A second computer that has a copy of the box's journal, and takes over when the box is lost (docs/standby.md).
+
+    rosrun roah_rsbb standby follow 192.168.1.2 --code ABCD-EFGH
+    rosrun roah_rsbb standby takeover
+"""
+
+import argparse
+import contextlib
+import datetime
+import fcntl
+import json
+import os
+import signal
+import sqlite3
+import sys
+import threading
+import time
+from typing import Any, Dict, List, Optional, Sequence
+
+from roah_rsbb.arguments import Parser, number
+from roah_rsbb.journal import in_force
+from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.standby.channel import Lost
+from roah_rsbb.standby.messages import NETWORK, PASSWORDS
+from roah_rsbb.standby.standby_end import CannotPair, PairedBox, StandbyEnd, is_alive, pair, read_box
+from roah_rsbb.tools.preflight_checks import Severity, check_other_box
+
+PROGRAM = "standby"
+DEFAULT_PORT = 8083
+LOG_DIR = "~/.ros/roah_rsbb_standby"
+# Arguments of roah_rsbb.launch, in the order of the files in configuration.json.
+FILE_ARGUMENTS = ("benchmarks_file", "schedule_file", "passwords_file", "standings_file")
+CONFIGURATION = "configuration"
+ALIVE_S = 2.0
+# Seconds to wait until the program that keeps the copy has ended.
+END_S = 10.0
+_DESCRIPTION = """\
+A standby: a second computer that has a copy of the box's journal, and takes over when the box is lost.
+
+  follow    pair with the box, once, and keep the copy
+  takeover  start the box here, with the copy. Refused while the box is heard
+"""
+_EPILOG = """\
+Start the box with standby_port:=8083. Its log shows the code. docs/standby.md explains everything else.
+"""
+
+
+class Refused(Exception):
+    """The takeover is refused, or is not possible. The text has a reason in each line."""
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(PROGRAM, _DESCRIPTION, _EPILOG)
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True, parser_class=_sub_parser)
+    follow = commands.add_parser("follow", help="pair with the box, once, and keep the copy")
+    follow.add_argument("box", nargs="?", metavar="ADDRESS", help="the box's address; needed once")
+    follow.add_argument("--port", type=int, default=DEFAULT_PORT, help="the box's standby_port (default: %(default)s)")
+    follow.add_argument("--code", help="the code in the box's log; needed once")
+    takeover = commands.add_parser("takeover", help="start the box here, with the copy")
+    takeover.add_argument("--anyway", action="store_true", help="also while a box is heard: robots obey both")
+    takeover.add_argument("--listen", type=number(0, 60), default=4.0, metavar="SECONDS",
+                          help="time to listen for a box; 0: do not listen (default: %(default)s)")
+    takeover.add_argument("arguments", nargs="*", metavar="NAME:=VALUE", help="further arguments of roah_rsbb.launch")
+    for command in (follow, takeover):
+        command.add_argument("--log-dir", default=LOG_DIR, metavar="DIR",
+                             help="folder of the copy (default: %(default)s)")
+    return parser
+
+
+def _sub_parser(prog: str, **options: Any) -> Parser:
+    return Parser(prog, options.pop("description", ""), **options)
+
+
+# -- keeping the copy -----------------------------------------------------------------------------------
+
+
+def _follow(options: argparse.Namespace, folder: str) -> int:
+    box = read_box(folder)
+    if options.code:
+        if not options.box:
+            raise Refused("give the address of the box, too")
+        box = pair(folder, options.box, options.port, options.code)
+        print(f"Paired with the box at {box.host}", flush=True)
+    if box is None:
+        raise Refused("this standby is not paired: give the box's address and --code with the code in the box's log")
+    end = StandbyEnd(folder, box if not options.box else box._replace(host=options.box, port=options.port), _show)
+    for number_ in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number_, lambda *_: threading.Thread(target=end.end).start())
+    end.run()
+    return 0
+
+
+def _show(state: str) -> None:
+    print(f"{time.strftime('%H:%M:%S')} {state or 'The copy is kept'}", flush=True)
+
+
+# -- taking over ----------------------------------------------------------------------------------------
+
+
+def _takeover(options: argparse.Namespace, folder: str) -> int:
+    command = launch_command(folder, options.arguments)
+    network = _network(folder, options.arguments)
+    heard = [] if options.anyway else why_not(folder, network, options.listen)
+    if heard:
+        raise Refused("\n".join([*heard, "Robots obey both boxes. If the box must not continue, switch it off. "
+                                 "To take over in any case: --anyway"]))
+    end_follower(folder)
+    print(f"{last_moment(folder)}\n{' '.join(command)}", flush=True)
+    os.execvp(command[0], command)
+
+
+def why_not(folder: str, network: Dict[str, str], listen_s: float) -> List[str]:
+    """Return why there must be no takeover: each way in which the box is heard."""
+    reasons = []
+    box: Optional[PairedBox] = read_box(folder)
+    if box is not None and is_alive(box, ALIVE_S):
+        reasons.append(f"The box at {box.host} answers.")
+    if listen_s:
+        found = check_other_box(network["rsbb_host"], int(network["rsbb_port"]), network["bind_host"], listen_s)
+        if found.level is not Severity.OK:
+            reasons.append(found.text)
+    return reasons
+
+
+def launch_command(folder: str, arguments: Sequence[str]) -> List[str]:
+    """Return the command that starts the box with the copy; writes its files. Raises `Refused` or OSError."""
+    if not os.path.exists(os.path.join(folder, FILE_NAME)):
+        raise Refused(f"there is no copy in {folder}: 'standby follow' has not been connected to the box yet")
+    given = {argument.partition(":=")[0] for argument in arguments}
+    own = {"log_dir": folder, "resume": "always", **_network_of_box(folder), **_write_files(folder)}
+    return ["roslaunch", "roah_rsbb", "roah_rsbb.launch",
+            *(f"{name}:={value}" for name, value in own.items() if name not in given), *arguments]
+
+
+def _write_files(folder: str) -> Dict[str, str]:
+    """Write the configuration files of the box; returns the arguments with their paths."""
+    kept = in_force.read_in_force(folder)
+    if kept is None:
+        raise Refused(f"the copy in {folder} has no configuration: it is not complete. Use resume and the files of "
+                      "the competition with roslaunch, see docs/standby.md")
+    os.makedirs(os.path.join(folder, CONFIGURATION), exist_ok=True)
+    found = {"standings_file": "none"}
+    for argument, text in zip(FILE_ARGUMENTS, kept.versions[kept.present].texts):
+        if text is not None:
+            found[argument] = os.path.join(folder, CONFIGURATION, f"{argument[:-len('_file')]}.yaml")
+            with open(found[argument], "w", encoding="utf-8", newline="") as file:
+                file.write(text)
+    found["passwords_file"] = os.path.join(folder, PASSWORDS)
+    return found
+
+
+def _network_of_box(folder: str) -> Dict[str, str]:
+    try:
+        with open(os.path.join(folder, NETWORK), encoding="utf-8") as file:
+            return {name: str(value) for name, value in json.load(file).items()}
+    except (OSError, ValueError, AttributeError):
+        return {}
+
+
+def _network(folder: str, arguments: Sequence[str]) -> Dict[str, str]:
+    """Return where to listen for a box."""
+    given = {name: value for name, _, value in (argument.partition(":=") for argument in arguments)}
+    return {"rsbb_host": "10.255.255.255", "rsbb_port": "6666", "bind_host": "0.0.0.0",
+            **_network_of_box(folder), **given}
+
+
+def end_follower(folder: str) -> None:
+    """End the program that keeps the copy. Raises `Refused`."""
+    path = os.path.join(folder, f"{FILE_NAME}.lock")
+    deadline, asked = time.monotonic() + END_S, 0
+    while not _is_free(path):
+        pid = _holder(path)
+        if not pid or time.monotonic() > deadline:
+            raise Refused(f"another program uses the copy in {folder} (process {pid}): end it first")
+        if pid != asked:
+            asked = pid
+            os.kill(pid, signal.SIGTERM)
+        time.sleep(0.05)
+
+
+def _is_free(path: str) -> bool:
+    with open(path, "a", encoding="ascii") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+    return True
+
+
+def _holder(path: str) -> int:
+    """Return the process that keeps the copy; 0 if it is another program."""
+    with contextlib.suppress(OSError, ValueError):
+        with open(path, encoding="ascii") as file:
+            pid = int(file.read())
+        with open(f"/proc/{pid}/cmdline", "rb") as file:
+            words = file.read().split(b"\0")
+        if any(os.path.basename(word) == PROGRAM.encode("ascii") for word in words) and b"follow" in words:
+            return pid
+    return 0
+
+
+def last_moment(folder: str) -> str:
+    """Return when the copy ends, as a sentence."""
+    with contextlib.closing(sqlite3.connect(os.path.join(folder, FILE_NAME))) as connection:
+        (utc,) = connection.execute(
+            "SELECT max(utc) FROM (SELECT max(utc) AS utc FROM sessions UNION ALL"
+            " SELECT utc FROM (SELECT utc FROM entries ORDER BY id DESC LIMIT 1) UNION ALL"
+            " SELECT utc FROM (SELECT utc FROM links ORDER BY rowid DESC LIMIT 1))").fetchone()
+    if utc is None:
+        return "The copy is empty"
+    moment = datetime.datetime.fromtimestamp(utc, datetime.timezone.utc)
+    return f"The copy ends at {moment:%H:%M:%S} UTC, {max(0.0, time.time() - utc):.0f} s ago"
+
+
+def main() -> None:
+    """Run the program."""
+    options = _parser().parse_args()
+    folder = os.path.abspath(os.path.expanduser(options.log_dir))
+    try:
+        os.makedirs(folder, mode=0o700, exist_ok=True)
+        sys.exit((_follow if options.command == "follow" else _takeover)(options, folder))
+    except (Refused, CannotPair, Lost, OSError) as error:
+        for line in str(error).splitlines():
+            print(f"{PROGRAM}: {line}", file=sys.stderr)
+        sys.exit(1)

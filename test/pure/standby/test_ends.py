@@ -1,0 +1,218 @@
+"""Both ends over real connections on the loopback: pairing, keys, and what strangers get."""
+
+import contextlib
+import queue
+import socket
+import ssl
+import threading
+
+import pytest
+
+from helpers.copied import contents
+from helpers.journals import Writer
+from roah_rsbb.copies.follower import Follower
+from roah_rsbb.standby import channel as channels
+from roah_rsbb.standby import standby_end
+from roah_rsbb.standby.box_end import BoxEnd
+from roah_rsbb.standby.messages import LENGTH, MAX_BYTES_OF_STRANGERS
+from roah_rsbb.standby.pairing import MAX_GUESSES
+from roah_rsbb.standby.standby_end import CannotPair, StandbyEnd, is_alive, pair, read_box
+
+HOST = "127.0.0.1"
+
+
+class Ends:
+    """A box with a journal, and the folder of a standby."""
+
+    def __init__(self, folder):
+        self.log_dir, self.far = folder / "log", folder / "far"
+        self.writer = Writer(self.log_dir)
+        self.events = queue.Queue()
+        self.states = queue.Queue()
+        self._cleanup = contextlib.ExitStack()
+        self._cleanup.callback(self.writer.journal.close)
+        self.box = None
+        self.start_box()
+
+    def start_box(self):
+        port = 0 if self.box is None else self.box.port
+        self.box = BoxEnd(str(self.log_dir), HOST, port, self.events.put)
+        self._cleanup.callback(self.box.close)
+        self.follower = Follower(str(self.log_dir), self.box.open_copy)
+        self._cleanup.callback(self.follower.close)
+
+    def pair(self, code=None):
+        return pair(str(self.far), HOST, self.box.port, code or self.box.code)
+
+    def follow(self):
+        """Start a standby; returns its end."""
+        end = StandbyEnd(str(self.far), read_box(str(self.far)), self.states.put)
+        thread = threading.Thread(target=end.run, daemon=True)
+        thread.start()
+        self._cleanup.callback(thread.join, 60.0)
+        self._cleanup.callback(end.end)
+        return end
+
+    def wait_connected(self):
+        while "is connected" not in self.events.get(timeout=60.0):
+            pass
+
+    def is_complete(self):
+        self.follower.step()
+        return not self.follower.progress.trouble and contents(self.far) == contents(self.log_dir)
+
+    def close(self):
+        self._cleanup.close()
+
+
+@pytest.fixture
+def ends(tmp_path, monkeypatch):
+    monkeypatch.setattr(standby_end, "RETRY_S", 0.02)
+    made = Ends(tmp_path)
+    yield made
+    made.close()
+
+
+def test_a_paired_standby_gets_the_copy(ends):
+    ends.pair(ends.box.code.lower().replace("-", " "))
+    ends.follow()
+    ends.wait_connected()
+    ends.writer.entry("/notification", "now")
+    assert ends.is_complete()
+    ends.writer.entry("/notification", "later")
+    assert ends.is_complete()
+
+
+def test_a_standby_is_paired_once(ends):
+    """Both ends may restart: the certificate and the key stay."""
+    ends.pair()
+    ends.box.close()
+    ends.start_box()
+    assert ends.box.is_paired and ends.box.name == socket.gethostname()
+    ends.follow()
+    ends.wait_connected()
+    assert ends.is_complete()
+
+
+def test_a_connection_that_ends_is_reported_and_made_again(ends):
+    ends.pair()
+    ends.follow()
+    ends.wait_connected()
+    assert ends.is_complete()
+    ends.box.close()
+    ends.writer.entry("/notification", "meanwhile")
+    ends.follower.step()
+    assert "the standby is not connected" in ends.follower.progress.trouble
+    assert ends.follower.progress.missing_entries == 1
+    ends.start_box()
+    ends.wait_connected()
+    assert ends.is_complete()
+
+
+def test_a_standby_that_was_never_connected(ends):
+    ends.follower.step()
+    assert "no standby is paired yet" in ends.follower.progress.trouble
+    ends.pair()
+    ends.follower.step()
+    assert "the standby is not connected" in ends.follower.progress.trouble
+
+
+def test_a_wrong_code(ends):
+    code = ends.box.code
+    with pytest.raises(CannotPair, match="the code is wrong"):
+        ends.pair("AAAA-AAAA")
+    assert not ends.box.is_paired and read_box(str(ends.far)) is None
+    ends.pair(code)
+
+
+def test_a_code_is_used_once_and_changes_after_some_guesses(ends):
+    code = ends.box.code
+    for _ in range(MAX_GUESSES):
+        with pytest.raises(CannotPair):
+            ends.pair("AAAA-AAAA")
+    with pytest.raises(CannotPair):
+        ends.pair(code)
+    code = ends.box.code
+    ends.pair(code)
+    with pytest.raises(CannotPair):
+        ends.pair(code)
+
+
+def test_a_new_standby_replaces_the_old_one(ends, tmp_path):
+    first = ends.pair()
+    ends.pair()
+    channel, _ = channels.connect(HOST, ends.box.port)
+    channel.send({"do": "copy", "key": first.key})
+    assert "not paired" in channel.receive()["refused"]
+    channel.close()
+
+
+@pytest.mark.parametrize("hello", [
+    {"do": "copy"}, {"do": "copy", "key": ""}, {"do": "copy", "key": None}, {"do": "open"}, {},
+    {"do": "pair", "nonce": "no hex"}, {"do": "pair"}])
+def test_a_stranger_gets_nothing(ends, hello):
+    """Also while no standby is paired, so that an empty key is not the right one."""
+    channel, _ = channels.connect(HOST, ends.box.port)
+    channel.send(hello)
+    with contextlib.suppress(channels.Lost):
+        answer = channel.receive()
+        assert set(answer) <= {"refused", "nonce"}
+        channel.send({"proof": ""})
+        assert set(channel.receive()) <= {"refused"}
+    channel.close()
+    assert not ends.box.is_paired
+    assert ends.box._channel is None
+
+
+def test_a_stranger_cannot_send_much(ends):
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+    with context.wrap_socket(socket.create_connection((HOST, ends.box.port))) as connection:
+        connection.sendall(LENGTH.pack(MAX_BYTES_OF_STRANGERS + 1))
+        assert connection.recv(1) == b""
+
+
+def test_somebody_between_both_ends(ends, monkeypatch):
+    """They have another certificate. They can pass all messages on, but the proofs do not fit."""
+    real = standby_end.connect
+
+    def between(host, port):
+        channel, _ = real(host, port)
+        return channel, b"another certificate"
+
+    monkeypatch.setattr(standby_end, "connect", between)
+    with pytest.raises(CannotPair):
+        ends.pair()
+    assert not ends.box.is_paired
+
+
+def test_a_box_that_does_not_know_the_code(ends, monkeypatch):
+    monkeypatch.setattr("roah_rsbb.standby.box_end.Codes.take", lambda *_: "0" * 64)
+    with pytest.raises(CannotPair, match="is not the box that shows this code"):
+        ends.pair()
+    assert read_box(str(ends.far)) is None
+
+
+def test_another_box_at_the_address_gets_no_key(ends):
+    ends.pair()
+    ends.box.close()
+    for path in (ends.log_dir / "standby").glob("*.pem"):
+        path.unlink()
+    ends.start_box()
+    ends.follow()
+    assert "another box answers" in ends.states.get(timeout=60.0)
+    assert not is_alive(read_box(str(ends.far)), 5.0)
+
+
+def test_whether_the_box_is_alive(ends):
+    box = ends.pair()
+    assert is_alive(box, 5.0)
+    ends.box.close()
+    assert not is_alive(box, 5.0)
+
+
+def test_secrets_are_for_their_owner(ends):
+    ends.pair()
+    files = [ends.far / "box.json", *(ends.log_dir / "standby").iterdir()]
+    assert len(files) == 4
+    assert {path.stat().st_mode & 0o077 for path in files} == {0}

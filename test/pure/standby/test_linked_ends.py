@@ -1,0 +1,151 @@
+"""Box and standby as two linked ends: the copy is right whatever is lost, and whenever."""
+
+import contextlib
+import pathlib
+import tempfile
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from helpers.competition import run_record
+from helpers.copied import contents
+from helpers.examples import examples
+from helpers.journals import Writer
+from roah_rsbb.copies import rows
+from roah_rsbb.copies.copy import CannotWriteCopy
+from roah_rsbb.copies.follower import Follower
+from roah_rsbb.standby.messages import BadMessage, decode, encode
+from roah_rsbb.standby.remote import Receiver, RemoteCopy
+
+
+class Link:
+    """Connects both ends, with the messages as bytes. `faults` says for each message what happens to it."""
+
+    def __init__(self, receiver):
+        self.receiver = receiver
+        self.faults = []
+        self.is_down = False
+
+    def open_copy(self):
+        return RemoteCopy(self.request)
+
+    def request(self, message):
+        fault = self.faults.pop(0) if self.faults else ""
+        if self.is_down or fault == "lost":
+            raise CannotWriteCopy("lost")
+        answer = self._answer(message)
+        if fault == "doubled":
+            answer = self._answer(message)
+        if fault == "answer lost":
+            raise CannotWriteCopy("answer lost")
+        if fault == "standby restarts":
+            self.receiver.close()
+        return answer
+
+    def _answer(self, message):
+        return decode(encode(self.receiver.answer(decode(encode(message)))))
+
+
+class Pair:
+    def __init__(self, folder):
+        self.log_dir, self.far = folder / "log", folder / "far"
+        self.far.mkdir()
+        self.writer = Writer(self.log_dir)
+        self.receiver = Receiver(str(self.far))
+        self.link = Link(self.receiver)
+        self.follower = Follower(str(self.log_dir), self.link.open_copy)
+
+    def close(self):
+        self.follower.close()
+        self.receiver.close()
+        self.writer.journal.close()
+
+    def is_complete(self):
+        self.follower.step()
+        return not self.follower.progress.trouble and contents(self.far) == contents(self.log_dir)
+
+
+@pytest.fixture
+def ends(tmp_path):
+    made = Pair(tmp_path)
+    yield made
+    made.close()
+
+
+FAULTS = st.sampled_from(["", "", "", "lost", "answer lost", "doubled", "standby restarts"])
+
+
+@examples(60)
+@given(st.lists(st.sampled_from(["entry", "link", "outcome", "step", "step", "down", "up", "box restarts"]),
+                max_size=30), st.lists(FAULTS, max_size=60))
+def test_no_fault_of_the_link_makes_a_wrong_copy(story, faults):
+    with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch, \
+            contextlib.closing(Pair(pathlib.Path(folder))) as ends:
+        patch.setattr(rows, "PART", 5)
+        ends.link.faults = list(faults)
+        ends.writer.run(run_record())
+        for number, what in enumerate(story):
+            if what == "entry":
+                for _ in range(4):
+                    ends.writer.entry("/notification", number, identity=run_record().identity)
+            elif what == "link":
+                ends.writer.link({"n": number})
+            elif what == "outcome":
+                ends.writer.entry("command", {}, identity=run_record().identity)
+                ends.writer.outcome(run_record(elapsed_s=float(number)))
+            elif what == "step":
+                ends.follower.step()
+            elif what == "box restarts":
+                ends.follower.close()
+                ends.follower = Follower(str(ends.log_dir), ends.link.open_copy)
+            else:
+                ends.link.is_down = what == "down"
+        ends.link.is_down, ends.link.faults = False, []
+        for _ in range(2):  # the first attempt may find that the other end restarted
+            ends.follower.step()
+        assert ends.is_complete()
+        assert not [path for path in ends.far.iterdir() if "_aside_" in path.name]
+
+
+def test_the_standby_reports_its_own_trouble(ends):
+    assert ends.is_complete()
+    ends.far.rename(ends.far.with_name("away"))
+    ends.follower.step()
+    assert "the standby reports: it was removed" in ends.follower.progress.trouble
+    ends.far.with_name("away").rename(ends.far)
+    assert ends.is_complete()
+
+
+def test_files_are_copied_for_their_owner_only(ends):
+    (ends.log_dir / "secret").write_text("team: password")
+    ends.follower = Follower(str(ends.log_dir), ends.link.open_copy,
+                             {"passwords.yaml": str(ends.log_dir / "secret")})
+    assert ends.is_complete()
+    assert (ends.far / "passwords.yaml").read_text() == "team: password"
+    assert (ends.far / "passwords.yaml").stat().st_mode & 0o777 == 0o600
+
+
+@pytest.mark.parametrize("message", [
+    {}, {"do": "x"}, {"do": "write"}, {"do": "write", "rows": {"tables": {"entries": [[1]]}, "is_last": True}},
+    {"do": "write", "rows": {"tables": {"sqlite_master": []}, "is_last": True}, "files": {"../x": ""}},
+    {"do": "write", "rows": {"tables": {}, "is_last": True}, "files": {"../x": ""}},
+    {"do": "write", "rows": {"tables": {}, "is_last": True}, "files": {"passwords.yaml": 5}},
+    {"do": "write", "rows": {"tables": {"x": [[1]]}, "is_last": True}, "files": {}},
+])
+def test_nonsense_is_refused_and_writes_nothing(ends, message):
+    assert ends.is_complete()
+    before = {path.name: path.read_bytes() for path in ends.far.iterdir()}
+    with pytest.raises(BadMessage):
+        ends.receiver.answer(message)
+    assert {path.name: path.read_bytes() for path in ends.far.iterdir()} == before
+
+
+@pytest.mark.parametrize("data", [b"", b"[]", b"\xff", b"5", b"[" * 100_000])
+def test_data_that_cannot_be_read(data):
+    with pytest.raises(BadMessage):
+        decode(data)
+
+
+def test_damaged_values_pass_unchanged():
+    assert decode(encode({"v": [1, 1.5, None, "\udcff", float("inf")]}))["v"] == [1, 1.5, None, "\udcff", float("inf")]

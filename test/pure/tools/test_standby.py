@@ -1,0 +1,109 @@
+"""The takeover: it is refused while the box is heard, and starts the box with everything that was copied."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from helpers.copied import Copied
+from roah_rsbb.copies.folder import CopyFolder
+from roah_rsbb.journal.in_force import InForce, Texts, write_in_force
+from roah_rsbb.standby.standby_end import PairedBox
+from roah_rsbb.tools import standby
+from roah_rsbb.tools.preflight_checks import Finding, Severity
+
+
+@pytest.fixture
+def copied(tmp_path):
+    """A complete copy."""
+    made = Copied(tmp_path)
+    write_in_force(str(made.log_dir), InForce("launch", 3, {
+        2: Texts(("b", "s", "p"), ("old", "old", None)),
+        3: Texts(("/x/b.yaml", "/x/s.yaml", "/x/p.yaml"), ("benchmarks", "schedule", None))}))
+    made.writer.entry("/notification", "now")
+    assert made.step()
+    made.follower.close()
+    (made.stick / "network.json").write_text(json.dumps({"rsbb_host": "10.1.255.255", "rsbb_port": 7000}))
+    yield made
+    made.close()
+
+
+def arguments(command):
+    assert command[:3] == ["roslaunch", "roah_rsbb", "roah_rsbb.launch"]
+    return dict(argument.split(":=") for argument in command[3:])
+
+
+def test_the_box_starts_with_everything_that_was_copied(copied):
+    stick = str(copied.stick)
+    found = arguments(standby.launch_command(stick, ["gui:=none", "rsbb_host:=10.9.255.255"]))
+    assert found == {
+        "log_dir": stick, "resume": "always", "rsbb_host": "10.9.255.255", "rsbb_port": "7000", "gui": "none",
+        "benchmarks_file": f"{stick}/configuration/benchmarks.yaml",
+        "schedule_file": f"{stick}/configuration/schedule.yaml",
+        "passwords_file": f"{stick}/passwords.yaml", "standings_file": "none"}
+    assert (copied.stick / "configuration" / "schedule.yaml").read_text() == "schedule"
+    assert (copied.stick / "configuration" / "benchmarks.yaml").read_text() == "benchmarks"
+
+
+def test_there_is_no_copy(tmp_path):
+    with pytest.raises(standby.Refused, match="there is no copy"):
+        standby.launch_command(str(tmp_path), [])
+
+
+@pytest.mark.parametrize("answers, beacons, reasons", [
+    (False, False, 0), (True, False, 1), (False, True, 1), (True, True, 2)])
+def test_each_way_in_which_the_box_is_heard_is_a_reason(copied, monkeypatch, answers, beacons, reasons):
+    asked = []
+
+    def other_box(*given):
+        asked.append(given)
+        return Finding(Severity.FAILED, "another RSBB transmits", "") if beacons else Finding(Severity.OK, "none", "")
+
+    monkeypatch.setattr(standby, "read_box", lambda folder: PairedBox("10.1.0.2", 8083, "ff", "key"))
+    monkeypatch.setattr(standby, "is_alive", lambda box, timeout: answers)
+    monkeypatch.setattr(standby, "check_other_box", other_box)
+    network = standby._network(str(copied.stick), ["bind_host:=10.1.0.3"])
+    assert len(standby.why_not(str(copied.stick), network, 4.0)) == reasons
+    assert asked == [("10.1.255.255", 7000, "10.1.0.3", 4.0)]
+
+
+@pytest.mark.parametrize("anyway", [False, True])
+def test_a_takeover_needs_an_option_while_the_box_is_heard(copied, monkeypatch, anyway):
+    started = []
+    monkeypatch.setattr(standby, "why_not", lambda *_: ["The box answers."])
+    monkeypatch.setattr(os, "execvp", lambda name, command: started.append(command))
+    options = standby._parser().parse_args(
+        ["takeover", "--log-dir", str(copied.stick), *(["--anyway"] if anyway else [])])
+    if anyway:
+        standby._takeover(options, str(copied.stick))
+        assert len(started) == 1
+    else:
+        with pytest.raises(standby.Refused, match="The box answers.*\n.*--anyway"):
+            standby._takeover(options, str(copied.stick))
+        assert not started
+
+
+def test_the_program_that_keeps_the_copy_is_ended(copied, tmp_path):
+    program = tmp_path / "standby"
+    program.write_text("import sys\nfrom roah_rsbb.copies.folder import CopyFolder\n"
+                       "copy = CopyFolder(sys.argv[2])\nprint('open', flush=True)\nsys.stdin.read()\n")
+    source = os.path.dirname(os.path.dirname(os.path.dirname(standby.__file__)))
+    with subprocess.Popen([sys.executable, str(program), "follow", str(copied.stick)], stdout=subprocess.PIPE,
+                          stdin=subprocess.PIPE, env={**os.environ, "PYTHONPATH": source}) as process:
+        assert process.stdout.readline() == b"open\n"
+        standby.end_follower(str(copied.stick))
+        assert process.wait(60.0) < 0
+    CopyFolder(str(copied.stick)).close()
+
+
+def test_another_program_that_uses_the_copy_is_not_ended(copied):
+    folder = CopyFolder(str(copied.stick))
+    with pytest.raises(standby.Refused, match="another program uses the copy"):
+        standby.end_follower(str(copied.stick))
+    folder.close()
+
+
+def test_when_the_copy_ends(copied):
+    assert standby.last_moment(str(copied.stick)).startswith("The copy ends at 11:00:01 UTC, ")
