@@ -110,7 +110,7 @@ export class Marks {
       return;
     }
     this.isSending.add(mark.id);
-    const {shown, isLate, ...body} = mark;
+    const {shown, isLate, isUndo, ...body} = mark;
     const answer = await send("mark", body);
     this.isSending.delete(mark.id);
     if (AGAIN.includes(answer.status)) {
@@ -119,8 +119,8 @@ export class Marks {
       this.waiting = this.waiting.filter((one) => one.id !== mark.id);
       if (answer.status === 200) {
         this.refused = null;
-        if (answer.body.number) {
-          this.done.push({number: answer.body.number, identity: mark.identity, shown: `${mark.desc}: ${shown}`});
+        if (answer.body.number && !isUndo) {
+          this.done.push({...body, number: answer.body.number, shown: `${mark.desc}: ${shown}`});
         }
       } else {
         this.refused = {shown: `${mark.desc}: ${shown}`, reasons: answer.body.reasons};
@@ -134,9 +134,17 @@ export class Marks {
     return this.done.filter((mark) => mark.identity === identity).pop();
   }
 
-  forget(mark) {
-    this.done = this.done.filter((one) => one !== mark);
+  // Marks of one moment may share an entry of the history, which is withdrawn with all of them.
+  forgetEntry(number, identity) {
+    this.done = this.done.filter((one) => one.number !== number || one.identity !== identity);
     this.onChange();
+  }
+
+  // What was added is taken off again: others may have counted since.
+  takeOff(added) {
+    this.done = this.done.filter((one) => one !== added);
+    const {number, shown, ...mark} = added;
+    this.add({...mark, value: -mark.value, note: "", isUndo: true, shown: mark.value > 0 ? `−${mark.value}` : `+${-mark.value}`});
   }
 
   keep() {

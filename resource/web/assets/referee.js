@@ -6,7 +6,7 @@ import {Live} from "/assets/live.js";
 import {ask, reasonsText, roleText} from "/assets/device.js";
 import {Marks, Stop, send, signal} from "/assets/commands.js";
 import {Command, Hold, Twice} from "/assets/buttons.js";
-import {Sheet} from "/assets/sheet.js";
+import {ADD, Sheet} from "/assets/sheet.js";
 
 const SILENT_S = 2.2;
 const ASK_AGAIN_MS = 1500;
@@ -99,9 +99,11 @@ function stopRun(zone) {
 }
 
 async function undo(last, texts) {
-  if (await give("withdraw", texts, texts.undo.replace("{mark}", () => last.shown),
+  if (last.change === ADD) {
+    state.marks.takeOff(last);
+  } else if (await give("withdraw", texts, texts.undo.replace("{mark}", () => last.shown),
     {identity: last.identity, number: last.number})) {
-    state.marks.forget(last);
+    state.marks.forgetEntry(last.number, last.identity);
   }
 }
 
@@ -188,7 +190,8 @@ function Commands({zone, texts}) {
         ${zone.robots.map((robot) => html`
           <${Command} label=${texts.connect_robot.replace("{robot}", () => robot)}
             act=${() => give("connect_robot", texts, robot, {robot})} />`)}
-        ${zone.phase !== "running" && button("start")}
+        ${["idle", "connected"].includes(zone.phase) && button("start")}
+        ${zone.phase === "ended" && twice("start")}
         ${["connected", "ended"].includes(zone.phase) && html`
           <${Twice} key="leave ${zone.identity}" name="leave" label=${texts.leave} question=${texts.really} reasons=${zone.off.leave}
             isMain=${next === "leave"} act=${() => give("leave", texts, texts.leave, {identity: zone.identity})} />`}

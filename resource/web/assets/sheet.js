@@ -2,7 +2,7 @@
 
 import {html, useState} from "/assets/parts.js";
 
-const SET = 0, ADD = 1, NOT_ATTEMPTED = 2;
+export const SET = 0, ADD = 1, NOT_ATTEMPTED = 2;
 
 function number(text) {
   return text === "" ? null : Number(text);

@@ -35,8 +35,10 @@ Run it while your box is not running: it listens for other boxes on the public U
 FILES = ("benchmarks", "schedule", "passwords")
 _LOG_DIR = "~/.ros/roah_rsbb"  # roah_rsbb.launch's
 _SMARTIF_HOST, _SMARTIF_PORT = "192.168.1.56", 6665  # roah_rsbb.launch's
+_WEB_PORT = 8081  # roah_rsbb.launch's
 # Seconds to wait for invisible markers.
 _MARKERS_S = 3.0
+
 _MARKS = {Severity.OK: "ok     ", Severity.WARNING: "WARNING", Severity.FAILED: "FAILED "}
 
 
@@ -56,6 +58,8 @@ def _parser() -> argparse.ArgumentParser:
                         "exists, else the included ones)")
     parser.add_argument("--tablet-port", type=int, default=TABLET_PORT, metavar="PORT",
                         help="TCP port of the tablet's page (default: %(default)s)")
+    parser.add_argument("--web-port", type=int, default=_WEB_PORT, metavar="PORT",
+                        help="TCP port of the web pages (default: %(default)s)")
     parser.add_argument("--smartif-host", metavar="HOST",
                         help=f"controller of the home devices (default: the competition's, or {_SMARTIF_HOST})")
     parser.add_argument("--smartif-port", type=int, default=_SMARTIF_PORT, metavar="PORT",
@@ -95,6 +99,7 @@ def findings(options: argparse.Namespace) -> List[Finding]:
     found += checks.check_log_dir(os.path.expanduser(options.log_dir))
     found += checks.check_configuration(files, options.modules_dir)
     found += _check_venue(options, files)
+    found.append(venue.check_web_port(options.bind_host, options.web_port))
     found.append(checks.check_player(PLAYER))
     found.append(checks.check_display(has_display()))
     return found

@@ -44,15 +44,25 @@ def check_tablet_port(loaded: Config, host: str, port: int) -> List[Finding]:
     codes = _needing(loaded, TABLET)
     if not codes:
         return []
+    return [_check_tcp_port(host, port, "the tablet's page", "tablet_port", Severity.FAILED,
+                            f". The page is for {', '.join(codes)}")]
+
+
+def check_web_port(host: str, port: int) -> Finding:
+    """Check that the web pages can be served. Runs do not need them."""
+    return _check_tcp_port(host, port, "the web pages", "web_port", Severity.WARNING, "")
+
+
+def _check_tcp_port(host: str, port: int, what: str, parameter: str, level: Severity, purpose: str) -> Finding:
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as trial:
         trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             trial.bind((host, port))
         except OSError as error:
-            return [Finding(Severity.FAILED, f"TCP port {port} of the tablet's page cannot be used: {error.strerror}",
-                            f"end the program that uses it ('ss -tlpn sport = :{port}' shows it), or choose another "
-                            f"tablet_port. The page is for {', '.join(codes)}")]
-    return [Finding(Severity.OK, f"TCP port {port} of the tablet's page is free")]
+            return Finding(level, f"TCP port {port} of {what} cannot be used: {error.strerror}",
+                           f"end the program that uses it ('ss -tlpn sport = :{port}' shows it), or choose another "
+                           f"{parameter}{purpose}")
+    return Finding(Severity.OK, f"TCP port {port} of {what} is free")
 
 
 def check_devices(loaded: Config, host: str, port: int, timeout_s: float = CONNECT_S) -> List[Finding]:

@@ -55,6 +55,16 @@ def test_the_tablets_port():
     assert levels(venue.check_tablet_port(loaded, HOST, port)) == [Severity.OK]
 
 
+def test_the_port_of_the_web_pages():
+    with socket.socket() as other:
+        other.bind((HOST, 0))
+        other.listen(1)
+        port = other.getsockname()[1]
+        found = venue.check_web_port(HOST, port)
+        assert (found.level, "web_port" in found.remedy) == (Severity.WARNING, True), "runs do not need it"
+    assert venue.check_web_port(HOST, port).level == Severity.OK
+
+
 @pytest.mark.parametrize("code", ["HCFGAC", "HWV"])
 def test_the_controller_of_the_home_devices(code):
     loaded = competition(home=[code])

@@ -23,6 +23,7 @@ from support.waiting import LIMIT_S, wait_until
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 LOOK_AGAIN_S = 0.05
+_AXE = pathlib.Path(__file__).resolve().parents[2] / "data" / "axe" / "axe.min.js"
 _MAX_ANSWER_BYTES = 64 * 1024 * 1024
 
 
@@ -210,6 +211,11 @@ class Page:
         """Press a key of a keyboard."""
         for kind in ("keyDown", "keyUp"):
             self.command("Input.dispatchKeyEvent", type=kind, key=name, code=name)
+
+    def inaccessible(self) -> Any:
+        """What axe-core finds: the rule and an element each."""
+        self.command("Runtime.evaluate", expression=_AXE.read_text(encoding="utf-8"))
+        return self.get("axe.run().then(found => found.violations.map(one => [one.id, one.nodes[0].html]))")
 
     def screenshot(self, path: pathlib.Path) -> None:
         """Save what is shown as a PNG file."""

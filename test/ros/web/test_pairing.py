@@ -50,6 +50,8 @@ class TestPairing(NeedsBrowser, BoxCase):
         """Open the address of a QR code, and type a name."""
         page = self._leaving(self.browser.page(url, *PHONE))
         page.wait("document.querySelector('#person') !== null", "the form is shown")
+        self.assertEqual(page.inaccessible(), [])
+        page.screenshot(SHOTS / "web_pair.png")
         page.get(f"document.querySelector('#person').value = {json.dumps(person)}")
         page.touch_at("form button")
         return page
@@ -60,7 +62,6 @@ class TestPairing(NeedsBrowser, BoxCase):
         page = self.pair(made["url"], "Anna")
         page.wait_address("/referee")
         page.wait(f"{TEXT}.includes('Anna · Referee in Room')", "the phone is paired")
-        page.screenshot(SHOTS / "web_paired.png")
         self.assertEqual(page.get("document.cookie"), "", "no script reads the cookie")
         self.assertNotIn(made["code"], page.get("location.href"))
         (listed,) = devices()
