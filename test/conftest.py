@@ -51,8 +51,8 @@ def pytest_configure(config):
     config.addinivalue_line("markers", "long: takes long and depends on no version; a second Python leaves it out")
 
 
-# Folders of test/pure whose subjects need a library: its versions differ as well as Python's.
-WITH_LIBRARIES = ("check", "comm", "radio", "robot", "rulebook", "tablet", "web")
+# Folders of test/pure whose subjects need a library, such as SQLite: its versions differ as well as Python's.
+WITH_LIBRARIES = ("check", "comm", "journal", "radio", "robot", "rulebook", "tablet", "web")
 
 
 def pytest_collection_modifyitems(config, items):
