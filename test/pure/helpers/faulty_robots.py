@@ -157,6 +157,22 @@ class _SaysOnce(StateSender):
         self._next_mono = float("inf")
 
 
+class _Unhurried(StateSender):
+    """Sends each state a second after it changed."""
+
+    def changed(self, now_mono):
+        super().changed(now_mono)
+        self._next_mono = now_mono + 1.0
+
+
+def _follows_every_box(sender):
+    def robot(monkeypatch, loop):
+        monkeypatch.setattr(link, "StateSender", sender)
+        monkeypatch.setattr(session.Session, "_follows", lambda this, mono, host, listed: True)
+        return usual_robot(loop, DummyOptions(1.0, 6.0, seed=1))
+    return robot
+
+
 def _last_goal(monkeypatch, loop):
     monkeypatch.setattr(machine.RobotProgress, "leave", lambda progress, why: [])
     return deaf_to(BoxState.STOP, RobotState.EXECUTING, usual=DummyOptions(1.0, 20.0, seed=1))(monkeypatch, loop)
@@ -421,8 +437,9 @@ FAULTS = (
             this._box in (None, host))), ("moved",), Cause.MOVE_NOT_FOLLOWED),
     Fault("obeys old messages", _no_memory, ("stale",), Cause.STALE_OBEYED, Verdict.QUIRK),
     Fault("ends at an invalid datagram", _dies_of_garbage, ("garbage",), Cause.DIES_OF_GARBAGE),
-    Fault("follows every box", _value(session.Session, "_follows", lambda this, mono, host, listed: True),
-          ("other-box",), Cause.FOREIGN_BOX, Verdict.QUIRK),
+    Fault("follows every box", _follows_every_box(StateSender), ("other-box",), Cause.FOREIGN_BOX, Verdict.QUIRK),
+    Fault("follows every box and reports so late", _follows_every_box(_Unhurried), ("other-box",), Cause.FOREIGN_BOX,
+          Verdict.QUIRK),
     Fault("a buffer of 512 bytes", patched(runner.SessionRunner, "_public_message", _small_buffer), ("large-beacon",),
           Cause.LARGE_BEACON),
     Fault("ends at an unknown benchmark", _dies_of_code, ("unknown-code",), Cause.UNKNOWN_CODE),

@@ -134,6 +134,8 @@ async def other_box(play: Play, code: str) -> None:
             await play.rest(FOREIGN_PERIOD_S)
     finally:
         other.close()
+    # A robot that left its channel may report so only a second after it opened the channel again.
+    await play.until(lambda: play.over or _fell(play, since), 2 * play.options.patience)
     if not _fell(play, since):
         await _finish(play, Cause.FOREIGN_BOX, since, "when another box sends beacons")
         return
