@@ -50,6 +50,7 @@ NAME = "roah_rsbb_replay"
 GUI_TOPIC = "/core/to_gui"
 PERIOD_S = 0.1  # of the panels' messages, as in the core
 PUBLIC_EVERY = 5
+CLOCK_STEP_S = 1e-6  # from the clock of one message to that of the next, if no time passes
 CORE_EVERY = 20  # ticks between two looks for a core
 FASTEST = 64.0
 ANSWER_S = 0.5
@@ -179,7 +180,8 @@ class ReplayNode:
         self._ticks += 1
 
     def _publish(self) -> None:
-        box, now = self._shown.box, self._shown.now
+        # Panels call a message with the clock of the one before old, also at the end, where the clock is paused.
+        box, now = self._shown.box, self._shown.now.later(self._ticks * CLOCK_STEP_S)
         self._results.on_record_changed()
         messages: List[Any] = [
             self._panels.to_gui(now, {}), self._panels.details(now), self._panels.clocks(now),

@@ -67,6 +67,8 @@ class TestReplay(OwnCoreCase):
         self.assertEqual((ended.identity, ended.end_reason, ended.robot_state), (identity, "stopped", "STOP"))
         self.assertEqual(messages[0].warnings, [REASON])
         wait_until(lambda: self.box.gui.status == REASON, "the status says it, too")
+        ended_at = self.box.gui.clock
+        wait_until(lambda: self.box.gui.clock > ended_at, "panels see that the replay still runs")
         with self.assertRaisesRegex(Refusal, REASON):
             self.box.command("stop", "Home")
 
