@@ -91,7 +91,9 @@ def test_the_ways_to_count_runs_are_those_of_the_rules():
 def test_the_list_does_not_load_what_writes_files():
     script = ("import sys; import roah_rsbb.tools.results; "
               "print([name for name in sys.modules if name.startswith(('yaml', 'roah_rsbb.results.standing'))])")
-    assert subprocess.run([sys.executable, "-c", script], check=True, stdout=subprocess.PIPE).stdout == b"[]\n"
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
+    shown = subprocess.run([sys.executable, "-c", script], check=True, stdout=subprocess.PIPE, env=environment).stdout
+    assert shown == b"[]\n"
 
 
 def test_the_journal_is_found_in_the_log_dir(run, journal, monkeypatch, tmp_path):

@@ -251,7 +251,8 @@ def test_one_address_cannot_take_all_places(served):
     served.server.viewers = Places(lambda viewer: viewer.close(1013, "too many"), most=3)
     first, *others = [served.viewer("?documents=state") for _ in range(4)]
     assert served.read(first) is not None
-    assert served.read(first) is None, "the oldest was closed"
+    while served.read(first) is not None:  # the oldest is closed, perhaps after some clocks
+        pass
     served.change()
     assert all(served.read(other, "change") for other in others)
 
