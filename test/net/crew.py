@@ -87,6 +87,7 @@ class Robot:
         self.clock_s: Optional[float] = None  # what its clock shows instead of the time
         self.held = False  # it completes no goal
         self._options = DummyOptions(PREPARE_S, execute_s, seed=seed)
+        self._behaviour: Optional[_Noting] = None
         self._running: Any = None
         self.begin()
 
@@ -104,7 +105,7 @@ class Robot:
             self._running = None
 
     async def _live(self) -> None:
-        behaviour = _Noting(self._options, self._note, lambda: self.held)
+        behaviour = self._behaviour = _Noting(self._options, self._note, lambda: self.held)
         behaviour.on_report = self.troubles.append
         await RobotClient(
             self.team, password_of(self.team), behaviour, self.name, BROADCAST, RSBB_PORT, clock=self._clock,
@@ -116,6 +117,11 @@ class Robot:
     def _note(self, what: str, goal: Any = None) -> None:
         self.moments.append(Moment(time.time(), what, goal))
         happened()
+
+    @property
+    def is_in_run(self) -> bool:
+        """Whether it hears a box on its private channel."""
+        return self._behaviour is not None and self._behaviour.client.benchmark is not None
 
     def did(self, what: str) -> List[float]:
         """When it did something, UTC in seconds."""

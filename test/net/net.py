@@ -6,6 +6,7 @@ import fcntl
 import os
 import pathlib
 import threading
+import time
 from typing import Callable, Dict, List, Tuple
 
 import wire
@@ -96,9 +97,12 @@ class Round:
             # Broken by a run that failed, which raises its own reason below.
             with contextlib.suppress(threading.BrokenBarrierError):
                 connected.wait(LIMIT_S)
-                # What was before a robot's first beacon is past, for it; and one that hears another box first is that
-                # one's for some seconds.
-                wait_until(lambda: all(robot.did("home") for robot in self.robots.values()), "all robots heard the box")
+                # What was before a robot's first beacon is past, for it. And one that hears another box first is that
+                # one's for some seconds: a late beacon from before it was connected makes it leave its channel.
+                settled = time.monotonic() + wire.LATE_S + wire.BAD.longest_s
+                wait_until(lambda: time.monotonic() > settled and all(
+                    robot.did("home") and robot.is_in_run for robot in self.robots.values()),
+                    "all robots heard the box, and nothing from before")
                 self.when_connected()
                 self.net.tablet.call()
                 work = [pool.submit(trouble, self, code) for code, trouble in troubles.items()]

@@ -20,7 +20,7 @@ _IFF_TAP, _IFF_NO_PI = 0x0002, 0x1000
 _MAX_FRAME = 65536
 _IPV4 = b"\x08\x00"
 _READS = 50  # at most, before others have their turn
-_LATE_S = 1.0  # no network's queue is longer; a machine that stops would deliver all of them later
+LATE_S = 1.0  # no network's queue is longer; a machine that stops would deliver all of them later
 _HELD = 8  # datagrams that wait for another host's: the newest
 
 
@@ -100,7 +100,7 @@ class _Direction:
             self._deliver(frame)
 
     def _deliver_in_time(self, frame: bytes, due: float) -> None:
-        if asyncio.get_event_loop().time() - due < _LATE_S:
+        if asyncio.get_event_loop().time() - due < LATE_S:
             self._deliver(frame)
         else:
             self.lost += 1

@@ -12,6 +12,7 @@ from support.robots import BOX, BROADCAST, RSBB_PORT
 from support.waiting import LIMIT_S, wait_until
 
 from roah_rsbb.journal.file import FILE_NAME
+from roah_rsbb.journal.reader import JournalError
 from roah_rsbb.msg import CopyState
 
 ZONE = "Home"
@@ -46,7 +47,10 @@ class TestBackup(OwnCoreCase):
         def has_it() -> bool:
             if not (folder or self.stick).joinpath(FILE_NAME).exists():
                 return False
-            copy = self.journal(folder or self.stick)
+            try:
+                copy = self.journal(folder or self.stick)
+            except JournalError:  # it has only begun
+                return False
             return any(text in str(entry.value) for run in copy.runs() for entry in copy.entries(run.identity))
 
         wait_until(has_it, f"the copy has {text}")

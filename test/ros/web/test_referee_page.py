@@ -81,8 +81,10 @@ class TestRefereePage(NeedsBrowser, BoxCase):
         """Hold STOP until it is sent."""
         page.wait(f"document.querySelector({json.dumps(command('stop'))}) !== null", "STOP is there")
         left, top, width, height = page.box(command("stop"))
+        is_held = "document.querySelector('.hold.held') !== null"
+        was_held = page.note(is_held)
         page.touch(left + width / 2, top + height / 2, lift=False)
-        page.wait("document.querySelector('.hold.held') === null", "it is held long enough")
+        page.wait(f"{was_held} && !({is_held})", "it is held long enough")
         page.lift()
 
     def phase(self, name: str) -> None:
@@ -174,7 +176,8 @@ class TestRefereePage(NeedsBrowser, BoxCase):
 
     def test_a_touch_does_not_stop(self) -> None:
         page = self.running("de")
-        page.wait(f"{TEXT}.includes('STOPP')", "the page is in German")
+        page.wait(f"{TEXT}.includes('STOPP') && document.querySelector({json.dumps(command('stop'))}) !== null",
+                  "the page is in German")
         page.get("(button => ['pointerdown', 'pointerup'].forEach(kind => button.dispatchEvent(new PointerEvent(kind, "
                  f"{{bubbles: true}}))))(document.querySelector({json.dumps(command('stop'))}))")
         # A timer that is set later and is longer ends later: holding would have stopped the run by then.
