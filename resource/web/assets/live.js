@@ -30,7 +30,8 @@ export class Live {
     this.data = {};  // document by name
     this.missed = 0;  // changes that were replaced by later ones before they came
     this.clock = new BoxClock();
-    this.silentSince = null;  // the box's clock at the last sign of life, while the data is old
+    this.silentSince = null;  // the box's clock at the last sign of life, while the data is old; 0: not known
+    this.said = 0;  // what the gateway said of the box's clock last
     this.onChange = onChange;
     this.numbers = {};
     this.heardAt = -Infinity;
@@ -76,6 +77,7 @@ export class Live {
     const now = seconds();
     this.heardAt = now;
     this.isHeard = message.heard;
+    this.said = message.clock || 0;
     if (message.heard) {
       this.clock.sample(now, message.clock);
     }
@@ -105,7 +107,8 @@ export class Live {
     }
     const isSilent = gatewayIsSilent || !this.isHeard || !this.socket;
     if (isSilent && this.silentSince === null) {
-      this.silentSince = this.clock.at(Math.min(now, this.lastSign()));
+      // A page that was opened in a silence has never heard the box's clock.
+      this.silentSince = this.clock.at(Math.min(now, this.lastSign())) || this.said;
       hasChanged = true;
     } else if (!isSilent && this.silentSince !== null) {
       this.silentSince = null;

@@ -149,6 +149,8 @@ class TestPages(NeedsBrowser, BoxCase):
         try:
             for page in pages:
                 page.wait(f"{TEXT}.includes('No signal since')", "the page says that the box is silent")
+            self.open("/display", *SCREEN).wait(
+                f"{TEXT}.includes('No signal since') && {TEXT}.includes('Delta')", "a page opened now says it, too")
             shown = pages[0].get(BIG)
             self.assert_accessible("silent", pages[0])
             pages[0].screenshot(SHOTS / "web_silent.png")
