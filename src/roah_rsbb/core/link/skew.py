@@ -30,7 +30,7 @@ class SkewEstimate:
 
     def __init__(self, first: Optional[SkewSample] = None) -> None:
         """`first`: the estimate from before a restart."""
-        self._samples: Deque[Tuple[float, float]] = deque(maxlen=MAX_SAMPLES)
+        self._samples: Deque[Tuple[float, float]] = deque()
         self.seconds: Optional[float] = None
         if first is not None:
             self.sample(first.mono, first.seconds)
@@ -42,15 +42,20 @@ class SkewEstimate:
 
     def sample(self, mono: float, skew: float) -> float:
         """Take a sample of `skew` (s) that arrived at `mono` (s); return the new estimate (s)."""
-        last = self._samples[-1] if self._samples else None
-        while self._samples and self._samples[0][0] < mono - WINDOW_S:
-            self._samples.popleft()
-        if last is not None and not self._samples:
+        samples = self._samples
+        last = samples[-1] if samples else None
+        is_best_gone = self.seconds is None
+        while samples and (len(samples) == MAX_SAMPLES or samples[0][0] < mono - WINDOW_S):
+            is_best_gone |= samples.popleft()[1] == self.seconds
+        if last is not None and not samples:
             # The first message after a silence may have been delayed for seconds while the network found a route. As
             # the only sample, it would make a correct clock look wrong.
-            self._samples.append((mono, last[1]))
-        self._samples.append((mono, skew))
-        self.seconds = max(sample for _, sample in self._samples)
+            samples.append((mono, last[1]))
+        samples.append((mono, skew))
+        if is_best_gone:
+            self.seconds = max(sample for _, sample in samples)
+        elif skew > self.seconds:
+            self.seconds = skew
         return self.seconds
 
     def restart(self) -> None:

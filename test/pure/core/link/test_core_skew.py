@@ -81,3 +81,15 @@ def test_only_a_skew_below_the_allowed_one_will_do_in_both_directions(skew, is_w
 ])
 def test_a_skew_for_the_referee(skew, text):
     assert times.skew(skew) == text
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_estimate_is_always_the_largest_sample_of_the_window(seed):
+    chance, estimate, mono, samples = random.Random(seed), SkewEstimate(), 0.0, []
+    for _ in range(500):
+        mono += chance.choice([0.0, 0.05, 0.05, 1.0, 2.5, 3.0])
+        skew = chance.choice([-0.1, 0.0, 0.1, chance.uniform(-1.0, 1.0)])
+        late = [(mono, samples[-1][1])] if samples and samples[-1][0] < mono - WINDOW_S else []
+        samples = [*(one for one in samples if one[0] >= mono - WINDOW_S), *late, (mono, skew)][-MAX_SAMPLES:]
+        assert estimate.sample(mono, skew) == max(one for _, one in samples)
+        assert estimate.count == len(samples)
