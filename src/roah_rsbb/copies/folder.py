@@ -9,6 +9,7 @@ import os
 import sqlite3
 from typing import Optional
 
+from roah_rsbb import durable
 from roah_rsbb.copies.copy import CannotWriteCopy, Copy, FileContent
 from roah_rsbb.copies.rows import COLUMNS, Rows, known_of
 from roah_rsbb.journal import file as files
@@ -83,7 +84,8 @@ class CopyFolder(Copy):
         with self._writing():
             # The files come first: the journal refers to them.
             for name, content in beside.items():
-                _replace(os.path.join(self._folder, name), content)
+                # Only the owner may read it: it can be the teams' passwords.
+                durable.write_file(os.path.join(self._folder, name), content)
             self._connection.execute("BEGIN IMMEDIATE")
             try:
                 for table, found in rows.tables.items():
@@ -130,7 +132,7 @@ class CopyFolder(Copy):
         self._connection.execute("PRAGMA synchronous = FULL")
         if not files.is_readable(self._connection):
             schema.create(self._connection)
-            _sync_folder(self._folder)
+            durable.sync(self._folder)
         self._file = files.identity(self.path)
         self.known = known_of(self._connection)
         self.box_uuid = self._newest_core()
@@ -166,23 +168,3 @@ def _locked(path: str) -> int:
         os.close(fd)
         raise
     return fd
-
-
-def _replace(path: str, content: bytes) -> None:
-    """Write a file whole or not at all."""
-    draft = f"{path}.new"
-    # Only the owner may read it: it can be the teams' passwords.
-    with os.fdopen(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(draft, path)
-    _sync_folder(os.path.dirname(path))
-
-
-def _sync_folder(path: str) -> None:
-    fd = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)

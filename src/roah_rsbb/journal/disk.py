@@ -14,6 +14,8 @@ import threading
 import time
 from typing import Callable, Optional
 
+from roah_rsbb import durable
+
 # Commits within this time (s) are synced together. It is half of what a power failure may lose (docs/architecture.md,
 # "First written, then done").
 GROUP_S = 0.05
@@ -140,9 +142,9 @@ class Disk:
             self._must_rewrite = False
             return
         # Only the write-ahead log is opened: closing the database itself would release SQLite's locks on it.
-        _sync_path(f"{self._path}-wal")
+        durable.sync(f"{self._path}-wal")
         if not self._directory_synced:
-            _sync_path(os.path.dirname(self._path) or ".")
+            durable.sync(os.path.dirname(self._path) or ".")
             self._directory_synced = True
 
     def _checkpoint_if_due(self) -> None:
@@ -167,11 +169,3 @@ class Disk:
             connection.close()
         if must_be_whole and moved < in_log:
             raise sqlite3.OperationalError(f"{in_log - moved} pages could not be moved into the database yet")
-
-
-def _sync_path(path: str) -> None:
-    fd = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)

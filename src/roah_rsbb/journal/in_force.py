@@ -9,6 +9,8 @@ import json
 import os
 from typing import Dict, NamedTuple, Optional, Tuple
 
+from roah_rsbb import durable
+
 FILE_NAME = "configuration.json"
 
 
@@ -42,16 +44,6 @@ def read_in_force(log_dir: str) -> Optional[InForce]:
 
 def write_in_force(log_dir: str, what: InForce) -> None:
     """Replace the file, and wait until it is on the disk. Raises OSError, and the old file stays."""
-    path = os.path.join(log_dir, FILE_NAME)
-    draft = f"{path}.new"
     os.makedirs(log_dir, exist_ok=True)
-    with open(draft, "w", encoding="utf-8") as file:
-        json.dump({"launch": what.launch, "present": what.present, "versions": what.versions}, file)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(draft, path)
-    folder = os.open(log_dir, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
+    text = json.dumps({"launch": what.launch, "present": what.present, "versions": what.versions})
+    durable.write_file(os.path.join(log_dir, FILE_NAME), text.encode("utf-8"), durable.USUAL)

@@ -17,6 +17,7 @@ import genpy
 import rosbag
 from std_msgs.msg import Empty, String, UInt8
 
+from roah_rsbb import durable
 from roah_rsbb.core.run_log import KINDS, LogKind
 from roah_rsbb.msg import Score
 from roah_rsbb.run_logs.salvage import Message, NotABag, Salvage
@@ -111,7 +112,7 @@ class GrowingBag:
         os.rename(self.path, path)
         self.path = path
         with contextlib.suppress(OSError):
-            _sync_directory(path)
+            durable.sync(os.path.dirname(path) or ".")
 
     def settle(self) -> None:
         """Sync everything that was written to the disk."""
@@ -131,14 +132,6 @@ class GrowingBag:
         """Close the file without completing it."""
         with contextlib.suppress(*WRITE_ERRORS):
             self._file.close()
-
-
-def _sync_directory(path: str) -> None:
-    fd = os.open(os.path.dirname(path) or ".", os.O_RDONLY)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)
 
 
 def _text(value) -> str:

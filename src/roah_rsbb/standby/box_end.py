@@ -12,8 +12,9 @@ import ssl
 import threading
 from typing import Callable, Optional
 
+from roah_rsbb import durable
 from roah_rsbb.copies.copy import CannotWriteCopy
-from roah_rsbb.standby.channel import TIMEOUT_S, Channel, Lost, box_context, write_private
+from roah_rsbb.standby.channel import TIMEOUT_S, Channel, Lost, box_context
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage, Message
 from roah_rsbb.standby.pairing import KEY_BYTES, NONCE_BYTES, Codes, Exchange, hashed, is_same
 from roah_rsbb.standby.remote import RemoteCopy
@@ -151,7 +152,7 @@ class BoxEnd:
         key = secrets.token_hex(KEY_BYTES)
         name = _plain(str(hello.get("name"))) or host
         try:
-            write_private(os.path.join(self.folder, PAIRED), json.dumps(
+            durable.write_file(os.path.join(self.folder, PAIRED), json.dumps(
                 {"name": name, "key_sha256": hashed(key)}).encode("ascii"))
         except OSError as error:
             channel.send({"refused": f"the box cannot save the pairing: {error.strerror}"})

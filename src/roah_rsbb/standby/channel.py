@@ -18,6 +18,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
+from roah_rsbb import durable
 from roah_rsbb.standby.messages import LENGTH, MAX_BYTES, BadMessage, Message, decode, encode
 
 # An end that is silent for this long is lost. A stick or disk of the standby may be slow.
@@ -109,16 +110,6 @@ def connect(host: str, port: int, timeout: float = TIMEOUT_S) -> Tuple[Channel, 
     return Channel(connection), _fingerprint(connection.getpeercert(binary_form=True) or b"")
 
 
-def write_private(path: str, content: bytes) -> None:
-    """Write a file that only its owner can read. Raises OSError."""
-    draft = f"{path}.new"
-    with os.fdopen(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600), "wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(draft, path)
-
-
 def _fingerprint(certificate: bytes) -> bytes:
     return hashlib.sha256(certificate).digest()
 
@@ -133,6 +124,6 @@ def _create_certificate(certificate_path: str, key_path: str) -> None:
         x509.CertificateBuilder().subject_name(name).issuer_name(name).public_key(key.public_key())
         .serial_number(x509.random_serial_number()).not_valid_before(begin)
         .not_valid_after(begin + datetime.timedelta(days=_VALID_DAYS)).sign(key, hashes.SHA256(), backend))
-    write_private(key_path, key.private_bytes(
+    durable.write_file(key_path, key.private_bytes(
         serialization.Encoding.PEM, serialization.PrivateFormat.PKCS8, serialization.NoEncryption()))
-    write_private(certificate_path, certificate.public_bytes(serialization.Encoding.PEM))
+    durable.write_file(certificate_path, certificate.public_bytes(serialization.Encoding.PEM))

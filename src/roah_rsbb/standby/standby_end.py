@@ -7,7 +7,8 @@ import socket
 import threading
 from typing import Callable, NamedTuple, Optional
 
-from roah_rsbb.standby.channel import Channel, Lost, connect, write_private
+from roah_rsbb import durable
+from roah_rsbb.standby.channel import Channel, Lost, connect
 from roah_rsbb.standby.messages import MAX_BYTES_OF_STRANGERS, BadMessage
 from roah_rsbb.standby.pairing import BOX, NONCE_BYTES, STANDBY, Exchange, is_same
 from roah_rsbb.standby.remote import Receiver
@@ -58,7 +59,7 @@ def pair(folder: str, host: str, port: int, code: str) -> PairedBox:
     finally:
         channel.close()
     os.makedirs(folder, mode=0o700, exist_ok=True)
-    write_private(os.path.join(folder, BOX_FILE), json.dumps(box._asdict()).encode("ascii"))
+    durable.write_file(os.path.join(folder, BOX_FILE), json.dumps(box._asdict()).encode("ascii"))
     return box
 
 

@@ -4,6 +4,7 @@ import json
 import os
 from typing import Any, Callable, Dict, List
 
+from roah_rsbb import durable
 from roah_rsbb.web.pairing import Sessions
 
 NAME = "web_sessions.json"
@@ -14,7 +15,8 @@ def open_sessions(folder: str, report: Callable[[str], None]) -> Sessions:
     path = os.path.join(folder, NAME)
 
     def save(records: List[Dict[str, Any]]) -> None:
-        _write(path, json.dumps(records, indent=1, ensure_ascii=False))
+        os.makedirs(folder, exist_ok=True)
+        durable.write_file(path, json.dumps(records, indent=1, ensure_ascii=False).encode("utf-8"))
 
     try:
         with open(path, encoding="utf-8") as file:
@@ -28,20 +30,3 @@ def open_sessions(folder: str, report: Callable[[str], None]) -> Sessions:
         except OSError as failed:
             report(f"cannot move {path} aside ({failed})")
         return Sessions(save)
-
-
-def _write(path: str, text: str) -> None:
-    os.makedirs(os.path.dirname(path), exist_ok=True)
-    draft = f"{path}.new"
-    descriptor = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW, 0o600)
-    with open(descriptor, "w", encoding="utf-8") as file:
-        os.fchmod(descriptor, 0o600)
-        file.write(text)
-        file.flush()
-        os.fsync(descriptor)
-    os.replace(draft, path)
-    folder = os.open(os.path.dirname(path), os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)

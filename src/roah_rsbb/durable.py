@@ -1,0 +1,32 @@
+"""Files that survive a power failure: whole or unchanged, and on the disk when the function returns."""
+
+import contextlib
+import os
+
+# Only the owner may read the file.
+PRIVATE = 0o600
+# As the user's umask says.
+USUAL = 0o666
+
+
+def write_file(path: str, content: bytes, mode: int = PRIVATE) -> None:
+    """Write a file whole or not at all. Raises OSError, and the old file stays: also if its draft is a link."""
+    draft = f"{path}.new"
+    if not os.path.islink(draft):
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(draft)  # it may have other permissions
+    with open(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode), "wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(draft, path)
+    sync(os.path.dirname(path) or ".")
+
+
+def sync(path: str) -> None:
+    """Sync a file, or the names in a folder, to the disk. Raises OSError."""
+    fd = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(fd)
+    finally:
+        os.close(fd)
