@@ -6,8 +6,8 @@ each part older than the next. The last part brings everything else, so a copy's
 than its entries.
 
 It would take too long to compare the records of 10,000 runs after each change. Each change of a record comes with an
-entry of the run in the same transaction, so only open runs and runs with new entries are compared. Every `ALL_S`
-seconds, all runs are.
+entry of the run in the same transaction, so only new runs, open runs and runs with new entries are compared. Every
+`ALL_S` seconds, all runs are.
 """
 
 import contextlib
@@ -199,7 +199,7 @@ class JournalRows:
             tables[table] = self._differing(table, known, self._keys(table))
         now = time.monotonic()
         compares_all = self._all_read_mono is None or now - self._all_read_mono >= ALL_S
-        runs = None if compares_all else self._runs_to_compare(tables["entries"])
+        runs = None if compares_all else self._runs_to_compare(known, tables["entries"])
         tables["runs"] = self._differing("runs", known, self._keys("runs") if runs is None else runs)
         tables["members"] = self._differing("members", known, self._members_to_compare(known, runs))
         if compares_all:
@@ -225,9 +225,13 @@ class JournalRows:
                 found += self._select(table, f"WHERE {columns[0]} = ?", (key,))
         return found
 
-    def _runs_to_compare(self, entries: List[Row]) -> List[object]:
-        """Return the identities of runs that may have changed."""
-        return list({*self._open_runs, *(entry[_IDENTITY] for entry in entries)})
+    def _runs_to_compare(self, known: Known, entries: List[Row]) -> List[object]:
+        """Return the identities of runs that are new or may have changed."""
+        runs = {*self._open_runs, *(entry[_IDENTITY] for entry in entries)}
+        (count,) = self._connection.execute("SELECT count(*) FROM runs").fetchone()
+        if count != len(known.rest["runs"]):  # the record of a no-show comes without an entry of its run
+            runs.update(identity for identity in self._keys("runs") if identity not in known.rest["runs"])
+        return list(runs)
 
     def _members_to_compare(self, known: Known, runs: Optional[List[object]]) -> List[object]:
         if runs is None:

@@ -46,6 +46,19 @@ def test_the_copy_has_everything_after_each_event(sequence):
             assert contents(stick) == contents(follower.log_dir)
 
 
+def test_the_record_of_a_no_show_is_copied_at_once(tmp_path):
+    driver = JournaledDriver(tmp_path, random_competition(), NO_LISTENING)
+    stick = tmp_path / "stick"
+    stick.mkdir()
+    with followed(driver, stick) as follower:
+        for name in ("connect", "no_show"):
+            apply_event(driver, "command", ("a", name))
+            follower.step()
+        assert len(contents(stick)["runs"]) == 1
+        assert contents(stick) == contents(follower.log_dir)
+    driver.journal.close()
+
+
 def test_a_core_with_the_copy_continues_the_run(tmp_path):
     driver = box(tmp_path)
     stick = tmp_path / "stick"
