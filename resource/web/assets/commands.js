@@ -134,9 +134,9 @@ export class Marks {
     return this.done.filter((mark) => mark.identity === identity).pop();
   }
 
-  // Marks of one moment may share an entry of the history, which is withdrawn with all of them.
-  forgetEntry(number, identity) {
-    this.done = this.done.filter((one) => one.number !== number || one.identity !== identity);
+  // A mark was taken back.
+  forget(mark) {
+    this.done = this.done.filter((one) => one !== mark);
     this.onChange();
   }
 

@@ -101,9 +101,9 @@ function stopRun(zone) {
 async function undo(last, texts) {
   if (last.change === ADD) {
     state.marks.takeOff(last);
-  } else if (await give("withdraw", texts, texts.undo.replace("{mark}", () => last.shown),
-    {identity: last.identity, number: last.number})) {
-    state.marks.forgetEntry(last.number, last.identity);
+  } else if (await give("take_back", texts, texts.undo.replace("{mark}", () => last.shown),
+    {identity: last.identity, id: last.id})) {
+    state.marks.forget(last);
   }
 }
 

@@ -20,7 +20,7 @@ FIELDS: Dict[str, Dict[str, type]] = {
     "sign_off": {"identity": str},
     "mark": {"identity": str, "id": str, "group": str, "desc": str, "change": int, "value": int, "text": str,
              "judge": str, "note": str},
-    "withdraw": {"identity": str, "number": int},
+    "take_back": {"identity": str, "id": str},
     "operation": {"operation": int, "answer": str},
     "switch": {"number": int},
     "damaged": {"number": int},

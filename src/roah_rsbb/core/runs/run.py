@@ -315,6 +315,12 @@ class ZoneRun(abc.ABC):
         """Withdraw an entry of the score sheet. Raises `Refused`."""
         self._score_changed(now, self.book.withdraw(now, by, number))
 
+    def take_back(self, now: Now, by: By, mark_id: str) -> None:
+        """Take back a mark of the score sheet. Raises `Refused`."""
+        marked = self.book.take_back(now, by, mark_id)
+        if marked.text:
+            self._score_changed(now, marked)
+
     def give_stop_reason(self, now: Now, by: By, number: int) -> None:
         """Set the reason why the run was stopped. Raises `Refused`."""
         self.say(now, Level.INFO, self.book.give_reason(number, by))

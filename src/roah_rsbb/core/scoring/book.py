@@ -17,6 +17,7 @@ from roah_rsbb.core.scoring.records import (
     EndReason,
     ItemRecord,
     RunRecord,
+    ScoreEntry,
     ScoreValue,
     SheetPoints,
     SignOff,
@@ -106,9 +107,21 @@ class RunBook:
 
     def withdraw(self, now: Now, by: By, number: int) -> Marked:
         """See `ScoreSheet.withdraw`."""
-        standing = {(item.group, item.desc): item for item in self.sheet.items()}
-        entry = self.sheet.withdraw(now, by.who, number, by.reason, self._over)
-        note = f"entry {number} withdrawn{', ' if by.reason else ''}{by.reason}"
+        standing = self._items_by_name()
+        return self._withdrawn(standing, self.sheet.withdraw(now, by.who, number, by.reason, self._over), by)
+
+    def take_back(self, now: Now, by: By, mark_id: str) -> Marked:
+        """See `ScoreSheet.take_back`."""
+        standing = self._items_by_name()
+        entry = self.sheet.take_back(now, by.who, mark_id, by.reason, self._over)
+        return Marked(None, "") if entry is None else self._withdrawn(standing, entry, by)
+
+    def _items_by_name(self) -> Dict[Tuple[str, str], ItemRecord]:
+        return {(item.group, item.desc): item for item in self.sheet.items()}
+
+    def _withdrawn(self, standing: Dict[Tuple[str, str], ItemRecord], entry: ScoreEntry, by: By) -> Marked:
+        """Return the result of a withdrawal. `standing`: the items before it."""
+        note = f"entry {entry.number} withdrawn{', ' if by.reason else ''}{by.reason}"
         before = standing.get((entry.group, entry.desc))
         if before is None:
             return Marked(None, f"Score: {entry.group}: {entry.desc} ({note})")
@@ -188,6 +201,13 @@ class FinishedRun:
         """Withdraw an entry of the score sheet. Raises `Refused`."""
         self._check_open()
         return self._changed(self._book.withdraw(now, by, number).text)
+
+    def take_back(self, now: Now, by: By, mark_id: str) -> str:
+        """Take back a mark; the text is empty if it was taken back before. Raises `Refused`."""
+        if self._book.sheet.is_taken_back(mark_id):
+            return ""
+        self._check_open()
+        return self._changed(self._book.take_back(now, by, mark_id).text)
 
     def give_stop_reason(self, _now: Now, by: By, number: int) -> str:
         """See `RunBook.give_reason`. Raises `Refused`."""

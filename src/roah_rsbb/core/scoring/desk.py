@@ -98,6 +98,16 @@ class ScoreDesk:
             run = self._named(name)
             self._report_correction(run, run.withdraw_score(now, by, number))
 
+    def take_back(self, now: Now, name: RunName, mark_id: str, who: str = "", note: str = "") -> None:
+        """Take back a mark that set an item, once, however often this arrives. Raises `Refused`."""
+        self._tick(now)
+        with self._record.of(name, who, "take_back", mark=mark_id, note=note):
+            if not name.identity:
+                raise Refused(["name the run: what arrives late must not count in another run"])
+            by = By(checked_who(who), checked_note(note))
+            run = self._named(name)
+            self._report_correction(run, run.take_back(now, by, mark_id))
+
     def give_stop_reason(self, now: Now, name: RunName, reason: str, who: str = "", number: int = 0) -> None:
         """Set why a run was stopped, until it is signed off; see `RunBook.give_reason`. Raises `Refused`."""
         self._tick(now)

@@ -11,7 +11,8 @@ be read even if the benchmarks file has changed: entries of items that the file 
 A mark with an identity is applied once, however often it arrives. Its identity is part of the state.
 
 The history has a maximum length. Changes of an item by one person within a moment become one entry, because a referee
-who counts with the mouse wheel makes ten changes a second. If there are too many entries, the oldest plain one that was
+who counts with the mouse wheel makes ten changes a second. A mark with an identity that sets an item has an entry of
+its own, so it can be taken back alone. If there are too many entries, the oldest plain one that was
 replaced is dropped, preferably one of the same person. Notes, withdrawals, and the values at the end of the run are
 therefore never lost. The run log and the journal have each change in any case.
 """
@@ -102,6 +103,9 @@ class ScoreSheet:
         for line in self.state.marks.splitlines():
             number, _, mark_id = line.partition(" ")
             self._taken[mark_id] = int(number)
+        # The highest number of an entry so far. Numbers are not used again: a late withdrawal must not meet
+        # another entry.
+        self._last_number = max([0, *self._taken.values(), *(entry.number for entry in self._history)])
         self._places = sum(1 + len(item.judges) for item in items)
         # The last entry that is not withdrawn, with the value that counts.
         self._standing: Dict[Place, ScoreEntry] = {}
@@ -123,6 +127,11 @@ class ScoreSheet:
     def taken(self, mark_id: str) -> Optional[int]:
         """Return the number of the entry of a mark that was applied, or 0 if it made none. None: it was not applied."""
         return self._taken.get(mark_id)
+
+    def is_taken_back(self, mark_id: str) -> bool:
+        """Whether the entry of a mark was withdrawn."""
+        number = self.taken(mark_id)
+        return any(entry.withdrawn_utc > 0.0 for entry in self._history if entry.number == number)
 
     # -- changing -----------------------------------------------------------------------------------
 
@@ -163,15 +172,16 @@ class ScoreSheet:
         if mark.note:
             self._check_noted("set the value without a note")
         entry = ScoreEntry(
-            self._next_number(), now.utc, who, mark.group, mark.desc, before.value, mark.value,
+            self._last_number + 1, now.utc, who, mark.group, mark.desc, before.value, mark.value,
             mark.not_attempted, mark.note, before.not_attempted, correction,
             old_text=before.text, text=mark.text, judge=mark.judge, added=mark.added, role=mark.role,
             device=mark.device,
         )
-        same = self._same_moment(now, entry)
+        same = None if mark.id and not mark.added else self._same_moment(now, entry)
         if same is None:
             self._make_room()
             self._history.append(entry)
+            self._last_number = entry.number
             self._begun[entry.number] = now.mono
             self._take(mark.id, entry.number)
         else:
@@ -235,6 +245,25 @@ class ScoreSheet:
         self._begun.pop(number, None)
         return entry
 
+    def take_back(
+        self, now: Now, who: str, mark_id: str, note: str = "", correction: bool = False
+    ) -> Optional[ScoreEntry]:
+        """Withdraw the entry of a mark that set an item; returns it. None: it was withdrawn before.
+
+        Raises `Refused`.
+        """
+        number = self.taken(mark_id)
+        if number is None:
+            raise Refused(["that mark was not applied, so it cannot be taken back"])
+        entry = next((entry for entry in self._history if entry.number == number), None)
+        if entry is None:
+            raise Refused(["that mark has no entry in the history: set the value instead"])
+        if self.is_taken_back(mark_id):
+            return None
+        if entry.added or list(self._taken.values()).count(number) > 1:
+            raise Refused(["that mark shares an entry of the history with others: set the value instead"])
+        return self.withdraw(now, who, number, note, correction)
+
     def _why_wrong(self, entry: ScoreEntry) -> str:
         """Return why the value of this entry's item is outside the limits; empty: it is not."""
         standing = self._standing.get((entry.group, entry.desc, entry.judge))
@@ -253,7 +282,8 @@ class ScoreSheet:
             if (last.group, last.desc) == (entry.group, entry.desc):
                 begun = self._begun.get(last.number)
                 is_same = begun is not None and now.mono - begun <= ONE_ENTRY_S and _is_alike(last, entry)
-                return index if is_same else None
+                is_own = not last.added and last.number in self._taken.values()
+                return index if is_same and not is_own else None
         return None
 
     def _replace(self, index: int, entry: ScoreEntry) -> int:
@@ -302,9 +332,6 @@ class ScoreSheet:
     def _check_noted(self, instead: str) -> None:
         if sum(1 for entry in self._history if not _is_plain(entry)) >= MAX_NOTED:
             raise Refused([f"{MAX_NOTED} entries of the score sheet already have a note or are withdrawn: {instead}"])
-
-    def _next_number(self) -> int:
-        return 1 + max((entry.number for entry in self._history), default=0)
 
     def _numbers(self) -> str:
         numbers = [str(entry.number) for entry in self._history if not entry.withdrawn_utc]

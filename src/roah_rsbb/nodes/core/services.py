@@ -33,6 +33,7 @@ from roah_rsbb.srv import (
     SignOff,
     StopReason,
     StopRun,
+    TakeBackMark,
     Zone,
     ZoneScore,
     ZoneUInt8,
@@ -99,6 +100,9 @@ class CoreServices:
         ), durable=True, answer_of=self._marked)
         self._serve("score/withdraw", ScoreWithdraw, lambda r: (
             box.scores.withdraw, _run_of(r), r.number, who_of(r, r.referee), r.note
+        ), durable=True)
+        self._serve("take_back", TakeBackMark, lambda r: (
+            box.scores.take_back, _run_of(r), r.id, who_of(r, r.referee), r.note
         ), durable=True)
         self._serve("stop_reason", StopReason, lambda r: (
             box.scores.give_stop_reason, _run_of(r), r.reason, who_of(r, r.referee), r.stop

@@ -14,10 +14,10 @@ from roah_rsbb.srv import (
     LeaveRun,
     ManualOperationAnswer,
     MarkItem,
-    ScoreWithdraw,
     SignOff,
     StopReason,
     StopRun,
+    TakeBackMark,
     Zone,
     ZoneUInt8,
 )
@@ -65,8 +65,8 @@ CALLS: Dict[str, _Call] = {
         c.zone, c.fields["identity"], 0, c.fields["reason"], c.session.who)),
     "sign_off": _Call("sign_off", SignOff, _fields("identity", with_who=True)),
     "mark": _Call("mark", MarkItem, _mark),
-    "withdraw": _Call("score/withdraw", ScoreWithdraw, lambda c: (
-        c.zone, c.fields["identity"], c.fields["number"], "", c.session.who)),
+    "take_back": _Call("take_back", TakeBackMark, lambda c: (
+        c.zone, c.fields["identity"], c.fields["id"], "", c.session.who)),
     "operation": _Call("manual_operation_answer", ManualOperationAnswer, _fields("operation", "answer")),
     "switch": _Call("omf_switches/button", ZoneUInt8, _fields("number")),
     "damaged": _Call("omf_switches/damaged", ZoneUInt8, _fields("number")),

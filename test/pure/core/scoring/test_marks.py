@@ -133,7 +133,7 @@ def test_changes_of_one_moment_are_one_entry_and_a_slip_is_none():
         referees.add(BUMPS, -1, id=f"down {number}")
     assert (referees.sheet.history, referees.value(BUMPS)) == ((), 0)
     referees.add(CUPS, id="other")
-    assert referees.sheet.marks == "0 up 0\n0 up 1\n0 up 2\n0 down 0\n0 down 1\n0 down 2\n1 other\n"
+    assert referees.sheet.marks == "0 up 0\n0 up 1\n0 up 2\n0 down 0\n0 down 1\n0 down 2\n2 other\n"
 
 
 @pytest.mark.parametrize("first, second", [
@@ -146,6 +146,41 @@ def test_what_matters_is_an_entry_of_its_own(first, second):
     referees.add(BUMPS, **second)
     referees.set(BUMPS, 9)
     assert len(referees.sheet.history) == 3
+
+
+def test_a_mark_that_sets_is_taken_back_alone_and_once():
+    referees = Referees(pause=0.1)
+    for number in (1, 2):
+        referees.set(CUPS, number, id=f"mark {number}")
+    referees.set(CUPS, 3)
+    assert referees.entries("number", "value") == [(1, 1), (2, 2), (3, 3)]
+    referees.withdraw(3)
+    assert referees.sheet.take_back(referees.now, "Anna", "mark 2").number == 2
+    assert referees.sheet.take_back(referees.now, "Anna", "mark 2") is None, "it arrived again"
+    assert (referees.value(CUPS), len(referees.sheet.history)) == (1, 3)
+
+
+def test_a_number_of_an_entry_is_not_used_again():
+    """A withdrawal that arrives late would meet another mark."""
+    referees = Referees(pause=0.1)
+    referees.set(CUPS, 1)
+    referees.set(CUPS, 0)
+    assert referees.sheet.history == ()
+    referees.set(CUPS, 2)
+    with pytest.raises(Refused, match="the score sheet has no entry 1"):
+        referees.withdraw(1)
+    assert referees.value(CUPS) == 2
+
+
+def test_only_a_mark_with_its_own_entry_is_taken_back():
+    referees = Referees(pause=0.1)
+    referees.add(BUMPS, id="one")
+    referees.add(BUMPS, id="two")
+    referees.set(CUPS, 0, id="no change")
+    for mark_id, why in (("one", "shares an entry"), ("no change", "has no entry"), ("none", "was not applied")):
+        with pytest.raises(Refused, match=why):
+            referees.sheet.take_back(referees.now, "Anna", mark_id)
+    assert referees.value(BUMPS) == 2
 
 
 def test_an_item_is_corrected_if_something_was_added_or_withdrawn_after_the_end(referees):
@@ -354,6 +389,23 @@ def _refused(driver, name, mark):
 def _running(driver):
     driver.executing()
     return RunName("tbm", driver.run_in().identity)
+
+
+def test_taking_back_arrives_again_after_the_run_and_its_sign_off(driver):
+    name = _running(driver)
+    _mark(driver, name, Mark(*DOOR.key, 1, id="the door"))
+    _mark(driver, name, Mark(*BUMPS.key, 4, id="bumps"))
+    driver.event(driver.box.scores.take_back, name, "the door", "Anna")
+    driver.command("stop")
+    driver.command("disconnect")
+    driver.event(driver.box.scores.sign_off, name, "Anna")
+    driver.event(driver.box.scores.take_back, name, "the door", "Anna")
+    with pytest.raises(Refused, match="signed off"):
+        driver.event(driver.box.scores.take_back, name, "bumps", "Anna")
+    with pytest.raises(Refused, match="name the run"):
+        driver.event(driver.box.scores.take_back, RunName("tbm"), "bumps", "Anna")
+    history = driver.box.scores.record_of(driver.now, name).history
+    assert [(entry.desc, entry.withdrawn_utc > 0) for entry in history] == [(DOOR.desc, True), (BUMPS.desc, False)]
 
 
 def test_a_mark_is_logged_and_recorded_with_role_and_device(driver):
