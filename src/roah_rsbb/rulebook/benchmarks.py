@@ -81,6 +81,7 @@ class Benchmark:
     own: Optional[Profile] = None  # None: that of the registry
     rules: Rules = NO_RULES
     sheet_rules: SheetRules = NO_SHEET_RULES
+    about: Tuple[Tuple[str, str], ...] = ()  # what spectators read of it: languages and texts
 
     @property
     def form(self) -> SheetForm:

@@ -5,6 +5,7 @@ the box does not start. A name whose definition has an error is not reported aga
 """
 
 import os
+import re
 import shlex
 import stat
 from dataclasses import replace
@@ -80,8 +81,12 @@ _BENCHMARK_OPTIONAL = {
     "total_timeout": "600", "scoring": "[...]", "kind": "task", "uses": "[notifications]", "offline_data": "optional",
     "setup_time": "120", "attempts": "2", "attempt_counts": "best", "restarts": "clock runs", "pause": "allowed",
     "phases": "[...]", "no_show": "zero",
-    "timed_out_goal": "completed",
+    "timed_out_goal": "completed", "about": "The robot explores the home.",
 }
+# Spectators read it on a screen, in a moment.
+_MAX_ABOUT_BYTES = 300
+_LANGUAGE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
+_DEFAULT_LANGUAGE = "en"
 _PHASE, _PHASE_OPTIONAL = {"name": "Serve the drinks"}, {"limit": "120"}
 _KINDS = {kind.value: kind for kind in BenchmarkKind}
 _TIMED_OUT_GOAL = {"completed": True, "failed": False}
@@ -136,6 +141,7 @@ class BenchmarksFile:
         total = _timeout(report, got, "total_timeout") if "total_timeout" in got else timeout
         scoring = ScoringSection(report, got.get("scoring"))
         rules = self._rules(got, None if profile is None else profile.kind)
+        about = self._about(got["about"]) if "about" in got else ()
         if code is None:
             return None
         found = f"a second benchmark with code {quote(code)}"
@@ -152,7 +158,7 @@ class BenchmarksFile:
                              "a timeout in seconds, or no time_left")
             if name is not None and desc is not None and profile is not None and rules is not None:
                 self.by_code[code] = Benchmark(
-                    code, name, desc, timeout, total, scoring.items, profile, rules, scoring.rules)
+                    code, name, desc, timeout, total, scoring.items, profile, rules, scoring.rules, about)
                 self._warn_of_limits(self.by_code[code], got)
         return code if isinstance(node, Mapping) and node.whole else None
 
@@ -189,6 +195,21 @@ class BenchmarksFile:
         if "phases" in got:
             found["phases"] = self._phases(got["phases"], kind)
         return None if None in found.values() else Rules(**found)
+
+    def _about(self, node: Node) -> Tuple[Tuple[str, str], ...]:
+        """Read the texts for spectators: one text, which is English, or one for each language."""
+        report = self._report
+        if not isinstance(node, Mapping):
+            words = text(report, node, "about", _MAX_ABOUT_BYTES)
+            return () if words is None else ((_DEFAULT_LANGUAGE, words),)
+        found: List[Tuple[str, str]] = []
+        for key, value in node.pairs:
+            if not _LANGUAGE.fullmatch(key.text):
+                report.error(key.place, f"{describe(key)} as a language of about", "a language such as en or de")
+            words = text(report, value, f"about in {quote(key.text)}", _MAX_ABOUT_BYTES)
+            if words is not None:
+                found.append((key.text, words))
+        return tuple(found)
 
     def _phases(self, node: Node, kind: Optional[BenchmarkKind]) -> Optional[Tuple[PhaseRule, ...]]:
         """Read the phases of a task benchmark; None after an error."""

@@ -89,10 +89,12 @@ def renamed(file, path):
 
 
 def is_free_name(file, path):
-    """Whether a key may be any text: the name of a group, subject or team."""
+    """Whether a key may be any text: the name of a group, choice, subject or team."""
     if file.stem == "ground_truth":
         return len(path) == 2
-    return file.stem == "benchmarks" and "scoring" in path and path.index("scoring") == len(path) - 3
+    if path[-2:-1] == ("choices",):
+        return True
+    return file.stem == "benchmarks" and path[-3:-2] in (("scoring",), ("groups",)) and "scoring" in path
 
 
 def cases(file):

@@ -143,3 +143,24 @@ def test_all_errors_at_once(files):
     lines = [line for _, line, _ in files.errors(benchmarks=text, schedule=schedule("HGTKMH"))]
     begin = line_of(text, "kind: tsk")
     assert lines == [begin, begin + 1, begin + 2, begin + 2, begin + 3]
+
+
+@pytest.mark.parametrize("words, expected", [
+    ("about: It drives.", (("en", "It drives."),)),
+    ("about: { en: It drives., de: Er fährt. }", (("en", "It drives."), ("de", "Er fährt."))),
+])
+def test_what_spectators_read_of_a_benchmark(files, words, expected):
+    """One text is English."""
+    found = files.load(benchmarks=TEXT + f"  {words}\n")[0]
+    assert found.benchmarks["SetTable"].about == expected
+
+
+@pytest.mark.parametrize("words, part", [
+    ("about: { English: It drives. }", "a language such as en or de"),
+    ("about: { en: 5 }", "the number '5' as about in 'en'"),
+    ("about: [It drives.]", "a sequence"),
+    (f"about: {'x' * 301}", "at most 300 bytes"),
+])
+def test_what_spectators_cannot_read(files, words, part):
+    error = files.error(benchmarks=TEXT + f"  {words}\n")
+    assert part in error[2]

@@ -92,6 +92,7 @@ class TestTopics(BoxCase):
                            ("/core/details", "roah_rsbb/CoreDetails"), ("/timeout", "std_msgs/Empty"),
                            ("/core/public_details", "roah_rsbb/PublicDetails"),
                            ("/core/public_board", "roah_rsbb/PublicBoard"),
+                           ("/core/public_explained", "roah_rsbb/PublicExplained"),
                            ("/core/schedule", "roah_rsbb/Schedule"), ("/core/results", "roah_rsbb/Results")):
             with self.subTest(name):
                 self.assertEqual(types[name], kind)

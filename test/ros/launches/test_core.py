@@ -18,7 +18,8 @@ GOOD = {
     "passwords_file": CONFIG / "passwords.yaml",
 }
 CORE = {
-    "public_results": "none", "public_provisional": "false", "standings_file": "none", "resume": "always",
+    "public_results": "none", "public_provisional": "false", "public_robot_texts": "false",
+    "standings_file": "none", "resume": "always",
 }
 # Line by line: file and line, what is found there.
 ERRORS = (

@@ -4,7 +4,7 @@ The box logs a string once. It logs the same text again only if a message withou
 "Repeated strings").
 """
 
-from typing import Dict, List, Sequence, Tuple
+from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 from roah_rsbb.core.budget import Budget
 from roah_rsbb.core.clock import Now
@@ -23,6 +23,25 @@ def receive(last: Strings, field: str, texts: Sequence[str]) -> List[str]:
     before = frozenset(last.get(field, ()))
     last[field] = tuple(unique)
     return [text for text in unique if text not in before]
+
+
+class Said(NamedTuple):
+    """What a robot said, for spectators."""
+
+    utc: float
+    kind: str  # the name of the repeated field
+    text: str  # one line, shortened
+
+
+# Spectators read the newest ones.
+MAX_SAID = 5
+_MAX_SAID_SIGNS = 160
+
+
+def said(now: Now, kind: str, text: str) -> Said:
+    """Return a robot's text as spectators may read it: one line without control characters, and short."""
+    line = " ".join("".join(sign if sign.isprintable() else " " for sign in text).split())
+    return Said(now.utc, kind, line if len(line) <= _MAX_SAID_SIGNS else f"{line[:_MAX_SAID_SIGNS - 1].rstrip()}…")
 
 
 class StringsBudget:

@@ -8,8 +8,9 @@ into effects. `roah_rsbb.core.commands` decides who may start or stop it, and wh
 """
 
 import abc
+import collections
 from dataclasses import dataclass, field
-from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Callable, Deque, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 from roah_rsbb.core import effects, run_log
 from roah_rsbb.core.clock import Now
@@ -20,7 +21,7 @@ from roah_rsbb.core.robots import RobotId
 from roah_rsbb.core.runs.clock import CountdownState, RunClock, SavingWatch
 from roah_rsbb.core.runs.device_commands import DeviceCommands, DeviceCommandsState
 from roah_rsbb.core.runs.machine import Reaction, react
-from roah_rsbb.core.runs.online_data import Strings, StringsBudget, receive, with_line
+from roah_rsbb.core.runs.online_data import MAX_SAID, Said, Strings, StringsBudget, receive, said, with_line
 from roah_rsbb.core.runs.requests import RunningGoal
 from roah_rsbb.core.runs.times import BY_REFEREE, RunTimes, TimesState
 from roah_rsbb.core.scoring.book import BookState, Marked, RunBook
@@ -408,6 +409,7 @@ class Run(ZoneRun):
         self.link = RobotLink(context.settings.allowed_skew, now, self.state.link)
         self.saving = SavingWatch(context.settings, self.event.benchmark.profile.offline_data)
         self.devices = DeviceCommands(self.event.benchmark, self.state.devices)
+        self.said: Deque[Said] = collections.deque(maxlen=MAX_SAID)  # since the start of the core
         self._show_map = context.show_map
         self._strings_budget = StringsBudget()
         self._unused_strings = assignment.event.benchmark.unused_strings  # of which the referee was not warned yet
@@ -447,6 +449,7 @@ class Run(ZoneRun):
     def start(self, now: Now) -> None:
         """See `ZoneRun`."""
         self.clock.start(now)
+        self.said.clear()
         self.state.phase, self.state.end_reason = Phase.RUNNING, None
         self._note_start(now)
         self._begin(now)
@@ -547,6 +550,7 @@ class Run(ZoneRun):
                     continue
                 self._emit(effects.RunLogged(self.port, online.topic, text))
                 self.show_online(now, f"{online.name}: {text}{mark}")
+                self.said.append(said(now, online.name, text))
         if dropped:
             self._dropped_strings += dropped
             self._say_dropped(now)

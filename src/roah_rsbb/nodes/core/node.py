@@ -3,7 +3,7 @@
 The only place where the core meets rospy.
 
 Parameters (private; docs/ros_interface.md, "Parameters" explains them): rsbb_host, rsbb_port, bind_host,
-benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, public_provisional,
+benchmarks_file, schedule_file, passwords_file, log_dir, resume, public_results, public_provisional, public_robot_texts,
 standings_file, rsbb_cypher, private_mode, robot_timeout, allowed_skew, after_stop_duration, check_messages_saved,
 check_messages_saved_timeout, auto_next, display_log_size, max_datagram, listen_duration, take_over, backup_dir,
 standby_port, end_launch.
@@ -28,6 +28,7 @@ from roah_rsbb.core.copies import STANDBY, CopyReport
 from roah_rsbb.core.effects import SetDevice
 from roah_rsbb.core.modules.presence import MAX_NODES
 from roah_rsbb.core.settings import Settings
+from roah_rsbb.core.views.explained import explanations
 from roah_rsbb.core.views.public import PublicResults, public_view
 from roah_rsbb.journal.file import CoreSession, Resume, boot_id
 from roah_rsbb.journal.ports import PortRecord
@@ -43,6 +44,7 @@ from roah_rsbb.msg import (
     ModulesState,
     PublicBoard,
     PublicDetails,
+    PublicExplained,
     Results,
     RunClocks,
     Schedule,
@@ -135,6 +137,7 @@ class CoreNode:
         resume = Resume(params.choice("resume", Resume.ALWAYS.value, [choice.value for choice in Resume]))
         results = params.choice("public_results", PublicResults.NONE.value, [choice.value for choice in PublicResults])
         self._public_provisional = params.flag("public_provisional", False)
+        self._public_robot_texts = params.flag("public_robot_texts", False)
         standings_file = params.text("standings_file", NO_FILE)
         copies = [params.path("backup_dir")] if params.text("backup_dir", NO_FILE) != NO_FILE else []
         copies += [STANDBY] if params.whole("standby_port", 0, 0, 65535) else []
@@ -153,6 +156,7 @@ class CoreNode:
         self._ticks = 0
         self._public_results = PublicResults(results)
         self._last_public_view = None
+        self._last_explained: Optional[Tuple[object, ...]] = None
         self._last_unsaved: Optional[Tuple[object, ...]] = None
         ports = PortRecord(log_dir)
         last_port, port_warnings = ports.read()
@@ -207,6 +211,7 @@ class CoreNode:
             "public": rospy.Publisher("/core/to_public", CoreToPublic, queue_size=1, latch=True),
             "public_details": rospy.Publisher("/core/public_details", PublicDetails, queue_size=1, latch=True),
             "public_board": rospy.Publisher("/core/public_board", PublicBoard, queue_size=1, latch=True),
+            "public_explained": rospy.Publisher("/core/public_explained", PublicExplained, queue_size=1, latch=True),
             "details": rospy.Publisher("/core/details", CoreDetails, queue_size=1, latch=True),
             "clocks": rospy.Publisher("/core/clocks", RunClocks, queue_size=1, latch=True),
             "results": rospy.Publisher("/core/results", Results, queue_size=1, latch=True),
@@ -364,6 +369,10 @@ class CoreNode:
             board = self._public_board.take(view)
             if board is not None:
                 self._publish("public_board", board)
+        explained = explanations(self._box, self._public_results, self._public_robot_texts)
+        if explained != self._last_explained:
+            self._last_explained = explained
+            self._publish("public_explained", public_convert.public_explained(explained, self._uuid))
 
     def _publish(self, topic: str, message: object) -> None:
         try:

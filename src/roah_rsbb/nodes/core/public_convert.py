@@ -1,13 +1,24 @@
 """Builds the messages for public displays, the original's and ours."""
 
 import time
+from typing import Iterable
 
 from roah_rsbb.core.box import Box
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.scoring.book import FinishedResult
 from roah_rsbb.core.views import views
+from roah_rsbb.core.views.explained import Explanation
 from roah_rsbb.core.views.public import PublicRun, PublicView
-from roah_rsbb.msg import CoreToPublic, PublicDetails, PublicEvent, PublicResult, ScheduleInfo
+from roah_rsbb.msg import (
+    CoreToPublic,
+    PublicDetails,
+    PublicEvent,
+    PublicExplained,
+    PublicExplanation,
+    PublicResult,
+    PublicSaid,
+    ScheduleInfo,
+)
 from roah_rsbb.msg import PublicRun as PublicRunMsg
 from roah_rsbb.nodes.core.score_convert import items_message, points_message, score_message
 from roah_rsbb.ros.times import ros_duration, ros_limit, ros_time
@@ -38,6 +49,23 @@ def public_details(view: PublicView, now: Now, box_uuid: str) -> PublicDetails:
         following=[_event(line.zone, line.event) for line in view.following],
         finished=[result_message(run) for run in view.finished],
     )
+
+
+def public_explained(runs: Iterable[Explanation], box_uuid: str) -> PublicExplained:
+    """The runs explained."""
+    return PublicExplained(box_uuid, [
+        PublicExplanation(
+            zone=run.zone,
+            languages=[language for language, _ in run.about],
+            about=[text for _, text in run.about],
+            kind=run.kind.value, doing=run.doing.value,
+            phases=list(run.phases), phase=run.phase,
+            waypoints=run.are_waypoints,
+            goals=run.goals, goals_ended=run.goals_ended, goals_completed=run.goals_completed or 0,
+            said=[PublicSaid(one.robot, one.said.kind, one.said.text, ros_time(one.said.utc)) for one in run.said],
+        )
+        for run in runs
+    ])
 
 
 def _event(zone: str, event: ScheduledEvent) -> PublicEvent:
