@@ -71,8 +71,8 @@ class Cause(enum.Enum):
         "The robot does not compare its entry in each beacon, so it does not notice that the run is over",
         f"{PROTOCOL}#channels", True)
     PORT_NOT_FOLLOWED = _Advice(
-        "The robot opens its private channel once and does not compare the port in each beacon", f"{PROTOCOL}#channels",
-        True)
+        "The robot opens its private channel once and does not compare the port in each beacon, or its program ended",
+        f"{PROTOCOL}#channels", True)
     OLD_STATE = _Advice("The robot continues the goal of its last run, and does not handle STOP",
                         f"{PROTOCOL}#robots-next-state", True)
     OLD_COMMANDS = _Advice("The robot keeps the device commands of its last run. The original clients do "

@@ -5,7 +5,7 @@ from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Tuple
 from roah_rsbb.bmbox.framework.results import BadResult, read_record
 from roah_rsbb.check.box import STILL_VALID_S, HeardReport, states_before
 from roah_rsbb.check.findings import Cause, Verdict
-from roah_rsbb.check.play import Play
+from roah_rsbb.check.play import SILENT_S, Play
 from roah_rsbb.comm.frame import Reason
 from roah_rsbb.core.messages import RobotReport
 from roah_rsbb.core.modules.texts import result_text
@@ -13,8 +13,6 @@ from roah_rsbb.protocol import BoxState, RobotState, wire_seconds
 from roah_rsbb.robot.machine import BOX_TABLE, EVENT_TABLE, box_transition
 from roah_rsbb.rulebook.registry import DEVICES, ResultForm, profile_of
 
-# Seconds without a message, after which the box warns the referee.
-SILENT_S = 3.0
 # Several reports, and this share of all, must be old: a network may deliver a few out of order.
 STALE, STALE_SHARE = 5, 0.2
 # The box stops a run without saved messages after this many seconds of EXECUTING.

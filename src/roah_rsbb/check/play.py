@@ -28,6 +28,10 @@ from roah_rsbb.wording.suggestions import did_you_mean
 ANSWER_S = 5.0  # the first message on a private channel, after a beacon that lists the robot
 OBEY_S = 5.0  # a reaction to PREPARE or to a goal
 LEAVE_S = 6.0  # a beacon after the end of the run
+STILL_THERE_S = 2.5  # the program of a robot that was heard so recently runs
+SILENT_S = 3.0  # a robot sends each second; the box warns the referee after this silence
+GONE_S = 10.0  # after this silence during a run, nothing more is expected
+MOST_UNANSWERED = 2  # private channels on which the robot never answered, before the check opens no more
 # A referee sees a robot that needs longer to report STOP still moving.
 STOP_S = 1.0
 STOP_LOST_S = 4.0  # then the robot ignores STOP
@@ -96,6 +100,9 @@ class Play:
         self.robot = options.robot  # its name, once it was found
         self.code = ""  # of the benchmark that is connected
         self.works: Dict[str, Work] = {}  # by code
+        self._unanswered = 0  # private channels before the robot's first readable message
+        self._closed = loop.time()  # when the last private channel was closed
+        self._is_gone = False  # the robot's beacons ended
         self.began = loop.time()
         self.judges_times = True  # False: the present scenario makes the network bad on purpose
         self._utc = utc
@@ -173,6 +180,24 @@ class Play:
                 await asyncio.wait_for(self._news.wait(), left)
         return True
 
+    async def until_robot(self, is_true: Callable[[], bool], limit_s: float) -> bool:
+        """Wait as `until`, for the robot in its run. Gives up if nothing more is heard of it."""
+        waited = 0.0
+        while waited < limit_s:
+            step = min(1.0, limit_s - waited)
+            if await self.until(is_true, step):
+                return True
+            waited += step
+            if self.last is not None and self._silence() > (GONE_S if waited < limit_s else SILENT_S):
+                self.give_up(Cause.SILENT, "a RobotState each second",
+                             f"none for {self._silence():.0f} s. The last one was {self.state.name}")
+        return False
+
+    def _silence(self) -> float:
+        """For how long the robot has not been heard on private channels (s)."""
+        last = self.record.reports[-1].mono
+        return self.loop.time() - last - self.stalls.since(last)
+
     async def rest(self, seconds: float) -> None:
         """Let the time pass."""
         await asyncio.sleep(seconds)
@@ -239,10 +264,12 @@ class Play:
         """
         if not self.robot:
             self.skip("The robot was not found")
+        if self._unanswered >= MOST_UNANSWERED:
+            self.skip("The robot never sent a readable message on a private channel")
         self.box.goals.requests = list(goals_of(code) if goals is None else goals)
-        is_known = await self.until(lambda: self._may_connect(code), LEAVE_S)
-        if not is_known:
-            self.give_up(Cause.CHANNEL_NOT_LEFT, "the robot's beacon before a run", "no beacon of the robot")
+        if not await self.until(lambda: self._may_connect(code), LEAVE_S):
+            self._not_known()
+        silence = self.loop.time() - self._last_sign()
         self.code = code
         unreadable = len(self.record.unreadable)
         began = self.loop.time()
@@ -251,16 +278,38 @@ class Play:
         else:
             self.box.event(self.box.box.connect_robot, code, self.robot)
         if not await self.until(lambda: self.last is not None, ANSWER_S):
+            if silence > LEAVE_S:
+                self._not_known()  # the box still knew it
+            if not self.record.reports:
+                self._unanswered += 1
             if len(self.record.unreadable) > unreadable:
                 raise GaveUp  # the frames are judged at the end of the scenario
             usual = Cause.PORT_NOT_FOLLOWED if self.record.reports else Cause.NO_PRIVATE_CHANNEL
             self.give_up(missing or usual,
                          f"a RobotState on UDP port {self.box.run_in(code).port} within {ANSWER_S:g} s of the beacon "
                          "that lists the robot", "none")
+        self._is_gone = False
         self.measured("first message on the private channel", self.loop.time() - began)
         await self.until(lambda: self.state is RobotState.STOP, 2.0)
         if self.state is not RobotState.STOP:
             self.give_up(Cause.OLD_STATE, "STOP at the beginning of a channel", f"{self.state.name}")
+
+    def _not_known(self) -> NoReturn:
+        """Say why the robot sends no beacon. A robot that still used its channel at the end did not leave it."""
+        if self._is_gone:
+            self.skip("The robot's beacons ended")
+        reports, sign = self.record.reports, self._last_sign()
+        if reports and sign == reports[-1].mono > self._closed - STILL_THERE_S:
+            self.give_up(Cause.CHANNEL_NOT_LEFT, "the robot's beacon before a run", "no beacon of the robot")
+        self._is_gone = True
+        self.give_up(Cause.NO_BEACON, "the robot's beacon before a run",
+                     f"no message of the robot for {self.loop.time() - sign:.0f} s")
+
+    def _last_sign(self) -> float:
+        """When the robot was heard last, on any channel."""
+        beacons, reports = self.record.beacons, self.record.reports
+        beacon = next((one.mono for one in reversed(beacons) if one.robot == self.robot), self.began)
+        return max(beacon, reports[-1].mono if reports else self.began)
 
     def _may_connect(self, code: str) -> bool:
         return not self.box.box.commands.reasons_off(self.box.now(), self.box.box.zones[code], "connect")
@@ -289,7 +338,7 @@ class Play:
     async def ready(self) -> None:
         """Wait until the robot has prepared."""
         done = (RobotState.WAITING_GOAL, RobotState.EXECUTING, RobotState.RESULT_TX)
-        if not await self.until(lambda: self.state in done or self.over, self.options.patience):
+        if not await self.until_robot(lambda: self.state in done or self.over, self.options.patience):
             self.give_up(Cause.NEVER_READY, f"WAITING_GOAL within {self.options.patience:g} s", self.state_name)
 
     async def executing(self) -> None:
@@ -337,7 +386,7 @@ class Play:
         """Wait until goal `number` (from 0) is complete."""
         def is_done() -> bool:
             return self.over or len(self.box.outcomes(self.code)) > number
-        if not await self.until(is_done, self.options.patience):
+        if not await self.until_robot(is_done, self.options.patience):
             self.give_up(Cause.NEVER_DONE, f"RESULT_TX within {self.options.patience:g} s", self.state_name)
         if OutcomeKind.TIMED_OUT in self.box.outcomes(self.code):
             raise AssertionError("these goals have no timeout")
@@ -356,8 +405,10 @@ class Play:
         """Measure the reaction to the box's STOP."""
         said = next(said.mono for said in reversed(self.record.states) if said.state is BoxState.STOP)
         if not await self.until(lambda: self.state is RobotState.STOP, STOP_LOST_S):
-            self.give_up(cause or Cause.STOP_IGNORED, f"STOP within {STOP_S:g} s of the box's STOP {where}",
-                         f"after {STOP_LOST_S:g} s {self.state_name}")
+            is_heard = self.last is not None and self.last.mono > said
+            self.give_up(cause or (Cause.STOP_IGNORED if is_heard else Cause.SILENT),
+                         f"STOP within {STOP_S:g} s of the box's STOP {where}",
+                         f"after {STOP_LOST_S:g} s {self.state_name if is_heard else 'no message since then'}")
         heard = next(heard.mono for heard in self.record.reports[self._first_stop():])
         seconds = max(0.0, heard - said)
         self.measured(f"STOP {where}", seconds)
@@ -380,12 +431,15 @@ class Play:
     async def leave(self) -> None:
         """Disconnect, and see that the robot leaves its private channel."""
         beacons = len(self.record.beacons)
-        self.press("disconnect")
-        self.code = ""
+        self._disconnect()
         if not await self.until(lambda: any(b.robot == self.robot and b.team == self.options.team
                                             for b in self.record.beacons[beacons:]), LEAVE_S):
             self.fail(Cause.CHANNEL_NOT_LEFT, f"the robot's beacon within {LEAVE_S:g} s of the end of the run",
                       "no beacon")
+
+    def _disconnect(self) -> None:
+        self.press("disconnect")
+        self.code, self._closed = "", self.loop.time()
 
     def trap(self, state: RobotState, act: Callable[[], None]) -> None:
         """Do something at the moment when the robot reports a state, before the box reacts to it."""
@@ -426,7 +480,7 @@ class Play:
         if self.last is not None:
             await self.until(lambda: self.state is RobotState.STOP, STOP_LOST_S)
         with contextlib.suppress(Refused):
-            self.press("disconnect")
+            self._disconnect()
         self.code = ""
 
 

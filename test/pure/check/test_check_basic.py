@@ -5,6 +5,7 @@ import asyncio
 import pytest
 
 from helpers.checked_robot import ROBOT, Checked, usual_robot
+from helpers.faulty_robots import Fragile, ends_in_goal
 from helpers.simulated_air import UTC0
 from roah_rsbb.check.box import AnotherBox
 from roah_rsbb.check.engine import Engine, all_scenarios, scenarios_of
@@ -41,6 +42,33 @@ def test_without_a_robot_the_rest_is_skipped(monkeypatch, name):
     verdicts = {result.name: result.verdict for result in checked.engine.results}
     assert verdicts[name] is (Verdict.FAILED if name == "find" else Verdict.SKIPPED)
     assert checked.causes(Verdict.FAILED) == {Cause.NO_BEACON}
+
+
+def verdicts(checked):
+    """Scenario -> its verdict and cause."""
+    return {result.name: (result.verdict, result.findings[0].cause) for result in checked.engine.results
+            if result.findings}
+
+
+def test_a_robot_whose_program_ends_is_not_tried_again_and_again(monkeypatch):
+    checked = Checked(monkeypatch, lambda loop: Fragile(loop, ends_in_goal))
+    assert verdicts(checked) == {
+        "run": (Verdict.FAILED, Cause.SILENT), "stop-preparing": (Verdict.FAILED, Cause.NO_BEACON),
+        "stop-waiting": (Verdict.SKIPPED, None), "stop-executing": (Verdict.SKIPPED, None)}
+
+
+def test_a_robot_that_returns_is_checked_further(monkeypatch):
+    checked = Checked(monkeypatch, lambda loop: Fragile(loop, ends_in_goal, returns_after=24.0))
+    found = verdicts(checked)
+    assert found["stop-preparing"] == (Verdict.FAILED, Cause.NO_BEACON)
+    assert "stop-waiting" not in found and found["stop-executing"] == (Verdict.FAILED, Cause.SILENT)
+
+
+def test_a_robot_that_never_answers_is_not_tried_again_and_again(monkeypatch):
+    checked = Checked(monkeypatch, lambda loop: usual_robot(loop, password="another"))
+    assert verdicts(checked) == {
+        "channel": (Verdict.FAILED, Cause.WRONG_PASSWORD), "run": (Verdict.FAILED, Cause.WRONG_PASSWORD),
+        **{name: (Verdict.SKIPPED, None) for name in BASIC[5:]}}
 
 
 def test_an_interrupted_check_leaves_the_robot_stopped_and_keeps_its_results(monkeypatch):

@@ -254,22 +254,37 @@ def _ends(this):
     this.close()
 
 
-class _Fragile:
-    """A robot whose program ends at a condition, or changes by itself."""
+class Fragile:
+    """A robot whose program ends at a condition, or changes by itself. `returns_after`: seconds until it restarts."""
 
-    def __init__(self, loop, watch):
+    def __init__(self, loop, watch, returns_after=float("inf")):
         self._loop, self._watch = loop, watch
-        self._robot = usual_robot(loop, DummyOptions(1.0, 8.0, seed=1))
+        self._returns_after = returns_after
+        self._robot = None
 
     async def run(self):
+        while True:
+            self._robot = usual_robot(self._loop, DummyOptions(1.0, 8.0, seed=1))
+            await self._run_once()
+
+    async def _run_once(self):
         running = self._loop.create_task(self._robot.run())
         try:
-            while True:
+            ended = None
+            while ended is None or self._loop.time() < ended + self._returns_after:
                 await asyncio.sleep(0.05)
-                if self._robot._runner is not None:
-                    self._watch(self._robot._runner, self._loop)
+                if ended is None and self._robot._runner is not None:
+                    ended = self._loop.time() if self._watch(self._robot._runner, self._loop) else None
         finally:
             running.cancel()
+
+
+def ends_in_goal(this, _loop):
+    """End the robot's program as soon as it executes. Returns whether it ended."""
+    is_over = this.session.progress.state is RobotState.EXECUTING
+    if is_over:
+        _ends(this)
+    return is_over
 
 
 def _stops_in_silence(this, loop):
@@ -294,17 +309,20 @@ def _small_buffer(original, _loop):
     return lambda this, message, sender: None if message.ByteSize() > 500 else original(this, message, sender)
 
 
-def _dies_of_code(monkeypatch, loop):
-    robot = usual_robot(loop)
-    original = machine.RobotProgress.hear
+def _dies_of(what, usual=USUAL):
+    """A robot whose program ends at a state of the box; `what(progress, message)`."""
+    def robot(monkeypatch, loop):
+        made = usual_robot(loop, usual)
+        original = machine.RobotProgress.hear
 
-    def hear(progress, message, goal_needed=True):
-        if message.benchmark_type not in PROFILES:
-            loop.call_soon(_ends, robot._runner)
-            return []
-        return original(progress, message, goal_needed)
+        def hear(progress, message, goal_needed=True):
+            if what(progress, message):
+                loop.call_soon(_ends, made._runner)
+                return []
+            return original(progress, message, goal_needed)
 
-    monkeypatch.setattr(machine.RobotProgress, "hear", hear)
+        monkeypatch.setattr(machine.RobotProgress, "hear", hear)
+        return made
     return robot
 
 
@@ -385,6 +403,10 @@ FAULTS = (
           Cause.NO_PRIVATE_CHANNEL),
     Fault("a callback that blocks for 3.5 s", patched(runner.SessionRunner, "_do", _blocked,
                                                       DummyOptions(1.0, 6.0, seed=1)), ("run",), Cause.SILENT),
+    Fault("ends while it executes", lambda _, loop: Fragile(loop, ends_in_goal), ("run",), Cause.SILENT),
+    Fault("ends at STOP", _dies_of(lambda progress, message: (
+        message.benchmark_state == BoxState.STOP and progress.state is RobotState.EXECUTING), DummyOptions(1.0, 8.0)),
+          ("stop-executing",), Cause.SILENT),
     Fault("keeps its channel after the run", patched(session.Session, "_hear_beacon", _keeps_channel), ("channel",),
           Cause.CHANNEL_NOT_LEFT),
     Fault("keeps its first port", patched(session.Session, "_listed_port", _first_port), ("channel", "run"),
@@ -426,9 +448,9 @@ FAULTS = (
     Fault("repeats the device commands of its last run", _same_commands, ("run-hcfgac", "burst"), Cause.OLD_COMMANDS,
           Verdict.QUIRK),
     # Networks and boxes.
-    Fault("stops when the box is silent", lambda _, loop: _Fragile(loop, _stops_in_silence), ("silent-3",),
+    Fault("stops when the box is silent", lambda _, loop: Fragile(loop, _stops_in_silence), ("silent-3",),
           Cause.GIVES_UP),
-    Fault("stops when the box restarts", lambda _, loop: _Fragile(loop, _stops_without_box), ("restart",),
+    Fault("stops when the box restarts", lambda _, loop: Fragile(loop, _stops_without_box), ("restart",),
           Cause.RESTART_NOT_FOLLOWED),
     Fault("sends each state once", _value(link, "StateSender", _SaysOnce), ("bad-network",), Cause.BAD_NETWORK),
     Fault("handles a beacon in 0.2 s", _slow, ("burst",), Cause.BURST),
@@ -442,5 +464,6 @@ FAULTS = (
           Verdict.QUIRK),
     Fault("a buffer of 512 bytes", patched(runner.SessionRunner, "_public_message", _small_buffer), ("large-beacon",),
           Cause.LARGE_BEACON),
-    Fault("ends at an unknown benchmark", _dies_of_code, ("unknown-code",), Cause.UNKNOWN_CODE),
+    Fault("ends at an unknown benchmark", _dies_of(lambda _, message: message.benchmark_type not in PROFILES),
+          ("unknown-code",), Cause.UNKNOWN_CODE),
 )

@@ -86,7 +86,7 @@ async def stop_waiting(play: Play, code: str) -> None:
     await play.connect(code)
     play.trap(RobotState.WAITING_GOAL, lambda: play.press("stop"))
     await play.start()
-    if not await play.until(lambda: play.over, play.options.patience):
+    if not await play.until_robot(lambda: play.over, play.options.patience):
         play.give_up(Cause.NEVER_READY, f"WAITING_GOAL within {play.options.patience:g} s", play.state_name)
     await play.after_stop("in WAITING_GOAL")
     await play.leave()

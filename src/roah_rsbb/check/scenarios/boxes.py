@@ -56,7 +56,7 @@ async def _silent(play: Play, code: str, seconds: float) -> None:
     await play.rest(seconds)
     _judge_silence(play, since, seconds)
     play.network.out = PERFECT
-    if not await play.until(lambda: play.over, 2 * play.options.patience) or (
+    if not await play.until_robot(lambda: play.over, 2 * play.options.patience) or (
             not await play.until(lambda: play.state is RobotState.STOP, REPEATED_S)):
         play.give_up(Cause.GIVES_UP, f"the robot continues after {seconds:g} s without the box", play.state_name)
     await play.leave()

@@ -30,14 +30,13 @@ async def _time_out(play: Play, code: str) -> bool:
     prepare_s = play.loop.time() - began
     play.box.goals.requests[1]["timeout"] = round(1.1 * prepare_s + INTO_EXECUTING_S, 2)
     limit_s = 2 * (play.options.patience + prepare_s)
-    if not await play.until(lambda: play.over or len(play.box.outcomes(code)) > 1, limit_s):
+    if not await play.until_robot(lambda: play.over or len(play.box.outcomes(code)) > 1, limit_s):
         play.give_up(Cause.NEVER_DONE, f"RESULT_TX within {play.options.patience:g} s", play.state_name)
     return play.box.outcomes(code)[1:2] == [OutcomeKind.TIMED_OUT] and play.state is RobotState.EXECUTING
 
 
 async def next_waypoint(play: Play, code: str) -> None:
     """PREPARE in the middle of EXECUTING: the waypoint timed out."""
-    since = len(play.record.reports)
     if not await _time_out(play, code):
         play.skip("The robot completes its goals too quickly for a timeout in EXECUTING")
     since, began = len(play.record.reports), play.loop.time()
@@ -55,14 +54,14 @@ async def goal_timeout(play: Play, code: str) -> None:
     """A goal without a waypoint times out: the robot may finish it, then prepares for the next one."""
     if not await _time_out(play, code):
         play.skip("The robot completes its goals too quickly for a timeout in EXECUTING")
-    if not await play.until(lambda: play.state in (RobotState.PREPARING, RobotState.WAITING_GOAL),
-                            play.options.patience):
+    if not await play.until_robot(lambda: play.state in (RobotState.PREPARING, RobotState.WAITING_GOAL),
+                                  play.options.patience):
         play.give_up(Cause.NEXT_GOAL_IGNORED, "PREPARING after the goal that timed out", play.state_name)
     await _finish_last(play)
 
 
 async def _finish_last(play: Play) -> None:
-    if not await play.until(lambda: play.over, 2 * play.options.patience):
+    if not await play.until_robot(lambda: play.over, 2 * play.options.patience):
         play.give_up(Cause.NEVER_DONE, f"RESULT_TX within {play.options.patience:g} s", play.state_name)
     await play.after_stop("at the end of the run")
     await play.leave()
