@@ -8,7 +8,7 @@ from roah_rsbb.referee.link import Link
 from roah_rsbb.referee.output import Output
 from roah_rsbb.referee.view import BOLD, Style
 from roah_rsbb.referee.words import BadWord, pick_zone
-from roah_rsbb.wording.device import role_text
+from roah_rsbb.wording.device import encryption_text, role_text
 from roah_rsbb.wording.texts import escaped
 from roah_rsbb.wording.times import countdown
 
@@ -33,6 +33,7 @@ def pair(link: Link, options: Any, output: Output) -> Exit:
         f"{role_text(options.role, zone)}: open {answer.url}",
         f"or open {page} and type the code {output.style(BOLD, answer.code)}",
         f"The code is for one device, and valid for {countdown(valid_s)}",
+        *filter(None, [encryption_text(answer.url)]),
     ])
     return Exit.OK
 

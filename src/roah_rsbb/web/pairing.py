@@ -125,11 +125,11 @@ class Sessions:
         if not plain(person):
             raise Refused(tr(device.NO_NAME))
 
-    def add(self, utc: float, grant: Grant, person: str, name: str) -> str:
+    def add(self, utc: float, grant: Grant, person: str, name: str, is_encrypted: bool = False) -> str:
         """Pair a device of that name; returns its token. Raises `Refused`."""
         self.check(utc, person)
         token = secrets.token_urlsafe(TOKEN_BYTES)
-        hashed = _hash(token)
+        hashed = _hash_of(token, is_encrypted)
         self._sessions[hashed] = Session(
             secrets.token_hex(4), grant, plain(person), plain(name) or "browser", utc)
         try:
@@ -139,9 +139,12 @@ class Sessions:
             raise Refused(tr(device.NOT_SAVED, error=error)) from error
         return token
 
-    def of(self, utc: float, token: str) -> Optional[Session]:
-        """Return the session of a token, and note that its device was seen; None: it has none."""
-        hashed = _hash(token)
+    def of(self, utc: float, token: str, is_encrypted: bool = False) -> Optional[Session]:
+        """Return the session of a token, and note that its device was seen; None: it has none.
+
+        Others may know a token that was given without encryption, so it has no session on encrypted pages.
+        """
+        hashed = _hash_of(token, is_encrypted)
         session = self._sessions.get(hashed)
         if session is None or _is_old(session, utc):
             return None
@@ -186,6 +189,10 @@ def _is_old(session: Session, utc: float) -> bool:
 
 def _hash(text: str) -> str:
     return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+
+
+def _hash_of(token: str, is_encrypted: bool) -> str:
+    return _hash(f"https {token}" if is_encrypted else token)
 
 
 def _session_of(record: Dict[str, Any]) -> "tuple[str, Session]":

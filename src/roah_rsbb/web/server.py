@@ -7,6 +7,7 @@ paired device may write (`writing`).
 import asyncio
 import os
 import socket
+import ssl
 import time
 from typing import Any, Awaitable, Callable, FrozenSet, List, Optional, Set
 
@@ -21,6 +22,7 @@ from roah_rsbb.web.limits import Places, Rates
 from roah_rsbb.web.pairing import Codes, Session, Sessions
 from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_headers
 from roah_rsbb.web.store import Store
+from roah_rsbb.web.tls import EncryptedServer
 from roah_rsbb.web.writing import CommandHandler, DeviceEventsHandler, PairHandler, SessionHandler
 
 PAGES = ("display", "overlay", "pair", "referee")
@@ -49,12 +51,13 @@ class WebServer:
     def __init__(
         self, loop: asyncio.AbstractEventLoop, store: Store, folder: str, names: FrozenSet[str],
         sessions: Optional[Sessions] = None, command: Optional[Callable[[Command], Awaitable[Outcome]]] = None,
-        on_devices: Callable[[bool], None] = lambda any_device: None,
+        on_devices: Callable[[bool], None] = lambda any_device: None, context: Optional[ssl.SSLContext] = None,
     ) -> None:
         """`folder`: the files of the pages; `names`: of this computer (`limits.own_names`).
 
         `sessions`: the paired devices; None: they are forgotten at the end. `command` carries commands out; None:
         there is no answer. `on_devices` is called whenever devices come or go, with whether any is connected.
+        `context`: the certificate; None: nothing is encrypted.
         """
         self._loop = loop
         self.store = store
@@ -95,7 +98,11 @@ class WebServer:
             default_handler_class=MissingHandler, default_handler_args=shared,
             log_function=lambda handler: None,
         )
-        self._http = BoundedServer(application)
+        if context is None:
+            self._http = BoundedServer(application)
+        else:
+            plain = BoundedServer(web.Application([(r".*", PlainHandler, shared)], log_function=lambda handler: None))
+            self._http = EncryptedServer(application, context=context, plain=plain)
 
     def open(self, host: str, port: int) -> int:
         """Start serving (port 0: any free port); returns the port. Raises `ServeError`, whose text names the remedy."""
@@ -163,6 +170,22 @@ class WebServer:
 
 async def _no_answer(_command: Command) -> Outcome:
     return Outcome(is_known=False)
+
+
+class PlainHandler(Guarded):
+    """Answers requests without TLS where the pages are encrypted."""
+
+    def initialize(self, server: WebServer) -> None:
+        self._server = server
+
+    def prepare(self) -> None:
+        """Send browsers to the encrypted address. Nothing that they send counts."""
+        super().prepare()
+        request = self.request
+        if request.method not in ("GET", "HEAD") or not request.uri.startswith("/"):
+            raise web.HTTPError(403, reason="These pages are encrypted: begin the address with https")
+        self.set_header("Cache-Control", "no-store")
+        self.redirect(f"https://{request.host}{request.uri}")
 
 
 class MissingHandler(Guarded):

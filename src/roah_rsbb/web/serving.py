@@ -16,7 +16,7 @@ MAX_CONNECTIONS = 200
 MAX_MESSAGE_BYTES = 1024
 _MAX_BODY_BYTES = 1024
 _MAX_HEADER_BYTES = 16 * 1024
-_IDLE_S = 30.0
+IDLE_S = 30.0
 
 
 class ServeError(OSError):
@@ -34,7 +34,7 @@ class BoundedServer(httpserver.HTTPServer):
 
     def initialize(self, *args: Any, **options: Any) -> None:
         super().initialize(*args, max_body_size=_MAX_BODY_BYTES, max_header_size=_MAX_HEADER_BYTES,
-                           idle_connection_timeout=_IDLE_S, body_timeout=_IDLE_S, **options)
+                           idle_connection_timeout=IDLE_S, body_timeout=IDLE_S, **options)
         self._waiting: Dict[iostream.IOStream, None] = {}  # oldest first
 
     def handle_stream(self, stream: iostream.IOStream, address: Any) -> Any:

@@ -21,7 +21,8 @@ from roah_rsbb.wording.device import role_text
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.sent import tr_sent
 
-COOKIE = "roah_rsbb_session"
+# Browsers take a cookie with this prefix from encrypted pages only.
+COOKIE, ENCRYPTED_COOKIE = "roah_rsbb_session", "__Host-roah_rsbb_session"
 
 
 def is_own_origin(origin: str, protocol: str, host: str) -> bool:
@@ -45,8 +46,18 @@ class OfDevice(Guarded):
 
     def session(self) -> Optional[Session]:
         """Return the session of the device; None: it is not paired."""
-        token = self.get_cookie(COOKIE)
-        return None if not token else self._server.sessions.of(self._server.utc(), token)
+        token = self.get_cookie(self.cookie)
+        return None if not token else self._server.sessions.of(self._server.utc(), token, self.is_encrypted)
+
+    @property
+    def is_encrypted(self) -> bool:
+        """Whether the request came with TLS."""
+        return self.request.protocol == "https"
+
+    @property
+    def cookie(self) -> str:
+        """The name of the session's cookie."""
+        return ENCRYPTED_COOKIE if self.is_encrypted else COOKIE
 
     def needed_session(self) -> Session:
         """Return the session of the device; refuses the request of one that is not paired."""
@@ -125,7 +136,7 @@ class PairHandler(FromOwnPage):
                 server.codes.check_guess(now, self.request.remote_ip or "")
                 server.sessions.check(server.utc(), person)
                 grant = server.codes.take(now, self.text("code"))
-                token = server.sessions.add(server.utc(), grant, person, kind)
+                token = server.sessions.add(server.utc(), grant, person, kind, self.is_encrypted)
             except TooManyGuesses as refused:
                 self.refuse(TOO_MANY_REQUESTS, str(refused))
                 return
@@ -134,9 +145,9 @@ class PairHandler(FromOwnPage):
                 return
         if before is not None:
             server.revoke(before.id)
-        self.set_cookie(COOKIE, token, path="/", max_age=int(SESSION_VALID_S), httponly=True, samesite="Strict",
-                        secure=self.request.protocol == "https")
-        self.finish(described(server.sessions.of(server.utc(), token)))
+        self.set_cookie(self.cookie, token, path="/", max_age=int(SESSION_VALID_S), httponly=True, samesite="Strict",
+                        secure=self.is_encrypted)
+        self.finish(described(server.sessions.of(server.utc(), token, self.is_encrypted)))
 
 
 class SessionHandler(FromOwnPage):
@@ -154,7 +165,7 @@ class SessionHandler(FromOwnPage):
         except OSError as error:
             self.refuse(500, str(error))
             return
-        self.clear_cookie(COOKIE, path="/")
+        self.clear_cookie(self.cookie, path="/")
         self.set_status(204)
 
 

@@ -13,6 +13,10 @@ WRONG_CODE = tr_later("This code is wrong, was used, or is older than two minute
 TOO_MANY_DEVICES = tr_later("Too many devices are paired: end some pairings first")
 NO_NAME = tr_later("Type your name: it is recorded with everything that you enter")
 NOT_SAVED = tr_later("The pairing cannot be saved ({error}): free or repair the disk of log_dir")
+# What it means that the pages are not encrypted.
+NOT_ENCRYPTED = tr_later(
+    "This connection is not encrypted: whoever can listen in this network can read and use it. Use a network of the "
+    "referees only.")
 # Why a command of a device has no effect.
 NOT_ALLOWED = tr_later("This device may not do that: it is paired as {role}")
 NO_ANSWER = tr_later("No answer from the core: it may have been done. Check the state")
@@ -22,6 +26,11 @@ def role_text(role: str, zone: str) -> str:
     """Return a role and where it counts."""
     return tr("{role} in {zone}", role=tr(ROLES[role]), zone=zone) if zone else tr("{role}, all zones",
                                                                                   role=tr(ROLES[role]))
+
+
+def encryption_text(url: str) -> str:
+    """Return what the user of a page must know of its connection; empty: nothing, because it is encrypted."""
+    return "" if url.startswith("https:") else tr(NOT_ENCRYPTED)
 
 
 def page_words() -> Dict[str, str]:
@@ -39,8 +48,7 @@ def page_words() -> Dict[str, str]:
         "pair": tr("Pair"),
         "paired_as": tr("Paired: {role}", role="{role}"),
         "end_pairing": tr("End the pairing of this device"),
-        "not_encrypted": tr("This connection is not encrypted: whoever can listen in this network can read and use it. "
-                            "Use a network of the referees only."),
+        "not_encrypted": tr(NOT_ENCRYPTED),
         "referee_page": tr("Referee's page"),
         "not_paired": tr("This device is not paired"),
         "zone": tr("Zone"),

@@ -56,6 +56,7 @@ class TestPairDialog(PanelCase):
         dialog = self.open_dialog()
         wait_until(lambda: dialog.code.text() == "ABCD-EFG2", "a code is shown")
         self.assertIn("http://192.0.2.1:8081/pair ", dialog.how.text())
+        self.assertIn("not encrypted", dialog.how.text())
         if qr_code.modules_of("text") is not None:
             self.assertTrue(dialog.square.isVisible())
             self.assertEqual(dialog.square.accessibleName(), "http://192.0.2.1:8081/pair#ABCD-EFG2")

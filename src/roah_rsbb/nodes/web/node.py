@@ -5,13 +5,15 @@ at any time. If its port is taken, it logs this once with the remedy, and retrie
 
 Parameters (private): web_port (TCP, 0: any free one), web_host (address at which it is served; default: all, or this
 computer's alone if rsbb_host is), web_names (further names of this computer, separated by spaces), rsbb_host, title (of
-the competition), log_dir (for the list of paired devices).
+the competition), log_dir (for the list of paired devices), web_cert and web_key (PEM files of a certificate, see
+docs/web.md, "Encryption"; empty: the pages are not encrypted).
 """
 
 import asyncio
+import datetime
 import importlib.util
 import pathlib
-from typing import Optional
+from typing import Any, Optional
 
 import rosgraph
 import rospkg
@@ -22,7 +24,7 @@ from roah_rsbb.msg import PublicBoard, PublicDetails
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.ros.loop import RosLoop
-from roah_rsbb.ros.params import Params
+from roah_rsbb.ros.params import BadParams, Params
 from roah_rsbb.web.limits import own_names
 from roah_rsbb.web.session_file import open_sessions
 from roah_rsbb.web.store import Store
@@ -32,6 +34,8 @@ DETAILS, BOARD = "/core/public_details", "/core/public_board"
 RETRY_S = 3.0
 # The core's computer may have lost its power: the connection then stays half open.
 RENEW_S = 5.0
+# How often the files of the certificate are checked.
+CERTIFICATE_S = 60.0
 LOOPBACK = "127.0.0.1"
 
 
@@ -54,15 +58,20 @@ class WebNode:
         names = [*str(rospy.get_param("~web_names", "")).lower().split(), rosgraph.network.get_local_address()]
         title = str(rospy.get_param("~title", ""))
         log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
+        files = [params.path(name) if rospy.get_param(f"~{name}", "") else "" for name in ("web_cert", "web_key")]
         params.done()
+        if any(files) and not all(files):
+            raise BadParams("web_cert and web_key belong together: give both, or none of them")
 
         self._ros = RosLoop()
         asyncio.set_event_loop(self._ros.loop)  # tornado uses the thread's loop
         self._reported = ""
         self._store = Store(_languages(resource / "languages"), title)
         sessions = open_sessions(log_dir, rospy.logerr)
+        self._certificate = _certificate(*files) if all(files) else None
         self._server = WebServer(self._ros.loop, self._store, str(resource / "web"), own_names(names), sessions,
-                                 CoreCalls(self._ros).carry_out, lambda any_device: self._device_feed.want(any_device))
+                                 CoreCalls(self._ros).carry_out, lambda any_device: self._device_feed.want(any_device),
+                                 self._certificate and self._certificate.context)
         self._device_feed = DeviceFeed(self._ros, self._server.desk, self._server.publish)
         self._url = ""  # for paired devices
         PairingServices(self._ros, self._server, self._store.zones, lambda: self._url)
@@ -99,6 +108,8 @@ class WebNode:
 
     def _open(self) -> None:
         try:
+            if self._certificate is not None:
+                self._certificate.renew()
             port = self._server.open(self._host, self._port)
         except OSError as error:
             if self._reported != str(error):
@@ -106,10 +117,26 @@ class WebNode:
                 rospy.logerr("%s. Retrying every %.0f s. Runs are not affected", error, RETRY_S)
             self._ros.loop.call_later(RETRY_S, self._open)
             return
-        addresses = [f"http://{host}:{port}/" for host in self._hosts()]
-        self._url = f"http://{self._referees_host()}:{port}/"
+        scheme = "http" if self._certificate is None else "https"
+        addresses = [f"{scheme}://{host}:{port}/" for host in self._hosts()]
+        self._url = f"{scheme}://{self._referees_host()}:{port}/"
         rospy.set_param("~url", addresses[0])
         rospy.loginfo("The web pages: open %s", " or, on this computer, ".join(addresses))
+        if self._certificate is not None:
+            self._check_certificate()
+
+    def _check_certificate(self) -> None:
+        """Load a certificate that was replaced, and report once what is wrong with it."""
+        self._ros.loop.call_later(CERTIFICATE_S, self._check_certificate)
+        try:
+            if self._certificate.renew():
+                rospy.loginfo("The web pages use the new certificate")
+            trouble = self._certificate.trouble(datetime.datetime.utcnow(), self._referees_host())
+        except OSError as error:
+            trouble = f"{error}. The certificate before it stays in use"
+        if trouble and trouble != self._reported:
+            rospy.logerr("The web pages: %s", trouble)
+        self._reported = trouble
 
     def _hosts(self) -> list:
         if self._host != sockets.ANY_HOST:
@@ -127,6 +154,12 @@ class WebNode:
 def _languages(folder: pathlib.Path) -> dict:
     """The languages of the files, by name."""
     return {path.stem: catalogues.translation(path.stem, catalogues.read(path)) for path in sorted(folder.glob("*.ts"))}
+
+
+def _certificate(certificate: str, key: str) -> Any:
+    from roah_rsbb.web.certificate import Certificate, Files  # needs cryptography, which takes memory
+
+    return Certificate(Files(certificate, key))
 
 
 class WithoutTornado:

@@ -23,7 +23,7 @@ from roah_rsbb.rqt.qt import (
 )
 from roah_rsbb.rqt.widgets import basic
 from roah_rsbb.srv import PairDevice, PairedDevices, RevokeDevice
-from roah_rsbb.wording.device import ROLES, role_text
+from roah_rsbb.wording.device import ROLES, encryption_text, role_text
 from roah_rsbb.wording.language import tr
 from roah_rsbb.wording.times import Moments, countdown
 
@@ -152,6 +152,7 @@ class PairDialog(QDialog):
                    if self.square.isVisibleTo(self) else
                    tr("Open {page} on the device and type the code. It is for one device. For a QR code: {install}",
                       page=page, install=qr_code.INSTALL))
+            how = "\n\n".join(filter(None, [how, encryption_text(url)]))
         self._how = how
         self._tick()
 

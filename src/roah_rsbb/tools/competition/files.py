@@ -191,7 +191,7 @@ def write_new(directory: str, files: Dict[str, str]) -> None:
         raise CannotWriteFiles(f"{', '.join(there)} in {directory} already exist: choose another folder, or use "
                                "--schedule-only to replace only the schedule, or --check")
     made: List[str] = []
-    with _writing(directory):
+    with writing(directory):
         try:
             for name, text in files.items():
                 path = os.path.join(directory, name)
@@ -207,7 +207,7 @@ def write_new(directory: str, files: Dict[str, str]) -> None:
 def write_schedule(directory: str, book: Rulebook, zones: Sequence[PlannedZone], clock: VenueClock) -> str:
     """Replace the schedule; returns the path of the old one, "" if there was none."""
     path, before = os.path.join(directory, SCHEDULE), os.path.join(directory, _BEFORE)
-    with _writing(directory):
+    with writing(directory):
         text = schedule_text(_text(book, SCHEDULE), zones, clock)
         new = path + ".new"
         with contextlib.suppress(FileNotFoundError):
@@ -224,7 +224,7 @@ def add_password(directory: str, team: str) -> None:
     """Add a line with a randomly generated password to the passwords file; raises `CannotWriteFiles`."""
     path = os.path.join(directory, PASSWORDS)
     new = path + ".new"
-    with _writing(directory):
+    with writing(directory):
         with open(path, encoding="utf-8") as file:
             text = file.read()
         line = passwords_lines({team: new_password()})[0]
@@ -256,7 +256,8 @@ def _write(path: str, text: str, private: bool) -> None:
 
 
 @contextlib.contextmanager
-def _writing(directory: str) -> Iterator[None]:
+def writing(directory: str) -> Iterator[None]:
+    """Turn errors of the disk into `CannotWriteFiles`."""
     try:
         yield
     except OSError as error:

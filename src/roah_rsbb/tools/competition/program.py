@@ -13,7 +13,7 @@ from roah_rsbb.rulebook import config
 from roah_rsbb.rulebook.config import BenchmarksFile, PasswordsFile
 from roah_rsbb.rulebook.errors import ConfigErrors, Place, Report, listing, quote
 from roah_rsbb.rulebook.registry import BenchmarkKind
-from roah_rsbb.tools.competition import answers, files, rulebooks
+from roah_rsbb.tools.competition import answers, certificate, files, rulebooks
 from roah_rsbb.tools.competition.answers import Missing, known_answers, questions
 from roah_rsbb.tools.competition.check import check
 from roah_rsbb.tools.competition.files import CannotWriteFiles, Hosts
@@ -43,6 +43,7 @@ Examples:
   new_competition erl2026 --sheet plan.csv --schedule-only
   new_competition erl2026 --add-team HomeAlone
   new_competition --check erl2026
+  new_competition --certificate erl2026
 
 The exit status is 0 on success (possibly with warnings), 1 for errors, 2 for wrong usage.
 """
@@ -80,6 +81,11 @@ def _parser(config_dir: str) -> argparse.ArgumentParser:
     parser.add_argument("--add-team", metavar="TEAM",
                         help="add a team to an existing competition: a password, and its runs after those of the "
                         "others (--days: only on these days)")
+    parser.add_argument("--certificate", action="store_true",
+                        help="make a certificate for the web pages of an existing competition, and print how phones "
+                        "trust it")
+    parser.add_argument("--names", metavar="NAMES",
+                        help="with --certificate: names and addresses of the box (default: those of this computer)")
     for question in questions({}):
         parser.add_argument("--" + question.option, metavar=question.example.strip("'"), help=question.help)
     return parser
@@ -91,6 +97,8 @@ def _run(options: argparse.Namespace, config_dir: str, ask: Optional[Callable[[s
         return _checked(options.directory)
     report = Report()
     try:
+        if options.certificate:
+            return _certificate(report, options)
         book = read_rulebook(report, config_dir, options.rulebook)
         report.raise_errors()
         if options.schedule_only:
@@ -233,6 +241,37 @@ def _schedule_only(report: Report, options: argparse.Namespace, book: Rulebook) 
 
 def _clock(report: Report, options: argparse.Namespace) -> Optional[VenueClock]:
     return read_clock(report, Place("--time-zone", 0, 0), options.time_zone or "local")
+
+
+def _certificate(report: Report, options: argparse.Namespace) -> int:
+    """Make a certificate for the web pages, and replace an old one."""
+    _only(report, options, "--certificate", "names")
+    names = certificate.own_names() if options.names is None else answers.split(options.names)
+    certificate.check_names(report, Place("--names", 0, 0), names)
+    report.raise_errors()
+    directory = os.path.abspath(options.directory)
+    made = certificate.make(names, datetime.datetime.utcnow())
+    with files.writing(directory):
+        certificate.write(directory, made)
+    cert, key, authority = (os.path.join(directory, name) for name in (
+        certificate.CERTIFICATE, certificate.KEY, certificate.AUTHORITY))
+    launch = shlex.quote(os.path.join(directory, files.LAUNCH))
+    print(f"""\
+Written to {directory}: {certificate.CERTIFICATE}, {certificate.KEY} (secret), {certificate.AUTHORITY}
+It is valid for {certificate.VALID_DAYS} days, and for {', '.join(names)}.
+Start the box with it: roslaunch {launch} web_cert:={shlex.quote(cert)} web_key:={shlex.quote(key)}
+Pair phones again: pairings without encryption do not count on encrypted pages.
+
+Phones warn of the page until they trust this competition. Send {certificate.AUTHORITY} to each phone in a way that
+nobody can change (cable, AirDrop, Bluetooth), not by a web page in the network of the competition. Then:
+  Android: Settings, search for "CA certificate", Install anyway, choose the file.
+  iPhone, iPad: open the file, then Settings, General, VPN & Device Management, install the profile; then General,
+    About, Certificate Trust Settings, switch it on.
+  Laptop: import it as an authority for websites in the browser's settings, "certificates".
+Compare the SHA-256 fingerprint that the phone shows:
+  {made.fingerprint}
+After the competition, remove it from the phones. {authority} is not secret.""")
+    return 0
 
 
 def _add_team(report: Report, options: argparse.Namespace, book: Rulebook) -> int:

@@ -188,3 +188,24 @@ def test_help(run):
     assert status == 0
     for option in ("--check", "--sheet", "--teams", "--benchmarks", "--zones", "--days"):
         assert option in out
+
+
+def test_a_certificate(run, tmp_path):
+    (tmp_path / "erl").mkdir()
+    status, out, err = run("--certificate", "erl", "--names", "rsbb.local, 192.168.1.10")
+    assert (status, err) == (0, "")
+    folder = tmp_path / "erl"
+    assert f"web_cert:={folder}/web_cert.pem web_key:={folder}/web_key.pem" in out
+    assert "and for rsbb.local, 192.168.1.10." in out and "Certificate Trust Settings" in out
+    before = (folder / "phones.crt").read_bytes()
+    assert run("--certificate", "erl")[0] == 0
+    assert (folder / "phones.crt").read_bytes() != before, "it is made again"
+
+
+def test_a_certificate_that_cannot_be_made(run, tmp_path):
+    status, _, err = run("--certificate", "erl", "--names", "a b", "--teams", "x")
+    assert status == 1
+    assert "--names: found" in err and "'a b'" in err and "--teams: found this option" in err
+    status, _, err = run("--certificate", "missing")
+    assert status == 1
+    assert f"{tmp_path}/missing" in err and "Choose another folder" in err
