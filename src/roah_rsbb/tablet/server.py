@@ -6,13 +6,15 @@ Anybody on the network may open it. Therefore nothing from a browser is stored o
 import asyncio
 import socket
 import time
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, FrozenSet, List, Optional
 
 from tornado import web, websocket
 
 from roah_rsbb.tablet.maps import Map
 from roah_rsbb.tablet.pages import Pages, Refusal, refusal_text
-from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind, set_headers
+from roah_rsbb.web.guarded import Guarded
+from roah_rsbb.web.limits import Rates
+from roah_rsbb.web.serving import MAX_MESSAGE_BYTES, BoundedServer, bind
 
 # No venue has more tablets.
 MAX_PAGES = 32
@@ -21,15 +23,6 @@ PAGE_SILENT_S = 6.0
 # Nobody touches a page more often than this per second.
 MAX_MESSAGES_A_SECOND = 20
 _PUBLISH_PERIOD_S = 1.0
-
-# Pages load and run nothing from other sites, and no other site may show them in a frame.
-_HEADERS = {
-    "Content-Security-Policy": "default-src 'self'; connect-src 'self' ws: wss:; frame-ancestors 'none'",
-    "X-Content-Type-Options": "nosniff",
-    "Referrer-Policy": "no-referrer",
-    "Cache-Control": "no-cache",
-    "Server": "roah_rsbb",
-}
 
 
 class TabletServer:
@@ -41,12 +34,18 @@ class TabletServer:
         pages: Pages,
         plan: Optional[Map],
         folder: str,
+        names: FrozenSet[str],
         on_touch: Callable[[], None],
         on_presence: Callable[[bool], None],
     ) -> None:
-        """`folder`: the page's files. `on_touch()` is called when a page touched the tablet, `on_presence(there)` each
-        second with whether any page is open."""
+        """`folder`: the page's files; `names`: of this computer (`limits.own_names`).
+
+        `on_touch()` is called when a page touched the tablet, `on_presence(there)` each second with whether any page is
+        open.
+        """
         self._loop = loop
+        self.names = names
+        self.rates = Rates()
         self._pages = pages
         self._on_touch = on_touch
         self._on_presence = on_presence
@@ -57,8 +56,8 @@ class TabletServer:
         application = web.Application(
             [
                 (r"/pages", PageSocket, {"server": self}),
-                (r"/map\.png", MapHandler, {"plan": plan}),
-                (r"/(.*)", FileHandler, {"path": folder, "default_filename": "index.html"}),
+                (r"/map\.png", MapHandler, {"server": self, "plan": plan}),
+                (r"/(.*)", FileHandler, {"server": self, "path": folder}),
             ],
             websocket_max_message_size=MAX_MESSAGE_BYTES,
             default_handler_class=web.ErrorHandler, default_handler_args={"status_code": 404},
@@ -81,6 +80,10 @@ class TabletServer:
             page.close()
         self._http.stop()
         self._listening = []
+
+    def now(self) -> float:
+        """Return the monotonic time in seconds."""
+        return self._loop.time()
 
     def publish(self) -> None:
         """Send the current state to all pages."""
@@ -136,7 +139,7 @@ class TabletServer:
             self.publish()
 
 
-class PageSocket(websocket.WebSocketHandler):
+class PageSocket(Guarded, websocket.WebSocketHandler):
     """The connection of one browser. Only our own page may open it: tornado compares Origin and Host."""
 
     def initialize(self, server: TabletServer) -> None:
@@ -167,24 +170,27 @@ class PageSocket(websocket.WebSocketHandler):
             self._server.forget(self)
 
 
-class MapHandler(web.RequestHandler):
+class MapHandler(Guarded):
     """The map's image."""
 
-    def initialize(self, plan: Optional[Map]) -> None:
+    def initialize(self, server: TabletServer, plan: Optional[Map]) -> None:
+        self._server = server
         self._plan = plan
-
-    def set_default_headers(self) -> None:
-        set_headers(self, _HEADERS)
 
     def get(self) -> None:
         if self._plan is None:
             raise web.HTTPError(404)
         self.set_header("Content-Type", "image/png")
+        self.set_header("Cache-Control", "no-cache")
         self.write(self._plan.png)
 
 
-class FileHandler(web.StaticFileHandler):
+class FileHandler(Guarded, web.StaticFileHandler):
     """The files of the page."""
 
+    def initialize(self, server: TabletServer, path: str) -> None:
+        self._server = server
+        web.StaticFileHandler.initialize(self, path, "index.html")
+
     def set_extra_headers(self, path: str) -> None:
-        set_headers(self, _HEADERS)
+        self.set_header("Cache-Control", "no-cache")

@@ -17,8 +17,10 @@ from roah_rsbb.tablet.pages import Pages
 from roah_rsbb.tablet.server import MAX_MESSAGES_A_SECOND, MAX_PAGES, TabletServer
 from roah_rsbb.tablet.state import NEVER, BoxPart, TabletState
 from roah_rsbb.web import serving
+from roah_rsbb.web.limits import Rates
 
 FOLDER = str(pathlib.Path(__file__).resolve().parents[3] / "resource" / "tablet")
+NAMES = frozenset({"localhost", "box.local"})
 PLAN = Map(b"\x89PNG image", 200, 100, 0.05, (0.0, 0.0, 0.0), False)
 
 
@@ -32,7 +34,7 @@ class Served(HttpClients):
         self.presence = []
         self.hears_box()
         self.server = TabletServer(
-            running.loop, Pages(self.state, plan), plan, FOLDER,
+            running.loop, Pages(self.state, plan), plan, FOLDER, NAMES,
             lambda: self.touches.append(self.state.call_time), self.presence.append,
         )
         self.port = self.server.open(HOST, 0)
@@ -75,7 +77,8 @@ def test_serves_the_page_and_the_map_and_lets_nothing_else_in(served, path, kind
     answer = served.get(path)
     assert answer.code == 200
     assert kind in answer.headers["Content-Type"]
-    assert "default-src 'self'" in answer.headers["Content-Security-Policy"]
+    policy = answer.headers["Content-Security-Policy"]
+    assert "script-src 'self'" in policy and "frame-ancestors 'none'" in policy and "unsafe" not in policy
     assert answer.headers["Cache-Control"] == "no-cache"
 
 
@@ -90,7 +93,7 @@ def test_the_page_needs_nothing_from_elsewhere():
     "/index.html/x",
 ])
 def test_a_missing_file_is_not_served(served, path):
-    answer = served.raw(f"GET {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n".encode())
+    answer = served.raw(f"GET {path} HTTP/1.1\r\nHost: {HOST}\r\nConnection: close\r\n\r\n".encode())
     assert answer.split(b" ")[1] in (b"404", b"403", b"400", b"301"), answer
     assert b"<package" not in answer and b"root:" not in answer
 
@@ -170,6 +173,21 @@ def test_pages_of_other_sites_may_not_call(served):
     assert served.touches == []
 
 
+def test_a_name_of_another_site_that_points_here_may_not_call(served):
+    evil = {"Host": "evil.example", "Origin": "http://evil.example"}
+    with pytest.raises(httpclient.HTTPError) as raised:
+        served.running.do(websocket.websocket_connect(
+            httpclient.HTTPRequest(f"ws://{HOST}:{served.port}/pages", headers=evil)))
+    assert raised.value.code == 421
+    assert served.get("/", headers={"Host": "evil.example"}).code == 421
+    assert served.get("/", headers={"Host": f"box.local:{served.port}"}).code == 200
+
+
+def test_too_many_requests_are_refused(served):
+    served.server.rates = Rates(a_second=1e-9, at_once=2.0)
+    assert [served.get("/").code for _ in range(3)] == [200, 200, 429]
+
+
 @pytest.mark.long
 def test_there_is_room_for_so_many_pages(served):
     pages = [served.page() for _ in range(MAX_PAGES)]
@@ -208,7 +226,7 @@ def test_without_a_map_no_image_is_served(running):
 def test_a_port_in_use_is_said_with_its_remedy(served):
     state = TabletState()
     second = TabletServer(
-        served.running.loop, Pages(state, None), None, FOLDER, lambda: None, lambda there: None)
+        served.running.loop, Pages(state, None), None, FOLDER, NAMES, lambda: None, lambda there: None)
     with pytest.raises(OSError, match="choose another tablet_port") as raised:
         second.open(HOST, served.port)
     assert str(served.port) in str(raised.value)
@@ -220,7 +238,7 @@ def test_a_port_in_use_is_said_with_its_remedy(served):
 
 def test_an_address_of_another_machine_is_said(served):
     second = TabletServer(
-        served.running.loop, Pages(TabletState(), None), None, FOLDER, lambda: None, lambda there: None)
+        served.running.loop, Pages(TabletState(), None), None, FOLDER, NAMES, lambda: None, lambda there: None)
     with pytest.raises(OSError, match="tablet_host"):
         second.open("192.0.2.1", 0)
 

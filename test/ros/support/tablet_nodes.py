@@ -15,15 +15,16 @@ OWN_TABLET_PORT = RSBB_PORT + 96
 def launched_url() -> str:
     """The address of the page that the launched node serves."""
     return wait_until(
-        lambda: rospy.get_param("/roah_rsbb_tablet/url", None), "the tablet's node says where its page is"
+        lambda: rospy.get_param("/roah_rsbb_web/tablet_url", None), "the tablet's node says where its page is"
     )
 
 
 def node(**params: Any) -> Program:
     """A tablet node beside the launched one. Its page is at OWN_TABLET_PORT."""
-    values = {"rsbb_host": BROADCAST, "rsbb_port": RSBB_PORT, "tablet_port": OWN_TABLET_PORT, **params}
+    values = {"web": False, "tablet": True, "rsbb_host": BROADCAST, "rsbb_port": RSBB_PORT,
+              "tablet_port": OWN_TABLET_PORT, **params}
     return Program(
-        own("roah_rsbb_tablet"), "__name:=own_tablet", *(f"_{k}:={v}" for k, v in values.items())
+        own("roah_rsbb_web"), "__name:=own_tablet", *(f"_{k}:={v}" for k, v in values.items())
     )
 
 

@@ -1,19 +1,22 @@
 """Node roah_rsbb_web: serves the public display and other pages to browsers, and live data to programs (docs/web.md).
 
 Reading is open: it shows the public topics of the core. Devices that are paired may do more. It can end and start again
-at any time. If its port is taken, it logs this once with the remedy, and retries.
+at any time. If its port is taken, it logs this once with the remedy, and retries. It also serves the tablet's page, on
+a port of its own (docs/tablet.md).
 
-Parameters (private): web_port (TCP, 0: any free one), web_host (address at which it is served; default: all, or this
-computer's alone if rsbb_host is), web_names (further names of this computer, separated by spaces), rsbb_host, title (of
-the competition), log_dir (for the list of paired devices), web_cert and web_key (PEM files of a certificate, see
-docs/web.md, "Encryption"; empty: the pages are not encrypted).
+Parameters (private): web and tablet (what is served: the pages, and the tablet's page; default: only the pages);
+rsbb_host. Of the pages: web_port (TCP, 0: any free one), web_host (address at which it is served; default: all, or this
+computer's alone if rsbb_host is), web_names (further names of this computer, separated by spaces), title (of the
+competition), log_dir (for the list of paired devices), web_cert and web_key (PEM files of a certificate, see
+docs/web.md, "Encryption"; empty: the pages are not encrypted). Of the tablet: rsbb_port, bind_host; tablet_port (TCP,
+0: any free one), tablet_host (as web_host), map_file (as map_saver writes it).
 """
 
 import asyncio
 import datetime
 import importlib.util
 import pathlib
-from typing import Any, Optional
+from typing import Any, List, Optional
 
 import rosgraph
 import rospkg
@@ -21,6 +24,7 @@ import rospy
 
 from roah_rsbb.comm import sockets
 from roah_rsbb.msg import PublicBoard, PublicDetails
+from roah_rsbb.nodes.web.opening import LOOPBACK, hosts_of, retry_until_open
 from roah_rsbb.ros.command_line import run_node
 from roah_rsbb.ros.feed import Feed
 from roah_rsbb.ros.loop import RosLoop
@@ -31,31 +35,27 @@ from roah_rsbb.web.store import Store
 from roah_rsbb.wording import catalogues
 
 DETAILS, BOARD = "/core/public_details", "/core/public_board"
-RETRY_S = 3.0
 # The core's computer may have lost its power: the connection then stays half open.
 RENEW_S = 5.0
 # How often the files of the certificate are checked.
 CERTIFICATE_S = 60.0
-LOOPBACK = "127.0.0.1"
 
 
-class WebNode:
-    """The node. Raises `BadParams` at the start."""
+class WebPart:
+    """Serves the pages."""
 
-    def __init__(self) -> None:
+    def __init__(self, ros: RosLoop, params: Params, resource: pathlib.Path, names: list) -> None:
+        """`resource`: the folder with the pages and languages; `names`: further names of this computer."""
         # These need tornado; see `main`.
         from roah_rsbb.nodes.web.core_calls import CoreCalls
         from roah_rsbb.nodes.web.device_feed import DeviceFeed
         from roah_rsbb.nodes.web.pairing import PairingServices
         from roah_rsbb.web.server import WebServer
 
-        resource = pathlib.Path(rospkg.RosPack().get_path("roah_rsbb"), "resource")
-        params = Params()
         self._rsbb_host = params.text("rsbb_host", "10.255.255.255")
         everywhere = LOOPBACK if self._rsbb_host.startswith("127.") else sockets.ANY_HOST
         self._host = params.text("web_host", everywhere)
         self._port = params.whole("web_port", 8081, 0, 65535)
-        names = [*str(rospy.get_param("~web_names", "")).lower().split(), rosgraph.network.get_local_address()]
         title = str(rospy.get_param("~title", ""))
         log_dir = params.path("log_dir", "~/.ros/roah_rsbb")
         files = [params.path(name) if rospy.get_param(f"~{name}", "") else "" for name in ("web_cert", "web_key")]
@@ -63,9 +63,8 @@ class WebNode:
         if any(files) and not all(files):
             raise BadParams("web_cert and web_key belong together: give both, or none of them")
 
-        self._ros = RosLoop()
-        asyncio.set_event_loop(self._ros.loop)  # tornado uses the thread's loop
-        self._reported = ""
+        self._ros = ros
+        self._reported = ""  # of the certificate
         self._store = Store(_languages(resource / "languages"), title)
         sessions = open_sessions(log_dir, rospy.logerr)
         self._certificate = _certificate(*files) if all(files) else None
@@ -78,16 +77,17 @@ class WebNode:
         self._feed = Feed({DETAILS: PublicDetails, BOARD: PublicBoard}, lambda: self._ros.post(self._take))
         self._renew_timer: Optional[asyncio.TimerHandle] = None
 
-    def run(self) -> None:
-        """Run until shut down."""
+    def start(self) -> None:
+        """Serve as soon as that is possible."""
         self._feed.start()
         self._renew()
-        self._open()
-        self._ros.run()
+        retry_until_open(self._ros.loop, self._open)
+
+    def stop(self) -> None:
+        """End."""
         self._server.close()
         self._feed.stop()
         self._device_feed.want(False)
-        self._ros.close()
 
     def _take(self) -> None:
         """Take the newest messages. The board comes first: results and runs change together."""
@@ -107,18 +107,11 @@ class WebNode:
             self._device_feed.renew()
 
     def _open(self) -> None:
-        try:
-            if self._certificate is not None:
-                self._certificate.renew()
-            port = self._server.open(self._host, self._port)
-        except OSError as error:
-            if self._reported != str(error):
-                self._reported = str(error)
-                rospy.logerr("%s. Retrying every %.0f s. Runs are not affected", error, RETRY_S)
-            self._ros.loop.call_later(RETRY_S, self._open)
-            return
+        if self._certificate is not None:
+            self._certificate.renew()
+        port = self._server.open(self._host, self._port)
         scheme = "http" if self._certificate is None else "https"
-        addresses = [f"{scheme}://{host}:{port}/" for host in self._hosts()]
+        addresses = [f"{scheme}://{host}:{port}/" for host in hosts_of(self._host, self._rsbb_host)]
         self._url = f"{scheme}://{self._referees_host()}:{port}/"
         rospy.set_param("~url", addresses[0])
         rospy.loginfo("The web pages: open %s", " or, on this computer, ".join(addresses))
@@ -138,17 +131,13 @@ class WebNode:
             rospy.logerr("The web pages: %s", trouble)
         self._reported = trouble
 
-    def _hosts(self) -> list:
-        if self._host != sockets.ANY_HOST:
-            return [self._host]
-        network = sockets.source_host(self._rsbb_host)
-        return [network, LOOPBACK] if network not in (None, LOOPBACK) else [LOOPBACK]
-
     def _referees_host(self) -> str:
         """The address of this computer for referees: that of ROS. The firewall may keep out the robots' network."""
         host = rosgraph.network.get_local_address()
         is_local = host == "localhost" or host.startswith("127.")
-        return self._hosts()[0] if is_local or self._host != sockets.ANY_HOST else host
+        if is_local or self._host != sockets.ANY_HOST:
+            return hosts_of(self._host, self._rsbb_host)[0]
+        return host
 
 
 def _languages(folder: pathlib.Path) -> dict:
@@ -160,6 +149,33 @@ def _certificate(certificate: str, key: str) -> Any:
     from roah_rsbb.web.certificate import Certificate, Files  # needs cryptography, which takes memory
 
     return Certificate(Files(certificate, key))
+
+
+class WebNode:
+    """The node. Raises `BadParams` at the start."""
+
+    def __init__(self) -> None:
+        from roah_rsbb.nodes.web.tablet import TabletPart  # needs tornado; see `main`
+
+        resource = pathlib.Path(rospkg.RosPack().get_path("roah_rsbb"), "resource")
+        params = Params()
+        has_pages, has_tablet = params.flag("web", True), params.flag("tablet", False)
+        params.done()
+        names = [*str(rospy.get_param("~web_names", "")).lower().split(), rosgraph.network.get_local_address()]
+        self._ros = RosLoop()
+        asyncio.set_event_loop(self._ros.loop)  # tornado uses the thread's loop
+        self._parts: List[Any] = [WebPart(self._ros, Params(), resource, names)] if has_pages else []
+        if has_tablet:
+            self._parts.append(TabletPart(self._ros, Params(), str(resource), names))
+
+    def run(self) -> None:
+        """Run until shut down."""
+        for part in self._parts:
+            part.start()
+        self._ros.run()
+        for part in self._parts:
+            part.stop()
+        self._ros.close()
 
 
 class WithoutTornado:
