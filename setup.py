@@ -24,6 +24,8 @@ RUNTIME = "protobuf>=3.20.2,<8"
 # It brings protoc 25.1, and has wheels for Python 3.8 to 3.12.
 COMPILER = "grpcio-tools>=1.62,<1.63; python_version<'3.13'"
 
+# Pages that check-robot names.
+PAGES = ("check_robot.md", "protocol.md", "robot_without_ros.md", "team.md")
 # Modules of the wheel in packages of which it has only some.
 ONLY = {"roah_rsbb.tools": ("__init__", "team"), "roah_rsbb.results": ("__init__", "page")}
 
@@ -69,10 +71,13 @@ class BuildWithProtobuf(build_py):
         if status != 0:
             raise SystemExit(f"roah_rsbb: protoc could not read {PROTO}")
         (package / "__init__.py").touch()
-        # The rules for dummy-box.
+        # The rules for dummy-box, and the pages for check-robot.
         shipped = pathlib.Path(self.build_lib, "roah_rsbb", "shipped")
         shutil.copytree("config/modules", str(shipped / "modules"), dirs_exist_ok=True)
         shutil.copy("config/benchmarks.yaml", str(shipped))
+        (shipped / "docs").mkdir(exist_ok=True)
+        for page in PAGES:
+            shutil.copy(f"docs/{page}", str(shipped / "docs"))
 
 
 def _compiler():

@@ -12,15 +12,27 @@ set -u
   exit 2
 }
 reports=${REPORTS:-check_reports}
-mkdir -p "$reports"
+mkdir -p "$reports" || exit 2
 
-"$@" >"$reports/robot.log" 2>&1 &
+# The program has a process group, so that all that it starts ends with it.
+set -m
+"$@" >"$reports/robot.log" 2>&1 </dev/null &
 robot=$!
-trap 'kill "$robot" 2>/dev/null; wait "$robot" 2>/dev/null' EXIT
+set +m
+
+end_robot() {
+  kill -TERM -- "-$robot" 2>/dev/null
+  for _ in {1..50}; do
+    kill -0 -- "-$robot" 2>/dev/null || return
+    sleep 0.2
+  done
+  kill -KILL -- "-$robot" 2>/dev/null
+}
+trap end_robot EXIT
 
 ${CHECK:-roah-rsbb check-robot} --team "$TEAM" --host 127.255.255.255 --bind 127.0.0.1 --level "${LEVEL:-basic}" \
-  --benchmarks "${BENCHMARKS:-HGTKMH}" --wait 30 \
+  ${BENCHMARKS:+--benchmarks "$BENCHMARKS"} --wait 30 \
   --junit "$reports/check.xml" --html "$reports/check.html" --json "$reports/check.json"
 status=$?
-[ "$status" -eq 0 ] || tail -n 40 "$reports/robot.log"
+[ "$status" -eq 0 ] || { echo "The robot's last output ($reports/robot.log):"; tail -n 40 "$reports/robot.log"; }
 exit "$status"

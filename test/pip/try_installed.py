@@ -43,6 +43,17 @@ def check_imports():
             importlib.import_module(name)
 
 
+def check_pages():
+    """The pages that the check names are in the wheel."""
+    from roah_rsbb.check.findings import Cause
+    from roah_rsbb.check.shipped import pages_folder
+
+    folder = pages_folder()
+    assert folder is not None and pathlib.Path(sys.prefix) in folder.parents, folder
+    missing = {page for page in (cause.page.partition("#")[0] for cause in Cause) if not (folder / page).is_file()}
+    assert not missing, f"pages that are not in the wheel: {missing}"
+
+
 def check_programs():
     """The programs of the wheel start without warnings."""
     for command in TEAM_COMMANDS:
@@ -83,6 +94,7 @@ def check_shipped():
 
 
 check_imports()
+check_pages()
 check_programs()
 check_shipped()
 asyncio.run(complete_a_benchmark())

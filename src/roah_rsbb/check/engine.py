@@ -10,7 +10,7 @@ from roah_rsbb.check.scenarios import basic, boxes, goals, network
 from roah_rsbb.check.scenarios.scenario import Level, Scenario
 from roah_rsbb.rulebook.registry import PROFILES
 
-# A check that was stopped for longer than this during a scenario does not judge the robot's times.
+# A check that was stopped for longer than this at a moment of a scenario does not judge the robot's times.
 BUSY_S = 0.3
 # Datagrams that a bad network delayed must not arrive in the next scenario.
 LATE_S = 0.5
@@ -79,7 +79,7 @@ class Engine:
         await play.tidy()
         if scenario.bad_network:
             await play.rest(LATE_S)
-        if play.stalls.since(began) > BUSY_S:
+        if play.stalls.worst(began) > BUSY_S:
             _unjudge(result)
         self._end(result, began)
 

@@ -22,7 +22,6 @@ from roah_rsbb.core.referee import Refused
 from roah_rsbb.protocol import BoxState, RobotState
 from roah_rsbb.radio.radio import Network
 from roah_rsbb.rulebook.registry import PROFILES, GoalForm, profile_of
-from roah_rsbb.wording.suggestions import did_you_mean
 
 # Seconds. A robot repeats each state in a burst and then each second, so these allow two lost datagrams.
 ANSWER_S = 5.0  # the first message on a private channel, after a beacon that lists the robot
@@ -249,7 +248,7 @@ class Play:
         teams = sorted({b.team for b in beacons})
         if teams:
             self.give_up(Cause.OTHER_TEAM, expected,
-                         f"beacons of team {', '.join(teams)}{did_you_mean(options.team, teams)}")
+                         f"beacons of {'team' if len(teams) == 1 else 'the teams'} {', '.join(teams)}")
         complaints = [text for _, text in self.record.complaints]
         if complaints:
             self.give_up(Cause.BAD_FRAMES, expected, complaints[-1])

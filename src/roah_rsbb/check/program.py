@@ -17,6 +17,7 @@ from roah_rsbb.check.engine import Engine, all_scenarios, scenarios_of
 from roah_rsbb.check.findings import ScenarioResult, Verdict
 from roah_rsbb.check.play import Options, Play
 from roah_rsbb.check.scenarios.scenario import Level, Scenario
+from roah_rsbb.check.shipped import pages_folder
 from roah_rsbb.comm import sockets
 from roah_rsbb.comm.ciphers import Cipher, cipher_by_label
 from roah_rsbb.comm.passwords import PASSWORD_VARIABLE, own_password
@@ -96,7 +97,7 @@ def _parser() -> argparse.ArgumentParser:
                          help="local address, if robot and check share a machine (default: %(default)s)")
     network.add_argument("--second-bind", default="", metavar="HOST",
                          help="another address of this machine, for the scenarios with a second box (default: none; on "
-                              "loopback, the address after --bind)")
+                              "loopback 100 after --bind, such as 127.0.0.101)")
     network.add_argument("--cipher", type=read_by(cipher_by_label), default=Cipher.AES_128_CBC, metavar="NAME",
                          help="cipher of the box's messages, such as aes-256-cbc (default: aes-128-cbc)")
     what = parser.add_argument_group("what is checked")
@@ -149,7 +150,7 @@ def read_options(arguments: Optional[Sequence[str]] = None) -> Tuple[argparse.Na
 
 
 def _after(bind: str) -> str:
-    """The address after a loopback address; empty for others."""
+    """A loopback address for the second box, apart from those of robots; empty for other networks."""
     first, *_, last = bind.split(".")
     return f"{bind.rpartition('.')[0]}.{int(last) + 100}" if first == "127" and int(last) < 150 else ""
 
@@ -234,7 +235,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
     try:
         check = asyncio.run(_check(options, given.level, scenarios))
         print()
-        print("\n".join(report.table_lines(check)))
+        print("\n".join(report.table_lines(check, pages_folder())))
         _write(given.json, report.as_json, check)
         _write(given.junit, report.as_junit, check)
         _write(given.html, report.as_html, check)

@@ -2,7 +2,8 @@
 
 import collections
 import json
-from typing import Any, Dict, List, NamedTuple, Sequence
+import pathlib
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 from xml.etree import ElementTree
 
 from roah_rsbb.check.findings import Finding, ScenarioResult, Verdict
@@ -71,14 +72,16 @@ def scenario_lines(number: int, count: int, result: ScenarioResult) -> List[str]
     return lines
 
 
-def table_lines(check: Check) -> List[str]:
-    """The table at the end."""
+def table_lines(check: Check, pages: Optional[pathlib.Path] = None) -> List[str]:
+    """The table at the end. `pages`: the folder with docs/."""
     lines = [f"Robot {escaped(check.robot) or '?'} of team {escaped(check.team)}, level {check.level}, "
              f"{check.seconds:.0f} s", ""]
     for result in check.results:
         measured = "; ".join(result.measured)
         lines.append(f"{result.verdict.value:<11} {result.title:<44} {measured}".rstrip())
-    return [*lines, "", check.sentence()]
+    has_pages = any(finding.cause is not None for result in check.results for finding in result.findings)
+    where = [f"The pages to see (docs/...) are in {escaped(str(pages))}"] if pages is not None and has_pages else []
+    return [*lines, "", *where, check.sentence()]
 
 
 def as_json(check: Check) -> str:
@@ -122,14 +125,15 @@ def as_junit(check: Check) -> str:
     for result in check.results:
         case = ElementTree.SubElement(suite, "testcase", {
             "classname": "check_robot", "name": result.name, "time": f"{result.seconds:.3f}"})
+        lines = [line for finding in result.findings for line in finding_lines(finding)]
         if result.verdict in elements:
             worst = next(finding for finding in result.findings if finding.verdict is result.verdict)
-            text = "\n".join(line for finding in result.findings for line in finding_lines(finding))
             message = worst.came if worst.cause is None else f"{worst.cause.name}: {worst.came}"
             element = ElementTree.SubElement(case, elements[result.verdict], {"message": visible(message)})
-            element.text = visible(text)
-        if result.measured:
-            ElementTree.SubElement(case, "system-out").text = visible("\n".join(result.measured))
+            element.text = visible("\n".join(lines))
+        output = result.measured if result.verdict in elements else [*lines, *result.measured]
+        if output:
+            ElementTree.SubElement(case, "system-out").text = visible("\n".join(output))
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(suite, encoding="unicode") + "\n"
 
 

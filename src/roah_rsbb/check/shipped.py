@@ -1,6 +1,7 @@
-"""Finds the configuration files that this package ships: in a wheel, in an installed workspace or in the source."""
+"""Finds the configuration files and pages that this package ships: in a wheel, installed, or in the source."""
 
 import pathlib
+from typing import Optional
 
 PACKAGE = pathlib.Path(__file__).resolve().parents[1]
 
@@ -17,3 +18,9 @@ def shipped_folder() -> pathlib.Path:
         if (place / "benchmarks.yaml").is_file():
             return place
     raise NotShipped(f"the shipped benchmarks.yaml is missing near {PACKAGE}: install the package again")
+
+
+def pages_folder() -> Optional[pathlib.Path]:
+    """The folder with docs/, whose pages the findings name. None: the pages are not installed."""
+    places = [PACKAGE / "shipped", PACKAGE.parents[1], pathlib.Path("/usr/share/doc/roah-rsbb")]
+    return next((place for place in places if (place / "docs" / "protocol.md").is_file()), None)

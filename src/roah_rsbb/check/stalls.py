@@ -6,6 +6,8 @@ from typing import List, Optional, Tuple
 PERIOD_S = 0.05
 # Timers are never exact.
 USUAL_S = 0.02
+# Stalls so close together add up: a robot's reaction may fall into all of them.
+TOGETHER_S = 2.0
 
 
 class Stalls:
@@ -28,6 +30,19 @@ class Stalls:
     def since(self, mono: float) -> float:
         """How long the check was delayed since a time, in total (s)."""
         return sum(seconds for end, seconds in self._found if end > mono)
+
+    def worst(self, mono: float) -> float:
+        """The longest delay within a short time, since a time (s)."""
+        found = [(end, seconds) for end, seconds in self._found if end > mono]
+        worst = together = 0.0
+        first = 0
+        for end, seconds in found:
+            together += seconds
+            while found[first][0] <= end - TOGETHER_S:
+                together -= found[first][1]
+                first += 1
+            worst = max(worst, together)
+        return worst
 
     def _tick(self, due: float) -> None:
         now = self._loop.time()

@@ -8,7 +8,7 @@ from helpers.checked_robot import ROBOT, Checked, usual_robot
 from helpers.faulty_robots import Fragile, ends_in_goal
 from helpers.simulated_air import UTC0
 from roah_rsbb.check.box import AnotherBox
-from roah_rsbb.check.engine import Engine, all_scenarios, scenarios_of
+from roah_rsbb.check.engine import BUSY_S, Engine, all_scenarios, scenarios_of
 from roah_rsbb.check.findings import Cause, Verdict
 from roah_rsbb.check.scenarios.scenario import Level
 from roah_rsbb.comm import frame
@@ -111,6 +111,18 @@ def test_a_robot_is_not_blamed_for_a_busy_checker(monkeypatch):
     assert checked.causes(Verdict.FAILED) == set()
     assert checked.causes(Verdict.UNJUDGED) == {Cause.STOP_LATE}
     assert "too busy to judge" in checked.findings[0].came
+
+
+def test_short_stalls_over_a_long_time_excuse_nothing(monkeypatch):
+    async def stall(play):
+        while True:
+            await asyncio.sleep(0.98)
+            play.loop.stall(0.06)
+
+    checked = Checked(monkeypatch, lambda loop: usual_robot(loop, DummyOptions(1.0, 2.0, never_end=True)),
+                      names=["run"], during=stall)
+    assert checked.play.stalls.since(checked.play.began) > BUSY_S
+    assert checked.causes(Verdict.FAILED) == {Cause.NEVER_DONE} and checked.causes(Verdict.UNJUDGED) == set()
 
 
 def test_the_check_does_not_run_beside_another_box(monkeypatch):

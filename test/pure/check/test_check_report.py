@@ -1,10 +1,14 @@
 """The check's reports."""
 
 import json
+import pathlib
 from xml.etree import ElementTree
 
 from roah_rsbb.check import report
 from roah_rsbb.check.findings import Cause, Finding, ScenarioResult, Verdict
+from roah_rsbb.check.shipped import pages_folder
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 
 FAILED = ScenarioResult("run", "A whole run", 5.0, 7.25, [
     Finding(Verdict.FAILED, Cause.STOP_LATE, "STOP within 1 s", "2.0 s \x1b[31m<b>", 9.5)], ["STOP: 2000 ms"])
@@ -62,6 +66,22 @@ def test_json_has_everything():
         "measured": ["STOP: 2000 ms"], "findings": [{
             "verdict": "failed", "cause": "STOP_LATE", "expected": "STOP within 1 s", "came": "2.0 s \x1b[31m<b>",
             "at_s": 9.5, "likely": Cause.STOP_LATE.likely, "page": Cause.STOP_LATE.page}]}
+
+
+def test_the_table_says_where_the_pages_are():
+    where = "The pages to see (docs/...) are in /home/team/pages"
+    assert where in report.table_lines(check(PASSED, FAILED), pathlib.Path("/home/team/pages"))
+    assert where not in report.table_lines(check(PASSED, SKIPPED), pathlib.Path("/home/team/pages"))
+    assert pages_folder() == ROOT
+
+
+def test_junit_shows_quirks():
+    quirk = ScenarioResult("stale", "Old datagrams", 0.0, 1.0, [
+        Finding(Verdict.QUIRK, Cause.STALE_OBEYED, "no change", "it obeyed", 0.5)], ["STOP: 2 ms"])
+    junit = ElementTree.fromstring(report.as_junit(check(quirk)).partition("\n")[2])
+    case = junit.find("testcase")
+    assert [element.tag for element in case] == ["system-out"]
+    assert "QUIRK STALE_OBEYED" in case[0].text and "STOP: 2 ms" in case[0].text
 
 
 def test_junit_counts():
