@@ -24,6 +24,7 @@ from roah_rsbb.core.robots import ActiveRobots, RobotId
 from roah_rsbb.core.runs.run import Run
 from roah_rsbb.core.scoring.book import FinishedRuns
 from roah_rsbb.core.scoring.desk import ScoreDesk
+from roah_rsbb.core.scoring.judges.desk import JudgeDesk
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.core.tablet import Tablet
 from roah_rsbb.core.watches import Watches
@@ -71,6 +72,7 @@ class Box:
         self.commands = Commands(
             settings, zones, self.robots, self.watches, self._connections, self.finished, record, outbox)
         self.scores = ScoreDesk(self.tick, zones, self.finished, record, outbox)
+        self.judges = JudgeDesk(self.tick, zones, self.scores, outbox)
         self.modules = ModuleDesk(self.tick, zones, self._modules, record)
         # Time.
         self._clock = ClockWatch()

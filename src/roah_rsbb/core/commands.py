@@ -36,9 +36,11 @@ COMMANDS = ("connect", "disconnect", "start", "stop", "previous", "next", *OWN_C
 class CommandRecord:
     """Records every command of a referee, including refused ones."""
 
-    def __init__(self, zones: Zones, outbox: Outbox) -> None:
+    def __init__(self, zones: Zones, outbox: Outbox, kind: str = "command") -> None:
+        """`kind`: of the journal's entries."""
         self._zones = zones
         self._outbox = outbox
+        self._kind = kind
 
     @contextlib.contextmanager
     def of(self, name: RunName, who: str, command: str, **arguments: object) -> Iterator[None]:
@@ -58,7 +60,7 @@ class CommandRecord:
             identity = name.identity or ("" if run is None else run.identity)
             port = _only_port(run, identity)
             self._outbox.insert(place, effects.Recorded(
-                _short(name.zone), _short(identity), port, "command", value, checked_who(who)
+                _short(name.zone), _short(identity), port, self._kind, value, checked_who(who)
             ))
 
 

@@ -123,7 +123,7 @@ class Recorded(NamedTuple):
     zone: str  # empty: none
     identity: str  # of the run; empty: none
     port: Optional[int]  # of the run, if it has exactly one
-    kind: str  # "command" or "reload"
+    kind: str  # "command", "reload", "judge_mark", "judging" or "publication"
     value: Dict[str, Any]  # JSON; a command: its name ("command"), its arguments, the reasons of a refusal
     who: str
 

@@ -10,7 +10,16 @@ import hmac
 import json
 from typing import Tuple
 
-from roah_rsbb.core.scoring.records import ItemRecord, Rating, RunRecord, ScoreEntry, ScoreValue, StopRecord
+from roah_rsbb.core.scoring.records import (
+    ItemRecord,
+    JudgingRecord,
+    PublicationRecord,
+    Rating,
+    RunRecord,
+    ScoreEntry,
+    ScoreValue,
+    StopRecord,
+)
 from roah_rsbb.journal.reader import JournalReader
 from roah_rsbb.results.runs import LinkSecond, RobotPart, RunResult
 from roah_rsbb.rulebook.benchmarks import ALL_TEAMS
@@ -57,6 +66,37 @@ def anonymous_record(record: RunRecord, names: Names) -> RunRecord:
         module_scores=tuple(_score(score, names) for score in record.module_scores),
         stops=tuple(_stop(stop, names) for stop in record.stops),
         sign_off=signed and signed._replace(who=names.of("person", signed.who)), marks="",
+        judging=_judging(record.judging, names), publication=_publication(record.publication, names),
+    )
+
+
+def _judging(judging: JudgingRecord, names: Names) -> JudgingRecord:
+    went_on = judging.went_on
+    return JudgingRecord(
+        tuple(sheet._replace(
+            judge=names.of("person", sheet.judge), device="", marks="", again=names.of("text", sheet.again),
+            history=tuple(_entry(entry, names) for entry in sheet.history),
+            items=tuple(_item(item, names) for item in sheet.items),
+        ) for sheet in judging.sheets),
+        tuple(one._replace(
+            who=names.of("person", one.who), reason=names.of("text", one.reason),
+            proposals=tuple(sorted((names.of("person", judge), value) for judge, value in one.proposals)),
+        ) for one in judging.settlements),
+        went_on and went_on._replace(who=names.of("person", went_on.who), reason=names.of("text", went_on.reason)),
+        tuple(act._replace(
+            who=names.of("person", act.who), judge=names.of("person", act.judge), reason=names.of("text", act.reason),
+        ) for act in judging.acts),
+    )
+
+
+def _publication(publication: PublicationRecord, names: Names) -> PublicationRecord:
+    published = publication.published
+    return PublicationRecord(
+        published and published._replace(who=names.of("person", published.who)),
+        tuple(one._replace(
+            by=names.of("text", one.by), text=names.of("text", one.text), who=names.of("person", one.who),
+            answered_by=names.of("person", one.answered_by), answer=names.of("text", one.answer),
+        ) for one in publication.objections),
     )
 
 

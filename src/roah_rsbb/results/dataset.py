@@ -16,9 +16,10 @@ from roah_rsbb.core import run_log
 from roah_rsbb.core.link.record import LinkSample
 from roah_rsbb.journal import kinds
 from roah_rsbb.results.anonymous import Names, anonymous
-from roah_rsbb.results.events import sections
+from roah_rsbb.results.events import COMMANDS, sections
 from roah_rsbb.results.export import RUN_COLUMNS, SCORE_COLUMNS, Cell, run_row, score_rows, write_rows, write_table
 from roah_rsbb.results.goals import goals
+from roah_rsbb.results.judging import judged_items, submitted
 from roah_rsbb.results.runs import RunResult
 from roah_rsbb.wording.texts import one_line
 from roah_rsbb.wording.times import iso
@@ -110,6 +111,11 @@ TABLES = (
     Table("runs", "One row for each run.", tuple(_RUN_FIELDS[name] for name in RUN_COLUMNS)),
     Table("scores", "One row for each item of a score sheet, each sum, each phase and each value of a module.", (
         _RUN_ID, *(_SCORE_FIELDS[name] for name in SCORE_COLUMNS if name != "value"), *_VALUE_FIELDS)),
+    Table("judges", "One row for each item of each judge who scored on a sheet of their own.", (
+        _RUN_ID, Field("judge", "string", "who judged", True), Field("group", "string", "group of the sheet", True),
+        Field("name", "string", "item", True), Field("proposal", "string", "value that the judge submitted", True),
+        Field("settled", "boolean", "the head referee decided the item", True),
+        Field("reason", "string", "reason of the head referee"))),
     Table("goals", "One row for each goal that the box sent to a robot, such as a waypoint.", (
         _RUN_ID, Field("goal", "integer", "number of the goal within the run", True), _ROBOT,
         Field("time", "datetime", "when the goal was sent", True), Field("text", "string", "the goal"),
@@ -179,6 +185,18 @@ def _score_rows(result: RunResult, _names: Optional[Names]) -> Iterator[Dict[str
                "text": value if is_text else None}
 
 
+def _judge_rows(result: RunResult, _names: Optional[Names]) -> Iterator[Dict[str, Cell]]:
+    record = result.record
+    judges = [sheet.judge for sheet in submitted(record)]
+    for each in judged_items(record):
+        for judge, proposal in zip(judges, each.proposals):
+            yield {
+                "run_id": record.identity, "judge": judge, "group": each.item.group, "name": each.item.desc,
+                "proposal": proposal, "settled": each.settlement is not None,
+                "reason": "" if each.settlement is None else each.settlement.reason,
+            }
+
+
 def _goal_rows(result: RunResult, names: Optional[Names]) -> Iterator[Dict[str, Cell]]:
     for goal in goals(result):
         seconds = None
@@ -212,7 +230,7 @@ def _without_names(kind: str, text: str, bad: bool, names: Names) -> str:
         return text
     if kind == run_log.STATE_DESC:
         return ": ".join(text.split(": ")[:2])  # box and state, without the explanation
-    if kind == kinds.COMMAND:
+    if kind in COMMANDS:
         return text.split(";")[0] + ("; REFUSED" if bad else "")
     return names.of("text", text)
 
@@ -238,7 +256,8 @@ def _text(names: Optional[Names], text: str) -> str:
 
 _Rows = Callable[[RunResult, Optional[Names]], Iterator[Dict[str, Cell]]]
 _ROWS: Dict[str, _Rows] = {
-    "runs": _run_rows, "scores": _score_rows, "goals": _goal_rows, "events": _event_rows, "link": _link_rows,
+    "runs": _run_rows, "scores": _score_rows, "judges": _judge_rows, "goals": _goal_rows, "events": _event_rows,
+    "link": _link_rows,
 }
 
 

@@ -86,7 +86,7 @@ def _stretches(changes: List[Tuple[float, str]], end_utc: float) -> List[Stretch
 
 
 def _run_event(result: RunResult, entry: JournalEntry, text: str) -> RunEvent:
-    bad = entry.kind == kinds.NOTICE or (entry.kind == kinds.COMMAND and "refused" in _dict(entry.value))
+    bad = entry.kind == kinds.NOTICE or (entry.kind in COMMANDS and "refused" in _dict(entry.value))
     return RunEvent(entry.utc, entry.who, result.robot_at(entry.port), text, entry.kind, entry.port, bad)
 
 
@@ -197,12 +197,16 @@ _STATES = "Timeline of states"
 _GOALS = "Goals and results"
 _OPERATIONS = "Manual operations"
 _COMMANDS = "Referee's commands"
+_JUDGES = "Judges"
+_OBJECTIONS = "Objections"
 _ONLINE_DATA = "Online data"
 _DEVICES = "Home devices and tablet"
 _WARNINGS = "Warnings"
 _OTHER = "Other"
 SCORES = "Scores"
-TITLES = (_STATES, _GOALS, _OPERATIONS, SCORES, _COMMANDS, _ONLINE_DATA, _DEVICES, _WARNINGS, _OTHER)
+TITLES = (
+    _STATES, _GOALS, _OPERATIONS, SCORES, _COMMANDS, _JUDGES, _OBJECTIONS, _ONLINE_DATA, _DEVICES, _WARNINGS, _OTHER,
+)
 
 _WORDINGS: Dict[str, Tuple[str, _Wording]] = {
     run_log.STATE_NAME: (_STATES, _state_name),
@@ -216,6 +220,8 @@ _WORDINGS: Dict[str, Tuple[str, _Wording]] = {
     run_log.MANUAL_OPERATION: (_OPERATIONS, _as_it_is),
     run_log.SWITCHES: (_OPERATIONS, _saying("Switches")),
     kinds.COMMAND: (_COMMANDS, _command),
+    kinds.JUDGING: (_JUDGES, _command),
+    kinds.PUBLICATION: (_OBJECTIONS, _command),
     run_log.NOTIFICATION: (_ONLINE_DATA, _saying("notification")),
     run_log.ACTIVATION_EVENT: (_ONLINE_DATA, _saying("activation event")),
     run_log.VISITOR: (_ONLINE_DATA, _saying("visitor")),
@@ -228,9 +234,11 @@ _SCORE_WORDINGS: Dict[str, Tuple[str, _Wording]] = {
     run_log.SCORE: (SCORES, _score),
     run_log.MODULE_SCORE: (SCORES, _only("Score of the benchmarking module changed")),
 }
-# Entries that repeat others, or that the score sheet shows.
+# Kinds of entries that are commands of people.
+COMMANDS = frozenset((kinds.COMMAND, kinds.JUDGING, kinds.PUBLICATION))
+# Entries that repeat others, or that the score sheet shows. The marks of judges are shown when they submit.
 _NOT_SHOWN = frozenset((
     run_log.STATE, run_log.BOX_STATE, run_log.BOX_PAYLOAD, run_log.CLIENT_PAYLOAD, run_log.SCORE,
-    run_log.SCORE_TEXT,
+    run_log.SCORE_TEXT, kinds.JUDGE_MARK,
     run_log.MODULE_SCORE, run_log.HOPF_RESULT, run_log.OMF_BUTTON, run_log.OMF_DAMAGED, run_log.OMF_COMPLETE,
 ))

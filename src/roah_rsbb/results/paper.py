@@ -231,6 +231,10 @@ def _remarks(record: RunRecord) -> Iterator[str]:
     for entry in record.history:
         if entry.note and not entry.withdrawn_utc:
             yield f"{entry.desc}: {entry.note}"
+    for objection in record.publication.objections:
+        decision = f"{'upheld' if objection.upheld else 'rejected'}: {objection.answer}" if objection.answered_utc \
+            else "not answered"
+        yield f"Objection of {objection.by}: {objection.text}: {decision}"
 
 
 # -- the page ---------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@ from typing import Iterator, List, Optional, Sequence, Tuple
 
 from roah_rsbb.core.scoring.records import ItemRecord, RunRecord, StopRecord, grouped
 from roah_rsbb.results.events import Section, box_states, robot_states, sections
+from roah_rsbb.results.judging import act_lines, judged_items, objection_lines, submitted
 from roah_rsbb.results.link_report import LinkRows, link_lines, link_plot
 from roah_rsbb.results.page import NO_COMPETITION, Child, Competition, Markup, facts_table, joined, page, table, tag
 from roah_rsbb.results.paper import front_markup, front_of, robots_of
@@ -15,6 +16,7 @@ from roah_rsbb.wording.module_scores import by_group
 from roah_rsbb.wording.texts import one_line as line
 from roah_rsbb.wording.times import NOTHING, date_time, elapsed, optional_date_time, time_with_tenths
 
+_JUDGES, _OBJECTIONS = "Sheets of the judges", "Objections"
 # Begin and end of struck-through text, on terminals that support it.
 _STRUCK, _PLAIN = "\033[9m", "\033[29m"
 
@@ -28,6 +30,7 @@ def sheet_lines(result: RunResult, in_utc: bool, strike: bool) -> Iterator[str]:
         yield f"{name + ':':14}{value}"
     yield from _items(record)
     yield from _history(record, in_utc, strike)
+    yield from _judges(record, in_utc)
     yield from _stops(record, in_utc)
     for title, lines in by_group(record.module_scores):
         yield from _titled(f"Module's score: {line(title)}", [f"{line(s.name)}: {line(s.value)}" for s in lines])
@@ -129,6 +132,20 @@ def _history(record: RunRecord, in_utc: bool, strike: bool) -> Iterator[str]:
     yield from _titled("History of the score sheet", [shown(entry) for entry in entries])
 
 
+def _judges(record: RunRecord, in_utc: bool) -> Iterator[str]:
+    names = [line(sheet.judge) for sheet in submitted(record)]
+    yield from _titled("Judges", [
+        f"{line(each.item.desc)}: "
+        + "; ".join(f"{name} {line(value)}" for name, value in zip(names, each.proposals)) + f" → {_value(each.item)}"
+        + (f" (settled by {line(sheets.person(each.settlement.who))}: {line(each.settlement.reason)})"
+           if each.settlement is not None else "")
+        for each in judged_items(record)
+    ])
+    for title, lines in ((_JUDGES, act_lines(record)), (_OBJECTIONS, objection_lines(record))):
+        yield from _titled(title, [
+            f"{date_time(utc, in_utc)} {_by(who)}{line(text)}" for utc, who, text in lines])
+
+
 def _stops(record: RunRecord, in_utc: bool) -> Iterator[str]:
     yield from _titled("Ends", [
         f"{date_time(stop.utc, in_utc)} {_by(stop.who)}{line(_end(stop))}"
@@ -163,7 +180,8 @@ def sheet_page(
         annex = [
             tag("h1", "Appendix"), tag("p", title), facts_table(_page_facts(result, in_utc)),
             *_items_markup(record), *_modules_markup(record), *_history_markup(record, in_utc),
-            *_stops_markup(record, in_utc), *(_section(section, in_utc) for section in shown),
+            *_judges_markup(record, in_utc), *_stops_markup(record, in_utc),
+            *(_section(section, in_utc) for section in shown),
             *(part for robot in result.robots for part in _link(result, robot, in_utc)),
         ]
         body.append(tag("div", *annex, class_="annex"))
@@ -225,6 +243,24 @@ def _change(entry: sheets.EntryTexts) -> Tuple[Child, ...]:
     if entry.withdrawn:
         note = joined((note, " ", mark(entry.withdrawn)))
     return entry.number, entry.when, entry.who, what, change, note
+
+
+def _judges_markup(record: RunRecord, in_utc: bool) -> Iterator[Markup]:
+    judged = list(judged_items(record))
+    if judged:
+        names = [sheet.judge for sheet in submitted(record)]
+        yield tag("h2", "Judges")
+        yield table(("Item", *names, "Counts", "Settled"), [
+            (each.item.desc, *each.proposals, _value(each.item),
+             f"{sheets.person(each.settlement.who)}: {each.settlement.reason}" if each.settlement is not None else "")
+            for each in judged
+        ], ("what", *("value" for _ in names), "value"))
+    for title, lines in ((_JUDGES, act_lines(record)), (_OBJECTIONS, objection_lines(record))):
+        if lines:
+            yield tag("h2", title)
+            yield table(("When", "Who", "What"), [
+                (date_time(utc, in_utc), sheets.person(who), text) for utc, who, text in lines
+            ], ("when", "who", "what"))
 
 
 def _stops_markup(record: RunRecord, in_utc: bool) -> Iterator[Markup]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Dict, FrozenSet, Optional, Tuple
 
 from roah_rsbb.rulebook.registry import PROFILES, STRINGS, BenchmarkKind, Profile, profile_of
-from roah_rsbb.rulebook.scoring import NO_SHEET_RULES, ScoringItem, SheetForm, SheetRules
+from roah_rsbb.rulebook.scoring import NO_SHEET_RULES, JudgesRule, ScoringItem, SheetForm, SheetRules
 
 # In the schedule this means every active robot. No team may have this name.
 ALL_TEAMS = "ALL"
@@ -82,12 +82,14 @@ class Benchmark:
     rules: Rules = NO_RULES
     sheet_rules: SheetRules = NO_SHEET_RULES
     about: Tuple[Tuple[str, str], ...] = ()  # what spectators read of it: languages and texts
+    judges: Optional[JudgesRule] = None  # None: the referee scores
+    objection_time: float = 0.0  # seconds after the result is published; 0.0: no such rule
 
     @property
     def form(self) -> SheetForm:
         """The score sheet before it is filled in."""
         limit = 0.0 if self.sheet_rules.time_left is None else self.total_timeout
-        return SheetForm(self.scoring, self.sheet_rules, limit)
+        return SheetForm(self.scoring, self.sheet_rules, limit, self.judges, self.objection_time)
 
     @property
     def profile(self) -> Profile:

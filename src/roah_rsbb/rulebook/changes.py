@@ -79,6 +79,8 @@ def _by_name(items: Iterable[Any]) -> Dict[str, Any]:
 
 
 def _text(value: Any) -> str:
+    if value is None:
+        return "none"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, float):

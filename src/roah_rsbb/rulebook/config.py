@@ -26,7 +26,8 @@ from roah_rsbb.rulebook.benchmarks import (
 )
 from roah_rsbb.rulebook.errors import ConfigError, ConfigErrors, Place, Report, line_list, quote
 from roah_rsbb.rulebook.registry import CODE, PROFILES, USES, BenchmarkKind, Profile, new_profile
-from roah_rsbb.rulebook.scoring_section import ScoringSection
+from roah_rsbb.rulebook.scoring import Agreement, JudgesRule
+from roah_rsbb.rulebook.scoring_section import MAX_JUDGES, ScoringSection
 from roah_rsbb.rulebook.yaml_fields import choice, describe, fields, integer, number, sequence, text, utc_time
 from roah_rsbb.rulebook.yaml_lines import Mapping, Node, Scalar, Sequence, Unusable, read_yaml
 from roah_rsbb.wording.suggestions import nearest
@@ -82,11 +83,16 @@ _BENCHMARK_OPTIONAL = {
     "setup_time": "120", "attempts": "2", "attempt_counts": "best", "restarts": "clock runs", "pause": "allowed",
     "phases": "[...]", "no_show": "zero",
     "timed_out_goal": "completed", "about": "The robot explores the home.",
+    "judges": "2", "objection_time": "900",
 }
 # Spectators read it on a screen, in a moment.
 _MAX_ABOUT_BYTES = 300
 _LANGUAGE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
 _DEFAULT_LANGUAGE = "en"
+_JUDGES, _JUDGES_OPTIONAL = {"count": "2"}, {"rule": "majority"}
+_AGREEMENTS = {each.value: each for each in Agreement}
+# One judge alone needs no rule.
+MIN_JUDGES = 2
 _PHASE, _PHASE_OPTIONAL = {"name": "Serve the drinks"}, {"limit": "120"}
 _KINDS = {kind.value: kind for kind in BenchmarkKind}
 _TIMED_OUT_GOAL = {"completed": True, "failed": False}
@@ -139,7 +145,12 @@ class BenchmarksFile:
         desc = text(report, got.get("desc"), "desc")
         timeout = _timeout(report, got, "timeout")
         total = _timeout(report, got, "total_timeout") if "total_timeout" in got else timeout
-        scoring = ScoringSection(report, got.get("scoring"))
+        judges = self._judges(got["judges"]) if "judges" in got else None
+        scoring = ScoringSection(report, got.get("scoring"), judges.count if judges else 0)
+        if "judges" in got and "scoring" not in got:
+            report.error(got["judges"].place, "judges in a benchmark without 'scoring'",
+                         "scoring items that they judge, or no key 'judges'")
+        objection_time = _timeout(report, got, "objection_time", infinity="") if "objection_time" in got else 0.0
         rules = self._rules(got, None if profile is None else profile.kind)
         about = self._about(got["about"]) if "about" in got else ()
         if code is None:
@@ -158,7 +169,8 @@ class BenchmarksFile:
                              "a timeout in seconds, or no time_left")
             if name is not None and desc is not None and profile is not None and rules is not None:
                 self.by_code[code] = Benchmark(
-                    code, name, desc, timeout, total, scoring.items, profile, rules, scoring.rules, about)
+                    code, name, desc, timeout, total, scoring.items, profile, rules, scoring.rules, about, judges,
+                    objection_time or 0.0)
                 self._warn_of_limits(self.by_code[code], got)
         return code if isinstance(node, Mapping) and node.whole else None
 
@@ -210,6 +222,20 @@ class BenchmarksFile:
             if words is not None:
                 found.append((key.text, words))
         return tuple(found)
+
+    def _judges(self, node: Node) -> Optional[JudgesRule]:
+        """Read how many judges score, and how their sheets become one; None after an error."""
+        report = self._report
+        what = "judges of a benchmark"
+        if not isinstance(node, Mapping):
+            count = integer(report, node, what, MIN_JUDGES, MAX_JUDGES)
+            return None if count is None else JudgesRule(count)
+        got = fields(report, node, what, _JUDGES, _JUDGES_OPTIONAL) or {}
+        count = integer(report, got.get("count"), f"count of {what}", MIN_JUDGES, MAX_JUDGES)
+        rule: Optional[str] = Agreement.ALL_AGREE.value
+        if "rule" in got:
+            rule = choice(report, got["rule"], f"rule of {what}", tuple(_AGREEMENTS), "how their sheets become one")
+        return None if count is None or rule is None else JudgesRule(count, _AGREEMENTS[rule])
 
     def _phases(self, node: Node, kind: Optional[BenchmarkKind]) -> Optional[Tuple[PhaseRule, ...]]:
         """Read the phases of a task benchmark; None after an error."""

@@ -4,7 +4,7 @@ Points are exact decimals, never floats, so that every page shows the same sum (
 """
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Optional, Tuple
 
@@ -49,6 +49,27 @@ class JuryResult(enum.Enum):
     WITHOUT_EXTREMES = "without extremes"  # the mean without the lowest and the highest; of two ratings, of both
 
 
+class Agreement(enum.Enum):
+    """How the sheets of several judges become one (docs/organiser.md, "Judges and objections")."""
+
+    ALL_AGREE = "all agree"
+    MAJORITY = "majority"
+    MEAN = "mean"
+    MEDIAN = "median"
+    WITHOUT_EXTREMES = "without extremes"  # as the jury's result of that name
+
+
+@dataclass(frozen=True)
+class JudgesRule:
+    """The runs of a benchmark are scored by several judges, each on a sheet of their own."""
+
+    count: int
+    agreement: Agreement = Agreement.ALL_AGREE
+
+    def __str__(self) -> str:
+        return f"{self.count}, {self.agreement.value}"
+
+
 @dataclass(frozen=True)
 class Choice:
     """One of the answers of an item of type choice."""
@@ -76,6 +97,14 @@ class ScoringItem:
     def key(self) -> Key:
         """Its identity."""
         return self.group, self.desc
+
+    def with_jury(self, jury: JuryResult) -> "ScoringItem":
+        """Return the item with another rule for several numbers."""
+        return replace(self, jury=jury)
+
+    def rated_by(self, judge: str) -> "ScoringItem":
+        """Return the item as it is on the sheet of one judge."""
+        return replace(self, judges=(judge,), jury=JuryResult.MEAN) if self.kind is ScoreKind.RATING else self
 
     @property
     def has_points(self) -> bool:
@@ -126,11 +155,14 @@ NO_SHEET_RULES = SheetRules()
 
 @dataclass(frozen=True)
 class SheetForm:
-    """A score sheet before it is filled in. `time_limit`: seconds of the run, for the bonus for the time left."""
+    """A score sheet before it is filled in, and by whom. `time_limit`: seconds of the run, for the bonus for the time
+    left."""
 
     items: Tuple[ScoringItem, ...] = ()
     rules: SheetRules = NO_SHEET_RULES
     time_limit: float = 0.0
+    judges: Optional[JudgesRule] = None  # None: the referee scores
+    objection_time: float = 0.0  # seconds after the result is published; 0.0: no such rule
 
     @property
     def has_points(self) -> bool:
@@ -140,4 +172,5 @@ class SheetForm:
     @property
     def is_plain(self) -> bool:
         """Whether it has only items without rules."""
-        return self.rules == NO_SHEET_RULES and all(item.is_plain for item in self.items)
+        has_rules = self.rules != NO_SHEET_RULES or self.judges is not None or self.objection_time > 0
+        return not has_rules and all(item.is_plain for item in self.items)

@@ -64,8 +64,10 @@ class _Needs(NamedTuple):
 class ScoringSection:
     """The items and rules of one benchmark. Those with errors are left out."""
 
-    def __init__(self, report: Report, node: Optional[Node]) -> None:
+    def __init__(self, report: Report, node: Optional[Node], sheets: int = 0) -> None:
+        """`sheets`: the number of judges who have a sheet of their own; 0: the referee scores."""
         self._report = report
+        self._sheets = sheets
         self._items: Dict[Key, ScoringItem] = {}
         self._places: Dict[Key, Place] = {}
         self._needs: Dict[Key, _Needs] = {}
@@ -140,7 +142,8 @@ class ScoringSection:
                 if key == "points" and kind is ScoreKind.CHOICE:
                     expected = "the points of each choice, such as 'choices: {fully: 20, partly: 10}'"
                 self._report.error(got[key].place, f"the key {quote(key)} in an item of type {kind.word}", expected)
-        missing = [key for key in _NEEDED_KEYS.get(kind, ()) if key not in got]
+        given = {*got, "judges"} if self._sheets else got.keys()
+        missing = [key for key in _NEEDED_KEYS.get(kind, ()) if key not in given]
         if missing and isinstance(node, Mapping) and node.whole:
             examples = listing(f"'{key}: {_ITEM_OPTIONAL[key]}'" for key in missing)
             self._report.error(node.place, f"an item of type {kind.word} without {listing(missing)}",
@@ -162,7 +165,7 @@ class ScoringSection:
         return ScoringItem(
             "", "", kind, exact(report, got.get("points"), "points", -MAX_NUMBER, MAX_NUMBER), least, most,
             self._choices(got["choices"]) if "choices" in got else (),
-            self._judges(got["judges"]) if "judges" in got else (), jury,
+            self._item_judges(got, kind), jury,
         )
 
     def _range(
@@ -203,6 +206,16 @@ class ScoringSection:
             report.error(node.place, f"{describe(node)} as choices" if isinstance(node, Scalar) else "too few choices",
                          "two or more, such as '{fully: 20, partly: 10}' or, without points, '[fully, partly]'")
         return ()
+
+    def _item_judges(self, got: Dict[str, Node], kind: ScoreKind) -> Tuple[str, ...]:
+        """Read the judges of a rating. In a benchmark with judges, each of them rates."""
+        if "judges" not in got:
+            return tuple(str(i) for i in range(1, self._sheets + 1)) if kind is ScoreKind.RATING else ()
+        judges = self._judges(got["judges"])
+        if self._sheets and judges and len(judges) != self._sheets:
+            self._report.error(got["judges"].place, f"{len(judges)} judges of a rating in a benchmark with "
+                               f"{self._sheets} judges", "no key 'judges' in the item: each judge rates it")
+        return judges
 
     def _judges(self, node: Node) -> Tuple[str, ...]:
         """Read the names of judges, or their number: then they are called 1, 2 and so on."""

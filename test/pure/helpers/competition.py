@@ -13,10 +13,10 @@ BUMPS = ScoringItem("Penalized", "bumps", ScoreKind.UINT)
 SCORING = (DOOR, OBJECTS, BUMPS)
 
 
-def benchmark(code, timeout=600.0, total_timeout=None, scoring=SCORING, rules=NO_RULES):
+def benchmark(code, timeout=600.0, total_timeout=None, scoring=SCORING, rules=NO_RULES, **others):
     """A benchmark of that code; times in seconds."""
     total = timeout if total_timeout is None else total_timeout
-    return Benchmark(code, f"Benchmark {code}", f"About {code}", timeout, total, scoring, rules=rules)
+    return Benchmark(code, f"Benchmark {code}", f"About {code}", timeout, total, scoring, rules=rules, **others)
 
 
 def event(code="HGTKMH", team="Alpha", round=1, run=1, scheduled=UTC0, **of_benchmark):

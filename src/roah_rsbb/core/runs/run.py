@@ -25,7 +25,7 @@ from roah_rsbb.core.runs.online_data import MAX_SAID, Said, Strings, StringsBudg
 from roah_rsbb.core.runs.requests import RunningGoal
 from roah_rsbb.core.runs.times import BY_REFEREE, RunTimes, TimesState
 from roah_rsbb.core.scoring.book import BookState, Marked, RunBook
-from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, Phase, RunRecord, ScoreValue
+from roah_rsbb.core.scoring.records import NOBODY, By, EndReason, ItemRecord, Phase, RunRecord, ScoreValue
 from roah_rsbb.core.scoring.sheet import Mark, ScoreSheet, value_text
 from roah_rsbb.core.settings import Settings
 from roah_rsbb.protocol import BoxState, RobotState
@@ -322,6 +322,21 @@ class ZoneRun(abc.ABC):
         if marked.text:
             self._score_changed(now, marked)
 
+    def change_book(self, now: Now, change: Callable[[RunBook], str]) -> None:
+        """Change the book by judges, and take over on what they agree. Raises `Refused`.
+
+        `change` returns the text for the referees; empty: only the judge may know.
+        """
+        before = {item.key: item for item in self.sheet.items()}
+        text = change(self.book)
+        self.book.take_verdicts(now)
+        if text:
+            self.say(now, Level.INFO, text)
+        for item in self.sheet.items():
+            if item != before[item.key]:
+                self._log_score(item)
+        self._record_changed(now)
+
     def give_stop_reason(self, now: Now, by: By, number: int) -> None:
         """Set the reason why the run was stopped. Raises `Refused`."""
         self.say(now, Level.INFO, self.book.give_reason(number, by))
@@ -329,14 +344,16 @@ class ZoneRun(abc.ABC):
 
     def _score_changed(self, now: Now, marked: Marked) -> None:
         if marked.item is not None:
-            item = marked.item
-            for member in self.members():
-                self._emit(effects.RunLogged(member.port, run_log.SCORE, (item.group, item.desc, item.value)))
-                if item.kind not in WHOLE_WORDS:
-                    text = f"{item.group}: {item.desc}: {value_text(item)}"
-                    self._emit(effects.RunLogged(member.port, run_log.SCORE_TEXT, text))
+            self._log_score(marked.item)
         self.say(now, Level.INFO, marked.text)
         self._record_changed(now)
+
+    def _log_score(self, item: ItemRecord) -> None:
+        for member in self.members():
+            self._emit(effects.RunLogged(member.port, run_log.SCORE, (item.group, item.desc, item.value)))
+            if item.kind not in WHOLE_WORDS:
+                text = f"{item.group}: {item.desc}: {value_text(item)}"
+                self._emit(effects.RunLogged(member.port, run_log.SCORE_TEXT, text))
 
     # -- texts --------------------------------------------------------------------------------------
 

@@ -7,10 +7,12 @@ correction.
 
 import itertools
 from dataclasses import dataclass, field
-from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 from roah_rsbb.core.clock import Now
 from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.scoring.judges.judges import Judges, JudgesState, Verdict
+from roah_rsbb.core.scoring.judges.publication import Publication, PublicationState
 from roah_rsbb.core.scoring.points import Counted, counted
 from roah_rsbb.core.scoring.records import (
     By,
@@ -44,6 +46,8 @@ class BookState:
     stops: List[StopRecord] = field(default_factory=list)
     started_utc: float = 0.0  # UTC seconds of the last start; 0.0: never started
     elapsed_s: float = 0.0  # counted seconds from the last start to its end; 0.0: not ended
+    judging: JudgesState = field(default_factory=JudgesState)
+    publication: PublicationState = field(default_factory=PublicationState)
 
 
 class Marked(NamedTuple):
@@ -63,6 +67,8 @@ class RunBook:
         self.state = state or BookState()
         self.form = form
         self.sheet = ScoreSheet(form.items, self.state.sheet)
+        self.judges = Judges(form, self.state.judging)
+        self.publication = Publication(form, self.state.publication)
         self._over = over
         self._counted: Optional[Tuple[Tuple[ItemRecord, ...], float, str, Counted]] = None
 
@@ -102,16 +108,19 @@ class RunBook:
         """See `ScoreSheet.set`."""
         if self.sheet.taken(mark.id) is not None:
             return Marked(None, "")
+        self._check_not_judged()
         before = self.sheet.set(now, who, mark, self._over)
         return self._marked(before, self.sheet.item(mark.group, mark.desc), mark.note)
 
     def withdraw(self, now: Now, by: By, number: int) -> Marked:
         """See `ScoreSheet.withdraw`."""
+        self._check_not_judged()
         standing = self._items_by_name()
         return self._withdrawn(standing, self.sheet.withdraw(now, by.who, number, by.reason, self._over), by)
 
     def take_back(self, now: Now, by: By, mark_id: str) -> Marked:
         """See `ScoreSheet.take_back`."""
+        self._check_not_judged()
         standing = self._items_by_name()
         entry = self.sheet.take_back(now, by.who, mark_id, by.reason, self._over)
         return Marked(None, "") if entry is None else self._withdrawn(standing, entry, by)
@@ -126,6 +135,18 @@ class RunBook:
         if before is None:
             return Marked(None, f"Score: {entry.group}: {entry.desc} ({note})")
         return self._marked(before, self.sheet.item(entry.group, entry.desc), note)
+
+    def _check_not_judged(self) -> None:
+        if self.form.judges is not None:
+            raise Refused([f"{self.form.judges.count} judges score this benchmark, each on a sheet of their own: enter "
+                           "the score as a judge, or settle the item with a reason as the head referee"])
+
+    def take_verdicts(self, now: Now) -> None:
+        """Take the values on which the judges agree, and those that are settled, into the sheet."""
+        for verdict in self.judges.verdicts():
+            for mark in _marks_of(verdict):
+                if not self.sheet.has(mark):
+                    self.sheet.set(now, verdict.who, mark if self.sheet.can_note else mark._replace(note=""))
 
     def _marked(self, before: ItemRecord, after: ItemRecord, note: str) -> Marked:
         text = score_text(after.group, after.desc, value_text(before), value_text(after))
@@ -147,8 +168,20 @@ class RunBook:
         return record._replace(
             items=items, points=points, form=None if self.form.is_plain else self.form, history=self.sheet.history,
             stops=tuple(self.state.stops), started_utc=self.state.started_utc, elapsed_s=self.state.elapsed_s,
-            marks=self.sheet.marks,
+            marks=self.sheet.marks, judging=self.judges.record(), publication=self.publication.record(),
         )
+
+
+def _marks_of(verdict: Verdict) -> List[Mark]:
+    """Return the marks that enter a verdict into the run's sheet."""
+    mark = Mark(*verdict.item.key, note=verdict.reason, role=verdict.role)
+    if verdict.value is None:
+        return []
+    if verdict.value.not_attempted:
+        return [mark._replace(not_attempted=True)]
+    if verdict.item.kind is ScoreKind.RATING:
+        return [mark._replace(judge=judge, text=text) for judge, text in verdict.ratings]
+    return [mark._replace(value=verdict.value.value, text=verdict.value.text)]
 
 
 class FinishedResult(NamedTuple):
@@ -178,7 +211,9 @@ class FinishedRun:
         self._benchmark = benchmark
         form = form_of(record)
         state = BookState(
-            SheetState(list(record.history), record.marks), list(record.stops), record.started_utc, record.elapsed_s)
+            SheetState(list(record.history), record.marks), list(record.stops), record.started_utc, record.elapsed_s,
+            JudgesState.of(record.judging), PublicationState.of(record.publication),
+        )
         self._book = RunBook(form, state, over=True)
         self.result = self._result()
 
@@ -196,6 +231,18 @@ class FinishedRun:
     def sheet(self) -> ScoreSheet:
         """Its score sheet."""
         return self._book.sheet
+
+    @property
+    def book(self) -> RunBook:
+        """Its book."""
+        return self._book
+
+    def change_book(self, now: Now, change: Callable[[RunBook], str]) -> str:
+        """Change the book by judges or objections, and take over on what the judges agree. Raises `Refused`."""
+        self._check_open()
+        text = change(self._book)
+        self._book.take_verdicts(now)
+        return self._changed(text)
 
     def withdraw_score(self, now: Now, by: By, number: int) -> str:
         """Withdraw an entry of the score sheet. Raises `Refused`."""
@@ -219,6 +266,9 @@ class FinishedRun:
         self._check_open()
         if sheets.person(who) in ("", sheets.NO_NAME):
             raise Refused(["a sign-off needs the name of the referee: enter it, in the terminal with --by"])
+        reasons = self._book.judges.not_ready() + self._book.publication.not_ready(now)
+        if reasons:
+            raise Refused(reasons)
         self.record = self.record._replace(sign_off=SignOff(now.utc, who))
         self.result = self._result()
         return f"Score sheet signed off by {who}"

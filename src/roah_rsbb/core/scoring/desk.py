@@ -54,7 +54,7 @@ class ScoreDesk:
 
     def record_of(self, now: Now, name: RunName) -> RunRecord:
         """Return the record of a run. Raises `Refused`."""
-        run = self._named(name)
+        run = self.named(name)
         return run.record if isinstance(run, FinishedRun) else run.record(now)
 
     # -- scores -------------------------------------------------------------------------------------
@@ -62,10 +62,10 @@ class ScoreDesk:
     def mark(self, now: Now, name: RunName, mark: Mark, who: str = "") -> None:
         """Mark a scoring item. In a finished run, this is a correction. Raises `Refused`."""
         self._tick(now)
-        with self._record.of(name, who, "score", **_asked(mark)):
+        with self._record.of(name, who, "score", **asked_of(mark)):
             mark = mark._replace(note=checked_note(mark.note))
-            run = self._named(name)
-            self._report_correction(run, run.mark(now, checked_who(who), mark))
+            run = self.named(name)
+            self.report_correction(run, run.mark(now, checked_who(who), mark))
 
     def mark_once(self, now: Now, name: RunName, mark: Mark, who: str = "") -> None:
         """Mark a scoring item unless this mark was applied before. Raises `Refused`.
@@ -73,21 +73,20 @@ class ScoreDesk:
         The mark has an identity, and the run is named by its own, so a mark that arrives again changes no other run.
         """
         self._tick(now)
-        asked = {**_asked(mark), "mark": mark.id, "role": mark.role, "device": mark.device}
+        asked = {**asked_of(mark), "mark": mark.id, "role": mark.role, "device": mark.device}
         with self._record.of(name, who, "mark", **asked):
             if not name.identity:
                 raise Refused(["name the run: a mark that arrives late must not count in another run"])
-            if not mark.id.strip() or not mark.id.isprintable() or len(mark.id) > MAX_MARK_ID:
-                raise Refused([f"the id '{mark.id[:MAX_MARK_ID]}' cannot identify a mark: give each mark a new UUID"])
+            check_mark_id(mark.id)
             if mark.role and mark.role not in ROLES:
                 raise Refused([f"no role '{mark.role}': choose one of {', '.join(ROLES)}"])
             mark = mark._replace(note=checked_note(mark.note), device=checked_who(mark.device))
-            run = self._named(name)
-            self._report_correction(run, run.mark(now, checked_who(who), mark))
+            run = self.named(name)
+            self.report_correction(run, run.mark(now, checked_who(who), mark))
 
     def outcome(self, name: RunName, mark: Mark) -> MarkOutcome:
         """Return what a mark that was applied led to. Raises `Refused`."""
-        sheet = self._named(name).sheet
+        sheet = self.named(name).sheet
         return MarkOutcome(sheet.taken(mark.id) or 0, sheet.item(mark.group, mark.desc))
 
     def withdraw(self, now: Now, name: RunName, number: int, who: str = "", note: str = "") -> None:
@@ -95,8 +94,8 @@ class ScoreDesk:
         self._tick(now)
         with self._record.of(name, who, "withdraw", entry=number, note=note):
             by = By(checked_who(who), checked_note(note))
-            run = self._named(name)
-            self._report_correction(run, run.withdraw_score(now, by, number))
+            run = self.named(name)
+            self.report_correction(run, run.withdraw_score(now, by, number))
 
     def take_back(self, now: Now, name: RunName, mark_id: str, who: str = "", note: str = "") -> None:
         """Take back a mark that set an item, once, however often this arrives. Raises `Refused`."""
@@ -113,8 +112,8 @@ class ScoreDesk:
         self._tick(now)
         with self._record.of(name, who, "stop_reason", reason=reason, stop=number):
             by = By(checked_who(who), checked_note(reason))
-            run = self._named(name)
-            self._report_correction(run, run.give_stop_reason(now, by, number))
+            run = self.named(name)
+            self.report_correction(run, run.give_stop_reason(now, by, number))
 
     def sign_off(self, now: Now, name: RunName, who: str = "") -> None:
         """Make the score sheet of a finished run final. Raises `Refused`."""
@@ -122,10 +121,10 @@ class ScoreDesk:
         with self._record.of(name, who, "sign_off"):
             if not name.identity:
                 raise Refused(["name the run to sign off: only a run that is over can be signed off"])
-            run = self._named(name)
+            run = self.named(name)
             if not isinstance(run, FinishedRun):
                 raise Refused([f"run {name.identity} is still connected: disconnect it first"])
-            self._report_correction(run, run.sign_off(now, checked_who(who)))
+            self.report_correction(run, run.sign_off(now, checked_who(who)))
 
     # -- stop ---------------------------------------------------------------------------------------
 
@@ -136,7 +135,7 @@ class ScoreDesk:
         """
         self._tick(now)
         with self._record.of(name, who, "stop"):
-            run = self._named(name)
+            run = self.named(name)
             if not isinstance(run, FinishedRun):
                 if run.phase is Phase.RUNNING:
                     run.stop(now, By(checked_who(who)))
@@ -147,7 +146,7 @@ class ScoreDesk:
                 raise Refused([f"run {name.identity} is over, but run {zone.run.identity} is running in zone "
                                f"'{name.zone}': stop again"])
 
-    def _named(self, name: RunName) -> Union[ZoneRun, FinishedRun]:
+    def named(self, name: RunName) -> Union[ZoneRun, FinishedRun]:
         """Return the run of that name. Raises `Refused`."""
         if not name.identity:
             return self._zones.run_in(name.zone)
@@ -159,7 +158,7 @@ class ScoreDesk:
             raise Refused([f"run {name.identity} was in zone '{run.record.zone}', not in '{name.zone}'"])
         return run
 
-    def _report_correction(self, run: Union[ZoneRun, FinishedRun], text: Optional[str]) -> None:
+    def report_correction(self, run: Union[ZoneRun, FinishedRun], text: Optional[str]) -> None:
         """Report a correction of a finished run. A run in progress reports its changes itself."""
         if not isinstance(run, FinishedRun) or not text:
             return
@@ -169,7 +168,13 @@ class ScoreDesk:
         self._outbox.notice(Level.INFO, f"{what}: {text}", record.zone)
 
 
-def _asked(mark: Mark) -> Dict[str, object]:
+def check_mark_id(mark_id: str) -> None:
+    """Check the identity of a mark; raises `Refused`."""
+    if not mark_id.strip() or not mark_id.isprintable() or len(mark_id) > MAX_MARK_ID:
+        raise Refused([f"the id '{mark_id[:MAX_MARK_ID]}' cannot identify a mark: give each mark a new UUID"])
+
+
+def asked_of(mark: Mark) -> Dict[str, object]:
     """Return a mark as the journal records it."""
     asked: Dict[str, object] = {"group": mark.group, "item": mark.desc, "note": mark.note}
     if mark.not_attempted:

@@ -147,6 +147,90 @@ class SignOff(NamedTuple):
     who: str
 
 
+class JudgeSheet(NamedTuple):
+    """The score sheet of one of several judges. Nobody else sees it before it is submitted."""
+
+    judge: str
+    opened_utc: float  # UTC seconds
+    device: str = ""  # from which it was sent last; empty: not known
+    history: Tuple[ScoreEntry, ...] = ()
+    marks: str = ""  # the newest ones that have an identity, see `SheetState`
+    submitted_utc: float = 0.0  # UTC seconds; 0.0: not submitted
+    items: Tuple[ItemRecord, ...] = ()  # as they were submitted
+    again: str = ""  # why the judge shall look again; empty: not handed back
+    withdrawn_utc: float = 0.0  # UTC seconds; 0.0: it counts
+
+
+class Settlement(NamedTuple):
+    """The head referee's value of an item, for what the judges had submitted then."""
+
+    utc: float  # UTC seconds
+    who: str
+    group: str
+    desc: str
+    value: int
+    text: str
+    not_attempted: bool
+    reason: str
+    proposals: Tuple[Tuple[str, str], ...]  # each judge with the value in words, by name
+
+
+class JudgeAct(NamedTuple):
+    """What a judge or the head referee did with a judge's sheet."""
+
+    utc: float  # UTC seconds
+    who: str
+    act: str  # submitted, handed back, withdrawn, went on, settled
+    judge: str = ""  # whose sheet it is
+    reason: str = ""
+
+
+class WentOn(NamedTuple):
+    """The head referee does not wait for missing judges."""
+
+    utc: float  # UTC seconds
+    who: str
+    reason: str
+
+
+class JudgingRecord(NamedTuple):
+    """The sheets of several judges, and what became of them."""
+
+    sheets: Tuple[JudgeSheet, ...] = ()  # in the order in which they were opened
+    settlements: Tuple[Settlement, ...] = ()  # oldest first; a later one of an item replaces the earlier ones
+    went_on: Optional[WentOn] = None
+    acts: Tuple[JudgeAct, ...] = ()  # oldest first
+
+
+class Published(NamedTuple):
+    """The result was published as provisional."""
+
+    utc: float  # UTC seconds
+    who: str
+    until_utc: float  # UTC seconds: until then, objections are possible
+
+
+class Objection(NamedTuple):
+    """An objection to a provisional result."""
+
+    number: int  # 1, 2, … within the run
+    utc: float  # UTC seconds
+    by: str  # who objects, such as a team
+    text: str
+    who: str  # who entered it
+    answered_utc: float = 0.0  # UTC seconds; 0.0: not answered
+    answered_by: str = ""
+    upheld: bool = False
+    answer: str = ""
+
+
+class PublicationRecord(NamedTuple):
+    """The way of a result from provisional to final. The sign-off ends it."""
+
+    published: Optional[Published] = None
+    objections: Tuple[Objection, ...] = ()  # oldest first
+
+
 class RunRecord(NamedTuple):
     """The complete record of a run."""
 
@@ -172,6 +256,8 @@ class RunRecord(NamedTuple):
     points: Optional[SheetPoints] = None  # None: the sheet gives no points
     form: Optional[SheetForm] = None  # None: the sheet only has items without rules
     marks: str = ""  # the newest ones that have an identity, see `SheetState`
+    judging: JudgingRecord = JudgingRecord()
+    publication: PublicationRecord = PublicationRecord()
 
 
 class By(NamedTuple):

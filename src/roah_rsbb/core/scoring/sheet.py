@@ -133,6 +133,18 @@ class ScoreSheet:
         number = self.taken(mark_id)
         return any(entry.withdrawn_utc > 0.0 for entry in self._history if entry.number == number)
 
+    def has(self, mark: Mark) -> bool:
+        """Whether an item, or a judge's rating of it, has the value of a mark."""
+        before = self._standing_of((mark.group, mark.desc), mark.judge)
+        if mark.not_attempted or before.not_attempted:
+            return mark.not_attempted and before.not_attempted
+        return mark.text == before.text if mark.judge else (mark.value, mark.text) == before[:2]
+
+    @property
+    def can_note(self) -> bool:
+        """Whether one more entry may have a note."""
+        return sum(1 for entry in self._history if not _is_plain(entry)) < MAX_NOTED
+
     # -- changing -----------------------------------------------------------------------------------
 
     def check(self, mark: Mark) -> Mark:
@@ -330,7 +342,7 @@ class ScoreSheet:
         return pairs
 
     def _check_noted(self, instead: str) -> None:
-        if sum(1 for entry in self._history if not _is_plain(entry)) >= MAX_NOTED:
+        if not self.can_note:
             raise Refused([f"{MAX_NOTED} entries of the score sheet already have a note or are withdrawn: {instead}"])
 
     def _numbers(self) -> str:

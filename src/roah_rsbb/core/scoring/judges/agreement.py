@@ -1,0 +1,62 @@
+"""How the values that several judges gave an item become one (docs/organiser.md, "Judges and objections").
+
+Numbers are exact decimals, and the result does not depend on the order of the judges.
+"""
+
+from collections import Counter
+from decimal import ROUND_HALF_UP, Decimal
+from typing import NamedTuple, Optional, Sequence
+
+from roah_rsbb.core.scoring.points import jury_text, nearest_whole
+from roah_rsbb.core.scoring.records import ItemRecord
+from roah_rsbb.rulebook.scoring import WHOLE, Agreement, JuryResult, ScoreKind, ScoringItem
+
+# How numbers become one. Answers that are no numbers are decided by the majority.
+_OF_NUMBERS = {
+    Agreement.MEAN: JuryResult.MEAN,
+    Agreement.MEDIAN: JuryResult.MEDIAN,
+    Agreement.WITHOUT_EXTREMES: JuryResult.WITHOUT_EXTREMES,
+}
+_NUMBERS = frozenset((ScoreKind.UINT, ScoreKind.INT, ScoreKind.DECIMAL))
+
+
+class Value(NamedTuple):
+    """A value of an item."""
+
+    value: int = 0
+    text: str = ""
+    not_attempted: bool = False
+
+
+def value_of(record: ItemRecord) -> Value:
+    """Return the value of an item on a sheet."""
+    return Value(0, "", True) if record.not_attempted else Value(record.value, record.text)
+
+
+def agreed(agreement: Agreement, item: ScoringItem, given: Sequence[Value]) -> Optional[Value]:
+    """Return the value that follows from the judges' values by the rule; None: the head referee must settle it.
+
+    A rating has its own rule for its jury, so here its judges only need to have rated. Whether the robot attempted an
+    item is never averaged.
+    """
+    if not given:
+        return None
+    if len(set(given)) == 1:
+        return given[0]
+    is_mixed = any(value.not_attempted for value in given)
+    if item.kind is ScoreKind.RATING:
+        text = "" if is_mixed else jury_text(item, [value.text for value in given])
+        return None if not text else Value(nearest_whole(text), text)
+    if agreement is Agreement.ALL_AGREE:
+        return None
+    if agreement is Agreement.MAJORITY or item.kind not in _NUMBERS:
+        value, count = Counter(given).most_common(1)[0]
+        return value if 2 * count > len(given) else None
+    return None if is_mixed else _middle(_OF_NUMBERS[agreement], item, given)
+
+
+def _middle(jury: JuryResult, item: ScoringItem, given: Sequence[Value]) -> Value:
+    text = jury_text(item.with_jury(jury), [value.text or str(value.value) for value in given])
+    if item.kind in WHOLE:
+        return Value(int(Decimal(text).to_integral_value(ROUND_HALF_UP)))
+    return Value(nearest_whole(text), text)

@@ -1,0 +1,158 @@
+"""Takes what judges and the head referee enter for a run with several judges, and objections to its result."""
+
+from typing import Callable, NamedTuple, Optional, Tuple
+
+from roah_rsbb.core import effects
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.commands import CommandRecord
+from roah_rsbb.core.effects import Outbox
+from roah_rsbb.core.referee import Refused, RunName, checked_note, checked_who
+from roah_rsbb.core.scoring.book import FinishedRun, RunBook
+from roah_rsbb.core.scoring.desk import MarkOutcome, ScoreDesk, asked_of, check_mark_id
+from roah_rsbb.core.scoring.judges.judges import Verdict
+from roah_rsbb.core.scoring.records import By, ItemRecord, JudgeSheet, RunRecord
+from roah_rsbb.core.scoring.sheet import Mark
+from roah_rsbb.core.zones import Zones
+
+
+class Judging(NamedTuple):
+    """What a judge or the head referee may see of a run's judges now."""
+
+    record: RunRecord  # its judging has all sheets: whoever shows it leaves out those that are not complete
+    count: int  # judges that the benchmark asks for; 0: it has no judges with sheets of their own
+    agreement: str
+    missing: int
+    is_complete: bool
+    verdicts: Tuple[Verdict, ...]  # empty: not complete
+    own: Optional[JudgeSheet]
+    own_items: Tuple[ItemRecord, ...]
+
+
+class JudgeDesk:
+    """Takes what judges and the head referee enter. Each run is named by its identity."""
+
+    def __init__(
+        self, tick: Callable[[Now], None], zones: Zones, scores: ScoreDesk, outbox: Outbox
+    ) -> None:
+        """`tick` does what is due by now. Every event calls it first."""
+        self._tick = tick
+        self._scores = scores
+        self._outbox = outbox
+        self._marks = CommandRecord(zones, outbox, "judge_mark")
+        self._acts = CommandRecord(zones, outbox, "judging")
+        self._publications = CommandRecord(zones, outbox, "publication")
+
+    # -- looking ------------------------------------------------------------------------------------
+
+    def judging(self, now: Now, name: RunName, judge: str = "") -> Judging:
+        """Return the judging of a run, and the own sheet of a judge. Raises `Refused`."""
+        run = self._scores.named(name)
+        judges = run.book.judges
+        rule = judges.rule
+        has_own = rule is not None and bool(judge)
+        return Judging(
+            self._scores.record_of(now, name), 0 if rule is None else rule.count,
+            "" if rule is None else rule.agreement.value, judges.missing(), judges.is_complete(), judges.verdicts(),
+            judges.own_sheet(judge) if has_own else None, judges.own_items(judge) if has_own else (),
+        )
+
+    # -- judges -------------------------------------------------------------------------------------
+
+    def mark(self, now: Now, name: RunName, mark: Mark, judge: str) -> None:
+        """Mark an item on a judge's own sheet, unless this mark was applied before. Raises `Refused`."""
+        self._tick(now)
+        with self._marks.of(name, judge, "mark", **asked_of(mark), mark=mark.id, device=mark.device):
+            check_mark_id(mark.id)
+            judge, note = checked_who(judge), checked_note(mark.note)
+            marked = mark._replace(note=note, device=checked_who(mark.device), role="judge")
+            self._change(now, name, lambda book: _silent(book.judges.mark(now, judge, marked)))
+
+    def outcome(self, name: RunName, mark: Mark, judge: str) -> MarkOutcome:
+        """Return what a mark that was applied led to. Raises `Refused`."""
+        return MarkOutcome(*self._scores.named(name).book.judges.outcome(checked_who(judge), mark))
+
+    def submit(self, now: Now, name: RunName, judge: str, device: str = "") -> None:
+        """Submit a judge's sheet. Raises `Refused`."""
+        self._tick(now)
+        with self._acts.of(name, judge, "submit", device=device):
+            named, device = checked_who(judge), checked_who(device)
+            self._change(now, name, lambda book: book.judges.submit(now, named, device))
+
+    # -- the head referee ---------------------------------------------------------------------------
+
+    def hand_back(self, now: Now, name: RunName, judge: str, reason: str, who: str = "") -> None:
+        """Let a judge look again. Raises `Refused`."""
+        self._tick(now)
+        with self._acts.of(name, who, "hand_back", judge=judge, reason=reason):
+            by = By(checked_who(who), checked_note(reason))
+            self._change(now, name, lambda book: book.judges.hand_back(now, by, checked_who(judge)))
+
+    def withdraw(self, now: Now, name: RunName, judge: str, reason: str, who: str = "") -> None:
+        """Withdraw a judge's sheet. Raises `Refused`."""
+        self._tick(now)
+        with self._acts.of(name, who, "withdraw", judge=judge, reason=reason):
+            by = By(checked_who(who), checked_note(reason))
+            self._change(now, name, lambda book: book.judges.withdraw(now, by, checked_who(judge)))
+
+    def go_on(self, now: Now, name: RunName, reason: str, who: str = "") -> None:
+        """Do not wait for missing judges. Raises `Refused`."""
+        self._tick(now)
+        with self._acts.of(name, who, "go_on", reason=reason):
+            by = By(checked_who(who), checked_note(reason))
+            self._change(now, name, lambda book: book.judges.go_on(now, by))
+
+    def settle(self, now: Now, name: RunName, mark: Mark, reason: str, who: str = "") -> None:
+        """Set the value of an item, with a reason. Raises `Refused`."""
+        self._tick(now)
+        with self._acts.of(name, who, "settle", **{**asked_of(mark), "reason": reason}):
+            by = By(checked_who(who), checked_note(reason))
+            self._change(now, name, lambda book: book.judges.settle(now, by, mark))
+
+    # -- publication --------------------------------------------------------------------------------
+
+    def publish(self, now: Now, name: RunName, seconds: float = -1.0, who: str = "") -> None:
+        """Publish the result of a finished run as provisional. Raises `Refused`."""
+        self._tick(now)
+        with self._publications.of(name, who, "publish", seconds=seconds):
+            by = By(checked_who(who))
+            self._check_over(name)
+            self._change(now, name, lambda book: book.publication.publish(now, by, seconds))
+
+    def object(self, now: Now, name: RunName, by: str, text: str, who: str = "") -> None:
+        """Enter an objection. Raises `Refused`."""
+        self._tick(now)
+        with self._publications.of(name, who, "object", by=by, text=text):
+            objector, objection = checked_who(by), checked_note(text)
+            self._check_over(name)
+            self._change(
+                now, name, lambda book: book.publication.object(now, checked_who(who), objector, objection))
+
+    def answer(self, now: Now, name: RunName, number: int, upheld: bool, text: str, who: str = "") -> None:
+        """Answer an objection. Raises `Refused`."""
+        self._tick(now)
+        with self._publications.of(name, who, "answer", number=number, upheld=upheld, text=text):
+            by = By(checked_who(who), checked_note(text))
+            self._check_over(name)
+            self._change(now, name, lambda book: book.publication.answer(now, by, number, upheld))
+
+    # -- inside -------------------------------------------------------------------------------------
+
+    def _check_over(self, name: RunName) -> None:
+        if not isinstance(self._scores.named(name), FinishedRun):
+            raise Refused([f"run {name.identity} is still connected: disconnect it first"])
+
+    def _change(self, now: Now, name: RunName, change: Callable[[RunBook], str]) -> None:
+        if not name.identity:
+            raise Refused(["name the run: what arrives late must not count in another run"])
+        run = self._scores.named(name)
+        text = run.change_book(now, change)
+        if isinstance(run, FinishedRun):
+            if text:
+                self._scores.report_correction(run, text)
+            else:
+                self._outbox.emit(effects.RecordChanged(run.record))
+
+
+def _silent(_item: ItemRecord) -> str:
+    """What a judge marks is not told to others."""
+    return ""

@@ -1,0 +1,95 @@
+"""The way of a result from provisional to final: it is published, teams may object, and it is signed off.
+
+The time limit is a time of the day, because teams are told it and it must survive a restart of the computer.
+"""
+
+from dataclasses import dataclass, field
+from typing import List, Optional
+
+from roah_rsbb.core.clock import Now
+from roah_rsbb.core.referee import Refused
+from roah_rsbb.core.scoring.records import By, Objection, PublicationRecord, Published
+from roah_rsbb.rulebook.scoring import SheetForm
+from roah_rsbb.wording import times
+
+MAX_OBJECTIONS = 50
+# Seconds. The time limit of a rulebook has the same bound.
+MAX_OBJECTION_TIME_S = 86400.0
+
+
+@dataclass
+class PublicationState:
+    """The publication of a result, and the objections to it."""
+
+    published: Optional[Published] = None
+    objections: List[Objection] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, record: PublicationRecord) -> "PublicationState":
+        """Return the state that a record has."""
+        return cls(record.published, list(record.objections))
+
+
+class Publication:
+    """The publication of the result of one run."""
+
+    def __init__(self, form: SheetForm, state: PublicationState) -> None:
+        self.state = state
+        self._limit_s = form.objection_time
+
+    def publish(self, now: Now, by: By, seconds: float) -> str:
+        """Publish the result as provisional. `seconds`: for objections; negative: as the benchmarks file says.
+
+        A result can be published again, with another time limit. Returns a text for the referees, as all changes do.
+        Raises `Refused`.
+        """
+        limit_s = self._limit_s if seconds < 0 else seconds
+        if limit_s > MAX_OBJECTION_TIME_S:
+            raise Refused([f"{limit_s:g} s for objections: at most {MAX_OBJECTION_TIME_S:g} are possible"])
+        self.state.published = Published(now.utc, by.who, now.utc + limit_s)
+        return f"Published as provisional: objections are possible until {times.time_with_zone(now.utc + limit_s)}"
+
+    def object(self, now: Now, who: str, by: str, text: str) -> str:
+        """Enter an objection of `by`. Raises `Refused`."""
+        published = self.state.published
+        if published is None:
+            raise Refused(["the result is not published yet: publish it as provisional first"])
+        if now.utc > published.until_utc:
+            raise Refused([f"objections were possible until {times.time_with_zone(published.until_utc)}: the organiser "
+                           "can publish the result again, with another time limit"])
+        missing = [name for name, value in (("who objects", by), ("the text of the objection", text)) if not value]
+        if missing:
+            raise Refused([f"enter {' and '.join(missing)}"])
+        if len(self.state.objections) >= MAX_OBJECTIONS:
+            raise Refused([f"{MAX_OBJECTIONS} objections were entered: no more are kept"])
+        number = len(self.state.objections) + 1
+        self.state.objections.append(Objection(number, now.utc, by, text, who))
+        return f"Objection {number} of {by}: {text}"
+
+    def answer(self, now: Now, by: By, number: int, upheld: bool) -> str:
+        """Answer an objection. A new answer replaces an earlier one. Raises `Refused`."""
+        if not 1 <= number <= len(self.state.objections):
+            raise Refused([f"there is no objection {number}: {len(self.state.objections)} were entered"])
+        if not by.reason:
+            raise Refused(["an answer to an objection needs a text: type one"])
+        objection = self.state.objections[number - 1]
+        self.state.objections[number - 1] = objection._replace(
+            answered_utc=now.utc, answered_by=by.who, upheld=upheld, answer=by.reason)
+        return f"Objection {number} of {objection.by} {'upheld' if upheld else 'rejected'}: {by.reason}"
+
+    def not_ready(self, now: Now) -> List[str]:
+        """Return why the result cannot become final; empty: it can, as far as objections are concerned."""
+        state = self.state
+        if state.published is None:
+            return ["publish the result as provisional first: the rules give time for objections"] \
+                if self._limit_s else []
+        waiting = [str(objection.number) for objection in state.objections if not objection.answered_utc]
+        reasons = [f"answer objection {', '.join(waiting)} first"] if waiting else []
+        if now.utc < state.published.until_utc:
+            until = times.time_with_zone(state.published.until_utc)
+            reasons.append(f"objections are possible until {until}: wait, or publish again with a shorter time limit")
+        return reasons
+
+    def record(self) -> PublicationRecord:
+        """Return the state as a record of the run has it."""
+        return PublicationRecord(self.state.published, tuple(self.state.objections))

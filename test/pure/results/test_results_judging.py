@@ -1,0 +1,87 @@
+"""Judges, settlements and objections: on the sheet, in the export, in the data set, and what is not shown too early."""
+
+import csv
+import json
+
+import pytest
+
+from helpers import journaled
+from helpers.competition import BUMPS, DOOR
+from helpers.jury import Jury, judged
+from roah_rsbb.core.settings import Settings
+from roah_rsbb.journal import kinds
+from roah_rsbb.journal.reader import JournalReader
+from roah_rsbb.results.anonymous import names_of
+from roah_rsbb.results.dataset import Options, write_dataset
+from roah_rsbb.results.export import exported
+from roah_rsbb.results.runs import records, run_result
+from roah_rsbb.results.sheet import sheet_lines, sheet_page
+
+
+@pytest.fixture
+def jury(tmp_path):
+    jury = Jury(journaled.box(
+        tmp_path, judged(objection_time=60.0), Settings(auto_next=False, listen_duration=0.0)))
+    jury.mark("Ann", BUMPS, 41)
+    jury.mark("Ben", BUMPS, 43)
+    jury.mark("Ann", DOOR, 1)
+    jury.mark("Ben", DOOR, 1)
+    jury.submit("Ann")
+    yield jury
+    jury.driver.journal.close()
+
+
+def _read(jury, then):
+    with JournalReader(jury.driver.journal.path) as reader:
+        (record,) = records(reader, print)
+        return then(run_result(reader, 1, record, print), reader)
+
+
+def _texts(result, _reader=None):
+    return "\n".join(sheet_lines(result, True, False)), sheet_page(result, True)
+
+
+def test_the_sheet_shows_no_proposal_before_all_judges_have_submitted(jury):
+    for text in _read(jury, _texts):
+        assert "41" not in text
+        assert "43" not in text
+        assert "submitted" in text
+
+
+def test_the_sheet_has_proposals_settlements_and_objections(jury):
+    jury.submit("Ben")
+    jury.settle(BUMPS, 42)
+    jury.finish()
+    driver = jury.driver
+    driver.event(driver.box.judges.publish, jury.name, 30.0, "Olga")
+    driver.event(driver.box.judges.object, jury.name, "Alpha", "too many bumps", "Olga")
+    driver.event(driver.box.judges.answer, jury.name, 1, False, "the video shows them", "Hugo")
+    lines, page = _read(jury, _texts)
+    assert "bumps: Ann 41; Ben 43 → 42 (settled by Hugo: the video shows it)" in lines
+    assert "detects the door: Ann yes; Ben yes → yes" in lines
+    assert "Published as provisional, 0.5 min for objections" in lines
+    assert "Objection 1 rejected: the video shows them" in lines
+    for text in ("41", "43", "Hugo: the video shows it", "Objection 1 of Alpha: too many bumps"):
+        assert text in page
+    value = _read(jury, lambda result, reader: exported([result], [], "j", 0.0))["runs"][0]
+    assert value["judging"]["settlements"][0]["proposals"] == [["Ann", "41"], ["Ben", "43"]]
+    assert value["publication"]["objections"][0]["answer"] == "the video shows them"
+    json.dumps(value)
+    assert [e["kind"] for e in value["entries"] if e["kind"] == kinds.PUBLICATION] == [kinds.PUBLICATION] * 3
+
+
+@pytest.mark.parametrize("is_anonymous", [False, True])
+def test_the_data_set_has_a_row_for_each_proposal(jury, tmp_path, is_anonymous):
+    jury.submit("Ben")
+    jury.settle(BUMPS, 42)
+    folder = tmp_path / "set"
+    folder.mkdir()
+    _read(jury, lambda result, reader: write_dataset(
+        str(folder), [result], Options(names_of(reader) if is_anonymous else None)))
+    with open(str(folder / "judges.csv"), encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["proposal"], row["settled"]) for row in rows if row["name"] == BUMPS.desc] == [
+        ("41", "true"), ("43", "true")]
+    whole = "".join(path.read_text(encoding="utf-8") for path in folder.iterdir())
+    for text in ("Ann", "Hugo", "the video"):
+        assert (text in whole) is not is_anonymous
